@@ -1,0 +1,74 @@
+#include "app/command.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+
+namespace mien::app {
+namespace {
+
+std::atomic<bool> interrupted = false;
+
+std::string clock_text(double seconds) {
+  const int s = static_cast<int>(seconds + 0.5);
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
+
+CLI::App* Commands::add(const std::string& name, const std::string& does, const std::string& example,
+                        std::function<Result<void>()> run) {
+  return add_under(&program_, name, does, example, std::move(run));
+}
+
+CLI::App* Commands::add_under(CLI::App* parent, const std::string& name, const std::string& does,
+                              const std::string& example, std::function<Result<void>()> run) {
+  CLI::App* command = parent->add_subcommand(name, does);
+  command->footer("\nExample:\n  " + example);
+  runs_.emplace_back(command, std::move(run));
+  return command;
+}
+
+Result<void> Commands::run() const {
+  // The deepest command that was named does the work.
+  for (auto it = runs_.rbegin(); it != runs_.rend(); ++it)
+    if (it->first->parsed() && it->second) return it->second();
+  return fail(ErrorCode::bad_usage, "no command was given", "mien", "see mien --help");
+}
+
+Progress terminal_progress(std::string title) {
+  std::signal(SIGINT, [](int) { interrupted = true; });
+  struct Shown {
+    std::string title;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point last{};
+  };
+  auto shown = std::make_shared<Shown>();
+  shown->title = std::move(title);
+  const bool terminal = ::isatty(STDERR_FILENO) == 1;
+  return [shown, terminal](double fraction, std::string_view what) {
+    const auto now = std::chrono::steady_clock::now();
+    const double since_s = std::chrono::duration<double>(now - shown->last).count();
+    const bool end = fraction >= 1.0;
+    if (end || since_s > (terminal ? 0.2 : 10.0)) {
+      shown->last = now;
+      const double spent_s = std::chrono::duration<double>(now - shown->start).count();
+      const std::string left = end              ? "took " + clock_text(spent_s)
+                               : fraction > 0.01 ? clock_text(spent_s * (1 - fraction) / fraction) + " left"
+                                                 : "";
+      if (terminal)
+        fmt::print(stderr, "\r\x1b[K{}: {:3.0f} %  {}  {}{}", shown->title, 100 * fraction, what, left, end ? "\n" : "");
+      else
+        fmt::print(stderr, "{}: {:.0f} %  {}  {}\n", shown->title, 100 * fraction, what, left);
+      std::fflush(stderr);
+    }
+    return !interrupted.load();
+  };
+}
+
+}  // namespace mien::app

@@ -1,0 +1,50 @@
+# How every target of this project is built: flags, sanitizers, and the rooms of docs/design.md.
+
+set(CMAKE_CXX_STANDARD 23)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+find_program(MIEN_CCACHE ccache)
+if(MIEN_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${MIEN_CCACHE})
+endif()
+
+# Determinism (docs/determinism.md): no contraction of a*b+c that one compiler does and another does not.
+add_compile_options(-ffp-contract=off)
+if(MIEN_SANITIZE)
+  add_compile_options(-fsanitize=${MIEN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${MIEN_SANITIZE})
+endif()
+if(MIEN_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
+add_library(mien_warnings INTERFACE)
+target_compile_options(mien_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # g++ 12 sees overflows and uninitialised reads in Eigen's and the standard library's inlined code that are not there.
+  target_compile_options(mien_warnings INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow
+                                                 -Wno-stringop-overread -Wno-restrict -Wno-dangling-pointer)
+endif()
+
+# mien_room(NAME [KNOWS room...] [USES library...]): one folder, one library target mien_NAME.
+# KNOWS is the only way to reach another room: what it knows is reachable in turn, nothing else is.
+function(mien_room name)
+  cmake_parse_arguments(ROOM "" "" "KNOWS;USES;HIDES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+  if(NOT sources)
+    add_library(mien_${name} INTERFACE)
+    set(scope INTERFACE)
+  else()
+    add_library(mien_${name} STATIC ${sources})
+    set(scope PUBLIC)
+    target_link_libraries(mien_${name} PRIVATE mien_warnings ${ROOM_HIDES})
+  endif()
+  target_include_directories(mien_${name} ${scope} "${CMAKE_SOURCE_DIR}")
+  foreach(room IN LISTS ROOM_KNOWS)
+    target_link_libraries(mien_${name} ${scope} mien_${room})
+  endforeach()
+  target_link_libraries(mien_${name} ${scope} ${ROOM_USES})
+  add_library(mien::${name} ALIAS mien_${name})
+endfunction()

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <span>
+
+namespace mien {
+
+using Vec3 = Eigen::Vector3d;
+using Vec3f = Eigen::Vector3f;
+using Mat3 = Eigen::Matrix3d;
+/// Unit quaternions. A rotation is named q_dst_src and p_dst = q_dst_src * p_src (docs/frames.md).
+using Quat = Eigen::Quaterniond;
+
+/// The rotation about `vector_rad` by its length in radians.
+[[nodiscard]] Quat exp_rotation(const Vec3& vector_rad);
+
+/// The rotation vector of q, of length in [0, pi]. The inverse of exp_rotation up to full turns.
+[[nodiscard]] Vec3 log_rotation(const Quat& q);
+
+/// The same rotation with w >= 0 and unit length: how quaternions leave this program.
+[[nodiscard]] Quat canonical(const Quat& q);
+
+/// The angle between two orientations, in [0, pi].
+[[nodiscard]] double angle_between(const Quat& a, const Quat& b);
+
+/// The part of q that turns about the unit vector `axis`; q = swing * twist.
+[[nodiscard]] Quat twist_about(const Quat& q, const Vec3& axis);
+
+/// The rotation R that minimises sum |R (from_i - mean from) - (to_i - mean to)|^2 (Kabsch), never a mirror.
+/// Shape: both of equal size, at least 3 points that are not all on one line.
+[[nodiscard]] Quat fit_rotation(std::span<const Vec3> from, std::span<const Vec3> to);
+
+/// The same from the 3 x 3 cross-covariance sum (from_i - mean)(to_i - mean)^T, for callers who sum it themselves.
+[[nodiscard]] Quat fit_rotation(const Mat3& covariance_from_to);
+
+/// The mean of orientations that lie close together: the quaternion of largest eigenvalue of sum q q^T.
+/// Source: Markley et al. 2007, "Averaging quaternions", doi:10.2514/1.28949.
+[[nodiscard]] Quat mean_rotation(std::span<const Quat> rotations);
+
+}  // namespace mien

@@ -1,0 +1,69 @@
+#include "mien/face/face.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mien::face {
+
+const Region* Face::region(std::string_view region_name) const {
+  const auto found = std::ranges::find(regions, region_name, &Region::name);
+  return found == regions.end() ? nullptr : &*found;
+}
+
+const Shape* Face::find_shape(std::string_view shape_name) const {
+  const auto found = std::ranges::find(shapes, shape_name, &Shape::name);
+  return found == shapes.end() ? nullptr : &*found;
+}
+
+void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out, std::span<Vec3f> vertices_m) {
+  eigen_assert(vertices_m.size() == face.neutral_m.size());
+  std::ranges::copy(face.neutral_m, vertices_m.begin());
+  for (std::size_t k = 0; k < face.shapes.size(); ++k) {
+    const float w = k < kShapeCount ? weights[k] : tongue_out;
+    if (w == 0) continue;
+    const Shape& s = face.shapes[k];
+    for (std::size_t i = 0; i < s.vertex.size(); ++i) vertices_m[s.vertex[i]] += w * s.delta_m[i];
+  }
+}
+
+void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m) {
+  constexpr float kRadPerUnit = 0.611F;
+  const float left_yaw = weights[shape("eyeLookOut_L")] - weights[shape("eyeLookIn_L")];
+  const float left_pitch = weights[shape("eyeLookUp_L")] - weights[shape("eyeLookDown_L")];
+  const float right_yaw = weights[shape("eyeLookIn_R")] - weights[shape("eyeLookOut_R")];
+  const float right_pitch = weights[shape("eyeLookUp_R")] - weights[shape("eyeLookDown_R")];
+  const std::array<std::array<float, 2>, 2> angles = {{{left_yaw, left_pitch}, {right_yaw, right_pitch}}};
+  for (std::size_t e = 0; e < 2; ++e) {
+    const Eyeball& eye = face.eyes[e];
+    // +X is the performer's left and +Z forward: a positive turn about +Y looks left, about -X looks up.
+    const Eigen::Matrix3f turn = (Eigen::AngleAxisf(kRadPerUnit * angles[e][0], Vec3f::UnitY()) *
+                                  Eigen::AngleAxisf(-kRadPerUnit * angles[e][1], Vec3f::UnitX()))
+                                     .toRotationMatrix();
+    for (std::uint32_t i = eye.first_vertex; i < eye.first_vertex + eye.vertex_count; ++i)
+      vertices_m[i] = eye.centre_m + turn * (vertices_m[i] - eye.centre_m);
+  }
+}
+
+void vertex_normals(const Face& face, std::span<const Vec3f> vertices_m, std::span<Vec3f> normals) {
+  std::ranges::fill(normals, Vec3f::Zero());
+  for (const auto& [a, b, c] : face.triangles) {
+    const Vec3f n = (vertices_m[b] - vertices_m[a]).cross(vertices_m[c] - vertices_m[a]);
+    normals[a] += n;
+    normals[b] += n;
+    normals[c] += n;
+  }
+  for (Vec3f& n : normals) {
+    const float length = n.norm();
+    n = length > 0 ? Vec3f(n / length) : Vec3f::UnitZ();
+  }
+}
+
+float peak_displacement_m(const Face& face, std::string_view shape_name) {
+  const Shape* s = face.find_shape(shape_name);
+  float peak = 0;
+  if (s != nullptr)
+    for (const Vec3f& d : s->delta_m) peak = std::max(peak, d.norm());
+  return peak;
+}
+
+}  // namespace mien::face

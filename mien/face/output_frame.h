@@ -1,0 +1,32 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "mien/core/rotation.h"
+#include "mien/core/time.h"
+#include "mien/face/profile.h"
+
+namespace mien::face {
+
+/// How a value came about.
+enum class Provenance : std::uint8_t { measured, interpolated, predicted, held, audio, neutral };
+
+/// One moment of the answer: what trackers give and sinks send.
+struct OutputFrame {
+  DeviceTime time;            ///< Frame time on the reference sensor's clock.
+  BlendshapeWeights weights;  ///< 0 to 1.
+  std::array<float, kShapeCount> confidence{};  ///< 0 to 1, a shape.
+  std::array<Provenance, kShapeCount> provenance{};
+
+  Quat head = Quat::Identity();  ///< q_world_head.
+  float head_confidence = 0;
+  Provenance head_provenance = Provenance::neutral;
+
+  /// Eye directions in the head frame: yaw to the performer's left and pitch upwards, rad; left eye, right eye.
+  std::array<Eigen::Vector2f, 2> eyes_rad = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()};
+  float eyes_confidence = 0;
+  Provenance eyes_provenance = Provenance::neutral;
+};
+
+}  // namespace mien::face

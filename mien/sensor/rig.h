@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/rotation.h"
+
+namespace mien::sensor {
+
+/// One sensor of a rig.
+struct Mount {
+  std::string name;    ///< Unique in the rig: "zygomaticus_upper_L".
+  std::string kind;    ///< "imu" now; other modalities add theirs.
+  std::string site;    ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
+  char side = 'M';     ///< 'L', 'R' (the performer's own) or 'M'.
+  std::string role;    ///< "face", or "head" for the sensor that carries the head's rotation.
+  std::string device;  ///< Binding to a device: "id[/channel]"; empty when bound later.
+  int ict_vertex = -1; ///< Site on the ICT mesh; -1 when not given.
+  std::optional<Vec3> position_m;  ///< Site on the built-in face's neutral, head frame, when it differs from the mapped one.
+  std::optional<Vec3> outward;     ///< Outward axis in the sensor's own frame (unit), if the sensor has one.
+};
+
+/// Which sensors sit where: data, never constants in code. `*.toml`, see rigs/default.toml.
+struct Rig {
+  std::string name;
+  std::string reference;       ///< Name of the sensor whose device time carries the frame grid.
+  std::vector<Mount> sensors;  ///< Order fixes Sample::sensor.
+  std::string faults_toml;     ///< The file's [faults] table as text, for the simulator; opaque here.
+
+  [[nodiscard]] std::optional<std::uint16_t> find(std::string_view sensor_name) const;
+  /// Indices of the sensors with role "face", in order: the sensors that features are made of.
+  [[nodiscard]] std::vector<std::uint16_t> face_sensors() const;
+  [[nodiscard]] std::optional<std::uint16_t> head_sensor() const;
+};
+
+/// Errors: malformed TOML (with line), duplicated names, unknown keys, no sensors, more than 256, bad reference,
+/// non-finite numbers. `where` names the source in messages.
+[[nodiscard]] Result<Rig> parse_rig(std::string_view toml, const std::string& where);
+[[nodiscard]] Result<Rig> read_rig(const std::filesystem::path& path);
+/// TOML text that parse_rig takes back to an equal rig.
+[[nodiscard]] std::string write_rig(const Rig& rig);
+
+}  // namespace mien::sensor

@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/face/profile.h"
+#include "mien/sensor/rig.h"
+#include "mien/sensor/sample.h"
+
+namespace mien::take {
+
+/// Who, what and with what: written once, at the start of a take.
+struct Header {
+  std::string software;        ///< "mien 0.1.0".
+  std::string performer;       ///< Name or "virtual:SEED".
+  std::string script;          ///< What was performed: a file's name, or a script's text.
+  std::string devices;         ///< "device", "lab", or the name of a profile file.
+  std::string face;            ///< "builtin", a folder or a file: what --face was. Identity parameters below.
+  std::string face_parameters; ///< JSON; empty when none.
+  std::string prologue;        ///< "short", "full" or "none".
+  std::uint64_t seed = 0;
+  std::string rig_toml;        ///< The whole rig file.
+  std::string created_utc;     ///< ISO 8601; for people only.
+};
+
+/// One thing that reached the session, in order.
+struct LogEntry {
+  std::int64_t id = 0;     ///< 1, 2, 3, ...; assigned by the writer.
+  HostTime arrival;        ///< From the session's start.
+  std::string source;      ///< "udp://127.0.0.1:5005", "virtual", "page", ...
+  std::vector<std::byte> bytes;
+};
+
+/// One frame of the output grid that fired after the log entry `after_entry` (0: before all).
+struct Tick {
+  std::int64_t index = 0;
+  std::int64_t after_entry = 0;
+  HostTime fired;
+  DeviceTime frame;  ///< Frame time on the reference sensor's clock.
+};
+
+/// A decoded sample, and the log entry that it came from.
+struct StoredSample {
+  std::int64_t entry = 0;
+  HostTime arrival;
+  sensor::Sample sample;
+};
+
+/// Truth at one frame time (reference sensor's clock).
+struct TruthFrame {
+  DeviceTime time;
+  face::BlendshapeWeights weights;
+  float tongue_out = 0;
+  bool has_face = true;     ///< False: the truth's source lost the face.
+  bool evaluated = true;    ///< False in the prologue and while easing in.
+};
+
+/// Something that happened. Kinds now: "neutral", "nod", "shake", "ease", "tap", "prompt", "lost_face", "prologue".
+struct Event {
+  std::string kind;
+  DeviceTime begin;  ///< Reference sensor's clock.
+  DeviceTime end;    ///< Equal to begin for an instant.
+  std::string json;  ///< Details; may be empty.
+};
+
+/// A calibration as one version of many; the newest is in force. Opaque JSON here.
+struct CalibrationVersion {
+  std::int64_t id = 0;
+  DeviceTime made;
+  std::string modality;  ///< "imu".
+  std::string json;
+};
+
+/// Mono PCM beside the motion.
+struct Audio {
+  int rate_hz = 0;
+  DeviceTime start;  ///< Of the first sample, reference sensor's clock.
+  std::vector<float> samples;
+};
+
+/// Writes a take while it is recorded. Append-only: a writer thread commits at least every half second, so a kill
+/// loses at most that. The first error is kept and returned by every later call and by finish().
+/// Thread: calls from one thread; they copy and return at once.
+class TakeWriter {
+ public:
+  /// Errors: bad_usage when the file exists and not `replace`; io.
+  [[nodiscard]] static Result<TakeWriter> create(const std::filesystem::path& path, const Header& header, bool replace);
+  TakeWriter(TakeWriter&&) noexcept;
+  TakeWriter& operator=(TakeWriter&&) noexcept;
+  ~TakeWriter();  ///< As finish(), its error lost.
+
+  /// Returns the entry's id.
+  std::int64_t add_entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes);
+  void add_sample(std::int64_t entry, HostTime arrival, const sensor::Sample& sample);
+  void add_tick(const Tick& tick);
+  void add_truth(const TruthFrame& truth);
+  void add_event(const Event& event);
+  void add_calibration(const CalibrationVersion& calibration);
+  void add_audio(int rate_hz, DeviceTime start, std::span<const float> samples);
+  /// What ran: model, kernels, hash; key and value.
+  void add_note(std::string_view key, std::string_view value);
+  /// Everything is on the disk when this returns.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  struct State;
+  explicit TakeWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Reads a take; one killed while being written opens again. A foreign or broken file is refused with one line.
+class Take {
+ public:
+  [[nodiscard]] static Result<Take> open(const std::filesystem::path& path);
+  Take(Take&&) noexcept;
+  Take& operator=(Take&&) noexcept;
+  ~Take();
+
+  [[nodiscard]] const std::filesystem::path& path() const;
+  [[nodiscard]] const Header& header() const;
+  [[nodiscard]] const sensor::Rig& rig() const;
+  [[nodiscard]] bool finished() const;  ///< False when the recording was cut off.
+  [[nodiscard]] Result<std::vector<LogEntry>> entries() const;
+  [[nodiscard]] Result<std::vector<StoredSample>> samples() const;
+  [[nodiscard]] Result<std::vector<Tick>> ticks() const;
+  [[nodiscard]] Result<std::vector<TruthFrame>> truth() const;
+  [[nodiscard]] Result<std::vector<Event>> events() const;
+  [[nodiscard]] Result<std::vector<CalibrationVersion>> calibrations() const;
+  [[nodiscard]] Result<std::optional<Audio>> audio() const;
+  [[nodiscard]] Result<std::string> note(std::string_view key) const;  ///< Empty when absent.
+
+ private:
+  struct State;
+  explicit Take(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mien::take
