@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace mien::study {
+
+/// One performance as the network sees it. Arrays are frame-major, 60 frames a second.
+struct Sequence {
+  std::uint32_t performer = 0;
+  /// Lab profile: rotations here are free of noise; the trainer adds 1 degree of white noise an axis anew
+  /// each time.
+  bool lab = false;
+  std::size_t frames = 0;
+  /// frames x 7n: acceleration xyz (m/s^2), then rotation wxyz, for each sensor, as model::SensorFeature.
+  std::vector<float> values;
+  /// frames x 2n: whether the rotation is there, a sensor each, then whether the acceleration is there; 0
+  /// or 1.
+  std::vector<std::uint8_t> present;
+  std::vector<float> weights;  ///< frames x 53, the truth, in the ICT profile's order.
+};
+
+/// What a network is trained on or measured on.
+struct Dataset {
+  std::vector<std::string> sensors;  ///< Names of the n sensors, in the order of the values.
+  std::vector<Sequence> sequences;
+};
+
+}  // namespace mien::study
