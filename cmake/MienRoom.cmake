@@ -5,9 +5,10 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
+# Paths are taken relative to the project's root, so that every preset and every clone shares one cache.
 find_program(MIEN_CCACHE ccache)
 if(MIEN_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${MIEN_CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1 ${MIEN_CCACHE})
 endif()
 
 # Determinism (docs/determinism.md): no contraction of a*b+c that one compiler does and another does not.
@@ -16,7 +17,8 @@ if(MIEN_SANITIZE)
   add_compile_options(-fsanitize=${MIEN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${MIEN_SANITIZE})
 endif()
-if(MIEN_FUZZ)
+# Counters for libFuzzer, in the asan-ubsan build too: the two then compile alike, and the second finds it all in ccache.
+if(MIEN_FUZZ OR (MIEN_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID MATCHES "Clang"))
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
 
@@ -39,9 +41,9 @@ function(mien_room name)
   else()
     add_library(mien_${name} STATIC ${sources})
     set(scope PUBLIC)
-    target_link_libraries(mien_${name} PRIVATE mien_warnings ${ROOM_HIDES})
+    target_link_libraries(mien_${name} PRIVATE $<BUILD_INTERFACE:mien_warnings> ${ROOM_HIDES})
   endif()
-  target_include_directories(mien_${name} ${scope} "${CMAKE_SOURCE_DIR}")
+  target_include_directories(mien_${name} ${scope} $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
   foreach(room IN LISTS ROOM_KNOWS)
     target_link_libraries(mien_${name} ${scope} mien_${room})
   endforeach()
