@@ -59,7 +59,7 @@ lists_with_npm() {
 
 # npm_modules: the locked npm packages of script/npm, in script/npm/node_modules.
 npm_modules() {
-  [ script/npm/node_modules/.package-lock.json -nt script/npm/package-lock.json ] && return 0
+  [ -z "$(find script/npm/package-lock.json -newer script/npm/node_modules/.package-lock.json 2>&1)" ] && return 0
   say "Installing npm packages of script/npm"
   (cd script/npm && npm ci --no-audit --no-fund --loglevel=error) || stop "npm could not install script/npm"
 }
