@@ -16,7 +16,8 @@ std::atomic<bool> interrupted = false;
 
 std::string clock_text(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
-  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60) : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
 }  // namespace
@@ -58,11 +59,12 @@ Progress terminal_progress(std::string title) {
     if (end || since_s > (terminal ? 0.2 : 10.0)) {
       shown->last = now;
       const double spent_s = std::chrono::duration<double>(now - shown->start).count();
-      const std::string left = end              ? "took " + clock_text(spent_s)
+      const std::string left = end               ? "took " + clock_text(spent_s)
                                : fraction > 0.01 ? clock_text(spent_s * (1 - fraction) / fraction) + " left"
                                                  : "";
       if (terminal)
-        fmt::print(stderr, "\r\x1b[K{}: {:3.0f} %  {}  {}{}", shown->title, 100 * fraction, what, left, end ? "\n" : "");
+        fmt::print(stderr, "\r\x1b[K{}: {:3.0f} %  {}  {}{}", shown->title, 100 * fraction, what, left,
+                   end ? "\n" : "");
       else
         fmt::print(stderr, "{}: {:.0f} %  {}  {}\n", shown->title, 100 * fraction, what, left);
       std::fflush(stderr);

@@ -11,8 +11,8 @@
 
 namespace mien::app {
 
-/// The commands of the program. Each command has a file of its own, which adds itself here and does its work in
-/// `run`; main() prints the error, if any, as one line on stderr and turns it into the exit status.
+/// The commands of the program. Each command has a file of its own, which adds itself here and does its work
+/// in `run`; main() prints the error, if any, as one line on stderr and turns it into the exit status.
 class Commands {
  public:
   explicit Commands(CLI::App& program) : program_(program) {}
@@ -21,8 +21,8 @@ class Commands {
   CLI::App* add(const std::string& name, const std::string& does, const std::string& example,
                 std::function<Result<void>()> run);
   /// Adds the command's parts (`mien face list`) beneath `parent`.
-  CLI::App* add_under(CLI::App* parent, const std::string& name, const std::string& does, const std::string& example,
-                      std::function<Result<void>()> run);
+  CLI::App* add_under(CLI::App* parent, const std::string& name, const std::string& does,
+                      const std::string& example, std::function<Result<void>()> run);
 
   /// Runs what the command line named.
   [[nodiscard]] Result<void> run() const;
@@ -32,8 +32,8 @@ class Commands {
   std::vector<std::pair<CLI::App*, std::function<Result<void>()>>> runs_;
 };
 
-/// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C asks the
-/// work to stop. `title` stands before it.
+/// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C asks
+/// the work to stop. `title` stands before it.
 [[nodiscard]] Progress terminal_progress(std::string title);
 
 void add_face_command(Commands& commands);

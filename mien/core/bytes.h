@@ -12,20 +12,18 @@
 
 namespace mien {
 
-/// Reads numbers from the front of a buffer. Past its end every read gives zero and ok() turns false for good,
-/// so a parser reads its whole record and asks once. Numbers on our own wire are little-endian.
+/// Reads numbers from the front of a buffer. Past its end every read gives zero and ok() turns false for
+/// good, so a parser reads its whole record and asks once. Numbers on our own wire are little-endian.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <class T>
-    requires std::integral<T> || std::floating_point<T>
-  T little() {
+  requires std::integral<T> || std::floating_point<T> T little() {
     return read<T>(std::endian::native != std::endian::little);
   }
   template <class T>
-    requires std::integral<T> || std::floating_point<T>
-  T big() {
+  requires std::integral<T> || std::floating_point<T> T big() {
     return read<T>(std::endian::native != std::endian::big);
   }
   /// The next `count` bytes, or none (and ok() false) when fewer are left.
@@ -60,15 +58,11 @@ class ByteReader {
 class ByteWriter {
  public:
   template <class T>
-    requires std::integral<T> || std::floating_point<T>
-  void little(T value) {
-    put(value, std::endian::native != std::endian::little);
-  }
+  requires std::integral<T> || std::floating_point<T>
+  void little(T value) { put(value, std::endian::native != std::endian::little); }
   template <class T>
-    requires std::integral<T> || std::floating_point<T>
-  void big(T value) {
-    put(value, std::endian::native != std::endian::big);
-  }
+  requires std::integral<T> || std::floating_point<T>
+  void big(T value) { put(value, std::endian::native != std::endian::big); }
   void append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
   void append(std::string_view text) { append(std::as_bytes(std::span(text))); }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }

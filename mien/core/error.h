@@ -8,16 +8,16 @@ namespace mien {
 
 /// What kind of thing went wrong; programs branch on it, people read Error's text.
 enum class ErrorCode {
-  bad_usage,      ///< The caller asked for something that cannot be meant.
-  not_found,      ///< A file, sensor, shape or track that is not there.
-  io,             ///< The machine would not read or write.
-  truncated,      ///< Input ends before what it promised.
-  malformed,      ///< Input breaks its own format.
-  out_of_range,   ///< A number that is not finite or outside its documented range.
-  unsupported,    ///< A version, kind or feature that this program does not know.
-  mismatch,       ///< Two inputs that do not belong together.
-  cancelled,      ///< The user stopped it.
-  internal,       ///< A promise of this program's own that did not hold.
+  bad_usage,     ///< The caller asked for something that cannot be meant.
+  not_found,     ///< A file, sensor, shape or track that is not there.
+  io,            ///< The machine would not read or write.
+  truncated,     ///< Input ends before what it promised.
+  malformed,     ///< Input breaks its own format.
+  out_of_range,  ///< A number that is not finite or outside its documented range.
+  unsupported,   ///< A version, kind or feature that this program does not know.
+  mismatch,      ///< Two inputs that do not belong together.
+  cancelled,     ///< The user stopped it.
+  internal,      ///< A promise of this program's own that did not hold.
 };
 
 /// Bad input or usage: the program ends with 2. Everything else is a failure: it ends with 1.
@@ -53,10 +53,10 @@ using Result = std::expected<T, Error>;
 }  // namespace mien
 
 /// Leaves the function with the error of a Result<void>-like expression.
-#define MIEN_TRY(expression)                                           \
-  do {                                                                 \
-    if (auto mien_try_result = (expression); !mien_try_result)         \
-      return std::unexpected(std::move(mien_try_result).error());      \
+#define MIEN_TRY(expression)                                      \
+  do {                                                            \
+    if (auto mien_try_result = (expression); !mien_try_result)    \
+      return std::unexpected(std::move(mien_try_result).error()); \
   } while (false)
 
 #define MIEN_TRY_CONCAT_(a, b) a##b

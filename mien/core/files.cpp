@@ -28,7 +28,8 @@ Result<Container> read_all(const fs::path& path, std::size_t max_bytes) {
   while (file) {
     const std::size_t have = content.size();
     if (have > max_bytes)
-      return fail(ErrorCode::out_of_range, fmt::format("the file is larger than {} bytes", max_bytes), path.string());
+      return fail(ErrorCode::out_of_range, fmt::format("the file is larger than {} bytes", max_bytes),
+                  path.string());
     content.resize(have + kChunk);
     file.read(reinterpret_cast<char*>(content.data() + have), static_cast<std::streamsize>(kChunk));
     content.resize(have + static_cast<std::size_t>(file.gcount()));

@@ -10,6 +10,8 @@ namespace mien {
 using Progress = std::function<bool(double fraction, std::string_view what)>;
 
 /// For callers who do not care.
-inline bool no_progress(double, std::string_view) { return true; }
+inline bool no_progress(double, std::string_view) {
+  return true;
+}
 
 }  // namespace mien

@@ -45,7 +45,9 @@ std::uint64_t Random::bits() {
   return result;
 }
 
-double Random::uniform() { return static_cast<double>(bits() >> 11U) * 0x1.0p-53; }
+double Random::uniform() {
+  return static_cast<double>(bits() >> 11U) * 0x1.0p-53;
+}
 
 std::uint64_t Random::below(std::uint64_t count) {
   // Rejection keeps it exactly even.
@@ -74,9 +76,13 @@ double Random::normal() {
   return u * k;
 }
 
-double Random::log_normal(double sigma) { return std::exp(sigma * normal()); }
+double Random::log_normal(double sigma) {
+  return std::exp(sigma * normal());
+}
 
-double Random::exponential(double mean) { return -mean * std::log1p(-uniform()); }
+double Random::exponential(double mean) {
+  return -mean * std::log1p(-uniform());
+}
 
 Vec3 Random::direction() {
   const double z = uniform(-1, 1);

@@ -30,7 +30,9 @@ Quat canonical(const Quat& q) {
   return unit;
 }
 
-double angle_between(const Quat& a, const Quat& b) { return log_rotation(a.conjugate() * b).norm(); }
+double angle_between(const Quat& a, const Quat& b) {
+  return log_rotation(a.conjugate() * b).norm();
+}
 
 Quat twist_about(const Quat& q, const Vec3& axis) {
   const double along = q.vec().dot(axis);
@@ -39,6 +41,21 @@ Quat twist_about(const Quat& q, const Vec3& axis) {
   if (norm < 1e-12) return Quat::Identity();  // A half turn across the axis: any twist will do.
   twist.coeffs() /= norm;
   return twist;
+}
+
+Vec3 interpolate_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u) {
+  const Vec3 slope_b = 0.5 * (c - a);
+  const Vec3 slope_c = 0.5 * (d - b);
+  const double u2 = u * u;
+  const double u3 = u2 * u;
+  return (2 * u3 - 3 * u2 + 1) * b + (u3 - 2 * u2 + u) * slope_b + (3 * u2 - 2 * u3) * c +
+         (u3 - u2) * slope_c;
+}
+
+Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Quat& d, double u) {
+  const Quat inverse = b.conjugate();
+  return b * exp_rotation(interpolate_point(log_rotation(inverse * a), Vec3::Zero(),
+                                            log_rotation(inverse * c), log_rotation(inverse * d), u));
 }
 
 Quat fit_rotation(const Mat3& covariance_from_to) {

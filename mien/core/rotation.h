@@ -27,11 +27,19 @@ using Quat = Eigen::Quaterniond;
 /// The part of q that turns about the unit vector `axis`; q = swing * twist.
 [[nodiscard]] Quat twist_about(const Quat& q, const Vec3& axis);
 
+/// Between `b` (u = 0) and `c` (u = 1) along a Catmull-Rom cubic through four evenly timed orientations,
+/// taken in the tangent space at b: angular velocity has no steps at the samples, as slerp's has. Neighbours
+/// within half a turn.
+[[nodiscard]] Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Quat& d, double u);
+/// The same for points.
+[[nodiscard]] Vec3 interpolate_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u);
+
 /// The rotation R that minimises sum |R (from_i - mean from) - (to_i - mean to)|^2 (Kabsch), never a mirror.
 /// Shape: both of equal size, at least 3 points that are not all on one line.
 [[nodiscard]] Quat fit_rotation(std::span<const Vec3> from, std::span<const Vec3> to);
 
-/// The same from the 3 x 3 cross-covariance sum (from_i - mean)(to_i - mean)^T, for callers who sum it themselves.
+/// The same from the 3 x 3 cross-covariance sum (from_i - mean)(to_i - mean)^T, for callers who sum it
+/// themselves.
 [[nodiscard]] Quat fit_rotation(const Mat3& covariance_from_to);
 
 /// The mean of orientations that lie close together: the quaternion of largest eigenvalue of sum q q^T.

@@ -29,7 +29,9 @@ using DeviceTime = DeviceClock::time_point;
 using HostTime = HostClock::time_point;
 
 /// Seconds as a double, for filters and for people. Exact to a nanosecond over 100 days.
-[[nodiscard]] constexpr double to_seconds(Duration d) { return static_cast<double>(d.count()) * 1e-9; }
+[[nodiscard]] constexpr double to_seconds(Duration d) {
+  return static_cast<double>(d.count()) * 1e-9;
+}
 /// The nearest nanosecond; `seconds` within +-9e9.
 [[nodiscard]] constexpr Duration from_seconds(double seconds) {
   return Duration{static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5))};

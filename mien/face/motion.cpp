@@ -54,12 +54,16 @@ MotionFrame MotionCurve::at(double time_s) const {
     const double t0 = time_s_[a];
     const double t1 = time_s_[b];
     for (std::size_t k = 0; k < kShapeCount; ++k)
-      out.weights[k] = hermite(t0, frames_[a].weights[k], slope_[a][k], t1, frames_[b].weights[k], slope_[b][k], time_s);
-    out.tongue_out =
-        hermite(t0, frames_[a].tongue_out, tongue_slope_[a], t1, frames_[b].tongue_out, tongue_slope_[b], time_s);
+      out.weights[k] =
+          hermite(t0, frames_[a].weights[k], slope_[a][k], t1, frames_[b].weights[k], slope_[b][k], time_s);
+    out.tongue_out = hermite(t0, frames_[a].tongue_out, tongue_slope_[a], t1, frames_[b].tongue_out,
+                             tongue_slope_[b], time_s);
     const double u = (time_s - t0) / (t1 - t0);
-    out.head = frames_[a].head.slerp(u, frames_[b].head);
-    out.head_position_m = (1 - u) * frames_[a].head_position_m + u * frames_[b].head_position_m;
+    const MotionFrame& before = frames_[a > 0 ? a - 1 : a];
+    const MotionFrame& beyond = frames_[b + 1 < frames_.size() ? b + 1 : b];
+    out.head = interpolate_rotation(before.head, frames_[a].head, frames_[b].head, beyond.head, u);
+    out.head_position_m = interpolate_point(before.head_position_m, frames_[a].head_position_m,
+                                            frames_[b].head_position_m, beyond.head_position_m, u);
   }
   out.time_s = time_s;
   out.has_face = std::ranges::none_of(

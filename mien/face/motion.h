@@ -10,12 +10,12 @@ namespace mien::face {
 
 /// One moment of a performance, as truth knows it.
 struct MotionFrame {
-  double time_s = 0;            ///< From the motion's start.
-  BlendshapeWeights weights;    ///< As performed; not clipped.
-  float tongue_out = 0;         ///< 0 to 1.
-  Quat head = Quat::Identity(); ///< q_world_head: the head's turn from upright and forward.
+  double time_s = 0;                    ///< From the motion's start.
+  BlendshapeWeights weights;            ///< As performed; not clipped.
+  float tongue_out = 0;                 ///< 0 to 1.
+  Quat head = Quat::Identity();         ///< q_world_head: the head's turn from upright and forward.
   Vec3 head_position_m = Vec3::Zero();  ///< Head origin in the world, for walking.
-  bool has_face = true;         ///< False where the source lost the face; weights are then meaningless.
+  bool has_face = true;  ///< False where the source lost the face; weights are then meaningless.
 };
 
 /// A performance: a Live Link CSV, a take's truth, or a virtual performer's script played out.
@@ -27,8 +27,9 @@ struct Motion {
   [[nodiscard]] double duration_s() const { return frames.empty() ? 0 : frames.back().time_s; }
 };
 
-/// Plays a motion at any time: weights by monotone cubic on its own time code, head by slerp; before the start and
-/// after the end it holds. A gap without a face is bridged, and has_face says so.
+/// Plays a motion at any time: weights by monotone cubic on its own time code, the head by a cubic without
+/// steps in its speed; before the start and after the end it holds. A gap without a face is bridged, and
+/// has_face says so.
 class MotionCurve {
  public:
   explicit MotionCurve(const Motion& motion);

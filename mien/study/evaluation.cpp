@@ -1,0 +1,73 @@
+#include "mien/study/evaluation.h"
+
+namespace mien::study {
+namespace {
+
+constexpr std::size_t kHoldFrames = 60;  // hold_last: the truth one second ago.
+
+/// The frames of one take that count, as stretches without a gap: [begin, end).
+std::vector<std::pair<std::size_t, std::size_t>> counted(const std::vector<take::TruthFrame>& truth) {
+  std::vector<std::pair<std::size_t, std::size_t>> runs;
+  for (std::size_t i = 0; i < truth.size();) {
+    if (!truth[i].evaluated || !truth[i].has_face) {
+      ++i;
+      continue;
+    }
+    std::size_t end = i;
+    while (end < truth.size() && truth[end].evaluated && truth[end].has_face) ++end;
+    runs.emplace_back(i, end);
+    i = end;
+  }
+  return runs;
+}
+
+}  // namespace
+
+Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
+                            const face::BlendshapeWeights& mean_pose) {
+  using Track = std::vector<face::BlendshapeWeights>;
+  std::vector<Track> truths;
+  std::vector<Track> held;
+  std::vector<Track> means;
+  for (const TakeEstimates& t : takes) {
+    Track truth;
+    Track hold;
+    for (std::size_t i = 0; i < t.truth.size(); ++i) {
+      truth.push_back(t.truth[i].weights);
+      // Before a second has passed the oldest truth there is; where the face was lost, the last one seen.
+      std::size_t past = i < kHoldFrames ? 0 : i - kHoldFrames;
+      while (past > 0 && !t.truth[past].has_face) --past;
+      hold.push_back(t.truth[past].weights);
+    }
+    truths.push_back(std::move(truth));
+    held.push_back(std::move(hold));
+    means.emplace_back(t.truth.size(), mean_pose);
+  }
+
+  Evaluation out;
+  out.takes = takes.size();
+  bool has_ridge = !takes.empty();
+  for (const TakeEstimates& t : takes) has_ridge = has_ridge && t.ridge.size() == t.truth.size();
+  const auto measure = [&](auto&& track_of) {
+    std::vector<Stretch> stretches;
+    for (std::size_t t = 0; t < takes.size(); ++t)
+      for (const auto& [begin, end] : counted(takes[t].truth)) {
+        const std::span<const face::BlendshapeWeights> truth(truths[t]);
+        const std::span<const face::BlendshapeWeights> estimate(track_of(t));
+        stretches.push_back({truth.subspan(begin, end - begin), estimate.subspan(begin, end - begin)});
+      }
+    return meter.measure(stretches);
+  };
+  out.model = measure([&](std::size_t t) -> const Track& { return takes[t].model; });
+  if (out.model.frames == 0)
+    return fail(ErrorCode::not_found, "no frame of these takes can be evaluated",
+                takes.empty() ? "" : takes.front().take,
+                "a take needs a truth track with frames outside its prologue");
+  out.mean_pose = measure([&](std::size_t t) -> const Track& { return means[t]; });
+  out.hold_last = measure([&](std::size_t t) -> const Track& { return held[t]; });
+  if (has_ridge) out.ridge = measure([&](std::size_t t) -> const Track& { return takes[t].ridge; });
+  out.frames = out.model.frames;
+  return out;
+}
+
+}  // namespace mien::study

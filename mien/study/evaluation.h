@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mien/core/progress.h"
+#include "mien/study/metrics.h"
+#include "mien/take/take.h"
+
+namespace mien::study {
+
+/// An estimate of the whole of one take, beside its truth; both at the take's ticks.
+struct TakeEstimates {
+  std::string take;                            ///< The file's name.
+  std::vector<take::TruthFrame> truth;         ///< One a tick.
+  std::vector<face::BlendshapeWeights> model;  ///< One a tick.
+  std::vector<face::BlendshapeWeights> ridge;  ///< One a tick; empty when the model file has none.
+};
+
+/// The model beside its baselines on the same frames.
+struct Evaluation {
+  std::size_t frames = 0;
+  std::size_t takes = 0;
+  Metrics model;
+  Metrics mean_pose;
+  Metrics hold_last;
+  std::optional<Metrics> ridge;
+};
+
+/// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
+/// Errors: not_found when no frame is left to measure.
+[[nodiscard]] Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
+                                          const face::BlendshapeWeights& mean_pose);
+
+}  // namespace mien::study

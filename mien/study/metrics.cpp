@@ -1,0 +1,239 @@
+#include "mien/study/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace mien::study {
+namespace {
+
+constexpr std::size_t kBatch = 16;  // Frames at once: the inner loops run over these, one SIMD lane a frame.
+using Lanes = std::array<float, kBatch>;
+
+float clipped(float w) {
+  return std::clamp(w, 0.0F, 1.0F);
+}
+
+MeanStd mean_std(std::span<const float> values) {
+  MeanStd out;
+  if (values.empty()) return out;
+  double sum = 0;
+  for (const float v : values) sum += v;
+  out.mean = sum / static_cast<double>(values.size());
+  double square = 0;
+  for (const float v : values) square += (v - out.mean) * (v - out.mean);
+  out.std = std::sqrt(square / static_cast<double>(values.size()));
+  return out;
+}
+
+/// Mean length of the third difference of a track of points, mm/s^3. Shape: frames x points.
+double third_difference(std::span<const Vec3f> track_mm, std::size_t points) {
+  const std::size_t frames = track_mm.size() / points;
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f + 3 < frames; ++f)
+    for (std::size_t p = 0; p < points; ++p) {
+      const Vec3f* x = track_mm.data() + f * points + p;
+      sum += (x[3 * points] - 3 * x[2 * points] + 3 * x[points] - x[0]).norm();
+      ++count;
+    }
+  return count == 0 ? 0 : sum / static_cast<double>(count) * 60.0 * 60.0 * 60.0;
+}
+
+std::vector<std::size_t> upward_crossings(std::span<const face::BlendshapeWeights> weights,
+                                          std::size_t shape) {
+  std::vector<std::size_t> frames;
+  for (std::size_t f = 1; f < weights.size(); ++f)
+    if (weights[f - 1][shape] < 0.5F && weights[f][shape] >= 0.5F) frames.push_back(f);
+  return frames;
+}
+
+}  // namespace
+
+bool is_felt(std::size_t shape) {
+  const std::string_view name = face::kShapeNames[shape];
+  return !name.starts_with("eyeLook") && !name.starts_with("eyeWide") && name != "mouthShrugUpper";
+}
+
+std::optional<double> blink_f1(std::span<const Stretch> stretches, int tolerance) {
+  std::size_t hits = 0;
+  std::size_t truths = 0;
+  std::size_t estimates = 0;
+  for (const Stretch& stretch : stretches)
+    for (const std::size_t eye : {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")}) {
+      const auto truth = upward_crossings(stretch.truth, eye);
+      const auto estimate = upward_crossings(stretch.estimate, eye);
+      truths += truth.size();
+      estimates += estimate.size();
+      // Both ascend: matching each to the first free partner in reach is the largest one-to-one matching.
+      for (std::size_t t = 0, e = 0; t < truth.size() && e < estimate.size();) {
+        const auto apart = static_cast<std::int64_t>(truth[t]) - static_cast<std::int64_t>(estimate[e]);
+        if (std::abs(apart) <= tolerance) {
+          ++hits;
+          ++t;
+          ++e;
+        } else if (apart < 0) {
+          ++t;
+        } else {
+          ++e;
+        }
+      }
+    }
+  if (truths + estimates == 0) return std::nullopt;
+  return 2.0 * static_cast<double>(hits) / static_cast<double>(truths + estimates);
+}
+
+Meter::Meter(const face::Face& face) {
+  const std::size_t vertices = face.neutral_m.size();
+  shapes_.first.assign(vertices + 1, 0);
+  const std::size_t shape_count = std::min(face.shapes.size(), face::kShapeCount);
+  for (std::size_t k = 0; k < shape_count; ++k)
+    for (const std::uint32_t v : face.shapes[k].vertex) ++shapes_.first[v + 1];
+  for (std::size_t v = 0; v < vertices; ++v) shapes_.first[v + 1] += shapes_.first[v];
+  shapes_.shape.resize(shapes_.first[vertices]);
+  shapes_.delta_mm.resize(shapes_.first[vertices]);
+  std::vector<std::uint32_t> next(shapes_.first.begin(), shapes_.first.end() - 1);
+  for (std::size_t k = 0; k < shape_count; ++k)
+    for (std::size_t i = 0; i < face.shapes[k].vertex.size(); ++i) {
+      const std::uint32_t slot = next[face.shapes[k].vertex[i]]++;
+      shapes_.shape[slot] = static_cast<std::uint16_t>(k);
+      shapes_.delta_mm[slot] = 1000.0F * face.shapes[k].delta_m[i];
+    }
+  in_skin_.assign(vertices, 0);
+  if (const face::Region* skin = face.region("skin"))
+    for (const std::uint32_t v : skin->vertex) in_skin_[v] = 1;
+  skin_count_ = static_cast<std::size_t>(std::ranges::count(in_skin_, 1));
+  if (face.has_landmarks)
+    for (const std::uint32_t v : face.landmarks) {
+      landmarks_.push_back(v);
+      landmark_neutral_mm_.push_back(1000.0F * face.neutral_m[v]);
+    }
+}
+
+Metrics Meter::measure(std::span<const Stretch> stretches) const {
+  Metrics out;
+  std::vector<float> pve_face_mm;
+  double squares = 0;
+  double felt_squares = 0;
+  double truth_jitter = 0;
+  double estimate_jitter = 0;
+  std::size_t jitter_frames = 0;
+  std::size_t felt_count = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) felt_count += is_felt(k) ? 1 : 0;
+
+  const std::size_t vertices = in_skin_.size();
+  for (const Stretch& stretch : stretches) {
+    const std::size_t frames = stretch.truth.size();
+    std::vector<Vec3f> truth_track(frames * landmarks_.size());
+    std::vector<Vec3f> estimate_track(truth_track.size());
+    for (std::size_t first = 0; first < frames; first += kBatch) {
+      const std::size_t n = std::min(kBatch, frames - first);
+      std::array<Lanes, face::kShapeCount> error{};
+      for (std::size_t f = 0; f < n; ++f) {
+        double frame_squares = 0;
+        for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+          const float e = clipped(stretch.estimate[first + f][k]) - clipped(stretch.truth[first + f][k]);
+          error[k][f] = e;
+          const double square = static_cast<double>(e) * e;
+          frame_squares += square;
+          if (is_felt(k)) felt_squares += square;
+          out.per_shape[k].mae += std::abs(e);
+        }
+        squares += frame_squares;
+        out.mse_curve.push_back(static_cast<float>(frame_squares / face::kShapeCount));
+      }
+      std::array<double, kBatch> all_mm{};
+      std::array<double, kBatch> skin_mm{};
+      for (std::size_t v = 0; v < vertices; ++v) {
+        const std::uint32_t begin = shapes_.first[v];
+        const std::uint32_t end = shapes_.first[v + 1];
+        if (begin == end) continue;
+        Lanes x{};
+        Lanes y{};
+        Lanes z{};
+        for (std::uint32_t i = begin; i < end; ++i) {
+          const Lanes& e = error[shapes_.shape[i]];
+          const Vec3f& d = shapes_.delta_mm[i];
+          for (std::size_t f = 0; f < kBatch; ++f) {
+            x[f] += d.x() * e[f];
+            y[f] += d.y() * e[f];
+            z[f] += d.z() * e[f];
+          }
+        }
+        for (std::size_t f = 0; f < kBatch; ++f) {
+          const float length = std::sqrt(x[f] * x[f] + y[f] * y[f] + z[f] * z[f]);
+          all_mm[f] += length;
+          if (in_skin_[v] != 0) skin_mm[f] += length;
+        }
+      }
+      for (std::size_t f = 0; f < n; ++f) {
+        out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(vertices)));
+        if (skin_count_ > 0)
+          pve_face_mm.push_back(static_cast<float>(skin_mm[f] / static_cast<double>(skin_count_)));
+      }
+    }
+    for (std::size_t f = 0; f < frames; ++f) {
+      double sum = 0;
+      for (std::size_t p = 0; p < landmarks_.size(); ++p) {
+        Vec3f truth = landmark_neutral_mm_[p];
+        Vec3f estimate = truth;
+        for (std::uint32_t i = shapes_.first[landmarks_[p]]; i < shapes_.first[landmarks_[p] + 1]; ++i) {
+          truth += clipped(stretch.truth[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
+          estimate += clipped(stretch.estimate[f][shapes_.shape[i]]) * shapes_.delta_mm[i];
+        }
+        truth_track[f * landmarks_.size() + p] = truth;
+        estimate_track[f * landmarks_.size() + p] = estimate;
+        sum += (estimate - truth).norm();
+      }
+      if (!landmarks_.empty())
+        out.lmk_mm_curve.push_back(static_cast<float>(sum / static_cast<double>(landmarks_.size())));
+    }
+    if (!landmarks_.empty() && frames > 3) {
+      const auto weight = static_cast<double>(frames - 3);
+      truth_jitter += weight * third_difference(truth_track, landmarks_.size());
+      estimate_jitter += weight * third_difference(estimate_track, landmarks_.size());
+      jitter_frames += frames - 3;
+    }
+    out.frames += frames;
+  }
+  if (out.frames == 0) return out;
+
+  const auto count = static_cast<double>(out.frames);
+  out.mse = squares / (count * face::kShapeCount);
+  out.mse_felt = felt_squares / (count * static_cast<double>(felt_count));
+  out.pve_mm = mean_std(out.pve_mm_curve);
+  if (skin_count_ > 0) out.pve_face_mm = mean_std(pve_face_mm);
+  if (!landmarks_.empty()) out.lmk_mm = mean_std(out.lmk_mm_curve);
+  if (jitter_frames > 0 && truth_jitter > 0) out.jitter_ratio = estimate_jitter / truth_jitter;
+  out.blink_f1 = blink_f1(stretches);
+
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    ShapeScore& score = out.per_shape[k];
+    score.mae /= count;
+    double truth_mean = 0;
+    double estimate_mean = 0;
+    for (const Stretch& s : stretches)
+      for (std::size_t f = 0; f < s.truth.size(); ++f) {
+        truth_mean += clipped(s.truth[f][k]);
+        estimate_mean += clipped(s.estimate[f][k]);
+      }
+    truth_mean /= count;
+    estimate_mean /= count;
+    double tt = 0;
+    double ee = 0;
+    double te = 0;
+    for (const Stretch& s : stretches)
+      for (std::size_t f = 0; f < s.truth.size(); ++f) {
+        const double t = clipped(s.truth[f][k]) - truth_mean;
+        const double e = clipped(s.estimate[f][k]) - estimate_mean;
+        tt += t * t;
+        ee += e * e;
+        te += t * e;
+      }
+    constexpr double kStill = 1e-12;
+    if (tt > kStill * count && ee > kStill * count) score.pearson = te / std::sqrt(tt * ee);
+  }
+  return out;
+}
+
+}  // namespace mien::study

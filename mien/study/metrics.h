@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "mien/face/face.h"
+#include "mien/face/profile.h"
+
+namespace mien::study {
+
+/// Mean and standard deviation over frames.
+struct MeanStd {
+  double mean = 0;
+  double std = 0;
+};
+
+struct ShapeScore {
+  double mae = 0;
+  std::optional<double> pearson;  ///< Absent where the truth or the estimate does not move.
+};
+
+/// What `mien evaluate` prints for one estimate (docs/metrics.md has every definition).
+struct Metrics {
+  std::size_t frames = 0;
+  double mse = 0;       ///< All 53 shapes, both sides clipped to [0, 1].
+  double mse_felt = 0;  ///< Without gaze, eyeWide and mouthShrugUpper, which skin hardly feels.
+  MeanStd pve_mm;       ///< All vertices.
+  std::optional<MeanStd> pve_face_mm;  ///< Vertices of the region "skin".
+  std::optional<MeanStd> lmk_mm;       ///< The 68 landmarks.
+  std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
+  std::optional<double> blink_f1;      ///< Absent when the truth has no blink.
+  std::array<ShapeScore, face::kShapeCount> per_shape{};
+
+  std::vector<float> mse_curve;     ///< One a frame.
+  std::vector<float> pve_mm_curve;  ///< One a frame.
+  std::vector<float> lmk_mm_curve;  ///< One a frame; empty without landmarks.
+};
+
+/// One stretch of frames at 60 Hz without a gap. Shape: both of equal size.
+struct Stretch {
+  std::span<const face::BlendshapeWeights> truth;
+  std::span<const face::BlendshapeWeights> estimate;
+};
+
+/// Shapes that `mse_felt` counts.
+[[nodiscard]] bool is_felt(std::size_t shape);
+
+/// Measures vertex errors on one face; prepared once, used for many estimates. Thread-safe after
+/// construction.
+class Meter {
+ public:
+  explicit Meter(const face::Face& face);
+
+  /// All stretches as one. Errors in millimetres on M(w) with both sides clipped to [0, 1].
+  [[nodiscard]] Metrics measure(std::span<const Stretch> stretches) const;
+
+ private:
+  struct VertexShapes {  // Which shapes move a vertex, and how: CSR over all vertices.
+    std::vector<std::uint32_t> first;
+    std::vector<std::uint16_t> shape;
+    std::vector<Vec3f> delta_mm;
+  };
+  VertexShapes shapes_;
+  std::vector<std::uint8_t> in_skin_;
+  std::size_t skin_count_ = 0;
+  std::vector<std::uint32_t> landmarks_;
+  std::vector<Vec3f> landmark_neutral_mm_;
+};
+
+/// F1 of blinks: a blink is a weight crossing 0.5 upwards, matched one to one within `tolerance` frames; both
+/// eyes of all stretches pooled. Absent when neither side has one.
+[[nodiscard]] std::optional<double> blink_f1(std::span<const Stretch> stretches, int tolerance = 2);
+
+}  // namespace mien::study

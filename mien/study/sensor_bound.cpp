@@ -1,0 +1,51 @@
+#include "mien/study/sensor_bound.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace mien::study {
+
+SensorBound sensor_bound(const Meter& meter, const std::vector<virt::SkinSite>& sites, double prior,
+                         double noise_rad, Random random) {
+  constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
+  constexpr float kStep = 0.05F;  // Small enough to be the slope at neutral, large enough for float meshes.
+  Eigen::MatrixXd sensitivity(3 * static_cast<Eigen::Index>(sites.size()), kShapes);
+  for (std::size_t s = 0; s < sites.size(); ++s)
+    for (Eigen::Index k = 0; k < kShapes; ++k) {
+      face::BlendshapeWeights weights;
+      weights[static_cast<std::size_t>(k)] = kStep;
+      sensitivity.block<3, 1>(3 * static_cast<Eigen::Index>(s), k) =
+          log_rotation(sites[s].rotation(weights)) / static_cast<double>(kStep);
+    }
+  const Eigen::MatrixXd information = sensitivity.transpose() * sensitivity / (noise_rad * noise_rad) +
+                                      Eigen::MatrixXd::Identity(kShapes, kShapes) / (prior * prior);
+  const Eigen::MatrixXd covariance = information.inverse();
+
+  SensorBound bound;
+  bound.mse = covariance.trace() / static_cast<double>(kShapes);
+  for (Eigen::Index k = 0; k < kShapes; ++k)
+    bound.left[static_cast<std::size_t>(k)] = std::sqrt(covariance(k, k)) / prior;
+
+  // Errors around the middle of the range, where clipping to [0, 1] does not touch them.
+  constexpr std::size_t kDraws = 2000;
+  const Eigen::MatrixXd root = covariance.llt().matrixL();
+  std::vector<face::BlendshapeWeights> truth(kDraws);
+  std::vector<face::BlendshapeWeights> estimate(kDraws);
+  for (std::size_t d = 0; d < kDraws; ++d) {
+    Eigen::VectorXd white(kShapes);
+    for (Eigen::Index k = 0; k < kShapes; ++k) white[k] = random.normal();
+    const Eigen::VectorXd error = root * white;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      truth[d][k] = 0.5F;
+      estimate[d][k] = 0.5F + static_cast<float>(error[static_cast<Eigen::Index>(k)]);
+    }
+  }
+  const Stretch stretch{truth, estimate};
+  const Metrics metrics = meter.measure({&stretch, 1});
+  bound.pve_mm = metrics.pve_mm;
+  bound.pve_face_mm = metrics.pve_face_mm;
+  bound.lmk_mm = metrics.lmk_mm;
+  return bound;
+}
+
+}  // namespace mien::study

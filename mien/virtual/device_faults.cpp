@@ -1,0 +1,79 @@
+#include "mien/virtual/device_faults.h"
+
+#include <fmt/format.h>
+
+#include <toml++/toml.h>
+#include <cmath>
+#include <map>
+
+namespace mien::virt {
+
+Result<DeviceFaults> parse_faults(std::string_view text, const std::string& where) {
+  toml::table table;
+  try {
+    table = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::malformed, std::string(error.description()),
+                fmt::format("{}, [faults] line {}", where, error.source().begin.line));
+  }
+  DeviceFaults faults;
+  const std::map<std::string_view, double*> numbers = {
+      {"mount_rotation_deg", &faults.mount_rotation_deg},
+      {"mount_position_mm", &faults.mount_position_mm},
+      {"slip_deg_per_sqrt_min", &faults.slip_deg_per_sqrt_min},
+      {"gyro_noise_dps_sqrt_hz", &faults.gyro_noise_dps_sqrt_hz},
+      {"gyro_bias_dps", &faults.gyro_bias_dps},
+      {"gyro_bias_walk_dps_sqrt_min", &faults.gyro_bias_walk_dps_sqrt_min},
+      {"gyro_scale", &faults.gyro_scale},
+      {"gyro_range_dps", &faults.gyro_range_dps},
+      {"accel_noise_ug_sqrt_hz", &faults.accel_noise_ug_sqrt_hz},
+      {"accel_bias_mg", &faults.accel_bias_mg},
+      {"accel_scale", &faults.accel_scale},
+      {"accel_range_g", &faults.accel_range_g},
+      {"mag_noise_ut", &faults.mag_noise_ut},
+      {"mag_hard_iron_ut", &faults.mag_hard_iron_ut},
+      {"heading_deg", &faults.heading_deg},
+      {"clock_drift_ppm", &faults.clock_drift_ppm},
+      {"radio_delay_ms", &faults.radio_delay_ms},
+      {"radio_delay_min_ms", &faults.radio_delay_min_ms},
+      {"packet_loss", &faults.packet_loss},
+      {"sensor_loss_per_hour", &faults.sensor_loss_per_hour},
+  };
+  const std::map<std::string_view, std::array<double, 2>*> ranges = {
+      {"adhesive_lag_ms", &faults.adhesive_lag_ms}, {"clock_offset_s", &faults.clock_offset_s}};
+  const auto number = [&](const toml::node& node, std::string_view key) -> Result<double> {
+    const auto value = node.value<double>();
+    if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
+    if (!std::isfinite(*value) || *value < 0)
+      return fail(ErrorCode::out_of_range, fmt::format("{} must be finite and not negative", key), where);
+    return *value;
+  };
+  for (const auto& [name, node] : table) {
+    const std::string_view key = name.str();
+    if (const auto found = numbers.find(key); found != numbers.end()) {
+      MIEN_TRY_ASSIGN(*found->second, number(node, key));
+    } else if (const auto range = ranges.find(key); range != ranges.end()) {
+      const toml::array* pair = node.as_array();
+      if (pair == nullptr || pair->size() != 2)
+        return fail(ErrorCode::malformed, fmt::format("{} must be [least, most]", key), where);
+      for (std::size_t i = 0; i < 2; ++i) {
+        MIEN_TRY_ASSIGN((*range->second)[i], number((*pair)[i], key));
+      }
+      if ((*range->second)[1] < (*range->second)[0])
+        return fail(ErrorCode::out_of_range, fmt::format("{}: the most is less than the least", key), where);
+    } else if (key == "magnetometer") {
+      const auto value = node.value<bool>();
+      if (!value) return fail(ErrorCode::malformed, "magnetometer must be true or false", where);
+      faults.magnetometer = *value;
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", key), where);
+    }
+  }
+  if (faults.packet_loss > 1)
+    return fail(ErrorCode::out_of_range, "packet_loss is a share between 0 and 1", where);
+  if (faults.gyro_range_dps <= 0 || faults.accel_range_g <= 0)
+    return fail(ErrorCode::out_of_range, "a sensor's range must be positive", where);
+  return faults;
+}
+
+}  // namespace mien::virt

@@ -1,0 +1,282 @@
+#include "mien/virtual/skin_site.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "mien/face/builtin.h"
+
+namespace mien::virt {
+namespace {
+
+constexpr std::size_t kIctVertexCount = 26719;
+/// A mesh with at least this many vertices in a patch is as fine as ICT's; a coarser one is sampled.
+constexpr std::size_t kFinePatch = 12;
+constexpr int kPatchSamples = 64;
+
+/// A point of the surface: a triangle and its barycentric weights. A vertex is one with weights (1, 0, 0).
+struct SurfacePoint {
+  std::array<std::uint32_t, 3> vertex{};
+  std::array<double, 3> weight{};
+};
+
+Vec3 neutral(const face::Face& face, std::uint32_t vertex) {
+  return face.neutral_m[vertex].cast<double>();
+}
+
+Vec3 at(const face::Face& face, const SurfacePoint& p) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t c = 0; c < 3; ++c) sum += p.weight[c] * neutral(face, p.vertex[c]);
+  return sum;
+}
+
+/// The triangles that a sensor can be glued to.
+std::vector<std::uint32_t> skin_triangles(const face::Face& face) {
+  std::vector<std::uint32_t> triangles;
+  for (const face::Part& part : face.parts)
+    if (part.material == face::Material::skin || part.material == face::Material::lips)
+      for (std::uint32_t t = 0; t < part.triangle_count; ++t) triangles.push_back(part.first_triangle + t);
+  if (triangles.empty())
+    for (std::uint32_t t = 0; t < face.triangles.size(); ++t) triangles.push_back(t);
+  return triangles;
+}
+
+/// The point of the triangle nearest to p. Source: Ericson 2005, "Real-Time Collision Detection", 5.1.5.
+SurfacePoint nearest_on_triangle(const face::Face& face, const std::array<std::uint32_t, 3>& triangle,
+                                 const Vec3& p) {
+  const Vec3 a = neutral(face, triangle[0]);
+  const Vec3 ab = neutral(face, triangle[1]) - a;
+  const Vec3 ac = neutral(face, triangle[2]) - a;
+  const Vec3 ap = p - a;
+  const double d1 = ab.dot(ap);
+  const double d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return {triangle, {1, 0, 0}};
+  const double d3 = d1 - ab.dot(ab);
+  const double d4 = d2 - ab.dot(ac);
+  if (d3 >= 0 && d4 <= d3) return {triangle, {0, 1, 0}};
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {triangle, {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0}};
+  const double d5 = d1 - ab.dot(ac);
+  const double d6 = d2 - ac.dot(ac);
+  if (d6 >= 0 && d5 <= d6) return {triangle, {0, 0, 1}};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {triangle, {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)}};
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double u = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {triangle, {0, 1 - u, u}};
+  }
+  const double sum = va + vb + vc;
+  if (!(sum > 0)) return {triangle, {1, 0, 0}};  // A degenerate triangle: its corner will do.
+  return {triangle, {va / sum, vb / sum, vc / sum}};
+}
+
+struct Nearest {
+  SurfacePoint point;
+  std::uint32_t triangle = 0;
+};
+
+Nearest nearest_on_skin(const face::Face& face, std::span<const std::uint32_t> triangles, const Vec3& p) {
+  Nearest best;
+  double best_square = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t t : triangles) {
+    const SurfacePoint point = nearest_on_triangle(face, face.triangles[t], p);
+    const double square = (at(face, point) - p).squaredNorm();
+    if (square < best_square) {
+      best_square = square;
+      best = {point, t};
+    }
+  }
+  return best;
+}
+
+std::vector<std::uint32_t> triangles_near(const face::Face& face, std::span<const std::uint32_t> triangles,
+                                          const Vec3& p, double radius_m) {
+  std::vector<std::uint32_t> near;
+  for (const std::uint32_t t : triangles) {
+    const bool any = std::ranges::any_of(face.triangles[t], [&](std::uint32_t v) {
+      return (neutral(face, v) - p).squaredNorm() < radius_m * radius_m;
+    });
+    if (any) near.push_back(t);
+  }
+  return near;
+}
+
+/// The patch's points: the vertices within the radius, or points spread evenly (a sunflower in the tangent
+/// plane, put back onto the surface) where the mesh is coarser than that.
+std::vector<SurfacePoint> patch_points(const face::Face& face, std::span<const std::uint32_t> near,
+                                       const Vec3& centre, const Vec3& normal) {
+  std::vector<std::uint32_t> vertices;
+  for (const std::uint32_t t : near)
+    for (const std::uint32_t v : face.triangles[t])
+      if ((neutral(face, v) - centre).norm() <= kPatchRadiusM) vertices.push_back(v);
+  std::ranges::sort(vertices);
+  vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+  std::vector<SurfacePoint> points;
+  if (vertices.size() >= kFinePatch) {
+    for (const std::uint32_t v : vertices) points.push_back({{v, v, v}, {1, 0, 0}});
+    return points;
+  }
+  const Vec3 side = (std::abs(normal.y()) < 0.9 ? Vec3::UnitY() : Vec3::UnitX()).cross(normal).normalized();
+  const Vec3 up = normal.cross(side);
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (int i = 0; i < kPatchSamples; ++i) {
+    const double r = kPatchRadiusM * std::sqrt((i + 0.5) / kPatchSamples);
+    const Vec3 p = centre + r * (std::cos(golden * i) * side + std::sin(golden * i) * up);
+    points.push_back(nearest_on_skin(face, near, p).point);
+  }
+  return points;
+}
+
+SkinSite make_site(const face::Face& face, std::span<const std::uint32_t> triangles, const Vec3& target) {
+  const std::vector<std::uint32_t> around = triangles_near(face, triangles, target, 0.04);
+  const Nearest centre = nearest_on_skin(face, around.empty() ? triangles : around, target);
+  const Vec3 centre_m = at(face, centre.point);
+  const auto& [a, b, c] = face.triangles[centre.triangle];
+  const Vec3 facet = (neutral(face, b) - neutral(face, a)).cross(neutral(face, c) - neutral(face, a));
+  const std::vector<std::uint32_t> near = triangles_near(face, triangles, centre_m, 0.02);
+  const std::vector<SurfacePoint> points = patch_points(face, near, centre_m, facet.normalized());
+
+  SkinSite site;
+  site.normal = facet.normalized();
+  Vec3 mean = Vec3::Zero();
+  for (const SurfacePoint& p : points) mean += at(face, p);
+  mean /= static_cast<double>(points.size());
+  site.position_m = mean;
+  std::vector<Vec3> from(points.size());
+  site.covariance.setZero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    from[i] = at(face, points[i]) - mean;
+    site.covariance += from[i] * from[i].transpose();
+  }
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    const face::Shape& shape = face.shapes[k];
+    const auto delta = [&](std::uint32_t vertex) -> Vec3 {
+      const auto found = std::ranges::lower_bound(shape.vertex, vertex);
+      if (found == shape.vertex.end() || *found != vertex) return Vec3::Zero();
+      return shape.delta_m[static_cast<std::size_t>(found - shape.vertex.begin())].cast<double>();
+    };
+    Mat3 covariance = Mat3::Zero();
+    Vec3 shift = Vec3::Zero();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Vec3 moved = Vec3::Zero();
+      for (std::size_t c3 = 0; c3 < 3; ++c3)
+        if (points[i].weight[c3] != 0) moved += points[i].weight[c3] * delta(points[i].vertex[c3]);
+      covariance += from[i] * moved.transpose();
+      shift += moved;
+    }
+    site.shape_covariance[k] = covariance;
+    site.shape_shift_m[k] = shift / static_cast<double>(points.size());
+  }
+  return site;
+}
+
+/// Similarity transform that lays `from` onto `to` (Umeyama 1991, doi:10.1109/34.88573).
+Eigen::Affine3d align_landmarks(const face::Face& from, const face::Face& to) {
+  Eigen::Matrix<double, 3, 68> a;
+  Eigen::Matrix<double, 3, 68> b;
+  for (std::size_t i = 0; i < 68; ++i) {
+    a.col(static_cast<Eigen::Index>(i)) = neutral(from, from.landmarks[i]);
+    b.col(static_cast<Eigen::Index>(i)) = neutral(to, to.landmarks[i]);
+  }
+  return Eigen::Affine3d(Eigen::umeyama(a, b, true));
+}
+
+/// The head that knows the sites by name; made once.
+const face::Face& default_builtin() {
+  static const face::Face face = face::make_builtin();
+  return face;
+}
+
+/// The mount's site on the default built-in head.
+std::optional<Vec3> builtin_site(const sensor::Mount& mount) {
+  if (mount.position_m) return mount.position_m;
+  for (const face::BuiltinSite& site : face::builtin_sites())
+    if (site.name == mount.name) return site.position_m;
+  return std::nullopt;
+}
+
+/// The same spot of skin on another identity of the built-in head: all of them share their triangles.
+Vec3 carry_to_identity(const Vec3& site, const face::Face& face) {
+  const std::vector<std::uint32_t> triangles = skin_triangles(default_builtin());
+  return at(face, nearest_on_skin(default_builtin(), triangles, site).point);
+}
+
+}  // namespace
+
+Quat SkinSite::rotation(const face::BlendshapeWeights& weights) const {
+  Mat3 c = covariance;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    if (weights[k] != 0) c += static_cast<double>(weights[k]) * shape_covariance[k];
+  return fit_rotation(c);
+}
+
+Vec3 SkinSite::position(const face::BlendshapeWeights& weights) const {
+  Vec3 p = position_m;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    if (weights[k] != 0) p += static_cast<double>(weights[k]) * shape_shift_m[k];
+  return p;
+}
+
+Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::Rig& rig,
+                                         std::span<const Vec3> offset_m) {
+  if (!offset_m.empty() && offset_m.size() != rig.sensors.size())
+    return fail(ErrorCode::mismatch, "there must be one placement offset a sensor", rig.name);
+  const bool is_ict = face.neutral_m.size() == kIctVertexCount;
+  const bool is_builtin = face.name == "builtin";
+  if (!is_ict && !is_builtin && !face.has_landmarks)
+    return fail(ErrorCode::not_found, "the face has no landmarks, so the rig's sites cannot be found on it",
+                face.name, "use the built-in face, an ICT-FaceKit folder, or a head with 68 landmarks");
+  const std::vector<std::uint32_t> triangles = skin_triangles(face);
+  Eigen::Affine3d from_builtin = Eigen::Affine3d::Identity();
+  if (!is_ict && !is_builtin) from_builtin = align_landmarks(default_builtin(), face);
+  std::vector<SkinSite> sites;
+  for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
+    const sensor::Mount& mount = rig.sensors[s];
+    Vec3 target;
+    if (is_ict && mount.ict_vertex >= 0) {
+      if (static_cast<std::size_t>(mount.ict_vertex) >= face.neutral_m.size())
+        return fail(ErrorCode::out_of_range,
+                    fmt::format("vertex {} is not on the ICT mesh", mount.ict_vertex), mount.name);
+      target = neutral(face, static_cast<std::uint32_t>(mount.ict_vertex));
+    } else {
+      const std::optional<Vec3> site = builtin_site(mount);
+      if (!site)
+        return fail(ErrorCode::not_found,
+                    fmt::format("the site of sensor {} is unknown on this face", mount.name), rig.name,
+                    "give the sensor a position_m in the rig file");
+      target = is_builtin ? carry_to_identity(*site, face) : Vec3(from_builtin * *site);
+    }
+    if (!offset_m.empty()) target += offset_m[s];
+    sites.push_back(make_site(face, triangles, target));
+    sites.back().sensor = mount.name;
+  }
+  return sites;
+}
+
+std::vector<SkinSite> draw_kinematics(const std::vector<SkinSite>& sites, const KinematicsSpread& spread,
+                                      Random random) {
+  std::vector<SkinSite> drawn = sites;
+  for (SkinSite& site : drawn) {
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      const double gain = std::max(0.1, 1 + spread.gain * random.normal());
+      // Where the skin goes: the displacement field's direction.
+      const Mat3 direction = exp_rotation(spread.direction_rad / std::sqrt(3.0) *
+                                          Vec3(random.normal(), random.normal(), random.normal()))
+                                 .toRotationMatrix();
+      // Which way the fold lies: the whole field turned about the normal.
+      const Mat3 about =
+          exp_rotation(spread.direction_rad * random.normal() * site.normal).toRotationMatrix();
+      site.shape_covariance[k] =
+          gain * about * site.shape_covariance[k] * about.transpose() * direction.transpose();
+      site.shape_shift_m[k] = gain * direction * about * site.shape_shift_m[k];
+    }
+  }
+  return drawn;
+}
+
+}  // namespace mien::virt
