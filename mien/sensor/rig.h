@@ -14,15 +14,16 @@ namespace mien::sensor {
 
 /// One sensor of a rig.
 struct Mount {
-  std::string name;    ///< Unique in the rig: "zygomaticus_upper_L".
-  std::string kind;    ///< "imu" now; other modalities add theirs.
-  std::string site;    ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
-  char side = 'M';     ///< 'L', 'R' (the performer's own) or 'M'.
-  std::string role;    ///< "face", or "head" for the sensor that carries the head's rotation.
-  std::string device;  ///< Binding to a device: "id[/channel]"; empty when bound later.
-  int ict_vertex = -1; ///< Site on the ICT mesh; -1 when not given.
-  std::optional<Vec3> position_m;  ///< Site on the built-in face's neutral, head frame, when it differs from the mapped one.
-  std::optional<Vec3> outward;     ///< Outward axis in the sensor's own frame (unit), if the sensor has one.
+  std::string name;     ///< Unique in the rig: "zygomaticus_upper_L".
+  std::string kind;     ///< "imu" now; other modalities add theirs.
+  std::string site;     ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
+  char side = 'M';      ///< 'L', 'R' (the performer's own) or 'M'.
+  std::string role;     ///< "face", or "head" for the sensor that carries the head's rotation.
+  std::string device;   ///< Binding to a device: "id[/channel]"; empty when bound later.
+  int ict_vertex = -1;  ///< Site on the ICT mesh; -1 when not given.
+  std::optional<Vec3>
+      position_m;  ///< Site on the built-in face's neutral, head frame, when it differs from the mapped one.
+  std::optional<Vec3> outward;  ///< Outward axis in the sensor's own frame (unit), if the sensor has one.
 };
 
 /// Which sensors sit where: data, never constants in code. `*.toml`, see rigs/default.toml.
@@ -38,8 +39,8 @@ struct Rig {
   [[nodiscard]] std::optional<std::uint16_t> head_sensor() const;
 };
 
-/// Errors: malformed TOML (with line), duplicated names, unknown keys, no sensors, more than 256, bad reference,
-/// non-finite numbers. `where` names the source in messages.
+/// Errors: malformed TOML (with line), duplicated names, unknown keys, no sensors, more than 256, bad
+/// reference, non-finite numbers. `where` names the source in messages.
 [[nodiscard]] Result<Rig> parse_rig(std::string_view toml, const std::string& where);
 [[nodiscard]] Result<Rig> read_rig(const std::filesystem::path& path);
 /// TOML text that parse_rig takes back to an equal rig.

@@ -8,24 +8,25 @@
 
 namespace mien::sensor {
 
-/// What the values of a sample are. The room that decodes a packet gives the kind; takes store it without knowing.
-/// Numbers are part of the take format: never reused.
+/// What the values of a sample are. The room that decodes a packet gives the kind; takes store it without
+/// knowing. Numbers are part of the take format: never reused.
 enum class SampleKind : std::uint8_t {
-  imu_raw = 1,            ///< gyro rad/s (3), specific force m/s^2 (3), optionally magnetic field tesla (3); frame S.
-  imu_fused = 2,          ///< q_world_sensor w,x,y,z (4), specific force m/s^2 (3); frame S.
-  imu_head_relative = 3,  ///< Skin rotation from neutral in the head frame, rotation vector, rad (3): the lab profile.
+  imu_raw = 1,    ///< gyro rad/s (3), specific force m/s^2 (3), optionally magnetic field tesla (3); frame S.
+  imu_fused = 2,  ///< q_world_sensor w,x,y,z (4), specific force m/s^2 (3); frame S.
+  imu_head_relative =
+      3,  ///< Skin rotation from neutral in the head frame, rotation vector, rad (3): the lab profile.
 };
 
 inline constexpr std::size_t kMaxSampleValues = 16;
 
 /// One reading of one sensor at one device time.
 struct Sample {
-  std::uint16_t sensor = 0;    ///< Index into the rig's sensors.
+  std::uint16_t sensor = 0;  ///< Index into the rig's sensors.
   SampleKind kind = SampleKind::imu_raw;
-  std::uint32_t sequence = 0;  ///< The packet's sequence number; all samples of a packet share it.
-  DeviceTime time;             ///< Middle of the reading, the sensor's own clock.
-  bool time_estimated = false; ///< True when the wire carries no device time and it was estimated.
-  std::uint8_t count = 0;      ///< How many values are valid.
+  std::uint32_t sequence = 0;   ///< The packet's sequence number; all samples of a packet share it.
+  DeviceTime time;              ///< Middle of the reading, the sensor's own clock.
+  bool time_estimated = false;  ///< True when the wire carries no device time and it was estimated.
+  std::uint8_t count = 0;       ///< How many values are valid.
   std::array<float, kMaxSampleValues> values{};  ///< SI; meaning by kind.
 
   [[nodiscard]] std::span<const float> used() const { return {values.data(), count}; }

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "mien/core/time.h"
+#include "mien/imu/calibration.h"
+#include "mien/imu/fusion.h"
+#include "mien/model/features.h"
+#include "mien/sensor/rig.h"
+#include "mien/sensor/sample.h"
+
+namespace mien::imu {
+
+/// The steps of the prologue.
+enum class Phase : std::uint8_t {
+  neutral,  ///< Face and head still, upright, looking ahead.
+  nod,      ///< Face still, the head nods; begins downwards.
+  shake,    ///< Face still, the head shakes about the vertical.
+};
+
+struct PipelineSettings {
+  FusionSettings fusion;
+  /// Fuse the magnetometer where samples carry one. All headings are then magnetic ones, and Z_i is the
+  /// identity. Off: a heading from a magnetometer near electronics is worse (5 deg) than the relative one
+  /// that nods give.
+  bool magnetometer = false;
+  /// Follow the headings' drift after the prologue. Off: they stay as the prologue found them.
+  bool track_heading = true;
+  /// A sensor whose newest sample is older than this at a frame is missing. Raising hides drop-outs behind
+  /// held values.
+  Duration silence = std::chrono::milliseconds(100);
+  /// A frame later than the newest sample is predicted with the last rate, this far at most, and held beyond
+  /// it.
+  Duration prediction = std::chrono::milliseconds(25);
+};
+
+/// How well a sensor's rotation is known now, for people and for trackers.
+struct SensorStatus {
+  bool present = false;          ///< Heard within the silence limit of the last frame.
+  double heading_rad = 0;        ///< Z_i in force.
+  double heading_sigma_rad = 0;  ///< Its standard deviation; grows while nothing tells it.
+  std::uint64_t dropped = 0;     ///< Samples that came out of order or twice.
+  std::uint64_t lost = 0;        ///< Samples that never came, as the gaps in device time tell.
+};
+
+/// From decoded IMU samples to features: fusion, prologue, removal of the head's rotation, head-relative
+/// acceleration. A pure function of the calls, in their order: live and replay give the same bits. Method:
+/// docs/fusion.md. Thread: one at a time. No allocation in add and tick after the first tick, but where a
+/// calibration is made (once a phase).
+class Pipeline {
+ public:
+  explicit Pipeline(const sensor::Rig& rig, const PipelineSettings& settings = {});
+  Pipeline(Pipeline&&) noexcept;
+  Pipeline& operator=(Pipeline&&) noexcept;
+  ~Pipeline();
+
+  /// A prologue phase in reference-device time, [begin, end); given before the tick of its begin.
+  void mark(Phase phase, DeviceTime begin, DeviceTime end);
+
+  /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
+  /// ignored.
+  void add(HostTime arrival, const sensor::Sample& sample);
+
+  /// Features of the frame at `frame` (reference sensor's clock): orientations interpolated between fused
+  /// samples, or predicted, then held, when nothing newer came; a sensor silent for longer than the limit is
+  /// missing, and so is every one before a calibration. `out.sensors` gets one entry a face sensor. Samples
+  /// of the lab profile need no calibration.
+  void tick(DeviceTime frame, model::FeatureFrame& out);
+
+  /// After the prologue; identity before, and for lab.
+  [[nodiscard]] const Calibration& calibration() const;
+  /// Counts calibrations: 0 before the first, one more each time calibration() changes.
+  [[nodiscard]] int calibration_count() const;
+  /// Puts an earlier calibration in force. Headings of six-axis fusions hold only within one session.
+  /// Errors: mismatch (another number of sensors).
+  [[nodiscard]] Result<void> restore(const Calibration& calibration);
+
+  /// Of one sensor of the rig, by its number in the rig.
+  [[nodiscard]] SensorStatus status(std::uint16_t sensor) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mien::imu

@@ -1,0 +1,249 @@
+#include "mien/sensor/rig.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <set>
+#include <sstream>
+
+#include "mien/core/files.h"
+
+// The only file that sees toml++: it is large, and the rest of the room builds faster without it.
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+namespace mien::sensor {
+namespace {
+
+constexpr std::size_t kMaxRigBytes = 1U << 20U;
+constexpr std::size_t kMaxSensors = 256;
+constexpr std::size_t kMaxTextBytes = 128;
+/// Farther from the head's origin than this is a mistake of units.
+constexpr double kMaxPositionM = 10.0;
+
+std::string place(const std::string& where, const toml::node& node) {
+  const auto line = node.source().begin.line;
+  return line == 0 ? where : fmt::format("{}, line {}", where, line);
+}
+
+bool printable(std::string_view text) {
+  return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+}
+
+Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
+                       const std::string& where) {
+  for (const auto& [key, value] : table) {
+    if (std::find(known.begin(), known.end(), key.str()) == known.end())
+      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", key.str()), place(where, value),
+                  fmt::format("known keys are: {}", fmt::join(known, ", ")));
+  }
+  return {};
+}
+
+Result<std::string> text(const toml::table& table, std::string_view key, bool required,
+                         const std::string& where) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) {
+    if (required) return fail(ErrorCode::malformed, fmt::format("'{}' is missing", key), place(where, table));
+    return std::string();
+  }
+  const auto value = node->value_exact<std::string>();
+  if (!value) return fail(ErrorCode::malformed, fmt::format("'{}' is not text", key), place(where, *node));
+  if ((required && value->empty()) || value->size() > kMaxTextBytes || !printable(*value))
+    return fail(ErrorCode::malformed, fmt::format("'{}' is empty, too long or not printable", key),
+                place(where, *node));
+  return *value;
+}
+
+Result<std::optional<Vec3>> vector(const toml::table& table, std::string_view key, const std::string& where) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return std::optional<Vec3>();
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->size() != 3)
+    return fail(ErrorCode::malformed, fmt::format("'{}' is not a list of three numbers", key),
+                place(where, *node));
+  Vec3 value;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto number = (*array)[i].value<double>();
+    if (!number)
+      return fail(ErrorCode::malformed, fmt::format("'{}' is not a list of three numbers", key),
+                  place(where, *node));
+    if (!std::isfinite(*number))
+      return fail(ErrorCode::out_of_range, fmt::format("'{}' holds a number that is not finite", key),
+                  place(where, *node));
+    value[static_cast<Eigen::Index>(i)] = *number;
+  }
+  return std::optional<Vec3>(value);
+}
+
+Result<Mount> read_mount(const toml::table& table, const std::string& where) {
+  MIEN_TRY(only_keys(
+      table, {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward"},
+      where));
+  Mount mount;
+  MIEN_TRY_ASSIGN(mount.name, text(table, "name", true, where));
+  MIEN_TRY_ASSIGN(mount.kind, text(table, "kind", true, where));
+  MIEN_TRY_ASSIGN(mount.site, text(table, "site", false, where));
+  MIEN_TRY_ASSIGN(mount.role, text(table, "role", true, where));
+  MIEN_TRY_ASSIGN(mount.device, text(table, "device", false, where));
+  if (mount.role != "face" && mount.role != "head")
+    return fail(ErrorCode::malformed, fmt::format("role '{}' is unknown", mount.role), place(where, table),
+                "use \"face\" or \"head\"");
+  MIEN_TRY_ASSIGN(const std::string side, text(table, "side", false, where));
+  if (!side.empty()) {
+    if (side != "L" && side != "R" && side != "M")
+      return fail(ErrorCode::malformed, fmt::format("side '{}' is unknown", side), place(where, table),
+                  "use \"L\", \"R\" or \"M\"");
+    mount.side = side[0];
+  }
+  if (const toml::node* node = table.get("ict_vertex")) {
+    const auto vertex = node->value_exact<std::int64_t>();
+    if (!vertex || *vertex < 0 || *vertex > 1'000'000)
+      return fail(ErrorCode::out_of_range, "'ict_vertex' is not a vertex number", place(where, *node));
+    mount.ict_vertex = static_cast<int>(*vertex);
+  }
+  MIEN_TRY_ASSIGN(mount.position_m, vector(table, "position_m", where));
+  if (mount.position_m && mount.position_m->norm() > kMaxPositionM)
+    return fail(ErrorCode::out_of_range, "'position_m' is metres away from the head", place(where, table),
+                "give it in metres");
+  MIEN_TRY_ASSIGN(mount.outward, vector(table, "outward", where));
+  if (mount.outward) {
+    const double length = mount.outward->norm();
+    if (length < 0.9 || length > 1.1)
+      return fail(ErrorCode::out_of_range, "'outward' is not a unit vector", place(where, table));
+    *mount.outward /= length;
+  }
+  return mount;
+}
+
+bool finite_numbers(const toml::node& node, int depth) {
+  if (depth > 16) return false;
+  if (const auto* number = node.as_floating_point()) return std::isfinite(number->get());
+  if (const auto* array = node.as_array())
+    return std::all_of(array->begin(), array->end(),
+                       [depth](const toml::node& n) { return finite_numbers(n, depth + 1); });
+  if (const auto* table = node.as_table())
+    return std::all_of(table->begin(), table->end(),
+                       [depth](const auto& entry) { return finite_numbers(entry.second, depth + 1); });
+  return true;
+}
+
+template <class T>
+void line(std::ostringstream& out, std::string_view key, const T& value) {
+  toml::table one;
+  one.insert(key, value);
+  out << one << '\n';
+}
+
+toml::array numbers(const Vec3& v) {
+  return toml::array{v.x(), v.y(), v.z()};
+}
+
+}  // namespace
+
+std::optional<std::uint16_t> Rig::find(std::string_view sensor_name) const {
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    if (sensors[i].name == sensor_name) return static_cast<std::uint16_t>(i);
+  return std::nullopt;
+}
+
+std::vector<std::uint16_t> Rig::face_sensors() const {
+  std::vector<std::uint16_t> indices;
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    if (sensors[i].role == "face") indices.push_back(static_cast<std::uint16_t>(i));
+  return indices;
+}
+
+std::optional<std::uint16_t> Rig::head_sensor() const {
+  for (std::size_t i = 0; i < sensors.size(); ++i)
+    if (sensors[i].role == "head") return static_cast<std::uint16_t>(i);
+  return std::nullopt;
+}
+
+Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
+  if (toml_text.size() > kMaxRigBytes)
+    return fail(ErrorCode::out_of_range, "a rig of more than 1 MiB", where);
+  const toml::parse_result parsed = toml::parse(toml_text);
+  if (!parsed) {
+    const toml::parse_error& error = parsed.error();
+    return fail(ErrorCode::malformed, std::string(error.description()),
+                fmt::format("{}, line {}", where, error.source().begin.line));
+  }
+  const toml::table& root = parsed.table();
+  MIEN_TRY(only_keys(root, {"name", "reference", "sensor", "faults"}, where));
+
+  Rig rig;
+  MIEN_TRY_ASSIGN(rig.name, text(root, "name", true, where));
+  MIEN_TRY_ASSIGN(rig.reference, text(root, "reference", true, where));
+
+  const toml::node* list = root.get("sensor");
+  if (list == nullptr || !list->is_array_of_tables() || list->as_array()->empty())
+    return fail(ErrorCode::malformed, "the rig has no sensors", where, "add at least one [[sensor]]");
+  const toml::array& sensors = *list->as_array();
+  if (sensors.size() > kMaxSensors)
+    return fail(ErrorCode::out_of_range, fmt::format("{} sensors, more than {}", sensors.size(), kMaxSensors),
+                where);
+  std::set<std::string, std::less<>> names;
+  for (const toml::node& node : sensors) {
+    MIEN_TRY_ASSIGN(Mount mount, read_mount(*node.as_table(), where));
+    if (!names.insert(mount.name).second)
+      return fail(ErrorCode::malformed, fmt::format("two sensors are called '{}'", mount.name),
+                  place(where, node), "give each its own name");
+    if (mount.role == "head" && rig.head_sensor())
+      return fail(ErrorCode::malformed, "two sensors have the role \"head\"", place(where, node), "keep one");
+    rig.sensors.push_back(std::move(mount));
+  }
+  if (!rig.find(rig.reference))
+    return fail(ErrorCode::malformed,
+                fmt::format("the reference '{}' is not one of the sensors", rig.reference), where,
+                "name a sensor of this rig");
+
+  if (const toml::node* faults = root.get("faults")) {
+    if (!faults->is_table())
+      return fail(ErrorCode::malformed, "'faults' is not a table", place(where, *faults));
+    if (!finite_numbers(*faults, 0))
+      return fail(ErrorCode::out_of_range, "'faults' holds a number that is not finite",
+                  place(where, *faults));
+    std::ostringstream out;
+    out << *faults->as_table();
+    rig.faults_toml = out.str();
+  }
+  return rig;
+}
+
+Result<Rig> read_rig(const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(const std::string content, read_text(path, kMaxRigBytes));
+  return parse_rig(content, path.string());
+}
+
+std::string write_rig(const Rig& rig) {
+  std::ostringstream out;
+  line(out, "name", rig.name);
+  line(out, "reference", rig.reference);
+  for (const Mount& mount : rig.sensors) {
+    out << "\n[[sensor]]\n";
+    line(out, "name", mount.name);
+    line(out, "kind", mount.kind);
+    if (!mount.site.empty()) line(out, "site", mount.site);
+    line(out, "side", std::string(1, mount.side));
+    line(out, "role", mount.role);
+    if (!mount.device.empty()) line(out, "device", mount.device);
+    if (mount.ict_vertex >= 0) line(out, "ict_vertex", static_cast<std::int64_t>(mount.ict_vertex));
+    if (mount.position_m) line(out, "position_m", numbers(*mount.position_m));
+    if (mount.outward) line(out, "outward", numbers(*mount.outward));
+  }
+  if (!rig.faults_toml.empty()) {
+    // Parsed and put back whole, so that tables inside it get their full names.
+    const toml::parse_result faults = toml::parse(rig.faults_toml);
+    if (faults) {
+      toml::table outer;
+      outer.insert("faults", faults.table());
+      out << '\n' << outer << '\n';
+    }
+  }
+  return out.str();
+}
+
+}  // namespace mien::sensor

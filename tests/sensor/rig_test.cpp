@@ -1,0 +1,129 @@
+#include "mien/sensor/rig.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace mien::sensor {
+namespace {
+
+const std::string kSmall = R"(name = "small"
+reference = "ear"
+[[sensor]]
+name = "chin"
+kind = "imu"
+site = "mentalis"
+side = "M"
+role = "face"
+device = "a1b2/0"
+ict_vertex = 963
+position_m = [0.0, -0.05, 0.09]
+outward = [0, 0, 1]
+[[sensor]]
+name = "ear"
+kind = "imu"
+role = "head"
+[faults]
+gyro_bias_dps = 1.0
+adhesive_lag_ms = [5.0, 20.0]
+)";
+
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = kSmall;
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(Rig, ReadsTheDefaultRig) {
+  const auto rig = read_rig(MIEN_SOURCE_DIR "/rigs/default.toml");
+  ASSERT_TRUE(rig) << rig.error().message();
+  EXPECT_EQ(rig->name, "default");
+  EXPECT_EQ(rig->sensors.size(), 12u);
+  EXPECT_EQ(rig->face_sensors().size(), 11u);
+  EXPECT_EQ(rig->head_sensor(), rig->find("mastoid_L"));
+  EXPECT_EQ(rig->sensors[0].ict_vertex, 2127);
+  EXPECT_NE(rig->faults_toml.find("gyro_bias_dps"), std::string::npos);
+}
+
+TEST(Rig, WritesWhatItReads) {
+  for (const std::string& text : {kSmall, with("\"chin\"", "\"a \\\"quoted\\\" \\\\ name\"")}) {
+    const auto first = parse_rig(text, "t");
+    ASSERT_TRUE(first) << first.error().message();
+    const auto second = parse_rig(write_rig(*first), "again");
+    ASSERT_TRUE(second) << second.error().message() << write_rig(*first);
+    EXPECT_EQ(write_rig(*first), write_rig(*second));
+    EXPECT_EQ(first->faults_toml, second->faults_toml);
+    ASSERT_EQ(first->sensors.size(), second->sensors.size());
+    for (std::size_t i = 0; i < first->sensors.size(); ++i) {
+      const Mount& a = first->sensors[i];
+      const Mount& b = second->sensors[i];
+      EXPECT_EQ(a.name, b.name);
+      EXPECT_EQ(a.kind, b.kind);
+      EXPECT_EQ(a.site, b.site);
+      EXPECT_EQ(a.side, b.side);
+      EXPECT_EQ(a.role, b.role);
+      EXPECT_EQ(a.device, b.device);
+      EXPECT_EQ(a.ict_vertex, b.ict_vertex);
+      EXPECT_EQ(a.position_m.has_value(), b.position_m.has_value());
+      EXPECT_TRUE(a.position_m == b.position_m);
+      EXPECT_TRUE(a.outward == b.outward);
+    }
+  }
+}
+
+struct Wrong {
+  const char* from;
+  const char* to;
+  ErrorCode code;
+};
+
+class WrongRig : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongRig, IsRefusedWithOneLine) {
+  const auto rig = parse_rig(with(GetParam().from, GetParam().to), "wrong.toml");
+  ASSERT_FALSE(rig);
+  EXPECT_EQ(rig.error().code, GetParam().code) << rig.error().message();
+  EXPECT_EQ(rig.error().message().find('\n'), std::string::npos);
+  EXPECT_NE(rig.error().where.find("wrong.toml"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Rig, WrongRig,
+    testing::Values(Wrong{"name = \"small\"", "name = ", ErrorCode::malformed},
+                    Wrong{"name = \"small\"", "", ErrorCode::malformed},
+                    Wrong{"name = \"small\"", "name = 3", ErrorCode::malformed},
+                    Wrong{"name = \"small\"", "name = \"\"", ErrorCode::malformed},
+                    Wrong{"name = \"small\"", "title = \"small\"", ErrorCode::malformed},
+                    Wrong{"reference = \"ear\"", "reference = \"nose\"", ErrorCode::malformed},
+                    Wrong{"name = \"chin\"", "name = \"ear\"", ErrorCode::malformed},
+                    Wrong{"name = \"chin\"", "name = \"chin\"\ncolour = \"red\"", ErrorCode::malformed},
+                    Wrong{"side = \"M\"", "side = \"left\"", ErrorCode::malformed},
+                    Wrong{"role = \"face\"", "role = \"head\"", ErrorCode::malformed},
+                    Wrong{"role = \"face\"", "role = \"foot\"", ErrorCode::malformed},
+                    Wrong{"ict_vertex = 963", "ict_vertex = -2", ErrorCode::out_of_range},
+                    Wrong{"ict_vertex = 963", "ict_vertex = 1e3", ErrorCode::out_of_range},
+                    Wrong{"[0.0, -0.05, 0.09]", "[0.0, nan, 0.09]", ErrorCode::out_of_range},
+                    Wrong{"[0.0, -0.05, 0.09]", "[0.0, -50.0, 90.0]", ErrorCode::out_of_range},
+                    Wrong{"[0.0, -0.05, 0.09]", "[0.0, 0.1]", ErrorCode::malformed},
+                    Wrong{"[0, 0, 1]", "[0, 0, 0]", ErrorCode::out_of_range},
+                    Wrong{"gyro_bias_dps = 1.0", "gyro_bias_dps = inf", ErrorCode::out_of_range}));
+
+TEST(Rig, RefusesNoSensorsAndTooMany) {
+  EXPECT_FALSE(parse_rig("name = \"a\"\nreference = \"b\"\n", "t"));
+  EXPECT_FALSE(parse_rig("name = \"a\"\nreference = \"b\"\nsensor = []\n", "t"));
+  EXPECT_FALSE(parse_rig("", "t"));
+  std::string many = "name = \"a\"\nreference = \"s0\"\n";
+  for (int i = 0; i < 257; ++i)
+    many += "[[sensor]]\nname = \"s" + std::to_string(i) + "\"\nkind = \"imu\"\nrole = \"face\"\n";
+  EXPECT_FALSE(parse_rig(many, "t"));
+}
+
+TEST(Rig, NamesTheLine) {
+  const auto rig = parse_rig(with("side = \"M\"", "side = \"M\"\ncolour = 1"), "r.toml");
+  ASSERT_FALSE(rig);
+  EXPECT_NE(rig.error().where.find("line 8"), std::string::npos) << rig.error().message();
+}
+
+}  // namespace
+}  // namespace mien::sensor
