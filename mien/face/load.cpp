@@ -1,0 +1,29 @@
+#include "mien/face/load.h"
+
+#include <filesystem>
+
+#include "mien/face/ict_import.h"
+
+namespace mien::face {
+namespace fs = std::filesystem;
+
+Result<Face> load_face(const std::string& what, const Progress& progress) {
+  if (what == "builtin")
+    return fail(ErrorCode::unsupported, "the built-in face is not part of this build", what,
+                "name a folder with generic_neutral_mesh.obj");
+  std::error_code code;
+  const fs::path path = what;
+  if (fs::is_directory(path, code)) {
+    for (const fs::path& folder : {path, path / "FaceXModel"})
+      if (fs::exists(folder / "generic_neutral_mesh.obj", code)) return import_ict(folder, progress);
+    return fail(ErrorCode::not_found, "there is no generic_neutral_mesh.obj in this folder", what,
+                "name the FaceXModel folder of ICT-FaceKit");
+  }
+  if (!fs::exists(path, code))
+    return fail(ErrorCode::not_found, "there is no such face", what,
+                "name 'builtin', a folder or a .glb, .gltf or .vrm file");
+  return fail(ErrorCode::unsupported, "this is no face that Mien reads", what,
+              "name 'builtin', a folder with generic_neutral_mesh.obj, or a .glb, .gltf or .vrm file");
+}
+
+}  // namespace mien::face

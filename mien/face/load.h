@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
+
+namespace mien::face {
+
+/// The face that `--face` names: "builtin", a folder with generic_neutral_mesh.obj (or with FaceXModel in
+/// it), or a .glb, .gltf or .vrm file. Errors: not_found, unsupported, and those of the importers.
+[[nodiscard]] Result<Face> load_face(const std::string& what, const Progress& progress = no_progress);
+
+}  // namespace mien::face
