@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "mien/core/rotation.h"
+#include "mien/face/face.h"
+
+namespace mien::render {
+
+/// Where a picture is taken from, frame H.
+struct Camera {
+  int width = 640;   ///< Pixels.
+  int height = 640;  ///< Pixels.
+  Vec3f position_m = Vec3f(0, 0, 1);
+  Vec3f target_m = Vec3f::Zero();   ///< In the middle of the picture.
+  Vec3f up = Vec3f::UnitY();        ///< Not along the line of sight.
+  float field_of_view_rad = 0.35F;  ///< Vertical, whole angle.
+};
+
+/// From where a face is looked at. Three-quarter and side look at the performer's left.
+enum class View { front, three_quarter, side };
+[[nodiscard]] std::optional<View> view_from_name(std::string_view name);
+
+/// A camera that has the whole neutral face in the picture, as a portrait photographer would: from about half
+/// a metre with a long lens. `closeness` 1 shows the head, 2 half of that.
+[[nodiscard]] Camera portrait_camera(const face::Face& face, View view, int width, int height,
+                                     float closeness = 1);
+
+}  // namespace mien::render

@@ -1,0 +1,52 @@
+#include "mien/render/image.h"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <algorithm>
+
+#include "mien/core/files.h"
+
+namespace mien::render {
+
+Image::Image(int width_px, int height_px, Rgb fill)
+    : width(width_px), height(height_px), rgb(std::size_t(3) * width_px * height_px) {
+  for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = fill[i % 3];
+}
+
+void paste(Image& picture, const Image& part, int x, int y) {
+  const int left = std::max(0, -x);
+  const int right = std::min(part.width, picture.width - x);
+  if (left >= right) return;
+  for (int row = std::max(0, -y); row < std::min(part.height, picture.height - y); ++row)
+    std::copy(part.pixel(left, row), part.pixel(left, row) + std::ptrdiff_t(3) * (right - left),
+              picture.pixel(x + left, y + row));
+}
+
+Result<std::vector<std::byte>> encode_png(const Image& picture) {
+  constexpr int kMaxSide = 16384;
+  if (picture.width < 1 || picture.height < 1 || picture.width > kMaxSide || picture.height > kMaxSide ||
+      picture.rgb.size() != std::size_t(3) * picture.width * picture.height)
+    return fail(ErrorCode::out_of_range,
+                fmt::format("a picture of {} x {} cannot be written", picture.width, picture.height), "PNG",
+                fmt::format("sides are 1 to {} pixels", kMaxSide));
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = static_cast<png_uint_32>(picture.width);
+  header.height = static_cast<png_uint_32>(picture.height);
+  header.format = PNG_FORMAT_RGB;
+  // The simplified writer may not say its size beforehand without doing the work; its bound is cheap.
+  std::vector<std::byte> content(PNG_IMAGE_PNG_SIZE_MAX(header));
+  png_alloc_size_t size = content.size();
+  if (png_image_write_to_memory(&header, content.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+    return fail(ErrorCode::internal, fmt::format("libpng: {}", header.message), "PNG");
+  content.resize(size);
+  return content;
+}
+
+Result<void> write_png(const std::filesystem::path& path, const Image& picture) {
+  MIEN_TRY_ASSIGN(const auto content, encode_png(picture));
+  return write_file(path, content);
+}
+
+}  // namespace mien::render

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "mien/core/error.h"
+
+namespace mien::render {
+
+/// 8-bit sRGB, red first; 0 to 255.
+using Rgb = std::array<std::uint8_t, 3>;
+
+/// A picture, sRGB, rows from the top.
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  ///< Shape: height x width x 3.
+
+  Image() = default;
+  Image(int width_px, int height_px, Rgb fill = {0, 0, 0});
+
+  /// The three bytes of one pixel; x and y inside the picture.
+  [[nodiscard]] std::uint8_t* pixel(int x, int y) { return rgb.data() + 3 * (std::size_t(y) * width + x); }
+  [[nodiscard]] const std::uint8_t* pixel(int x, int y) const {
+    return rgb.data() + 3 * (std::size_t(y) * width + x);
+  }
+  bool operator==(const Image&) const = default;
+};
+
+/// Copies `part` into `picture` with its top left corner at (x, y); what falls outside is left out.
+void paste(Image& picture, const Image& part, int x, int y);
+
+/// The picture as a PNG file's content. Errors: out_of_range (a picture without pixels, or larger than 16384
+/// a side).
+[[nodiscard]] Result<std::vector<std::byte>> encode_png(const Image& picture);
+/// The same into a file, whole or not at all. Errors: those of encode_png and of write_file.
+[[nodiscard]] Result<void> write_png(const std::filesystem::path& path, const Image& picture);
+
+}  // namespace mien::render

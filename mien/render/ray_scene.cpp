@@ -1,0 +1,82 @@
+#include "mien/render/ray_scene.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace mien::render {
+
+RayScene::RayScene(std::span<const Vec3f> vertices, std::span<const std::array<std::uint32_t, 3>> triangles)
+    // One thread builds: a tree of some ten thousand triangles takes milliseconds, and is the same every
+    // time.
+    : device_(rtcNewDevice("threads=1")) {
+  if (!device_) throw std::runtime_error("Embree does not start on this processor");
+  scene_.reset(rtcNewScene(device_.get()));
+  rtcSetSceneFlags(scene_.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST));
+  mesh_ = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  if (!triangles.empty()) {
+    positions_ = static_cast<float*>(rtcSetNewGeometryBuffer(
+        mesh_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), vertices.size()));
+    auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        mesh_, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles.size()));
+    if (positions_ == nullptr || indices == nullptr)
+      throw std::runtime_error("no memory for the mesh's ray tree");
+    std::ranges::copy(std::span(vertices.data()->data(), 3 * vertices.size()), positions_);
+    std::ranges::copy(std::span(triangles.data()->data(), 3 * triangles.size()), indices);
+    rtcCommitGeometry(mesh_);
+    rtcAttachGeometry(scene_.get(), mesh_);
+  }
+  rtcReleaseGeometry(mesh_);
+  rtcCommitScene(scene_.get());
+}
+
+void RayScene::move(std::span<const Vec3f> vertices) {
+  if (positions_ == nullptr) return;
+  std::ranges::copy(std::span(vertices.data()->data(), 3 * vertices.size()), positions_);
+  rtcSetGeometryBuildQuality(mesh_, RTC_BUILD_QUALITY_REFIT);
+  rtcUpdateGeometryBuffer(mesh_, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(mesh_);
+  rtcCommitScene(scene_.get());
+}
+
+RayScene::Hit RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, float from) const {
+  RTCRayHit ray{};
+  ray.ray = {.org_x = origin.x(),
+             .org_y = origin.y(),
+             .org_z = origin.z(),
+             .tnear = from,
+             .dir_x = direction.x(),
+             .dir_y = direction.y(),
+             .dir_z = direction.z(),
+             .time = 0,
+             .tfar = std::numeric_limits<float>::infinity(),
+             .mask = ~0U,
+             .id = 0,
+             .flags = 0};
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene_.get(), &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
+  return {.triangle = ray.hit.primID, .distance = ray.ray.tfar, .u = ray.hit.u, .v = ray.hit.v};
+}
+
+bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const {
+  RTCRay ray{.org_x = origin.x(),
+             .org_y = origin.y(),
+             .org_z = origin.z(),
+             .tnear = from,
+             .dir_x = direction.x(),
+             .dir_y = direction.y(),
+             .dir_z = direction.z(),
+             .time = 0,
+             .tfar = to,
+             .mask = ~0U,
+             .id = 0,
+             .flags = 0};
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene_.get(), &context, &ray);
+  return ray.tfar < 0;
+}
+
+}  // namespace mien::render

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "mien/core/rotation.h"
+
+namespace mien::render {
+
+/// Triangles that rays can be shot at: Embree behind four functions. Vertices may move, triangles may not.
+/// Rays may be shot from several threads; moving excludes shooting.
+class RayScene {
+ public:
+  struct Hit {
+    std::uint32_t triangle = 0;  ///< Index into the triangles given.
+    float distance = std::numeric_limits<float>::infinity();
+    float u = 0, v = 0;  ///< Weights of the second and third corner.
+    [[nodiscard]] bool any() const { return distance < std::numeric_limits<float>::infinity(); }
+  };
+
+  RayScene(std::span<const Vec3f> vertices, std::span<const std::array<std::uint32_t, 3>> triangles);
+
+  void move(std::span<const Vec3f> vertices);
+  [[nodiscard]] Hit first_hit(const Vec3f& origin, const Vec3f& direction, float from = 0) const;
+  [[nodiscard]] bool blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const;
+
+ private:
+  struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device_;
+  std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene_;
+  RTCGeometry mesh_ = nullptr;  // Owned by scene_.
+  float* positions_ = nullptr;  // Owned by mesh_.
+};
+
+}  // namespace mien::render

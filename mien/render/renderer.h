@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "mien/core/rotation.h"
+#include "mien/face/face.h"
+#include "mien/render/camera.h"
+#include "mien/render/image.h"
+
+namespace mien::render {
+
+/// How much work goes into a picture.
+enum class Quality {
+  video,  ///< 4 rays a pixel, more at edges; some 5 frames a second of 480 x 480 on two cores.
+  still,  ///< 9 rays a pixel, more at edges, finer shadows.
+};
+
+/// Light and background. Lights stand with the camera, as in a studio: left, right and up are the picture's.
+struct Look {
+  /// A soft light on a disc far away.
+  struct Light {
+    Vec3f direction = Vec3f::UnitZ();  ///< Towards the light: +x right, +y up, +z to the camera.
+    Vec3f radiance = Vec3f::Zero();    ///< Linear RGB; what a white wall facing it would show.
+    float radius_rad = 0.2F;           ///< Half the angle that it fills; larger softens its shadows.
+  };
+  Light key;                     ///< Warm, from above and the side.
+  Light fill;                    ///< Lifts the other side.
+  Light rim;                     ///< From behind: parts the head from the background.
+  Vec3f sky = Vec3f::Zero();     ///< Light from everywhere above, linear RGB.
+  Vec3f ground = Vec3f::Zero();  ///< The same from below.
+  Rgb background_top = {0, 0, 0};
+  Rgb background_bottom = {0, 0, 0};
+
+  [[nodiscard]] static Look dark();
+  [[nodiscard]] static Look light();
+};
+
+/// Paints the error of each vertex on the face instead of its own colours.
+struct ErrorColours {
+  std::span<const float> error_m;  ///< Beside the vertices; >= 0.
+  float full_scale_m = 5e-3F;      ///< Where the ramp ends.
+};
+
+/// Ray-traces one face. Skin scatters light (visibility of each light is found at the vertices and diffused
+/// along the skin, red furthest), eyes are wet, lids, lips and nose cast soft shadows. The same input gives
+/// the same bytes whatever the number of threads. One picture at a time: not thread-safe.
+class Renderer {
+ public:
+  /// `face` outlives the renderer; triangles and shapes do not change meanwhile. `threads` 0: one a core.
+  explicit Renderer(const face::Face& face, Quality quality = Quality::still, int threads = 0);
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  /// One picture of the face in this pose. Shape: vertices_m beside the face's neutral, finite.
+  /// Cost: on two cores 640 x 640 in about a second as a still; the ray tree is refitted, not rebuilt.
+  [[nodiscard]] Image still(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look,
+                            const ErrorColours* errors = nullptr);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mien::render

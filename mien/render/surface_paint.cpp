@@ -1,0 +1,268 @@
+#include "mien/render/surface_paint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "mien/render/solid_noise.h"
+
+namespace mien::render {
+namespace {
+
+using Eigen::Vector2f;
+using face::Material;
+
+// All paint was chosen by eye on rendered faces.
+const Vec3f kSkin(0.60F, 0.365F, 0.265F);
+const Vec3f kLips(0.47F, 0.165F, 0.145F);
+const Vec3f kHair(0.055F, 0.035F, 0.025F);
+const Vec3f kSclera(0.74F, 0.69F, 0.66F);
+
+float smooth_step(float low, float high, float x) {
+  const float t = std::clamp((x - low) / (high - low), 0.0F, 1.0F);
+  return t * t * (3 - 2 * t);
+}
+
+Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
+  return a + t * (b - a);
+}
+
+/// A smooth curve through `points` (Catmull-Rom), eight pieces between two.
+std::vector<Vector2f> smooth_curve(const std::vector<Vector2f>& points, bool closed) {
+  constexpr int kPieces = 8;
+  const auto n = static_cast<int>(points.size());
+  const auto at = [&](int i) {
+    return closed ? points[static_cast<std::size_t>((i + n) % n)]
+                  : points[static_cast<std::size_t>(std::clamp(i, 0, n - 1))];
+  };
+  std::vector<Vector2f> curve;
+  for (int i = 0; i < (closed ? n : n - 1); ++i)
+    for (int j = 0; j < kPieces; ++j) {
+      const float t = static_cast<float>(j) / kPieces;
+      const Vector2f a = at(i - 1), b = at(i), c = at(i + 1), d = at(i + 2);
+      curve.push_back(0.5F * (2 * b + t * (c - a) + t * t * (2 * a - 5 * b + 4 * c - d) +
+                              t * t * t * (3 * b - a - 3 * c + d)));
+    }
+  if (!closed) curve.push_back(points.back());
+  return curve;
+}
+
+struct Nearest {
+  float distance = std::numeric_limits<float>::max();
+  float along = 0;  // 0 at the curve's start, 1 at its end.
+};
+
+Nearest nearest_on(const std::vector<Vector2f>& curve, const Vector2f& p, bool closed) {
+  Nearest best;
+  const std::size_t n = curve.size();
+  const std::size_t pieces = closed ? n : n - 1;
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const Vector2f a = curve[i], d = curve[(i + 1) % n] - a;
+    const float length2 = d.squaredNorm();
+    const float t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0F, 1.0F) : 0.0F;
+    const float distance = (p - a - t * d).norm();
+    if (distance < best.distance) best = {distance, (static_cast<float>(i) + t) / static_cast<float>(pieces)};
+  }
+  return best;
+}
+
+bool inside(const std::vector<Vector2f>& outline, const Vector2f& p) {
+  bool in = false;
+  for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+    const Vector2f a = outline[i], b = outline[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) &&
+        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+      in = !in;
+  }
+  return in;
+}
+
+}  // namespace
+
+SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
+  const auto has = [&](Material material) {
+    return std::ranges::any_of(face.parts, [&](const face::Part& part) { return part.material == material; });
+  };
+  const bool own_colours = !face.colour.empty();
+  paints_lips_ = face.has_landmarks && !own_colours && !has(Material::lips);
+  paints_brows_ = face.has_landmarks && !own_colours && !has(Material::hair);
+
+  if (face.has_landmarks) {
+    const auto mark = [&](std::size_t i) { return face.neutral_m[face.landmarks[i]]; };
+    const auto curve = [&](std::size_t first, std::size_t last, bool closed) {
+      std::vector<Vector2f> points;
+      for (std::size_t i = first; i <= last; ++i) points.emplace_back(mark(i).head<2>());
+      return smooth_curve(points, closed);
+    };
+    lips_m_ = curve(48, 59, true);
+    lips_back_m_ = std::min(mark(48).z(), mark(54).z()) - 0.012F;
+    brows_m_[0] = curve(17, 21, false);
+    std::ranges::reverse(brows_m_[0]);
+    brows_m_[1] = curve(22, 26, false);
+    brows_back_m_ = std::min(mark(17).z(), mark(26).z()) - 0.02F;
+
+    if (!own_colours) {
+      const Vec3f flush(1.06F, 0.80F, 0.79F), eye_shadow(0.88F, 0.80F, 0.82F);
+      spots_.push_back({mark(30), 0.014F, flush});
+      spots_.push_back({0.5F * (mark(31) + mark(2)), 0.026F, flush});
+      spots_.push_back({0.5F * (mark(35) + mark(14)), 0.026F, flush});
+      spots_.push_back({mark(8), 0.018F, Vec3f(1.02F, 0.92F, 0.91F)});
+      for (const std::size_t first : {std::size_t{36}, std::size_t{42}})
+        spots_.push_back({0.5F * (mark(first) + mark(first + 3)), 0.019F, eye_shadow});
+    }
+  }
+
+  // Where the iris is modelled, its own rim tells its size.
+  for (std::size_t e = 0; e < 2; ++e) {
+    const face::Eyeball& ball = face.eyes[e];
+    float widest = 0;
+    for (const face::Part& part : face.parts) {
+      if (part.material != Material::iris) continue;
+      for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
+        for (const std::uint32_t i : face.triangles[t]) {
+          if (i < ball.first_vertex || i >= ball.first_vertex + ball.vertex_count) continue;
+          const Vec3f d = face.neutral_m[i] - ball.centre_m;
+          widest = std::max(widest, std::atan2(d.head<2>().norm(), d.z()));
+        }
+    }
+    if (widest > 0.2F && widest < 0.9F) iris_angle_rad_[e] = widest;
+  }
+}
+
+float SurfacePaint::lip_amount(const Vec3f& p) const {
+  if (!paints_lips_ || p.z() < lips_back_m_) return 0;
+  const Vector2f q = p.head<2>();
+  const float distance = nearest_on(lips_m_, q, true).distance;
+  const float signed_m = inside(lips_m_, q) ? distance : -distance;
+  return smooth_step(-0.0012F, 0.0016F, signed_m);
+}
+
+float SurfacePaint::brow_amount(const Vec3f& p) const {
+  if (!paints_brows_ || p.z() < brows_back_m_) return 0;
+  const Vector2f q = p.head<2>();
+  const auto& brow = brows_m_[p.x() > 0 ? 1 : 0];
+  const Nearest near = nearest_on(brow, q, false);
+  const float half_m = 0.0048F * (1 - 0.72F * smooth_step(0.35F, 1.05F, near.along));
+  if (near.distance > 2 * half_m) return 0;
+  // Hairs run outwards and up: stretched noise, finer across than along.
+  const float outward = p.x() > 0 ? 1.0F : -1.0F;
+  const float lean = 1.1F - 1.3F * near.along;
+  const Vector2f along = Vector2f(outward, lean).normalized();
+  const Vector2f across(-along.y(), along.x());
+  const float hairs = 0.62F + 0.65F * solid_noise(Vec3f(q.dot(along) * 260, q.dot(across) * 1500, 7.0F));
+  const float ragged =
+      near.distance + 0.0009F * solid_noise(Vec3f(q.dot(across) * 900, q.dot(along) * 120, 3.0F));
+  return std::clamp(hairs, 0.0F, 1.0F) * (1 - smooth_step(0.35F * half_m, 1.15F * half_m, ragged)) * 0.92F *
+         smooth_step(-0.02F, 0.10F, near.along + 0.06F);
+}
+
+Surface SurfacePaint::eye(const Vec3f& p, int index) const {
+  const Vec3f d = p - face_.eyes[static_cast<std::size_t>(index)].centre_m;
+  const float angle = std::atan2(d.head<2>().norm(), d.z());
+  const float turn = std::atan2(d.y(), d.x());
+  const float radius = angle / iris_angle_rad(index);  // 1 at the limbus.
+
+  // White, with a little blood towards the corners.
+  const float far_out = smooth_step(1.3F, 2.6F, radius);
+  const float veins = std::max(0.0F, solid_noise(d * 700.0F)) * far_out;
+  Vec3f colour = mix(kSclera, Vec3f(0.66F, 0.44F, 0.40F), 0.45F * far_out + 0.35F * veins);
+
+  // The iris: dark rim, fibres, lighter ring about the pupil.
+  const float fibres = 0.6F * solid_noise(Vec3f(11 * std::cos(turn), 11 * std::sin(turn), 1.6F * radius)) +
+                       0.4F * solid_noise(Vec3f(26 * std::cos(turn), 26 * std::sin(turn), 3 * radius));
+  const Vec3f outer(0.085F, 0.13F, 0.155F), inner(0.26F, 0.20F, 0.105F);
+  Vec3f iris = mix(inner, outer, smooth_step(0.36F, 0.70F, radius + 0.10F * fibres)) * (1 + 0.75F * fibres);
+  iris *= 1 - 0.78F * smooth_step(0.80F, 1.0F, radius);
+  iris *= smooth_step(0.30F, 0.37F, radius);
+  colour = mix(iris, colour, smooth_step(0.94F, 1.09F, radius));
+  return {
+      .albedo = colour.cwiseMax(0.004F), .roughness = 0.08F, .reflectance = 0.03F, .scatter = 0, .bump = 0};
+}
+
+Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) const {
+  Surface s;
+  switch (material) {
+    case Material::skin:
+    case Material::lips: {
+      const float mottle = solid_noise(p * 160.0F) + 0.5F * solid_noise(p * 420.0F);
+      s = {.albedo = own != nullptr ? *own : kSkin,
+           .roughness = 0.46F,
+           .reflectance = 0.028F,
+           .scatter = 1,
+           .bump = 1};
+      if (own == nullptr)
+        for (const Spot& spot : spots_) {
+          const float amount =
+              std::exp(-(p - spot.centre_m).squaredNorm() / (2 * spot.radius_m * spot.radius_m));
+          s.albedo = s.albedo.cwiseProduct(mix(Vec3f::Ones(), spot.tint, amount));
+        }
+      s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F));
+      const float lip = material == Material::lips ? 1.0F : lip_amount(p);
+      if (lip > 0) {
+        if (own == nullptr) {
+          const float lines = 1 + 0.13F * solid_noise(Vec3f(p.x() * 1300, p.y() * 160, p.z() * 160));
+          s.albedo = mix(s.albedo, kLips * lines, 0.88F * lip);
+        }
+        s.roughness += lip * (0.33F - s.roughness);
+        s.bump *= 1 - 0.7F * lip;
+      }
+      const float brow = brow_amount(p);
+      s.albedo = mix(s.albedo, kHair, brow);
+      s.roughness += 0.2F * brow;
+      return s;
+    }
+    case Material::sclera:
+    case Material::iris:
+    case Material::pupil: {
+      int nearest = -1;
+      float best = 0.03F;
+      for (int e = 0; e < 2; ++e)
+        if (face_.eyes[static_cast<std::size_t>(e)].vertex_count > 0) {
+          const float d = (p - face_.eyes[static_cast<std::size_t>(e)].centre_m).norm();
+          if (d < best) {
+            best = d;
+            nearest = e;
+          }
+        }
+      if (nearest >= 0) return eye(p, nearest);
+      s = {.albedo = material == Material::sclera ? kSclera
+                     : material == Material::iris ? Vec3f(0.12F, 0.10F, 0.07F)
+                                                  : Vec3f(0.004F, 0.004F, 0.004F),
+           .roughness = 0.08F,
+           .reflectance = 0.03F};
+      break;
+    }
+    case Material::cornea:
+      return {.albedo = Vec3f::Zero(), .roughness = 0.06F, .reflectance = 0.025F};
+    case Material::teeth:
+      s = {.albedo = {0.70F, 0.64F, 0.54F}, .roughness = 0.22F, .reflectance = 0.045F, .scatter = 0.3F};
+      break;
+    case Material::gums:
+      s = {.albedo = {0.50F, 0.19F, 0.18F}, .roughness = 0.3F, .reflectance = 0.03F, .scatter = 0.6F};
+      break;
+    case Material::tongue:
+      s = {.albedo = {0.52F, 0.20F, 0.19F},
+           .roughness = 0.36F,
+           .reflectance = 0.03F,
+           .scatter = 0.8F,
+           .bump = 1};
+      break;
+    case Material::mouth_inside:
+      s = {.albedo = {0.30F, 0.085F, 0.075F}, .roughness = 0.35F, .reflectance = 0.03F, .scatter = 0.6F};
+      break;
+    case Material::hair:
+      s = {.albedo = kHair, .roughness = 0.5F, .reflectance = 0.03F};
+      break;
+    case Material::lash:
+      s = {.albedo = {0.012F, 0.009F, 0.008F}, .roughness = 0.6F, .reflectance = 0.02F};
+      break;
+    case Material::other:
+      s = {.albedo = {0.35F, 0.35F, 0.36F}, .roughness = 0.5F, .reflectance = 0.03F};
+      break;
+  }
+  if (own != nullptr) s.albedo = *own;
+  return s;
+}
+
+}  // namespace mien::render

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "mien/face/face.h"
+
+namespace mien::render {
+
+/// What light meets at one point.
+struct Surface {
+  Vec3f albedo = Vec3f::Constant(0.5F);  ///< Linear RGB.
+  float roughness = 0.5F;                ///< 0 mirror to 1 chalk.
+  float reflectance = 0.03F;             ///< Mirror reflection straight on.
+  float scatter = 0;                     ///< 1: light spreads under it as in skin; 0: not at all.
+  float bump = 0;                        ///< Strength of pores.
+};
+
+/// Colours of a face: its own where it has them, else those of its materials with lips, brows, flush and
+/// irises painted from landmarks and eyeballs. All in the neutral's space, so paint moves with the skin.
+class SurfacePaint {
+ public:
+  explicit SurfacePaint(const face::Face& face);
+
+  /// At a point of the neutral on a triangle of this material; `own` is the interpolated face colour where it
+  /// has any.
+  [[nodiscard]] Surface at(const Vec3f& neutral_m, face::Material material, const Vec3f* own) const;
+
+  /// Of eyeball `eye`: the angle about its centre at which the iris ends.
+  [[nodiscard]] float iris_angle_rad(int eye) const { return iris_angle_rad_[static_cast<std::size_t>(eye)]; }
+
+ private:
+  struct Spot {
+    Vec3f centre_m;
+    float radius_m;
+    Vec3f tint;  // Factor on the albedo at the centre.
+  };
+  [[nodiscard]] Surface eye(const Vec3f& neutral_m, int index) const;
+  [[nodiscard]] float lip_amount(const Vec3f& neutral_m) const;
+  [[nodiscard]] float brow_amount(const Vec3f& neutral_m) const;
+
+  const face::Face& face_;
+  bool paints_lips_ = false;
+  bool paints_brows_ = false;
+  std::vector<Spot> spots_;
+  std::vector<Eigen::Vector2f> lips_m_;                  // Closed outline, seen from the front.
+  float lips_back_m_ = 0;                                // Lips lie in front of this z.
+  std::array<std::vector<Eigen::Vector2f>, 2> brows_m_;  // From the nose outwards.
+  float brows_back_m_ = 0;
+  std::array<float, 2> iris_angle_rad_ = {0.46F, 0.46F};
+};
+
+}  // namespace mien::render
