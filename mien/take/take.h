@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -18,23 +20,23 @@ namespace mien::take {
 
 /// Who, what and with what: written once, at the start of a take.
 struct Header {
-  std::string software;        ///< "mien 0.1.0".
-  std::string performer;       ///< Name or "virtual:SEED".
-  std::string script;          ///< What was performed: a file's name, or a script's text.
-  std::string devices;         ///< "device", "lab", or the name of a profile file.
-  std::string face;            ///< "builtin", a folder or a file: what --face was. Identity parameters below.
-  std::string face_parameters; ///< JSON; empty when none.
-  std::string prologue;        ///< "short", "full" or "none".
+  std::string software;   ///< "mien 0.1.0".
+  std::string performer;  ///< Name or "virtual:SEED".
+  std::string script;     ///< What was performed: a file's name, or a script's text.
+  std::string devices;    ///< "device", "lab", or the name of a profile file.
+  std::string face;       ///< "builtin", a folder or a file: what --face was. Identity parameters below.
+  std::string face_parameters;  ///< JSON; empty when none.
+  std::string prologue;         ///< "short", "full" or "none".
   std::uint64_t seed = 0;
-  std::string rig_toml;        ///< The whole rig file.
-  std::string created_utc;     ///< ISO 8601; for people only.
+  std::string rig_toml;     ///< The whole rig file.
+  std::string created_utc;  ///< ISO 8601; for people only.
 };
 
 /// One thing that reached the session, in order.
 struct LogEntry {
-  std::int64_t id = 0;     ///< 1, 2, 3, ...; assigned by the writer.
-  HostTime arrival;        ///< From the session's start.
-  std::string source;      ///< "udp://127.0.0.1:5005", "virtual", "page", ...
+  std::int64_t id = 0;  ///< 1, 2, 3, ...; assigned by the writer.
+  HostTime arrival;     ///< From the session's start.
+  std::string source;   ///< "udp://127.0.0.1:5005", "virtual", "page", ...
   std::vector<std::byte> bytes;
 };
 
@@ -58,11 +60,12 @@ struct TruthFrame {
   DeviceTime time;
   face::BlendshapeWeights weights;
   float tongue_out = 0;
-  bool has_face = true;     ///< False: the truth's source lost the face.
-  bool evaluated = true;    ///< False in the prologue and while easing in.
+  bool has_face = true;   ///< False: the truth's source lost the face.
+  bool evaluated = true;  ///< False in the prologue and while easing in.
 };
 
-/// Something that happened. Kinds now: "neutral", "nod", "shake", "ease", "tap", "prompt", "lost_face", "prologue".
+/// Something that happened. Kinds now: "neutral", "nod", "shake", "ease", "tap", "prompt", "lost_face",
+/// "prologue".
 struct Event {
   std::string kind;
   DeviceTime begin;  ///< Reference sensor's clock.
@@ -85,28 +88,48 @@ struct Audio {
   std::vector<float> samples;
 };
 
-/// Writes a take while it is recorded. Append-only: a writer thread commits at least every half second, so a kill
-/// loses at most that. The first error is kept and returned by every later call and by finish().
-/// Thread: calls from one thread; they copy and return at once.
+/// What ran: model, kernels, hash.
+struct Note {
+  std::string key;
+  std::string value;
+};
+
+/// Writes a take while it is recorded. Append-only, and what is stored is always a prefix of what was added:
+/// a writer thread commits at least every half second, so a kill loses at most that.
+///
+/// The first error (disk full, or something that no reader would take back: a number that is not finite, a
+/// sensor that the rig lacks, time that runs backwards, a tick after an entry that was never added) is kept,
+/// status() and finish() return it, and nothing is stored after it. Thread: calls from one thread. They copy
+/// and return at once; where the disk is slower than the caller for long, they wait for it once 16 MiB are
+/// under way.
 class TakeWriter {
  public:
-  /// Errors: bad_usage when the file exists and not `replace`; io.
-  [[nodiscard]] static Result<TakeWriter> create(const std::filesystem::path& path, const Header& header, bool replace);
+  /// The file appears at `path`, whole, when this returns; an older one is replaced by then and not before.
+  /// Errors: bad_usage when the file exists and not `replace`; io; a header whose rig does not parse.
+  [[nodiscard]] static Result<TakeWriter> create(const std::filesystem::path& path, const Header& header,
+                                                 bool replace);
   TakeWriter(TakeWriter&&) noexcept;
   TakeWriter& operator=(TakeWriter&&) noexcept;
   ~TakeWriter();  ///< As finish(), its error lost.
 
-  /// Returns the entry's id.
+  /// Returns the entry's id. `arrival` never runs backwards; up to 16 MiB an entry.
   std::int64_t add_entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes);
+  /// In the order of their entries. `entry` 0: it came with none.
   void add_sample(std::int64_t entry, HostTime arrival, const sensor::Sample& sample);
+  /// Index and frame time ascend; after_entry never runs backwards and names an entry that was added.
   void add_tick(const Tick& tick);
+  /// Time ascends.
   void add_truth(const TruthFrame& truth);
   void add_event(const Event& event);
+  /// Id 0: the next one. Else ids ascend.
   void add_calibration(const CalibrationVersion& calibration);
+  /// May be called again and again: each piece begins where the last ended, to 10 ms. 1 to 768 kHz.
   void add_audio(int rate_hz, DeviceTime start, std::span<const float> samples);
-  /// What ran: model, kernels, hash; key and value.
+  /// What ran: model, kernels, hash; key and value. A later value of a key hides the earlier.
   void add_note(std::string_view key, std::string_view value);
-  /// Everything is on the disk when this returns.
+  /// The first error so far, so that a recorder can stop. Cheap.
+  [[nodiscard]] Result<void> status() const;
+  /// Everything is on the disk when this returns. Nothing may be added afterwards.
   [[nodiscard]] Result<void> finish();
 
  private:
@@ -115,9 +138,17 @@ class TakeWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Reads a take; one killed while being written opens again. A foreign or broken file is refused with one line.
+/// Reads a take; one killed while being written opens again, with everything up to its last commit. What it
+/// reads is what stood in the file when it was opened, also while the take is still being recorded. A
+/// foreign, broken or doctored file is refused with one line; no number leaves here unchecked (docs/take.md
+/// lists the ranges), and samples, ticks and entries come in the order that replay_order() needs.
+///
+/// Where the recording was cut off inside a commit, its `-journal` beside it is rolled back; where this
+/// program may not write there, that is done on a copy in the temporary folder. Thread: one at a time.
 class Take {
  public:
+  /// Errors: not_found; bad_usage (no file, empty); malformed; unsupported (another version); out_of_range;
+  /// io. Cost: reads the file once (about half a second for 100 MB from the cache).
   [[nodiscard]] static Result<Take> open(const std::filesystem::path& path);
   Take(Take&&) noexcept;
   Take& operator=(Take&&) noexcept;
@@ -126,7 +157,7 @@ class Take {
   [[nodiscard]] const std::filesystem::path& path() const;
   [[nodiscard]] const Header& header() const;
   [[nodiscard]] const sensor::Rig& rig() const;
-  [[nodiscard]] bool finished() const;  ///< False when the recording was cut off.
+  [[nodiscard]] bool finished() const;  ///< False when the recording was cut off, or is still running.
   [[nodiscard]] Result<std::vector<LogEntry>> entries() const;
   [[nodiscard]] Result<std::vector<StoredSample>> samples() const;
   [[nodiscard]] Result<std::vector<Tick>> ticks() const;
@@ -135,6 +166,10 @@ class Take {
   [[nodiscard]] Result<std::vector<CalibrationVersion>> calibrations() const;
   [[nodiscard]] Result<std::optional<Audio>> audio() const;
   [[nodiscard]] Result<std::string> note(std::string_view key) const;  ///< Empty when absent.
+  [[nodiscard]] Result<std::vector<Note>> notes() const;               ///< All, in the order written.
+
+  /// Reads everything and compares the counts with what finish() noted. `mien take check`.
+  [[nodiscard]] Result<void> check() const;
 
  private:
   struct State;
