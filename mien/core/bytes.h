@@ -5,12 +5,17 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mien {
+
+/// What stands on a wire as a number. Not bool: a byte of 2 is no bool; read a std::uint8_t and judge it.
+template <class T>
+concept WireNumber = (std::integral<T> && !std::same_as<std::remove_cv_t<T>, bool>) ||
+                     std::same_as<T, float> || std::same_as<T, double>;
 
 /// Reads numbers from the front of a buffer. Past its end every read gives zero and ok() turns false for
 /// good, so a parser reads its whole record and asks once. Numbers on our own wire are little-endian.

@@ -2,11 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -17,8 +16,11 @@ namespace {
 template <class Container>
 Result<Container> read_all(const fs::path& path, std::size_t max_bytes) {
   std::error_code code;
-  if (!fs::exists(path, code)) return fail(ErrorCode::not_found, "there is no such file", path.string());
-  if (fs::is_directory(path, code))
+  const fs::file_status status = fs::status(path, code);
+  if (status.type() == fs::file_type::not_found)
+    return fail(ErrorCode::not_found, "there is no such file", path.string());
+  if (status.type() == fs::file_type::none) return fail(ErrorCode::io, code.message(), path.string());
+  if (fs::is_directory(status))
     return fail(ErrorCode::bad_usage, "this is a folder, not a file", path.string());
   std::ifstream file(path, std::ios::binary);
   if (!file) return fail(ErrorCode::io, std::strerror(errno), path.string());
@@ -27,15 +29,47 @@ Result<Container> read_all(const fs::path& path, std::size_t max_bytes) {
   constexpr std::size_t kChunk = std::size_t{1} << 20U;
   while (file) {
     const std::size_t have = content.size();
-    if (have > max_bytes)
-      return fail(ErrorCode::out_of_range, fmt::format("the file is larger than {} bytes", max_bytes),
-                  path.string());
     content.resize(have + kChunk);
     file.read(reinterpret_cast<char*>(content.data() + have), static_cast<std::streamsize>(kChunk));
     content.resize(have + static_cast<std::size_t>(file.gcount()));
+    if (content.size() > max_bytes)
+      return fail(ErrorCode::out_of_range, fmt::format("the file is larger than {} bytes", max_bytes),
+                  path.string());
   }
   if (file.bad()) return fail(ErrorCode::io, "reading broke off", path.string());
   return content;
+}
+
+/// A file descriptor, closed when it goes.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return number_; }
+
+ private:
+  int number_;
+};
+
+/// False, and errno says why, when not all of it could be written.
+bool write_all(int file, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(file, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
+std::unexpected<Error> cannot_write(int reason, const fs::path& path) {
+  if (reason == ENOENT || reason == ENOTDIR)
+    return fail(ErrorCode::not_found, "its folder is not there", path.string(), "make the folder first");
+  return fail(ErrorCode::io, std::strerror(reason), path.string(), "nothing was written");
 }
 
 }  // namespace
@@ -49,29 +83,43 @@ Result<std::string> read_text(const fs::path& path, std::size_t max_bytes) {
 }
 
 Result<void> write_file(const fs::path& path, std::span<const std::byte> bytes) {
-  std::string name = path.string() + ".XXXXXX";
-  const int file = ::mkstemp(name.data());
-  if (file < 0)
-    return fail(ErrorCode::io, std::strerror(errno), path.string(), "check the folder and its permissions");
-  const auto give_up = [&](const char* reason) -> Result<void> {
-    const std::string text = reason;
-    ::close(file);
-    ::unlink(name.c_str());
-    return fail(ErrorCode::io, text, path.string(), "nothing was written");
-  };
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t n = ::write(file, bytes.data() + done, bytes.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return give_up(std::strerror(errno));
-    done += static_cast<std::size_t>(n);
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (fs::is_directory(status))
+    return fail(ErrorCode::bad_usage, "this is a folder, not a file", path.string());
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    // A rename would put a plain file in the place of /dev/null or of a pipe.
+    const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (file.get() < 0 || !write_all(file.get(), bytes)) return cannot_write(errno, path);
+    return {};
   }
-  // mkstemp makes it private; give it what a plain creation would have had.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  if (::fchmod(file, 0666 & ~mask) != 0 || ::fsync(file) != 0) return give_up(std::strerror(errno));
-  if (::rename(name.c_str(), path.c_str()) != 0) return give_up(std::strerror(errno));
-  ::close(file);
+  fs::path target = path;
+  if (fs::exists(status)) {
+    target = fs::canonical(path, code);
+    if (code) return cannot_write(code.value(), path);
+  }
+
+  // A name that nobody else has; made by open(), so that the process's umask holds.
+  static std::atomic<unsigned> counter = 0;
+  std::string name;
+  int number = -1;
+  do {
+    name = fmt::format("{}.{}-{}.part", target.string(), ::getpid(), counter++);
+    number = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (number < 0 && errno == EEXIST);
+  const Descriptor file(number);
+  if (file.get() < 0) return cannot_write(errno, path);
+  if (!write_all(file.get(), bytes) || ::fsync(file.get()) != 0 ||
+      ::rename(name.c_str(), target.c_str()) != 0) {
+    const int reason = errno;
+    ::unlink(name.c_str());
+    return cannot_write(reason, path);
+  }
+  // The new name reaches the disk with its folder; a file system that cannot flush a folder is no reason to
+  // fail.
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (parent.get() >= 0) ::fsync(parent.get());
   return {};
 }
 

@@ -22,7 +22,9 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
                                             std::size_t max_bytes = kMaxFileBytes);
 
 /// Writes to a new file beside `path`, flushes it to the disk and renames it: readers see the old content or
-/// the new, never half. Errors: io, with the reason (disk full, no permission).
+/// the new, never half. A link stays a link; a pipe or device is written straight into.
+/// Errors: bad_usage (a folder), not_found (its folder is not there), io, with the reason (disk full, no
+/// permission).
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view text);
 

@@ -92,8 +92,12 @@ Vec3 Random::direction() {
 }
 
 Quat Random::rotation() {
-  Quat q(normal(), normal(), normal(), normal());
-  return canonical(q);
+  // Drawn one by one: compilers differ in the order in which they evaluate arguments.
+  const double w = normal();
+  const double x = normal();
+  const double y = normal();
+  const double z = normal();
+  return canonical(Quat(w, x, y, z));
 }
 
 }  // namespace mien

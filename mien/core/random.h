@@ -8,8 +8,10 @@
 
 namespace mien {
 
-/// Random numbers with the same bits on every machine and library: xoshiro256++ seeded by splitmix64
+/// Random numbers that do not depend on the compiler or its library: xoshiro256++ seeded by splitmix64
 /// (Blackman and Vigna 2021, doi:10.1145/3460772), and our own distributions, since std:: ones differ.
+/// bits(), uniform(), below() and chance() are the same on every machine; the others go through the C
+/// library's log, exp, sin and cos, whose last bit may differ between CPU families (docs/determinism.md).
 class Random {
  public:
   explicit Random(std::uint64_t seed);

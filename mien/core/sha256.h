@@ -1,10 +1,11 @@
 #pragma once
 
-#include <array>
+#include <concepts>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 
 namespace mien {
 
@@ -17,10 +18,10 @@ class Sha256 {
   Sha256& operator=(const Sha256&) = delete;
 
   void add(std::span<const std::byte> bytes);
+  /// The value's own bytes. Only types without padding, whose bytes are nothing but their value.
   template <class T>
-  void add_value(const T& value) {
-    add(std::as_bytes(std::span(&value, 1)));
-  }
+  requires std::has_unique_object_representations_v<T> || std::same_as<T, float> || std::same_as<T, double>
+  void add_value(const T& value) { add(std::as_bytes(std::span(&value, 1))); }
   /// 64 lower-case hexadecimal digits. Feed nothing afterwards.
   [[nodiscard]] std::string hex();
 
