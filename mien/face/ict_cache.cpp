@@ -16,7 +16,7 @@ namespace {
 
 inline constexpr std::string_view kMagic = "MIENICT\n";
 /// Raise it whenever the layout below changes, or what the import makes of the same files.
-inline constexpr std::uint32_t kVersion = 1;
+inline constexpr std::uint32_t kVersion = 2;
 
 // The cache never leaves the machine that wrote it, so plain arrays go as they lie in memory; the version
 // word, read in native order, refuses a file from a machine of the other byte order.

@@ -57,15 +57,13 @@ inline constexpr std::array<Range, 18> kAnatomy = {{
 static_assert(kAnatomy.back().last + 1 == kVertexCount);
 
 /// Parts that are cut out of one of the above by position.
-inline constexpr std::array<std::pair<std::string_view, Material>, 8> kCutParts = {{
+inline constexpr std::array<std::pair<std::string_view, Material>, 6> kCutParts = {{
     {"lips", Material::lips},
     {"tongue", Material::tongue},
     {"cornea_L", Material::cornea},
     {"cornea_R", Material::cornea},
     {"pupil_L", Material::pupil},
     {"pupil_R", Material::pupil},
-    {"iris_back_L", Material::sclera},
-    {"iris_back_R", Material::sclera},
 }};
 
 /// The 68 of Multi-PIE, for a folder without vertex_indices.json, which holds the same.
@@ -157,7 +155,6 @@ void set_parts(Face& face) {
   const std::size_t tongue = cut("tongue");
   const std::array<std::size_t, 2> cornea = {cut("cornea_L"), cut("cornea_R")};
   const std::array<std::size_t, 2> pupil = {cut("pupil_L"), cut("pupil_R")};
-  const std::array<std::size_t, 2> iris_back = {cut("iris_back_L"), cut("iris_back_R")};
 
   // The eye's axis runs from its centre through the front pole of the sclera, the shell's first vertex.
   std::array<Vec3f, 2> axis;
@@ -186,10 +183,11 @@ void set_parts(Face& face) {
       const Vec3f from_centre = middle - face.eyes[e].centre_m;
       const float depth = from_centre.dot(axis[e]);
       const float radius = depth > 0 ? (from_centre - depth * axis[e]).norm() : 1.0F;
+      // The ball of the iris has a hole for a pupil, and its back is the dark that is seen through it.
       if (name.starts_with("sclera"))
         kind = radius < kCorneaRadius ? cornea[e] : range;
       else
-        kind = radius < kPupilRadius ? pupil[e] : radius < kIrisRadius ? range : iris_back[e];
+        kind = radius >= kPupilRadius && radius < kIrisRadius ? range : pupil[e];
     }
     sorted[kind].push_back(triangle);
   }

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/motion.h"
+
+namespace mien::face {
+
+/// The performance in a Live Link Face CSV, named after its file. `warnings`, where given, tells what was
+/// survived. Errors: not_found, io, and those of parse_livelink_csv.
+[[nodiscard]] Result<Motion> load_motion(const std::filesystem::path& path,
+                                         std::vector<std::string>* warnings = nullptr);
+
+}  // namespace mien::face
