@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,8 +29,9 @@ struct FeatureFrame {
   bool has_head = false;
 };
 
-/// How a frame of features becomes the network's condition: for n sensors first 7n numbers (accel xyz, rotation wxyz a
-/// sensor), then, unless `faithful`, 2n presence flags (rotation there, acceleration there; 0 or 1).
+/// How a frame of features becomes the network's condition: for n sensors first 7n numbers (accel xyz,
+/// rotation wxyz a sensor), then, unless `faithful`, 2n presence flags (rotation there, acceleration there; 0
+/// or 1).
 struct FeatureLayout {
   std::vector<std::string> sensors;  ///< Names, as in the rig.
   bool presence_flags = true;        ///< False in the faithful variant.
@@ -45,12 +47,19 @@ struct FeatureNormalisation {
   std::vector<float> scale;  ///< Positive; the standard deviation, floored.
 };
 
-/// Values beyond this many scales are held to it: a wild sensor must not take the network outside what it has seen.
+/// Values beyond this many scales are held to it: a wild sensor must not take the network outside what it has
+/// seen.
 inline constexpr float kFeatureClip = 8.0F;
 
-/// Writes the condition of one frame. Missing values become 0 after normalisation (their mean), their flags 0.
-/// Shape: out.size() == layout.width(); frame.sensors.size() == layout.sensors.size().
-void encode_features(const FeatureLayout& layout, const FeatureNormalisation& normalisation, const FeatureFrame& frame,
-                     std::span<float> out);
+/// Writes the condition of one frame. Missing values become 0 after normalisation (their mean), their flags
+/// 0. Shape: out.size() == layout.width(); frame.sensors.size() == layout.sensors.size().
+void encode_features(const FeatureLayout& layout, const FeatureNormalisation& normalisation,
+                     const FeatureFrame& frame, std::span<float> out);
+
+/// The same for a frame that stands in arrays, as data sets hold it: `values` are 7n numbers (acceleration
+/// xyz, rotation wxyz a sensor), `present` 2n flags (rotation there a sensor, then acceleration there).
+void encode_values(const FeatureLayout& layout, const FeatureNormalisation& normalisation,
+                   std::span<const float> values, std::span<const std::uint8_t> present,
+                   std::span<float> out);
 
 }  // namespace mien::model

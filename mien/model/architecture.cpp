@@ -1,0 +1,112 @@
+#include "mien/model/architecture.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace mien::model {
+
+Result<Architecture> named_architecture(std::string_view name, std::size_t condition) {
+  Architecture result;
+  result.name = name;
+  result.condition = condition;
+  if (name == "light") return result;
+  if (name == "faithful") {
+    result.d_model = 512;
+    result.d_head = 256;
+    result.ffn = 512;
+    return result;
+  }
+  return fail(ErrorCode::not_found, fmt::format("there is no architecture called {:?}", name), {},
+              "use faithful or light");
+}
+
+Result<void> check(const Architecture& a) {
+  struct Range {
+    const char* name;
+    std::size_t value, low, high, step;
+  };
+  // The upper ends keep a hostile file from asking for more memory than any network of ours needs.
+  for (const Range& r :
+       {Range{"layers", a.layers, 1, 32, 1}, Range{"d_model", a.d_model, 32, 4096, 32},
+        Range{"heads", a.heads, 1, 64, 1}, Range{"d_head", a.d_head, 32, 1024, 32},
+        Range{"ffn", a.ffn, 32, 16384, 32}, Range{"window", a.window, 2, 1024, 1},
+        Range{"condition", a.condition, 1, 4096, 1}, Range{"outputs", a.outputs, 1, 1024, 1}})
+    if (r.value < r.low || r.value > r.high || r.value % r.step != 0)
+      return fail(ErrorCode::out_of_range,
+                  fmt::format("{} is {}, not a multiple of {} between {} and {}", r.name, r.value, r.step,
+                              r.low, r.high),
+                  "architecture");
+  return {};
+}
+
+std::vector<TensorSpec> network_tensors(const Architecture& a) {
+  std::vector<TensorSpec> specs;
+  const auto linear = [&](const std::string& name, std::size_t out, std::size_t in) {
+    specs.push_back({name + ".weight", {out, in}});
+    specs.push_back({name + ".bias", {out}});
+  };
+  const auto norm = [&](const std::string& name) {
+    specs.push_back({name + ".weight", {a.d_model}});
+    specs.push_back({name + ".bias", {a.d_model}});
+  };
+  linear("input", a.d_model, a.input());
+  linear("noise.hidden", kNoiseHidden, kNoiseSinusoid);
+  linear("noise.out", a.d_model, kNoiseHidden);
+  for (std::size_t i = 0; i < a.layers; ++i) {
+    const std::string layer = fmt::format("layers.{}.", i);
+    linear(layer + "query", a.d_attention(), a.d_model);
+    linear(layer + "key", a.d_attention(), a.d_model);
+    linear(layer + "value", a.d_attention(), a.d_model);
+    linear(layer + "attended", a.d_model, a.d_attention());
+    norm(layer + "attention_norm");
+    linear(layer + "ffn.hidden", a.ffn, a.d_model);
+    linear(layer + "ffn.out", a.d_model, a.ffn);
+    norm(layer + "ffn_norm");
+  }
+  linear("output", a.outputs, a.d_model);
+  return specs;
+}
+
+std::size_t parameter_count(const Architecture& architecture) {
+  std::size_t count = 0;
+  for (const TensorSpec& spec : network_tensors(architecture)) {
+    std::size_t size = 1;
+    for (const std::size_t n : spec.shape) size *= n;
+    count += size;
+  }
+  return count;
+}
+
+double flop_count(const Architecture& a) {
+  const auto d = [](std::size_t n) { return static_cast<double>(n); };
+  const double tokens = d(a.tokens());
+  const double layer = 2 * tokens * (4 * d(a.d_model) * d(a.d_attention()) + 2 * d(a.d_model) * d(a.ffn)) +
+                       4 * tokens * tokens * d(a.d_attention());
+  return d(a.layers) * layer + 2 * d(a.window) * d(a.d_model) * d(a.input() + a.outputs) +
+         2 * d(kNoiseHidden) * d(kNoiseSinusoid + a.d_model);
+}
+
+void position_encoding(std::size_t position, std::vector<float>& out) {
+  const auto width = static_cast<double>(out.size());
+  for (std::size_t j = 0; j < out.size(); ++j) {
+    const double angle =
+        static_cast<double>(position + 1) / std::pow(10000.0, static_cast<double>(j / 2 * 2) / width);
+    out[j] = static_cast<float>(j % 2 == 0 ? std::sin(angle) : std::cos(angle));
+  }
+}
+
+std::array<float, kNoiseSinusoid> noise_sinusoid(std::size_t level) {
+  constexpr std::size_t kHalf = kNoiseSinusoid / 2;
+  std::array<float, kNoiseSinusoid> out;
+  for (std::size_t i = 0; i < kHalf; ++i) {
+    const double frequency =
+        std::exp(-std::log(10000.0) * static_cast<double>(i) / static_cast<double>(kHalf - 1));
+    const double angle = static_cast<double>(level) * frequency;
+    out[i] = static_cast<float>(std::sin(angle));
+    out[kHalf + i] = static_cast<float>(std::cos(angle));
+  }
+  return out;
+}
+
+}  // namespace mien::model

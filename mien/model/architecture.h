@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+
+namespace mien::model {
+
+/// The size of the denoiser: a post-LN transformer over one window of frames, the noise level as a token
+/// before them. Source of the structure: EgoEgo (Li et al. 2023, arXiv:2212.04636), which CAPUS follows;
+/// docs/model.md draws it.
+struct Architecture {
+  std::string name;           ///< "faithful", "light", or a recipe's own word.
+  std::size_t layers = 4;     ///< 1 to 32.
+  std::size_t d_model = 256;  ///< Width of a token; a multiple of 32.
+  std::size_t heads = 4;      ///< Attention heads.
+  std::size_t d_head = 64;    ///< Width of one head; a multiple of 32. heads * d_head need not be d_model.
+  std::size_t ffn = 1024;     ///< Hidden width of the feed-forward block; a multiple of 32.
+  std::size_t window = 120;   ///< Frames that one call sees at most.
+  std::size_t condition = 0;  ///< Numbers of condition a frame: FeatureLayout::width().
+  std::size_t outputs = 53;   ///< Shapes.
+
+  [[nodiscard]] std::size_t input() const { return outputs + condition; }
+  [[nodiscard]] std::size_t tokens() const { return window + 1; }
+  [[nodiscard]] std::size_t d_attention() const { return heads * d_head; }
+  bool operator==(const Architecture&) const = default;
+};
+
+/// Width of the sinusoid that tells the noise level, and of the hidden layer behind it (EgoEgo's 64 and 4 x
+/// 64).
+inline constexpr std::size_t kNoiseSinusoid = 64;
+inline constexpr std::size_t kNoiseHidden = 256;
+/// Added to the variance in every layer normalisation.
+inline constexpr double kLayerNormEpsilon = 1e-5;
+
+/// "faithful": EgoEgo's 4 layers of 512, 4 heads of 256, feed-forward 512, to be used without presence flags.
+/// "light": 4 layers of 256, 4 heads of 64, feed-forward 1024: a quarter of the work.
+/// `condition` is the layout's width. Errors: not_found.
+[[nodiscard]] Result<Architecture> named_architecture(std::string_view name, std::size_t condition);
+
+/// Errors: out_of_range, when a number is outside what its comment says. Everything below expects a checked
+/// one.
+[[nodiscard]] Result<void> check(const Architecture& architecture);
+
+/// Name and shape of one tensor of weights; matrices are [out, in], row-major.
+struct TensorSpec {
+  std::string name;
+  std::vector<std::size_t> shape;
+};
+
+/// Every tensor of the network, in one fixed order. Training writes exactly these and the run time reads
+/// them.
+[[nodiscard]] std::vector<TensorSpec> network_tensors(const Architecture& architecture);
+
+[[nodiscard]] std::size_t parameter_count(const Architecture& architecture);
+
+/// Floating point operations of one call on a full window; a multiplication and its addition count as two.
+[[nodiscard]] double flop_count(const Architecture& architecture);
+
+/// The fixed sinusoid added to token `position` (0 is the noise token): out[j] = sin or cos of
+/// (position + 1) / 10000^(2 floor(j/2) / size).
+void position_encoding(std::size_t position, std::vector<float>& out);
+
+/// The sinusoid of a noise level (0 to 999) of kNoiseSinusoid numbers: sines, then cosines, of
+/// level * 10000^(-i/31).
+[[nodiscard]] std::array<float, kNoiseSinusoid> noise_sinusoid(std::size_t level);
+
+}  // namespace mien::model

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/model/kernels.h"
+#include "mien/model/model_file.h"
+
+namespace mien::model {
+
+/// The network at run time: a noisy window and its condition in, the clean window out. fp32, one thread.
+/// Immutable, so any number of threads may share one; each needs a Workspace of its own.
+/// Agrees with libtorch to 1e-4 on one call (`mien-train parity`).
+class Denoiser {
+ public:
+  /// Lays the weights out for the kernels (about 10 ms for the light network). Errors: mismatch,
+  /// out_of_range.
+  [[nodiscard]] static Result<Denoiser> create(const Architecture& architecture,
+                                               std::span<const Tensor> network);
+
+  /// Memory that calls work in, for one thread. Reused, it makes them free of allocation.
+  class Workspace {
+   public:
+    explicit Workspace(const Denoiser& denoiser);
+
+   private:
+    friend class Denoiser;
+    std::size_t frames_ = 0;
+    AlignedFloats
+        conditioned_;       ///< window x d_model: the condition's part of the input layer, and the positions.
+    AlignedFloats tokens_;  ///< (window + 1) x d_model.
+    AlignedFloats projected_;  ///< (window + 1) x 3 d_attention: queries, keys, values.
+    AlignedFloats keys_;       ///< d_head x padded(window + 1): one head's keys, transposed.
+    AlignedFloats scores_;     ///< (window + 1) x padded(window + 1).
+    AlignedFloats attended_;   ///< (window + 1) x d_attention.
+    AlignedFloats hidden_;     ///< (window + 1) x ffn.
+    AlignedFloats answer_;     ///< window x padded(outputs).
+  };
+
+  /// Fixes the window's condition for the predictions that follow: [frames x condition], 1 to `window`
+  /// frames.
+  void set_condition(std::span<const float> condition, Workspace& workspace) const;
+
+  /// The clean window that the network sees in a noisy one. `noisy` and `clean`: [frames x outputs] of the
+  /// same frames as the condition, nominally in [-1, 1]; `level`: 0 to levels - 1. No allocation. The same
+  /// object may be both.
+  void predict(std::span<const float> noisy, std::size_t level, std::span<float> clean,
+               Workspace& workspace) const;
+
+  [[nodiscard]] const Architecture& architecture() const { return architecture_; }
+
+ private:
+  struct Layer {
+    PackedLinear projection;  ///< Query, key and value in one.
+    PackedLinear attended;
+    AlignedFloats attention_gain, attention_shift;
+    PackedLinear ffn_hidden, ffn_out;
+    AlignedFloats ffn_gain, ffn_shift;
+  };
+
+  Denoiser() = default;
+  void write_noise_token(std::size_t level, float* token) const;
+  void attend(const Layer& layer, Workspace& workspace) const;
+
+  Architecture architecture_;
+  PackedLinear noisy_input_, condition_input_;  ///< The input layer's two parts; the second carries the bias.
+  std::vector<float> noise_hidden_weight_, noise_hidden_bias_, noise_out_weight_, noise_out_bias_;
+  AlignedFloats positions_;  ///< (window + 1) x d_model.
+  std::vector<Layer> layers_;
+  PackedLinear output_;
+};
+
+}  // namespace mien::model

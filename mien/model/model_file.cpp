@@ -1,0 +1,230 @@
+#include "mien/model/model_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "mien/core/files.h"
+
+namespace mien::model {
+namespace {
+
+using Json = nlohmann::json;
+constexpr int kVersion = 1;
+constexpr std::string_view kNetworkPrefix = "network.";
+constexpr std::string_view kRidgePrefix = "ridge.";
+
+constexpr std::size_t Architecture::*kSizes[] = {
+    &Architecture::layers, &Architecture::d_model, &Architecture::heads,     &Architecture::d_head,
+    &Architecture::ffn,    &Architecture::window,  &Architecture::condition, &Architecture::outputs,
+};
+constexpr const char* kSizeNames[] = {"layers", "d_model", "heads",     "d_head",
+                                      "ffn",    "window",  "condition", "outputs"};
+
+std::string listed(const std::vector<std::size_t>& shape) {
+  return fmt::format("[{}]", fmt::join(shape, ", "));
+}
+
+bool unique(const std::vector<std::string>& names) {
+  return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+}
+
+Result<void> check_model(const ModelFile& m, const std::string& where) {
+  if (const auto ok = check(m.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
+  const auto differ = [&](std::string what) { return fail(ErrorCode::mismatch, std::move(what), where); };
+  const Architecture& a = m.architecture;
+  if (m.features.sensors.empty() || m.features.width() != a.condition)
+    return differ(
+        fmt::format("{} sensors do not give {} numbers a frame", m.features.sensors.size(), a.condition));
+  if (!unique(m.features.sensors)) return differ("two sensors have one name");
+  if (m.shapes.size() != a.outputs || !unique(m.shapes))
+    return differ(fmt::format("{} shape names do not name {} outputs", m.shapes.size(), a.outputs));
+  if (m.mean_pose.size() != a.outputs) return differ("the mean pose has another number of shapes");
+  if (m.normalisation.mean.size() != m.features.value_count() ||
+      m.normalisation.scale.size() != m.features.value_count())
+    return differ("the normalisation has another number of values than the sensors");
+  for (const float scale : m.normalisation.scale)
+    if (!(scale > 0)) return fail(ErrorCode::out_of_range, "a normalisation scale is not positive", where);
+  if (m.schedule.levels < 1 || m.schedule.levels > 100'000 ||
+      !(m.schedule.offset >= 0 && m.schedule.offset <= 1))
+    return fail(ErrorCode::out_of_range, "the noise schedule is outside its range", where);
+  if (m.sampler.steps < 1 || m.sampler.steps > m.schedule.levels)
+    return fail(ErrorCode::out_of_range, "the number of sampler steps is outside its range", where);
+  std::set<std::string> profiles;
+  for (const RidgeBaseline& ridge : m.ridge) {
+    if (!profiles.insert(ridge.profile).second) return differ("two ridges are for one profile");
+    if (ridge.condition != a.condition || ridge.outputs != a.outputs ||
+        ridge.matrix.size() != a.outputs * (a.condition + 1))
+      return differ(fmt::format("the ridge for {} has another size", ridge.profile));
+  }
+  const std::vector<TensorSpec> specs = network_tensors(a);
+  if (m.network.size() != specs.size())
+    return differ(fmt::format("the network has {} tensors, not {}", m.network.size(), specs.size()));
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    const Tensor& t = m.network[i];
+    std::size_t count = 1;
+    for (const std::size_t n : t.shape) count *= n;
+    if (t.name != specs[i].name || t.shape != specs[i].shape || t.values.size() != count)
+      return differ(fmt::format("tensor {} {} stands where {} {} belongs", t.name, listed(t.shape),
+                                specs[i].name, listed(specs[i].shape)));
+  }
+  return {};
+}
+
+/// A metadata entry as JSON. Throws Json::exception on wrong content, as all reading of it below does.
+Json entry(const TensorFile& file, const std::string& name) {
+  const auto it = file.metadata.find(name);
+  return it == file.metadata.end() ? Json() : Json::parse(it->second);
+}
+
+void read_metadata(const TensorFile& file, ModelFile& m) {
+  const Json a = entry(file, "architecture");
+  m.architecture.name = a.at("name").get<std::string>();
+  for (std::size_t i = 0; i < std::size(kSizes); ++i) {
+    const Json& value = a.at(kSizeNames[i]);
+    m.architecture.*kSizes[i] =
+        value.is_number_unsigned() ? value.get<std::size_t>() : 0;  // 0 fails check().
+  }
+  const Json features = entry(file, "features");
+  m.features.sensors = features.at("sensors").get<std::vector<std::string>>();
+  m.features.presence_flags = features.at("presence_flags").get<bool>();
+  m.shapes = entry(file, "shapes").get<std::vector<std::string>>();
+  const Json schedule = entry(file, "schedule");
+  m.schedule.levels =
+      schedule.at("levels").is_number_unsigned() ? schedule.at("levels").get<std::size_t>() : 0;
+  m.schedule.offset = schedule.at("offset").get<double>();
+  const Json sampler = entry(file, "sampler");
+  m.sampler.kind = sampler.at("kind").get<std::string>() == "ddpm" ? SamplerKind::ddpm : SamplerKind::ddim;
+  m.sampler.hold =
+      sampler.at("hold").get<std::string>() == "clean" ? OverlapHold::clean : OverlapHold::noised;
+  m.sampler.steps = sampler.at("steps").is_number_unsigned() ? sampler.at("steps").get<std::size_t>() : 0;
+  m.sampler.seed = sampler.at("seed").get<std::uint64_t>();
+  const auto text = [&](const char* name) {
+    const auto it = file.metadata.find(name);
+    return it == file.metadata.end() ? std::string() : it->second;
+  };
+  m.rig = text("rig");
+  m.recipe = text("recipe");
+  m.results = text("results");
+}
+
+void read_ridges(const TensorFile& file, ModelFile& m) {
+  for (const Json& r : entry(file, "ridge")) {
+    RidgeBaseline& ridge = m.ridge.emplace_back();
+    ridge.profile = r.at("profile").get<std::string>();
+    ridge.penalty = r.at("penalty").get<double>();
+    ridge.validation_mse = r.at("validation_mse").get<double>();
+    ridge.condition = m.architecture.condition;
+    ridge.outputs = m.architecture.outputs;
+  }
+}
+
+}  // namespace
+
+const RidgeBaseline* ModelFile::ridge_for(std::string_view profile) const {
+  for (const RidgeBaseline& candidate : ridge)
+    if (candidate.profile == profile) return &candidate;
+  return nullptr;
+}
+
+Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view where_view) {
+  const std::string where(where_view);
+  MIEN_TRY_ASSIGN(TensorFile file, parse_safetensors(bytes, where));
+  if (const auto format = file.metadata.find("format");
+      format == file.metadata.end() || format->second != "mien-model")
+    return fail(ErrorCode::unsupported, "this safetensors file is not a model of this program", where);
+  if (file.metadata["version"] != std::to_string(kVersion))
+    return fail(ErrorCode::unsupported,
+                fmt::format("the model's version is {:?}, not {}", file.metadata["version"], kVersion), where,
+                "update the program");
+  ModelFile m;
+  try {
+    read_metadata(file, m);
+    read_ridges(file, m);
+  } catch (const Json::exception& error) {
+    return fail(ErrorCode::malformed, fmt::format("the model's description is wrong: {}", error.what()),
+                where);
+  }
+  if (const auto ok = check(m.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
+
+  std::map<std::string, Tensor*> by_name;
+  for (Tensor& tensor : file.tensors) by_name[tensor.name] = &tensor;
+  const auto take = [&](const std::string& name, std::vector<float>& into) {
+    const auto it = by_name.find(name);
+    if (it == by_name.end()) return;  // Left empty, which check_model reports.
+    into = std::move(it->second->values);
+    by_name.erase(it);
+  };
+  take("features.mean", m.normalisation.mean);
+  take("features.scale", m.normalisation.scale);
+  take("mean_pose", m.mean_pose);
+  for (RidgeBaseline& ridge : m.ridge) take(std::string(kRidgePrefix) + ridge.profile, ridge.matrix);
+  for (const TensorSpec& spec : network_tensors(m.architecture)) {
+    const auto it = by_name.find(std::string(kNetworkPrefix) + spec.name);
+    if (it == by_name.end())
+      return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", spec.name), where);
+    m.network.push_back(std::move(*it->second));
+    m.network.back().name = spec.name;
+    by_name.erase(it);
+  }
+  if (!by_name.empty())
+    return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
+                where);
+  MIEN_TRY(check_model(m, where));
+  return m;
+}
+
+Result<ModelFile> read_model(const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
+  return parse_model(bytes, path.string());
+}
+
+Result<std::vector<std::byte>> format_model(const ModelFile& m) {
+  MIEN_TRY(check_model(m, "model"));
+  Json architecture = {{"name", m.architecture.name}};
+  for (std::size_t i = 0; i < std::size(kSizes); ++i) architecture[kSizeNames[i]] = m.architecture.*kSizes[i];
+  Json ridges = Json::array();
+  for (const RidgeBaseline& r : m.ridge)
+    ridges.push_back({{"profile", r.profile}, {"penalty", r.penalty}, {"validation_mse", r.validation_mse}});
+
+  TensorFile file;
+  file.metadata = {
+      {"format", "mien-model"},
+      {"version", std::to_string(kVersion)},
+      {"architecture", architecture.dump()},
+      {"features",
+       Json{{"sensors", m.features.sensors}, {"presence_flags", m.features.presence_flags}}.dump()},
+      {"shapes", Json(m.shapes).dump()},
+      {"schedule",
+       Json{{"kind", "cosine"}, {"levels", m.schedule.levels}, {"offset", m.schedule.offset}}.dump()},
+      {"sampler", Json{{"kind", m.sampler.kind == SamplerKind::ddpm ? "ddpm" : "ddim"},
+                       {"steps", m.sampler.steps},
+                       {"seed", m.sampler.seed},
+                       {"hold", m.sampler.hold == OverlapHold::clean ? "clean" : "noised"}}
+                      .dump()},
+      {"ridge", ridges.dump()},
+      {"rig", m.rig},
+      {"recipe", m.recipe},
+      {"results", m.results},
+  };
+  const auto add = [&](std::string name, std::vector<std::size_t> shape, const std::vector<float>& values) {
+    file.tensors.push_back({.name = std::move(name), .shape = std::move(shape), .values = values});
+  };
+  for (const Tensor& tensor : m.network)
+    add(std::string(kNetworkPrefix) + tensor.name, tensor.shape, tensor.values);
+  add("features.mean", {m.normalisation.mean.size()}, m.normalisation.mean);
+  add("features.scale", {m.normalisation.scale.size()}, m.normalisation.scale);
+  add("mean_pose", {m.mean_pose.size()}, m.mean_pose);
+  for (const RidgeBaseline& r : m.ridge)
+    add(std::string(kRidgePrefix) + r.profile, {r.outputs, r.condition + 1}, r.matrix);
+  return write_safetensors(file);
+}
+
+Result<void> write_model(const std::filesystem::path& path, const ModelFile& model) {
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, format_model(model));
+  return write_file(path, bytes);
+}
+
+}  // namespace mien::model

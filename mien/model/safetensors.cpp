@@ -1,0 +1,236 @@
+#include "mien/model/safetensors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "mien/core/bytes.h"
+
+namespace mien::model {
+namespace {
+
+using Json = nlohmann::json;
+constexpr std::size_t kMaxRank = 8;
+constexpr std::size_t kHeaderAlignment = 64;
+
+/// An array as the header declares it; nothing here is believed yet.
+struct Declared {
+  std::string name;
+  std::string type;
+  std::vector<std::uint64_t> shape;
+  std::vector<std::uint64_t> offsets;
+  bool has_shape = false;
+};
+
+/// Takes the header's events one by one and allows only what the format does, so that neither depth nor width
+/// of hostile JSON costs memory, and no name can be given twice.
+class HeaderReader : public nlohmann::json_sax<Json> {
+ public:
+  std::vector<Declared> declared;
+  std::map<std::string, std::string> metadata;
+  std::string problem;
+
+  bool null() override { return refuse("null stands where it may not"); }
+  bool boolean(bool) override { return refuse("true or false stands where it may not"); }
+  bool number_float(double, const std::string&) override { return refuse("a size is not a whole number"); }
+  bool binary(binary_t&) override { return refuse("binary data stand where they may not"); }
+  bool number_integer(std::int64_t value) override {
+    return value < 0 ? refuse("a size is negative") : number_unsigned(static_cast<std::uint64_t>(value));
+  }
+  bool number_unsigned(std::uint64_t value) override {
+    if (place_ == Place::shape && declared.back().shape.size() < kMaxRank) {
+      declared.back().shape.push_back(value);
+      return true;
+    }
+    if (place_ == Place::offsets && declared.back().offsets.size() < 2) {
+      declared.back().offsets.push_back(value);
+      return true;
+    }
+    return refuse("a number stands where it may not");
+  }
+  bool string(std::string& value) override {
+    if (place_ == Place::metadata) {
+      metadata[key_] = std::move(value);
+      return true;
+    }
+    if (place_ == Place::tensor && key_ == "dtype") {
+      declared.back().type = std::move(value);
+      return true;
+    }
+    return refuse("a text stands where it may not");
+  }
+  bool start_object(std::size_t) override {
+    if (place_ == Place::outside) return go(Place::top);
+    if (place_ != Place::top) return refuse("an object stands where it may not");
+    keys_.clear();
+    if (key_ == "__metadata__") return go(Place::metadata);
+    declared.push_back({.name = key_, .type = {}, .shape = {}, .offsets = {}});
+    return go(Place::tensor);
+  }
+  bool key(std::string& name) override {
+    auto& known = place_ == Place::top ? names_ : keys_;
+    if (!known.insert(name).second) return refuse(fmt::format("{:?} stands there twice", name));
+    key_ = std::move(name);
+    return true;
+  }
+  bool end_object() override { return go(place_ == Place::top ? Place::end : Place::top); }
+  bool start_array(std::size_t) override {
+    if (place_ == Place::tensor && key_ == "shape") {
+      declared.back().has_shape = true;
+      return go(Place::shape);
+    }
+    if (place_ == Place::tensor && key_ == "data_offsets") return go(Place::offsets);
+    return refuse("a list stands where it may not");
+  }
+  bool end_array() override { return go(Place::tensor); }
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception&) override {
+    return refuse(fmt::format("it is not JSON from byte {} on", position));
+  }
+
+ private:
+  enum class Place { outside, top, metadata, tensor, shape, offsets, end };
+  bool go(Place place) {
+    place_ = place;
+    return true;
+  }
+  bool refuse(std::string why) {
+    problem = std::move(why);
+    return false;
+  }
+  Place place_ = Place::outside;
+  std::string key_;
+  std::set<std::string> names_, keys_;
+};
+
+/// Number of elements, if it can be counted at all.
+std::optional<std::uint64_t> element_count(const std::vector<std::uint64_t>& shape) {
+  std::uint64_t count = 1;
+  for (const std::uint64_t n : shape) {
+    if (n != 0 && count > std::numeric_limits<std::uint64_t>::max() / n) return std::nullopt;
+    count *= n;
+  }
+  return count;
+}
+
+Result<Tensor> read_tensor(const Declared& declared, std::span<const std::byte> data,
+                           const std::string& where) {
+  Tensor tensor{.name = declared.name, .shape = {declared.shape.begin(), declared.shape.end()}, .values = {}};
+  ByteReader reader(data);
+  const bool wide = declared.type == "F32";
+  tensor.values.reserve(data.size() / (wide ? 4 : 2));
+  while (reader.left() > 0) {
+    const float value = wide ? reader.little<float>()
+                             : std::bit_cast<float>(std::uint32_t{reader.little<std::uint16_t>()} << 16U);
+    if (!std::isfinite(value))
+      return fail(ErrorCode::out_of_range,
+                  fmt::format("tensor {:?} holds a number that is not finite", tensor.name), where);
+    tensor.values.push_back(value);
+  }
+  return tensor;
+}
+
+/// Rounds to nearest, ties to even; finite values only.
+std::uint16_t to_bf16(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  return static_cast<std::uint16_t>((bits + 0x7FFFU + ((bits >> 16U) & 1U)) >> 16U);
+}
+
+}  // namespace
+
+Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::string_view where_view) {
+  const std::string where(where_view);
+  ByteReader reader(bytes);
+  const auto header_size = reader.little<std::uint64_t>();
+  if (!reader.ok())
+    return fail(ErrorCode::truncated, "the file is shorter than a safetensors file can be", where);
+  if (header_size > kMaxHeaderBytes)
+    return fail(ErrorCode::malformed, fmt::format("the header claims {} bytes", header_size), where,
+                "this is no safetensors file");
+  const auto header = reader.take(header_size);
+  if (!reader.ok()) return fail(ErrorCode::truncated, "the file ends inside its header", where);
+  const auto data = bytes.last(reader.left());
+
+  HeaderReader content;
+  const auto* text = reinterpret_cast<const char*>(header.data());
+  if (header.empty() || text[0] != '{' || !Json::sax_parse(text, text + header.size(), &content))
+    return fail(
+        ErrorCode::malformed,
+        fmt::format("the header is wrong: {}", content.problem.empty() ? "it is not JSON" : content.problem),
+        where);
+
+  for (const Declared& declared : content.declared) {
+    const std::string name = fmt::format("tensor {:?}", declared.name);
+    if (declared.type != "F32" && declared.type != "BF16")
+      return fail(ErrorCode::unsupported,
+                  fmt::format("{} has the type {:?}, not F32 or BF16", name, declared.type), where);
+    if (!declared.has_shape || declared.offsets.size() != 2)
+      return fail(ErrorCode::malformed, name + " lacks its shape or its place", where);
+    const std::uint64_t begin = declared.offsets[0], end = declared.offsets[1];
+    if (begin > end || end > data.size())
+      return fail(end > data.size() ? ErrorCode::truncated : ErrorCode::malformed,
+                  fmt::format("{} claims bytes {} to {} of {}", name, begin, end, data.size()), where);
+    const auto count = element_count(declared.shape);
+    const std::uint64_t element = declared.type == "F32" ? 4 : 2;
+    if (!count || *count > data.size() || *count * element != end - begin)
+      return fail(ErrorCode::malformed, name + " has a shape that does not fit its bytes", where);
+  }
+  std::stable_sort(content.declared.begin(), content.declared.end(),
+                   [](const Declared& a, const Declared& b) { return a.offsets < b.offsets; });
+  std::uint64_t covered = 0;
+  for (const Declared& declared : content.declared) {
+    if (declared.offsets[0] != covered)
+      return fail(ErrorCode::malformed,
+                  fmt::format("tensor {:?} leaves a gap or overlaps another", declared.name), where);
+    covered = declared.offsets[1];
+  }
+  if (covered != data.size())
+    return fail(ErrorCode::malformed, fmt::format("{} bytes belong to no tensor", data.size() - covered),
+                where);
+
+  TensorFile file;
+  file.metadata = std::move(content.metadata);
+  for (const Declared& declared : content.declared) {
+    MIEN_TRY_ASSIGN(
+        Tensor tensor,
+        read_tensor(declared, data.subspan(declared.offsets[0], declared.offsets[1] - declared.offsets[0]),
+                    where));
+    file.tensors.push_back(std::move(tensor));
+  }
+  return file;
+}
+
+std::vector<std::byte> write_safetensors(const TensorFile& file, TensorType type) {
+  const std::size_t element = type == TensorType::f32 ? 4 : 2;
+  nlohmann::ordered_json header = nlohmann::ordered_json::object();
+  if (!file.metadata.empty()) header["__metadata__"] = file.metadata;
+  std::size_t at = 0;
+  for (const Tensor& tensor : file.tensors) {
+    const std::size_t end = at + element * tensor.values.size();
+    header[tensor.name] = {{"dtype", type == TensorType::f32 ? "F32" : "BF16"},
+                           {"shape", tensor.shape},
+                           {"data_offsets", {at, end}}};
+    at = end;
+  }
+  std::string text = header.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  text.append((kHeaderAlignment - (8 + text.size()) % kHeaderAlignment) % kHeaderAlignment, ' ');
+
+  ByteWriter writer;
+  writer.little(static_cast<std::uint64_t>(text.size()));
+  writer.append(text);
+  for (const Tensor& tensor : file.tensors)
+    for (const float value : tensor.values) {
+      if (type == TensorType::f32)
+        writer.little(value);
+      else
+        writer.little(to_bf16(value));
+    }
+  return writer.release();
+}
+
+}  // namespace mien::model

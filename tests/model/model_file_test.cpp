@@ -1,0 +1,100 @@
+#include "mien/model/model_file.h"
+
+#include <gtest/gtest.h>
+
+#include "mien/core/files.h"
+#include "tests/model/random_network.h"
+
+namespace mien::model {
+namespace {
+
+TEST(ModelFile, RoundTripsWhole) {
+  const ModelFile model = small_model();
+  const auto bytes = format_model(model);
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  const auto back = parse_model(*bytes, "test");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->architecture, model.architecture);
+  EXPECT_EQ(back->features, model.features);
+  EXPECT_EQ(back->normalisation.mean, model.normalisation.mean);
+  EXPECT_EQ(back->normalisation.scale, model.normalisation.scale);
+  EXPECT_EQ(back->shapes, model.shapes);
+  EXPECT_EQ(back->mean_pose, model.mean_pose);
+  EXPECT_EQ(back->ridge, model.ridge);
+  EXPECT_EQ(back->schedule, model.schedule);
+  EXPECT_EQ(back->sampler, model.sampler);
+  EXPECT_EQ(back->recipe, model.recipe);
+  EXPECT_EQ(back->results, model.results);
+  EXPECT_EQ(back->network, model.network);
+  EXPECT_EQ(*format_model(*back), *bytes);
+  ASSERT_NE(back->ridge_for("lab"), nullptr);
+  EXPECT_EQ(back->ridge_for("device"), nullptr);
+}
+
+/// Each change alone must be refused, by the writer and, where the bytes can be made at all, by the reader.
+TEST(ModelFile, RefusesModelsThatDoNotHoldTogether) {
+  const auto refused = [](const char* what, auto&& change) {
+    ModelFile model = small_model();
+    change(model);
+    EXPECT_FALSE(format_model(model)) << what;
+  };
+  refused("width", [](ModelFile& m) { m.architecture.d_model = 33; });
+  refused("layers", [](ModelFile& m) { m.architecture.layers = 1000; });
+  refused("condition", [](ModelFile& m) { m.features.presence_flags = false; });
+  refused("sensors twice", [](ModelFile& m) { m.features.sensors[1] = m.features.sensors[0]; });
+  refused("shapes", [](ModelFile& m) { m.shapes.pop_back(); });
+  refused("mean pose", [](ModelFile& m) { m.mean_pose.clear(); });
+  refused("scale", [](ModelFile& m) { m.normalisation.scale[3] = 0; });
+  refused("normalisation", [](ModelFile& m) { m.normalisation.mean.push_back(0); });
+  refused("ridge twice", [](ModelFile& m) { m.ridge.push_back(m.ridge[0]); });
+  refused("ridge size", [](ModelFile& m) { m.ridge[0].matrix.pop_back(); });
+  refused("steps", [](ModelFile& m) { m.sampler.steps = 1001; });
+  refused("tensor missing", [](ModelFile& m) { m.network.pop_back(); });
+  refused("tensor order", [](ModelFile& m) { std::swap(m.network[0], m.network[2]); });
+  refused("tensor shape", [](ModelFile& m) { std::swap(m.network[0].shape[0], m.network[0].shape[1]); });
+}
+
+TEST(ModelFile, RefusesWrongDescriptions) {
+  const auto bytes = format_model(small_model());
+  ASSERT_TRUE(bytes);
+  const TensorFile file = *parse_safetensors(*bytes, "test");
+  const auto refused = [&](const char* name, const char* text, ErrorCode code) {
+    TensorFile changed = file;
+    changed.metadata[name] = text;
+    const auto parsed = parse_model(write_safetensors(changed), "test");
+    ASSERT_FALSE(parsed) << name << text;
+    EXPECT_EQ(parsed.error().code, code) << parsed.error().message();
+  };
+  refused("format", "other", ErrorCode::unsupported);
+  refused("version", "2", ErrorCode::unsupported);
+  refused("architecture", "[", ErrorCode::malformed);
+  refused("architecture", "{}", ErrorCode::malformed);
+  refused(
+      "architecture",
+      R"({"name":"x","layers":-1,"d_model":32,"heads":1,"d_head":32,"ffn":32,"window":8,"condition":18,"outputs":3})",
+      ErrorCode::out_of_range);
+  refused("features", R"({"sensors":[1,2],"presence_flags":true})", ErrorCode::malformed);
+  refused("sampler", R"({"kind":"ddim","hold":"clean","steps":0,"seed":1})", ErrorCode::out_of_range);
+  refused("ridge", R"([{"profile":"device","penalty":1,"validation_mse":1}])", ErrorCode::mismatch);
+  refused("ridge", "[]", ErrorCode::mismatch);
+
+  TensorFile extra = file;
+  extra.tensors.push_back({.name = "stowaway", .shape = {1}, .values = {0}});
+  EXPECT_FALSE(parse_model(write_safetensors(extra), "test"));
+}
+
+TEST(Architecture, TheNamedOnesHaveTheirPublishedSize) {
+  // 53 weights and 11 sensors of 7 numbers: the figures that the published network has.
+  const auto faithful = named_architecture("faithful", 77);
+  ASSERT_TRUE(faithful);
+  EXPECT_EQ(faithful->input(), 130U);
+  EXPECT_NEAR(static_cast<double>(parameter_count(*faithful)), 10.755e6, 0.005e6);
+  EXPECT_NEAR(flop_count(*faithful), 2.800e9, 0.005e9);
+  const auto light = named_architecture("light", 77);
+  ASSERT_TRUE(light);
+  EXPECT_NEAR(static_cast<double>(parameter_count(*light)), 3.289e6, 0.005e6);
+  EXPECT_FALSE(named_architecture("heavy", 77));
+}
+
+}  // namespace
+}  // namespace mien::model
