@@ -21,7 +21,7 @@ constexpr std::uint8_t kFlagMagnetometer = 1U << 0U;
 constexpr std::uint8_t kFlagTimeEstimated = 1U << 1U;
 constexpr std::size_t kHeaderBytes = 36;
 constexpr std::size_t kChecksumBytes = 4;
-constexpr std::uint64_t kMaxTimeUs = 4'000'000'000'000'000;  // 127 years; times nanoseconds it fits 63 bits.
+constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // Three years: frame numbers of it stay exact.
 constexpr std::uint32_t kMaxIntervalNs = 1'000'000'000;
 constexpr std::uint8_t kMaxGyroRange = 6;
 constexpr std::uint8_t kMaxAccelRange = 3;
@@ -48,6 +48,8 @@ Result<void> check(const Packet& packet) {
                 fmt::format("{} samples, not 1 to {}", packet.count, kMaxPacketSamples), kWhere);
   if (packet.magnetometer && packet.kind != SampleKind::imu_raw)
     return fail(ErrorCode::malformed, "a magnetometer beside fused samples", kWhere);
+  if (packet.kind != SampleKind::imu_raw && (packet.gyro_range != 0 || packet.accel_range != 0))
+    return fail(ErrorCode::malformed, "a range code without raw axes", kWhere);
   if (packet.gyro_range > kMaxGyroRange || packet.accel_range > kMaxAccelRange)
     return fail(ErrorCode::out_of_range, "a range code that no chip has", kWhere);
   if (packet.battery_percent > 100 && packet.battery_percent != kBatteryUnknown)
@@ -209,6 +211,7 @@ Result<Packet> make_packet(std::span<const Sample> samples) {
   packet.kind = first.kind;
   packet.magnetometer = first.kind == SampleKind::imu_raw && first.count == 9;
   packet.time_estimated = first.time_estimated;
+  if (packet.kind != SampleKind::imu_raw) packet.gyro_range = packet.accel_range = 0;
   packet.sequence = first.sequence;
   packet.time = first.time;
   packet.count = static_cast<std::uint8_t>(samples.size());

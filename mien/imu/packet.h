@@ -24,11 +24,11 @@ struct Packet {
   std::uint8_t channel = 0;     ///< Which sensor of the board.
   std::uint32_t sequence = 0;   ///< Counts this channel's packets; wraps.
   std::uint8_t battery_percent = kBatteryUnknown;  ///< 0 to 100, or kBatteryUnknown.
-  std::uint8_t gyro_range = 6;                     ///< Code 0 to 6: full scale 16 * 2^code deg/s.
-  std::uint8_t accel_range = 2;                    ///< Code 0 to 3: full scale 2 * 2^code g (9.80665 m/s^2).
-  DeviceTime time;         ///< Middle of the first sample; whole microseconds, 0 to 4e15.
-  Duration interval{};     ///< Between samples, ns; 0 only when there is one sample. At most a second.
-  std::uint8_t count = 0;  ///< Samples, 1 to 16.
+  std::uint8_t gyro_range = 6;   ///< Code 0 to 6: full scale 16 * 2^code deg/s; 0 without raw axes.
+  std::uint8_t accel_range = 2;  ///< Code 0 to 3: full scale 2 * 2^code g (9.80665 m/s^2); the same.
+  DeviceTime time;               ///< Middle of the first sample; whole microseconds, 0 to 1e14.
+  Duration interval{};           ///< Between samples, ns; 0 only when there is one sample. At most a second.
+  std::uint8_t count = 0;        ///< Samples, 1 to 16.
   /// Of each sample the first values_per_sample(); meaning as in sensor::SampleKind.
   std::array<std::array<float, 9>, kMaxPacketSamples> values{};
 

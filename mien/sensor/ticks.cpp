@@ -1,0 +1,101 @@
+#include "mien/sensor/ticks.h"
+
+#include <algorithm>
+
+namespace mien::sensor {
+namespace {
+
+/// Packets farther apart than this are not a packet period but a gap.
+constexpr Duration kMaxPacketPeriod = std::chrono::milliseconds(100);
+
+/// The first frame of the grid at or after a time.
+std::int64_t frame_at_or_after(DeviceTime time) {
+  std::int64_t index = time.time_since_epoch().count() / 50'000'000 * 3;
+  while (frame_offset(index) >= time.time_since_epoch()) --index;
+  while (frame_offset(index) < time.time_since_epoch()) ++index;
+  return index;
+}
+
+}  // namespace
+
+TickRule::TickRule(const Rig& rig)
+    : lines_(rig.sensors.size(), rig.find(rig.reference)),
+      reference_(rig.find(rig.reference)),
+      heard_(rig.sensors.size()) {}
+
+void TickRule::begin() {
+  // From the earliest of what is there already, so that a line decided late does not skip what came before.
+  std::optional<DeviceTime> first;
+  for (std::uint16_t i = 0; i < heard_.size(); ++i) {
+    if (!heard_[i].ever || !lines_.heard(i)) continue;
+    const DeviceTime time = lines_.to_line(i, heard_[i].newest);
+    if (!first || time < *first) first = time;
+  }
+  if (first) next_ = frame_at_or_after(*first);
+}
+
+void TickRule::add(HostTime arrival, const Sample& sample) {
+  if (sample.sensor >= heard_.size()) return;
+  lines_.add(arrival, sample);
+  Heard& heard = heard_[sample.sensor];
+  // A board that began anew counts from its new time on.
+  const bool anew = heard.ever && heard.newest - sample.time > std::chrono::seconds(1);
+  if (!heard.ever || sample.time > heard.newest || anew) heard.newest = sample.time;
+  heard.arrival = arrival;
+  heard.ever = true;
+  if (reference_ == sample.sensor && sample.kind != SampleKind::imu_head_relative) follow_reference(sample);
+  if (!next_ && lines_.ready()) begin();
+}
+
+void TickRule::follow_reference(const Sample& sample) {
+  if (packet_ && *packet_ != sample.sequence) {
+    if (*packet_ + 1 == sample.sequence) {
+      if (previous_end_) {
+        const Duration period = packet_end_ - *previous_end_;
+        if (period > Duration::zero() && period <= kMaxPacketPeriod) packet_period_ = period;
+      }
+      previous_end_ = packet_end_;
+    } else {
+      previous_end_.reset();
+    }
+  }
+  packet_ = sample.sequence;
+  packet_end_ = sample.time;
+}
+
+bool TickRule::all_have(DeviceTime frame, HostTime now) const {
+  bool any = false;
+  for (std::uint16_t i = 0; i < heard_.size(); ++i) {
+    const Heard& heard = heard_[i];
+    if (!heard.ever || now - heard.arrival > kHeard) continue;
+    any = true;
+    if (lines_.to_line(i, heard.newest) < frame) return false;
+  }
+  return any;
+}
+
+std::optional<HostTime> TickRule::deadline() const {
+  if (!next_) return std::nullopt;
+  const DeviceTime frame{frame_offset(*next_)};
+  DeviceTime carried_by = frame;
+  if (packet_period_ > Duration::zero() && !lines_.on_host_time()) {
+    const DeviceTime end = lines_.to_line(*reference_, packet_end_);
+    if (frame > end)
+      carried_by = end + ((frame - end).count() + packet_period_.count() - 1) / packet_period_.count() *
+                             packet_period_;
+  }
+  return lines_.to_host(carried_by) + kWait;
+}
+
+std::optional<FrameTick> TickRule::due(HostTime now) {
+  if (!next_) return std::nullopt;
+  const DeviceTime frame{frame_offset(*next_)};
+  const HostTime limit = *deadline();
+  const bool complete = all_have(frame, now);
+  if (!complete && now < limit) return std::nullopt;
+  const FrameTick tick{*next_, frame, std::min(now, limit), complete};
+  ++*next_;
+  return tick;
+}
+
+}  // namespace mien::sensor

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mien/sensor/clock_model.h"
+#include "mien/sensor/rig.h"
+#include "mien/sensor/sample.h"
+
+namespace mien::sensor {
+
+/// One frame of the output grid that is due.
+struct FrameTick {
+  std::int64_t index = 0;  ///< Of the grid: frame == frame_offset(index) on the reference's line.
+  DeviceTime frame;        ///< On the reference's line.
+  HostTime fired;          ///< Arrival that completed it, or the deadline that it did not wait beyond.
+  bool complete = false;   ///< Every sensor heard lately had a sample at or after the frame.
+  bool operator==(const FrameTick&) const = default;
+};
+
+/// When frames are taken: the frames of a 60 Hz grid on the reference sensor's device time. One fires when
+/// every sensor heard in the last 100 ms has a sample at or after its frame time, or 8 ms after the clock
+/// model expected the reference's; what comes later joins the next. While the reference is silent the grid
+/// runs on along its clock as last known, and when it never spoke, along the host's. A pure function of the
+/// calls.
+///
+/// For each log entry: fire all that due(arrival) gives, then add its samples, then fire all that
+/// due(arrival) gives. Between entries: due(now) when deadline() has passed.
+class TickRule {
+ public:
+  static constexpr Duration kHeard = std::chrono::milliseconds(100);
+  static constexpr Duration kWait = std::chrono::milliseconds(8);
+
+  explicit TickRule(const Rig& rig);
+
+  void add(HostTime arrival, const Sample& sample);
+  /// The next frame that is due, in order; ask until there is none. `now` never runs back.
+  [[nodiscard]] std::optional<FrameTick> due(HostTime now);
+  /// When the next frame fires if nothing more arrives; none before the line is known.
+  [[nodiscard]] std::optional<HostTime> deadline() const;
+  [[nodiscard]] const TimeLines& lines() const { return lines_; }
+
+ private:
+  struct Heard {
+    HostTime arrival;
+    DeviceTime newest;
+    bool ever = false;
+  };
+  [[nodiscard]] bool all_have(DeviceTime frame, HostTime now) const;
+  void begin();
+  void follow_reference(const Sample& sample);
+
+  TimeLines lines_;
+  std::optional<std::uint16_t> reference_;
+  std::vector<Heard> heard_;
+  std::optional<std::int64_t> next_;
+  // The reference sends samples in packets; a sample in the middle of one comes with its end.
+  std::optional<std::uint32_t> packet_;
+  DeviceTime packet_end_;
+  std::optional<DeviceTime> previous_end_;
+  Duration packet_period_{};  // 0 while unknown.
+};
+
+}  // namespace mien::sensor

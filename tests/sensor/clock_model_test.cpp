@@ -1,0 +1,158 @@
+#include "mien/sensor/clock_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mien/core/random.h"
+
+namespace mien::sensor {
+namespace {
+
+/// A device whose clock reads offset + rate * true time, heard through a radio that only delays.
+struct Device {
+  double offset_s = 12.5;
+  double rate = 1 + 30e-6;
+  double least_delay_s = 0.001;
+  double mean_delay_s = 0.003;
+
+  [[nodiscard]] DeviceTime clock(double true_s) const {
+    return DeviceTime(from_seconds(offset_s + rate * true_s));
+  }
+  HostTime arrival(double true_s, Random& random) const {
+    return HostTime(from_seconds(true_s + least_delay_s + random.exponential(mean_delay_s)));
+  }
+};
+
+TEST(ClockModel, FindsOffsetAndRateUnderRadioDelay) {
+  for (const double ppm : {-50.0, -20.0, 0.0, 20.0, 50.0}) {
+    Random random(7);
+    Device device;
+    device.rate = 1 + 1e-6 * ppm;
+    ClockModel model;
+    for (int i = 0; i < 60 * 90; ++i) {
+      const double t = i / 60.0;
+      model.add(device.clock(t), device.arrival(t, random));
+      if (t < 1) continue;
+      // The least delay belongs to the offset: nobody can tell it from the clocks' difference.
+      const double error =
+          to_seconds(model.to_host(device.clock(t)).time_since_epoch()) - (t + device.least_delay_s);
+      EXPECT_LT(std::abs(error), t < 10 ? 1e-3 : 4e-4) << ppm << " ppm at " << t;
+    }
+    EXPECT_NEAR(model.rate(), -1e-6 * ppm, 6e-6);
+    EXPECT_LT(to_seconds(model.uncertainty(device.clock(90))), 3e-4);
+    EXPECT_GT(to_seconds(model.uncertainty(device.clock(400))),
+              to_seconds(model.uncertainty(device.clock(90))));
+  }
+}
+
+TEST(ClockModel, GoesThereAndBack) {
+  Random random(3);
+  const Device device;
+  ClockModel model;
+  for (int i = 0; i < 2000; ++i) model.add(device.clock(i / 60.0), device.arrival(i / 60.0, random));
+  for (const double t : {-5.0, 0.0, 3.25, 33.0, 1000.0}) {
+    const DeviceTime time = device.clock(t);
+    EXPECT_LE(std::abs((model.to_device(model.to_host(time)) - time).count()), 2) << t;
+  }
+}
+
+TEST(ClockModel, TellsARestartFromASlowRadio) {
+  Random random(4);
+  Device device;
+  ClockModel model;
+  double t = 0;
+  for (; t < 10; t += 1 / 60.0) EXPECT_FALSE(model.add(device.clock(t), device.arrival(t, random)));
+  for (; t < 12; t += 1 / 60.0)
+    EXPECT_FALSE(model.add(device.clock(t), device.arrival(t, random) + std::chrono::milliseconds(700)));
+  for (; t < 14; t += 1 / 60.0) EXPECT_FALSE(model.add(device.clock(t), device.arrival(t, random)));
+  device.offset_s = -13.9;  // Counts from nought again.
+  EXPECT_TRUE(model.add(device.clock(t), device.arrival(t, random)));
+  for (double end = t + 5; t < end; t += 1 / 60.0)
+    EXPECT_FALSE(model.add(device.clock(t), device.arrival(t, random)));
+  EXPECT_NEAR(to_seconds(model.to_host(device.clock(t)).time_since_epoch()), t + 0.001, 5e-4);
+}
+
+TEST(ClockModel, IsAPureFunctionOfItsPairs) {
+  // Asking in between changes nothing.
+  Random random(9);
+  const Device device;
+  ClockModel asked;
+  ClockModel unasked;
+  for (int i = 0; i < 3000; ++i) {
+    const double t = i / 60.0;
+    const HostTime arrival = device.arrival(t, random);
+    asked.add(device.clock(t), arrival);
+    unasked.add(device.clock(t), arrival);
+    (void)asked.to_host(device.clock(t + 1));
+  }
+  EXPECT_EQ(asked.to_host(device.clock(77)), unasked.to_host(device.clock(77)));
+  EXPECT_EQ(asked.rate(), unasked.rate());
+}
+
+Sample sample_of(std::uint16_t sensor, DeviceTime time, SampleKind kind = SampleKind::imu_raw) {
+  Sample sample;
+  sample.sensor = sensor;
+  sample.time = time;
+  sample.kind = kind;
+  return sample;
+}
+
+TEST(TimeLines, BringTwoDevicesTogether) {
+  Random random(11);
+  Device face;
+  Device ear;
+  ear.offset_s = 71.0;
+  ear.rate = 1 - 20e-6;
+  TimeLines lines(2, std::uint16_t{1});
+  for (int i = 0; i < 60 * 60; ++i) {
+    const double t = i / 60.0;
+    lines.add(face.arrival(t, random), sample_of(0, face.clock(t)));
+    lines.add(ear.arrival(t, random), sample_of(1, ear.clock(t)));
+    if (t < 2) continue;
+    EXPECT_LT(std::abs(to_seconds(lines.to_line(0, face.clock(t)) - ear.clock(t))), 1e-3) << t;
+    EXPECT_EQ(lines.to_line(1, ear.clock(t)), ear.clock(t));
+    EXPECT_LE(std::abs((lines.from_line(0, lines.to_line(0, face.clock(t))) - face.clock(t)).count()), 3);
+  }
+  EXPECT_FALSE(lines.on_host_time());
+}
+
+TEST(TimeLines, AReferenceThatRestartsGoesOnWhereItLeftOff) {
+  Random random(12);
+  Device ear;
+  TimeLines lines(1, std::uint16_t{0});
+  double t = 0;
+  for (; t < 20; t += 1 / 60.0) lines.add(ear.arrival(t, random), sample_of(0, ear.clock(t)));
+  const DeviceTime before = lines.to_line(0, ear.clock(t));
+  t += 3;
+  ear.offset_s = -22;
+  for (double end = t + 5; t < end; t += 1 / 60.0)
+    lines.add(ear.arrival(t, random), sample_of(0, ear.clock(t)));
+  const DeviceTime after = lines.to_line(0, ear.clock(t));
+  EXPECT_NEAR(to_seconds(after - before), 8.0, 0.02);
+}
+
+TEST(TimeLines, WithoutAReferenceTheHostsTimeIsTheLine) {
+  Random random(13);
+  const Device face;
+  TimeLines lines(2, std::uint16_t{1});
+  double t = 0;
+  for (; t < 0.4; t += 1 / 60.0) lines.add(face.arrival(t, random), sample_of(0, face.clock(t)));
+  EXPECT_FALSE(lines.ready());
+  for (; t < 3; t += 1 / 60.0) lines.add(face.arrival(t, random), sample_of(0, face.clock(t)));
+  ASSERT_TRUE(lines.ready());
+  EXPECT_TRUE(lines.on_host_time());
+  EXPECT_NEAR(to_seconds(lines.to_line(0, face.clock(t)).time_since_epoch()), t + 0.001, 1e-3);
+}
+
+TEST(TimeLines, LabSamplesStandOnTheLine) {
+  TimeLines lines(2, std::uint16_t{1});
+  const DeviceTime time{std::chrono::seconds(5)};
+  lines.add(HostTime{std::chrono::seconds(5)}, sample_of(0, time, SampleKind::imu_head_relative));
+  ASSERT_TRUE(lines.ready());
+  EXPECT_TRUE(lines.on_host_time());
+  EXPECT_EQ(lines.to_line(0, time), time);
+}
+
+}  // namespace
+}  // namespace mien::sensor

@@ -1,0 +1,163 @@
+#include "mien/sensor/ticks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "mien/core/random.h"
+
+namespace mien::sensor {
+namespace {
+
+constexpr Duration kMs = std::chrono::milliseconds(1);
+
+Rig rig_of(std::size_t count) {
+  Rig rig;
+  rig.name = "test";
+  rig.reference = "s0";
+  for (std::size_t i = 0; i < count; ++i) {
+    Mount mount;
+    mount.name = "s" + std::to_string(i);
+    mount.kind = "imu";
+    mount.role = i == 0 ? "head" : "face";
+    rig.sensors.push_back(mount);
+  }
+  return rig;
+}
+
+struct Entry {
+  HostTime arrival;
+  std::vector<Sample> samples;
+};
+
+/// Packets of four samples at 240 Hz from each sensor, each with its own clock, through a radio.
+std::vector<Entry> play(std::size_t sensors, double seconds, std::uint64_t seed,
+                        double mean_delay_s = 0.003) {
+  std::vector<Entry> entries;
+  for (std::size_t s = 0; s < sensors; ++s) {
+    Random random = Random(seed).fork("sensor", s);
+    const double offset = random.uniform(0, 100);
+    const double rate = 1 + random.normal(0, 20e-6);
+    std::uint32_t sequence = 0;
+    for (double t = random.uniform(0, 0.01); t < seconds; ++sequence) {
+      Entry entry;
+      for (int i = 0; i < 4; ++i, t += 1 / 240.0) {
+        Sample sample;
+        sample.sensor = static_cast<std::uint16_t>(s);
+        sample.sequence = sequence;
+        sample.time = DeviceTime(from_seconds(offset + rate * t));
+        sample.count = 6;
+        entry.samples.push_back(sample);
+        entry.arrival = HostTime(from_seconds(t + 0.001));
+      }
+      entry.arrival += from_seconds(random.exponential(mean_delay_s));
+      entries.push_back(entry);
+    }
+  }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.arrival < b.arrival; });
+  return entries;
+}
+
+std::vector<FrameTick> run(const Rig& rig, const std::vector<Entry>& entries) {
+  TickRule rule(rig);
+  std::vector<FrameTick> ticks;
+  for (const Entry& entry : entries) {
+    while (const auto tick = rule.due(entry.arrival)) ticks.push_back(*tick);
+    for (const Sample& sample : entry.samples) rule.add(entry.arrival, sample);
+    while (const auto tick = rule.due(entry.arrival)) ticks.push_back(*tick);
+  }
+  return ticks;
+}
+
+TEST(Ticks, AreEveryFrameOfTheGridOnce) {
+  const auto ticks = run(rig_of(12), play(12, 20, 1));
+  ASSERT_GT(ticks.size(), 1180u);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    EXPECT_EQ(ticks[i].frame.time_since_epoch(), frame_offset(ticks[i].index));
+    if (i == 0) continue;
+    EXPECT_EQ(ticks[i].index, ticks[i - 1].index + 1);
+    EXPECT_GE(ticks[i].fired, ticks[i - 1].fired);
+  }
+}
+
+TEST(Ticks, FireWithTheSampleThatCompletesThem) {
+  const auto ticks = run(rig_of(1), play(1, 10, 2, 0.0005));
+  const auto complete =
+      std::count_if(ticks.begin(), ticks.end(), [](const FrameTick& t) { return t.complete; });
+  EXPECT_GT(static_cast<double>(complete), 0.99 * static_cast<double>(ticks.size()));
+}
+
+TEST(Ticks, DoNotWaitLongerThanEightMilliseconds) {
+  // From the third second on sensor 1 answers half a second late: heard, but never in time.
+  auto entries = play(2, 10, 3);
+  for (Entry& entry : entries)
+    if (entry.samples[0].sensor == 1 && entry.arrival.time_since_epoch() > std::chrono::seconds(3))
+      entry.arrival += 300 * kMs;
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const Entry& a, const Entry& b) { return a.arrival < b.arrival; });
+  TickRule rule(rig_of(2));
+  std::vector<FrameTick> ticks;
+  Duration worst{};
+  for (const Entry& entry : entries) {
+    while (const auto tick = rule.due(entry.arrival)) {
+      // A frame, its packet's end and 8 ms.
+      worst = std::max(worst, tick->fired - rule.lines().to_host(tick->frame));
+      ticks.push_back(*tick);
+    }
+    for (const Sample& sample : entry.samples) rule.add(entry.arrival, sample);
+  }
+  EXPECT_GT(ticks.size(), 590u);
+  EXPECT_LE(worst, 8 * kMs + Duration(16'700'000));
+}
+
+TEST(Ticks, GoOnWhenTheReferenceFallsSilent) {
+  auto entries = play(3, 12, 4);
+  std::erase_if(entries, [](const Entry& e) {
+    return e.samples[0].sensor == 0 && e.arrival.time_since_epoch() > std::chrono::seconds(5);
+  });
+  const auto ticks = run(rig_of(3), entries);
+  EXPECT_GT(ticks.size(), 715u);
+  for (std::size_t i = 400; i < ticks.size(); ++i) {
+    const Duration step = ticks[i].fired - ticks[i - 100].fired;
+    EXPECT_NEAR(to_seconds(step), 100 / 60.0, 0.03);
+  }
+}
+
+TEST(Ticks, RunOnTheHostsTimeWithoutAReference) {
+  auto entries = play(3, 6, 5);
+  std::erase_if(entries, [](const Entry& e) { return e.samples[0].sensor == 0; });
+  const auto ticks = run(rig_of(3), entries);
+  ASSERT_GT(ticks.size(), 310u);
+  EXPECT_NEAR(to_seconds(ticks.back().frame.time_since_epoch()), 6.0, 0.1);
+}
+
+TEST(Ticks, TakeLabSamplesAtTheirOwnTime) {
+  TickRule rule(rig_of(3));
+  std::size_t ticks = 0;
+  for (int i = 0; i < 100; ++i) {
+    const HostTime arrival{frame_offset(i) + kMs};
+    while (rule.due(arrival)) ++ticks;
+    for (std::uint16_t s = 1; s < 3; ++s) {
+      Sample sample;
+      sample.sensor = s;
+      sample.kind = SampleKind::imu_head_relative;
+      sample.time = DeviceTime(frame_offset(i));
+      rule.add(arrival, sample);
+    }
+    while (const auto tick = rule.due(arrival)) {
+      EXPECT_TRUE(tick->complete);
+      EXPECT_EQ(tick->frame, DeviceTime(frame_offset(i)));
+      ++ticks;
+    }
+  }
+  EXPECT_EQ(ticks, 100u);
+}
+
+TEST(Ticks, DependOnNothingButTheCalls) {
+  const auto entries = play(4, 8, 6);
+  EXPECT_EQ(run(rig_of(4), entries), run(rig_of(4), entries));
+}
+
+}  // namespace
+}  // namespace mien::sensor
