@@ -27,6 +27,8 @@ constexpr float kPi = std::numbers::pi_v<float>;
 constexpr std::size_t kLights = 3;
 /// Rays start this far from the skin so that it does not block itself: well under a lid's thickness.
 constexpr float kClear_m = 2e-4F;
+/// Models put shells of an eyeball over each other; they must not shade each other either.
+constexpr float kEyeClear_m = 8e-4F;
 /// Rays to lights start higher above the skin: light enters some way from where it leaves, and the border of
 /// shadow on a curved cheek is soft.
 constexpr float kScatterHeight_m = 1.2e-3F;
@@ -109,7 +111,7 @@ struct Studio {
 
 Look Look::dark() {
   Look look;
-  look.key = {Vec3f(-0.55F, 0.62F, 0.72F).normalized(), Vec3f(2.25F, 2.05F, 1.85F), 0.26F};
+  look.key = {Vec3f(-0.55F, 0.62F, 0.72F).normalized(), Vec3f(2.65F, 2.42F, 2.2F), 0.26F};
   look.fill = {Vec3f(0.85F, 0.10F, 0.55F).normalized(), Vec3f(0.30F, 0.36F, 0.46F), 0.40F};
   look.rim = {Vec3f(0.75F, 0.45F, -0.62F).normalized(), Vec3f(1.5F, 1.65F, 1.9F), 0.22F};
   look.sky = Vec3f(0.30F, 0.32F, 0.36F);
@@ -121,7 +123,7 @@ Look Look::dark() {
 
 Look Look::light() {
   Look look = dark();
-  look.key.radiance = Vec3f(2.05F, 1.92F, 1.78F);
+  look.key.radiance = Vec3f(2.3F, 2.15F, 2.0F);
   look.fill.radiance = Vec3f(0.45F, 0.48F, 0.52F);
   look.rim.radiance = Vec3f(0.9F, 0.95F, 1.0F);
   look.sky = Vec3f(0.52F, 0.54F, 0.57F);
@@ -139,10 +141,12 @@ struct Renderer::State {
                                  : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
         paint(f),
         material(material_of_triangles(f)),
-        solid(f.neutral_m, pick_triangles(false)),
-        clear(f.neutral_m, pick_triangles(true)) {
-    pick_index();
+        layer(layer_of_triangles()),
+        solid(f.neutral_m, pick_triangles(Layer::solid, &solid_triangle)),
+        clear(f.neutral_m, pick_triangles(Layer::clear, &clear_triangle)),
+        fringe(f.neutral_m, pick_triangles(Layer::fringe, &fringe_triangle)) {
     find_neighbours();
+    measure_lashes();
     lowest_m = std::numeric_limits<float>::max();
     for (const Vec3f& p : f.neutral_m) lowest_m = std::min(lowest_m, p.y());
     ambient_directions = sphere_directions(q == Quality::still ? 96 : 40);
@@ -158,20 +162,29 @@ struct Renderer::State {
     return all;
   }
 
-  [[nodiscard]] std::vector<Triangle> pick_triangles(bool see_through) const {
+  /// Rays meet three meshes: what is solid and shades, what is clear, and lashes, which do neither.
+  enum class Layer : std::uint8_t { solid, clear, fringe };
+
+  [[nodiscard]] std::vector<Layer> layer_of_triangles() const {
+    std::vector<Layer> all;
+    for (const Material m : material)
+      all.push_back(m == Material::cornea ? Layer::clear
+                    : m == Material::lash ? Layer::fringe
+                                          : Layer::solid);
+    return all;
+  }
+  [[nodiscard]] std::vector<Triangle> pick_triangles(Layer wanted, std::vector<std::uint32_t>* index) const {
     std::vector<Triangle> picked;
     for (std::size_t t = 0; t < face.triangles.size(); ++t)
-      if ((material[t] == Material::cornea) == see_through) picked.push_back(face.triangles[t]);
+      if (layer[t] == wanted) {
+        picked.push_back(face.triangles[t]);
+        index->push_back(static_cast<std::uint32_t>(t));
+      }
     return picked;
   }
 
-  void pick_index() {
-    for (std::size_t t = 0; t < face.triangles.size(); ++t)
-      (material[t] == Material::cornea ? clear_triangle : solid_triangle)
-          .push_back(static_cast<std::uint32_t>(t));
-  }
-
   void find_neighbours();
+  void measure_lashes();
   void find_normals(std::span<const Vec3f> vertices_m);
   void light_vertices(const Studio& studio);
   void scatter_light();
@@ -187,12 +200,14 @@ struct Renderer::State {
   int threads;
   SurfacePaint paint;
   std::vector<Material> material;  // A triangle.
-  RayScene solid, clear;
-  std::vector<std::uint32_t> solid_triangle, clear_triangle;  // Of the scenes' triangles: index in the face.
-  std::vector<std::uint32_t> neighbour_start, neighbour;      // Vertices that share an edge.
-  std::vector<std::uint32_t> twin;  // The first vertex at the same place with about the same normal.
-  std::vector<float> spread_m;      // Mean edge length at each vertex.
-  std::vector<bool> lit_by_vertex;  // Not an eye.
+  std::vector<Layer> layer;
+  std::vector<std::uint32_t> solid_triangle, clear_triangle, fringe_triangle;  // Index in the face.
+  RayScene solid, clear, fringe;
+  std::vector<std::uint32_t> neighbour_start, neighbour;  // Vertices that share an edge.
+  std::vector<std::uint32_t> twin;   // The first vertex at the same place with about the same normal.
+  std::vector<float> spread_m;       // Mean edge length at each vertex.
+  std::vector<bool> lit_by_vertex;   // Neither eye nor clear.
+  std::vector<float> lash_length_m;  // From the lid; 0 elsewhere.
   float lowest_m = 0;
   std::vector<Vec3f> ambient_directions, eye_directions;
 
@@ -232,7 +247,7 @@ void Renderer::State::find_neighbours() {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   lit_by_vertex.assign(n, false);
   for (std::size_t t = 0; t < face.triangles.size(); ++t) {
-    if (is_eye(material[t]) || material[t] == Material::cornea) continue;
+    if (is_eye(material[t]) || layer[t] != Layer::solid) continue;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t a = twin[face.triangles[t][c]], b = twin[face.triangles[t][(c + 1) % 3]];
       lit_by_vertex[a] = true;
@@ -254,6 +269,35 @@ void Renderer::State::find_neighbours() {
   for (std::size_t i = 0; i < n; ++i)
     if (const auto count = neighbour_start[i + 1] - neighbour_start[i]; count > 0)
       spread_m[i] /= static_cast<float>(count);
+}
+
+void Renderer::State::measure_lashes() {
+  const std::size_t n = face.neutral_m.size();
+  lash_length_m.assign(n, 0);
+  std::vector<bool> is_lash(n, false), is_skin(n, false);
+  for (std::size_t t = 0; t < face.triangles.size(); ++t)
+    for (const std::uint32_t i : face.triangles[t]) (layer[t] == Layer::fringe ? is_lash : is_skin)[i] = true;
+  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
+  for (std::size_t i = 0; i < n; ++i)
+    if (is_lash[i]) {
+      low = low.cwiseMin(face.neutral_m[i]);
+      high = high.cwiseMax(face.neutral_m[i]);
+    }
+  constexpr float kReach_m = 0.015F;
+  std::vector<Vec3f> near;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3f& p = face.neutral_m[i];
+    if (is_skin[i] && (p - low).minCoeff() > -kReach_m && (high - p).minCoeff() > -kReach_m)
+      near.push_back(p);
+  }
+  parallel(threads, n, 512, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      if (!is_lash[i]) continue;
+      float nearest2 = kReach_m * kReach_m;
+      for (const Vec3f& p : near) nearest2 = std::min(nearest2, (p - face.neutral_m[i]).squaredNorm());
+      lash_length_m[i] = std::sqrt(nearest2);
+    }
+  });
 }
 
 void Renderer::State::find_normals(std::span<const Vec3f> vertices_m) {
@@ -359,7 +403,7 @@ Vec3f Renderer::State::mirrored(const Studio& studio, const Vec3f& p, const Vec3
     if (inside > 0)
       light += inside * l.radiance / std::max(0.02F, std::sin(l.radius_rad) * std::sin(l.radius_rad));
   }
-  if (solid.blocked(p + kClear_m * n, out, 0, kAmbientReach_m)) light *= 0.08F;
+  if (solid.blocked(p + kEyeClear_m * n, out, 0, kAmbientReach_m)) light *= 0.08F;
   return fresnel(0.025F, n.dot(to_camera)) * light;
 }
 
@@ -371,7 +415,7 @@ Vec3f Renderer::State::shade_eye(const Studio& studio, const Vec3f& p, Vec3f n, 
     const float cosine = d.dot(n);
     if (cosine <= 0.02F) continue;
     weights += cosine;
-    if (!solid.blocked(p + kClear_m * n, d, 0, kAmbientReach_m)) light += cosine * studio.around(d);
+    if (!solid.blocked(p + kEyeClear_m * n, d, 0, kAmbientReach_m)) light += cosine * studio.around(d);
   }
   if (weights > 0) light /= weights;
   for (std::size_t l = 0; l < kLights; ++l) {
@@ -380,7 +424,7 @@ Vec3f Renderer::State::shade_eye(const Studio& studio, const Vec3f& p, Vec3f n, 
     if (facing <= 0) continue;
     int seen = 0;
     for (const Vec3f& d : studio.light_samples[l])
-      if (!solid.blocked(p + kClear_m * n, d, 0, kFar_m)) ++seen;
+      if (!solid.blocked(p + kEyeClear_m * n, d, 0, kFar_m)) ++seen;
     light += facing * static_cast<float>(seen) / static_cast<float>(studio.light_samples[l].size()) *
              studio.light[l].radiance / kPi;
   }
@@ -392,7 +436,7 @@ Vec3f Renderer::State::shade_eye(const Studio& studio, const Vec3f& p, Vec3f n, 
     for (int e = 0; e < 2; ++e) {
       const face::Eyeball& ball = face.eyes[static_cast<std::size_t>(e)];
       if (ball.vertex_count == 0 || (neutral - ball.centre_m).norm() > 0.03F) continue;
-      const Vec3f axis = eye_turn[static_cast<std::size_t>(e)] * Vec3f::UnitZ();
+      const Vec3f axis = eye_turn[static_cast<std::size_t>(e)] * paint.eye_axis(e);
       const float angle = std::acos(std::clamp(n.dot(axis), -1.0F, 1.0F));
       const float bulge = 1 - smooth_step(0.85F, 1.15F, angle / paint.iris_angle_rad(e));
       wet = (n - 0.40F * bulge * axis).normalized();
@@ -416,6 +460,11 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
     return wa * field[a] + hit.u * field[b] + hit.v * field[c];
   };
   const Vec3f p = origin + hit.distance * direction;
+  const auto of_eyeball = [&](std::uint32_t i) {
+    return std::ranges::any_of(face.eyes, [&](const face::Eyeball& ball) {
+      return i >= ball.first_vertex && i < ball.first_vertex + ball.vertex_count;
+    });
+  };
   const Vec3f to_camera = -direction;
   Vec3f n = between(normal).normalized();
   if (n.dot(to_camera) < 0) n = (n - 1.02F * n.dot(to_camera) * to_camera).normalized();
@@ -428,10 +477,11 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
   if (has_colour) own_colour = between(face.colour);
   Surface surface = paint.at(neutral, material[triangle], has_colour ? &own_colour : nullptr);
 
+  const bool glazed = glass.any() && glass.distance < hit.distance;
+  const bool is_cornea = glazed && of_eyeball(face.triangles[clear_triangle[glass.triangle]][0]);
   Vec3f out = Vec3f::Zero();
   if (is_eye(material[triangle])) {
-    const bool glazed = glass.any() && glass.distance < hit.distance;
-    out = shade_eye(studio, p, n, to_camera, surface, neutral, !glazed);
+    out = shade_eye(studio, p, n, to_camera, surface, neutral, !(glazed && is_cornea));
   } else {
     const Vec3f light_here = between(ambient);
     std::array<Vec3f, kLights> seen;
@@ -484,14 +534,33 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
     out = surface.albedo.cwiseProduct(diffuse) + shine;
   }
 
-  if (glass.any() && glass.distance < hit.distance) {
+  if (errors != nullptr) return out;
+  if (glazed) {
     const auto& [ga, gb, gc] = face.triangles[clear_triangle[glass.triangle]];
     const Vec3f gn =
         ((1 - glass.u - glass.v) * normal[ga] + glass.u * normal[gb] + glass.v * normal[gc]).normalized();
+    // Tears along the lids and over the corners glisten less than the ball itself.
+    const float strength = is_cornea ? 1.0F : 0.25F;
     if (gn.dot(to_camera) > 0)
-      out += mirrored(studio, origin + glass.distance * direction, gn, to_camera, 0.12F);
+      out += strength * mirrored(studio, origin + glass.distance * direction, gn, to_camera, 0.12F);
   }
-  return out;
+
+  float from = 0, through = 1;
+  for (int layers = 0; layers < 3; ++layers) {
+    const RayScene::Hit lash = fringe.first_hit(origin, direction, from);
+    if (!lash.any() || lash.distance > hit.distance) break;
+    from = lash.distance + 1e-5F;
+    const auto& corner = face.triangles[fringe_triangle[lash.triangle]];
+    const std::array<float, 3> weight = {1 - lash.u - lash.v, lash.u, lash.v};
+    Vec3f place = Vec3f::Zero();
+    float length_m = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      place += weight[k] * face.neutral_m[corner[k]];
+      length_m += weight[k] * lash_length_m[corner[k]];
+    }
+    through *= 1 - paint.lash_cover(place, length_m);
+  }
+  return mix(Vec3f(0.012F, 0.009F, 0.008F), out, through);
 }
 
 Renderer::Renderer(const face::Face& face, Quality quality, int threads)
@@ -523,6 +592,7 @@ Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, c
   s.find_normals(vertices_m);
   s.solid.move(vertices_m);
   s.clear.move(vertices_m);
+  s.fringe.move(vertices_m);
   s.light_vertices(studio);
   s.scatter_light();
 
@@ -536,7 +606,7 @@ Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, c
 
   const auto background = [&](float x, float y) {
     const float u = x / static_cast<float>(camera.width) - 0.5F, v = y / static_cast<float>(camera.height);
-    return Vec3f(mix(top, bottom, smooth_step(0, 1, v)) * (1 - 0.25F * smooth_step(0.15F, 0.9F, u * u * 4)));
+    return Vec3f(mix(top, bottom, smooth_step(0, 1, v)) * (1 - 0.5F * u * u));
   };
   // What a pixel shows is averaged after the tone curve, so that bright edges stay smooth.
   const auto sample = [&](float x, float y) {

@@ -85,7 +85,7 @@ SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
     return std::ranges::any_of(face.parts, [&](const face::Part& part) { return part.material == material; });
   };
   const bool own_colours = !face.colour.empty();
-  paints_lips_ = face.has_landmarks && !own_colours && !has(Material::lips);
+  outlines_lips_ = face.has_landmarks;
   paints_brows_ = face.has_landmarks && !own_colours && !has(Material::hair);
 
   if (face.has_landmarks) {
@@ -100,48 +100,79 @@ SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
     brows_m_[0] = curve(17, 21, false);
     std::ranges::reverse(brows_m_[0]);
     brows_m_[1] = curve(22, 26, false);
+    const auto box = [](const std::vector<Vector2f>& points) {
+      Eigen::AlignedBox2f all;
+      for (const Vector2f& point : points) all.extend(point);
+      const Vector2f margin = Vector2f::Constant(0.012F);
+      return Eigen::AlignedBox2f(all.min() - margin, all.max() + margin);
+    };
+    lips_box_ = box(lips_m_);
+    for (std::size_t side = 0; side < 2; ++side) brows_box_[side] = box(brows_m_[side]);
     brows_back_m_ = std::min(mark(17).z(), mark(26).z()) - 0.02F;
 
     if (!own_colours) {
-      const Vec3f flush(1.06F, 0.80F, 0.79F), eye_shadow(0.88F, 0.80F, 0.82F);
+      const Vec3f flush(1.03F, 0.90F, 0.89F), eye_shadow(0.91F, 0.85F, 0.86F);
       spots_.push_back({mark(30), 0.014F, flush});
       spots_.push_back({0.5F * (mark(31) + mark(2)), 0.026F, flush});
       spots_.push_back({0.5F * (mark(35) + mark(14)), 0.026F, flush});
-      spots_.push_back({mark(8), 0.018F, Vec3f(1.02F, 0.92F, 0.91F)});
+      spots_.push_back({mark(8), 0.018F, Vec3f(1.01F, 0.95F, 0.94F)});
       for (const std::size_t first : {std::size_t{36}, std::size_t{42}})
         spots_.push_back({0.5F * (mark(first) + mark(first + 3)), 0.019F, eye_shadow});
     }
   }
 
-  // Where the iris is modelled, its own rim tells its size.
   for (std::size_t e = 0; e < 2; ++e) {
     const face::Eyeball& ball = face.eyes[e];
+    if (ball.vertex_count == 0) continue;
+    // Where the face brings its own colours, the rim of its modelled iris tells the iris's size.
+    // An eye that is modelled a little turned looks where the middle of its iris is.
+    Vec3f middle = Vec3f::Zero();
+    for (const face::Part& part : face.parts) {
+      if (part.material != Material::iris && part.material != Material::pupil) continue;
+      for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
+        for (const std::uint32_t i : face.triangles[t])
+          if (i >= ball.first_vertex && i < ball.first_vertex + ball.vertex_count)
+            middle += (face.neutral_m[i] - ball.centre_m).normalized();
+    }
+    if (middle.norm() > 1e-3F && middle.normalized().z() > 0.9F) eye_axis_[e] = middle.normalized();
     float widest = 0;
     for (const face::Part& part : face.parts) {
-      if (part.material != Material::iris) continue;
+      if (part.material != Material::iris || !own_colours) continue;
       for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
         for (const std::uint32_t i : face.triangles[t]) {
           if (i < ball.first_vertex || i >= ball.first_vertex + ball.vertex_count) continue;
           const Vec3f d = face.neutral_m[i] - ball.centre_m;
-          widest = std::max(widest, std::atan2(d.head<2>().norm(), d.z()));
+          widest = std::max(widest, std::acos(std::clamp(d.normalized().dot(eye_axis_[e]), -1.0F, 1.0F)));
         }
     }
-    if (widest > 0.2F && widest < 0.9F) iris_angle_rad_[e] = widest;
+    if (widest > 0.2F && widest < 0.9F) {
+      iris_angle_rad_[e] = widest;
+    } else if (face.has_landmarks) {
+      // An iris is 11.7 mm wide, an eye's opening some 29 mm; eyeballs of models are often too large.
+      const std::size_t corner = e == 0 ? 42 : 36;
+      const float opening_m =
+          (face.neutral_m[face.landmarks[corner]] - face.neutral_m[face.landmarks[corner + 3]]).norm();
+      float front_m = 0;
+      for (std::uint32_t i = ball.first_vertex; i < ball.first_vertex + ball.vertex_count; ++i)
+        front_m = std::max(front_m, face.neutral_m[i].z() - ball.centre_m.z());
+      if (front_m > 0) iris_angle_rad_[e] = std::asin(std::clamp(0.2F * opening_m / front_m, 0.2F, 0.7F));
+    }
   }
 }
 
 float SurfacePaint::lip_amount(const Vec3f& p) const {
-  if (!paints_lips_ || p.z() < lips_back_m_) return 0;
   const Vector2f q = p.head<2>();
+  if (p.z() < lips_back_m_ || !lips_box_.contains(q)) return 0;
   const float distance = nearest_on(lips_m_, q, true).distance;
   const float signed_m = inside(lips_m_, q) ? distance : -distance;
   return smooth_step(-0.0012F, 0.0016F, signed_m);
 }
 
 float SurfacePaint::brow_amount(const Vec3f& p) const {
-  if (!paints_brows_ || p.z() < brows_back_m_) return 0;
   const Vector2f q = p.head<2>();
-  const auto& brow = brows_m_[p.x() > 0 ? 1 : 0];
+  const std::size_t side = p.x() > 0 ? 1 : 0;
+  if (!paints_brows_ || p.z() < brows_back_m_ || !brows_box_[side].contains(q)) return 0;
+  const auto& brow = brows_m_[side];
   const Nearest near = nearest_on(brow, q, false);
   const float half_m = 0.0048F * (1 - 0.72F * smooth_step(0.35F, 1.05F, near.along));
   if (near.distance > 2 * half_m) return 0;
@@ -150,7 +181,7 @@ float SurfacePaint::brow_amount(const Vec3f& p) const {
   const float lean = 1.1F - 1.3F * near.along;
   const Vector2f along = Vector2f(outward, lean).normalized();
   const Vector2f across(-along.y(), along.x());
-  const float hairs = 0.62F + 0.65F * solid_noise(Vec3f(q.dot(along) * 260, q.dot(across) * 1500, 7.0F));
+  const float hairs = 0.80F + 0.60F * solid_noise(Vec3f(q.dot(along) * 260, q.dot(across) * 1500, 7.0F));
   const float ragged =
       near.distance + 0.0009F * solid_noise(Vec3f(q.dot(across) * 900, q.dot(along) * 120, 3.0F));
   return std::clamp(hairs, 0.0F, 1.0F) * (1 - smooth_step(0.35F * half_m, 1.15F * half_m, ragged)) * 0.92F *
@@ -159,7 +190,7 @@ float SurfacePaint::brow_amount(const Vec3f& p) const {
 
 Surface SurfacePaint::eye(const Vec3f& p, int index) const {
   const Vec3f d = p - face_.eyes[static_cast<std::size_t>(index)].centre_m;
-  const float angle = std::atan2(d.head<2>().norm(), d.z());
+  const float angle = std::acos(std::clamp(d.normalized().dot(eye_axis(index)), -1.0F, 1.0F));
   const float turn = std::atan2(d.y(), d.x());
   const float radius = angle / iris_angle_rad(index);  // 1 at the limbus.
 
@@ -198,7 +229,7 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
           s.albedo = s.albedo.cwiseProduct(mix(Vec3f::Ones(), spot.tint, amount));
         }
       s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F));
-      const float lip = material == Material::lips ? 1.0F : lip_amount(p);
+      const float lip = outlines_lips_ ? lip_amount(p) : material == Material::lips ? 1.0F : 0.0F;
       if (lip > 0) {
         if (own == nullptr) {
           const float lines = 1 + 0.13F * solid_noise(Vec3f(p.x() * 1300, p.y() * 160, p.z() * 160));
@@ -236,7 +267,7 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
     case Material::cornea:
       return {.albedo = Vec3f::Zero(), .roughness = 0.06F, .reflectance = 0.025F};
     case Material::teeth:
-      s = {.albedo = {0.70F, 0.64F, 0.54F}, .roughness = 0.22F, .reflectance = 0.045F, .scatter = 0.3F};
+      s = {.albedo = {0.80F, 0.72F, 0.59F}, .roughness = 0.22F, .reflectance = 0.045F, .scatter = 0.3F};
       break;
     case Material::gums:
       s = {.albedo = {0.50F, 0.19F, 0.18F}, .roughness = 0.3F, .reflectance = 0.03F, .scatter = 0.6F};
@@ -263,6 +294,23 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
   }
   if (own != nullptr) s.albedo = *own;
   return s;
+}
+
+float SurfacePaint::lash_cover(const Vec3f& p, float length_m) const {
+  const bool left = p.x() > 0;
+  const face::Eyeball& ball = face_.eyes[left ? 0 : 1];
+  if (ball.vertex_count == 0) return 0.5F;
+  const Vec3f d = p - ball.centre_m;
+  const float turn = std::atan2(d.y(), left ? d.x() : -d.x());
+  const bool lower = d.y() < 0;
+  // Hairs stand side by side along the lid, of unequal length, each thinning to its tip.
+  const float longest_m =
+      (lower ? 0.0045F : 0.0085F) * (0.8F + 0.35F * solid_noise(Vec3f(turn * 23, 2, lower ? 9 : 1)));
+  const float along = length_m / longest_m;
+  const float hair = 0.5F + solid_noise(Vec3f(turn * (lower ? 34.0F : 46.0F), along * 0.8F, lower ? 5 : 3));
+  const float thick = (lower ? 0.52F : 0.66F) * (1 - along);
+  return (lower ? 0.6F : 0.9F) * (1 - smooth_step(thick - 0.12F, thick + 0.12F, hair)) *
+         (1 - smooth_step(0.8F, 1.0F, along));
 }
 
 }  // namespace mien::render

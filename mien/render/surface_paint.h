@@ -26,8 +26,14 @@ class SurfacePaint {
   /// has any.
   [[nodiscard]] Surface at(const Vec3f& neutral_m, face::Material material, const Vec3f* own) const;
 
+  /// How much of a lash card is hair, 0 to 1, at a point of the neutral `length_m` away from the lid.
+  [[nodiscard]] float lash_cover(const Vec3f& neutral_m, float length_m) const;
+
   /// Of eyeball `eye`: the angle about its centre at which the iris ends.
   [[nodiscard]] float iris_angle_rad(int eye) const { return iris_angle_rad_[static_cast<std::size_t>(eye)]; }
+
+  /// Where that eyeball looks in the neutral, unit, frame H.
+  [[nodiscard]] const Vec3f& eye_axis(int eye) const { return eye_axis_[static_cast<std::size_t>(eye)]; }
 
  private:
   struct Spot {
@@ -40,13 +46,16 @@ class SurfacePaint {
   [[nodiscard]] float brow_amount(const Vec3f& neutral_m) const;
 
   const face::Face& face_;
-  bool paints_lips_ = false;
+  bool outlines_lips_ = false;
   bool paints_brows_ = false;
   std::vector<Spot> spots_;
-  std::vector<Eigen::Vector2f> lips_m_;                  // Closed outline, seen from the front.
+  std::vector<Eigen::Vector2f> lips_m_;  // Closed outline, seen from the front.
+  Eigen::AlignedBox2f lips_box_;
+  std::array<Eigen::AlignedBox2f, 2> brows_box_;
   float lips_back_m_ = 0;                                // Lips lie in front of this z.
   std::array<std::vector<Eigen::Vector2f>, 2> brows_m_;  // From the nose outwards.
   float brows_back_m_ = 0;
+  std::array<Vec3f, 2> eye_axis_ = {Vec3f::UnitZ(), Vec3f::UnitZ()};
   std::array<float, 2> iris_angle_rad_ = {0.46F, 0.46F};
 };
 

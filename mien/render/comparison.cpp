@@ -1,0 +1,41 @@
+#include "mien/render/comparison.h"
+
+#include <cassert>
+#include <vector>
+
+#include "mien/render/lettering.h"
+
+namespace mien::render {
+
+void vertex_errors(std::span<const Vec3f> truth_m, std::span<const Vec3f> capture_m,
+                   std::span<float> error_m) {
+  assert(truth_m.size() == capture_m.size() && truth_m.size() == error_m.size());
+  for (std::size_t i = 0; i < error_m.size(); ++i) error_m[i] = (truth_m[i] - capture_m[i]).norm();
+}
+
+Image comparison(Renderer& renderer, std::span<const Vec3f> truth_m, std::span<const Vec3f> capture_m,
+                 const Camera& camera, const Look& look, const ComparisonCaptions& captions,
+                 float full_scale_m) {
+  std::vector<float> error_m(truth_m.size());
+  vertex_errors(truth_m, capture_m, error_m);
+  const ErrorColours colours{error_m, full_scale_m};
+
+  Image picture(3 * camera.width, camera.height);
+  paste(picture, renderer.still(truth_m, camera, look), 0, 0);
+  paste(picture, renderer.still(capture_m, camera, look), camera.width, 0);
+  paste(picture, renderer.still(capture_m, camera, look, &colours), 2 * camera.width, 0);
+
+  const Rgb ink = look.background_top[0] > 128 ? Rgb{40, 42, 48} : Rgb{226, 229, 236};
+  const float size = std::max(12.0F, 0.042F * static_cast<float>(camera.height));
+  const auto middle = [&](int column) {
+    return (static_cast<float>(column) + 0.5F) * static_cast<float>(camera.width);
+  };
+  draw_text(picture, captions.truth, middle(0), 1.6F * size, size, ink, Align::centre);
+  draw_text(picture, captions.capture, middle(1), 1.6F * size, size, ink, Align::centre);
+  draw_text(picture, captions.error, middle(2), 1.6F * size, size, ink, Align::centre);
+  draw_text(picture, captions.footer, static_cast<float>(picture.width) - 0.7F * size, 1.6F * size,
+            0.7F * size, ink, Align::right);
+  return picture;
+}
+
+}  // namespace mien::render
