@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "mien/face/gltf_import.h"
 #include "mien/face/ict_import.h"
 
 namespace mien::face {
@@ -22,6 +23,12 @@ Result<Face> load_face(const std::string& what, const Progress& progress) {
   if (!fs::exists(path, code))
     return fail(ErrorCode::not_found, "there is no such face", what,
                 "name 'builtin', a folder or a .glb, .gltf or .vrm file");
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (ending == ".glb" || ending == ".gltf" || ending == ".vrm") {
+    MIEN_TRY_ASSIGN(GltfHead head, import_gltf(path));
+    return std::move(head.face);
+  }
   return fail(ErrorCode::unsupported, "this is no face that Mien reads", what,
               "name 'builtin', a folder with generic_neutral_mesh.obj, or a .glb, .gltf or .vrm file");
 }

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/face.h"
+
+namespace mien::face {
+
+/// A head read from glTF, and what was made of it.
+struct GltfHead {
+  Face face;
+  double metres_per_unit = 1;        ///< 1 where the file keeps to glTF's metres.
+  std::vector<std::string> missing;  ///< Shapes that the file does not have; they move nothing.
+  std::vector<std::string> warnings;
+};
+
+/// The shapes that a morph target's name stands for: "jawOpen", "eyeBlinkLeft", "EyeBlink_L",
+/// "eye_blink_left", "Face.eyeBlink_L" and ICT's own. Indices as in Face::shapes (kShapeCount is tongueOut);
+/// browInnerUp and cheekPuff give both sides. Empty when it is none of them.
+[[nodiscard]] std::vector<std::size_t> shapes_of_name(std::string_view name);
+
+/// Reads a .glb, .gltf or .vrm head with ARKit-named morph targets: names from `targetNames` in the extras of
+/// mesh or primitive; shapes that no target is named after from VRM 0 blend shape groups or VRM 1 custom
+/// expressions. All meshes of the scene are merged, with their nodes' transforms and skins at rest. A head
+/// that looks along -Z (VRM 0) is turned round; one that is not in metres is brought to them: of metre, inch,
+/// centimetre and millimetre the one that makes the moving part of the face best the size of a person's, and
+/// failing all, a face of 0.2 m. browInnerUp and cheekPuff in one piece are split into sides by a smooth ramp
+/// of 4 cm, whose halves add up to it. Region "skin" is the meshes with shapes, teeth, tongue and eyes left
+/// out. There are no landmarks. Eyeballs are meshes named "eye" that no shape moves. Errors: malformed,
+/// truncated, out_of_range (no index or size in the file is believed before its bytes are there; at most 4
+/// million vertices), unsupported (compressed meshes), not_found (no morph target has an ARKit name). Files
+/// that the glTF names are read only from its own folder and those beneath it.
+[[nodiscard]] Result<GltfHead> import_gltf(const std::filesystem::path& path);
+/// The same from memory; files that it names are not read, which is an error if a mesh needs them.
+[[nodiscard]] Result<GltfHead> parse_gltf(std::span<const std::byte> bytes, std::string_view name);
+
+}  // namespace mien::face
