@@ -1,0 +1,258 @@
+#include "mien/face/builtin_expression.h"
+
+#include <cmath>
+#include <functional>
+
+#include "mien/face/builtin_anatomy.h"
+#include "mien/face/profile.h"
+
+namespace mien::face::builtin {
+namespace {
+
+using V = SculptVertex;
+using Field = std::function<Vec3(const V&)>;
+
+constexpr double kDegree = M_PI / 180;
+
+/// 1 at `centre`, 0 beyond the ellipsoid of radii `r`, smooth between.
+double bell(const Vec3& p, const Vec3& centre, const Vec3& r) {
+  const double q = (p - centre).cwiseQuotient(r).squaredNorm();
+  return q < 1 ? (1 - q) * (1 - q) * (1 + 0.5 * q) : 0;
+}
+double upper(const V& v) {
+  return 0.5 + 0.5 * v.lip_side;
+}
+double lower(const V& v) {
+  return 0.5 - 0.5 * v.lip_side;
+}
+bool is_fixed(const V& v) {
+  return v.tissue == Tissue::ear || v.tissue == Tissue::eyeball || v.tissue == Tissue::hair ||
+         v.tissue == Tissue::teeth_upper || v.tissue == Tissue::gums_upper;
+}
+bool follows_jaw_rigidly(const V& v) {
+  return v.tissue == Tissue::teeth_lower || v.tissue == Tissue::gums_lower || v.tissue == Tissue::tongue;
+}
+/// Skin, and what grows on it or lines the mouth.
+bool is_soft(const V& v) {
+  return !is_fixed(v) && !follows_jaw_rigidly(v);
+}
+/// Lids keep to the eyeball: other muscles' pull fades out on them.
+double off_lids(const V& v) {
+  return 1 - smoothstep(0.35, 0.9, std::abs(v.lid));
+}
+
+/// How far a vertex goes with the lower jaw: 1 on chin and lower lip, 0 above the mouth and at the neck's
+/// foot.
+double jaw_share(const V& v) {
+  if (is_fixed(v)) return 0;
+  if (follows_jaw_rigidly(v)) return 1;
+  const Vec3& p = v.anchor;
+  if (v.tissue == Tissue::mouth) return lower(v) * smoothstep(18, 70, p.z());
+  const double share = smoothstep(0, 1, lower(v));
+  const double back = smoothstep(-5, 55, p.z() + 0.25 * (p.y() + 60));
+  const double neck = smoothstep(-150, -78, p.y() - 0.25 * (p.z() - 60));
+  return share * back * neck;
+}
+Vec3 jaw_turn(const V& v, double angle) {
+  const double share = jaw_share(v);
+  if (share == 0) return Vec3::Zero();
+  const Vec3 arm = v.p - kJawHinge;
+  return Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm - arm;
+}
+
+enum class Lips { both, upper, lower };
+
+/// Skin about `centre` goes by `d`.
+Vec3 push(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips lips = Lips::both) {
+  if (!is_soft(v)) return Vec3::Zero();
+  double w = bell(v.anchor, centre, r);
+  if (w == 0) return Vec3::Zero();
+  if (lips == Lips::upper) w *= upper(v);
+  if (lips == Lips::lower) w *= lower(v);
+  return w * off_lids(v) * d;
+}
+
+/// Elevation of a point about the left eye's lateral axis.
+double lid_elevation(double x, double y) {
+  const double dx = x - kEyeCentre.x(), dy = y - kEyeCentre.y();
+  return std::atan2(dy, std::sqrt(std::max(4.0, kLidRadius * kLidRadius - dx * dx - dy * dy)));
+}
+
+/// Lids of the left eye turn about the eyeball: by the share `up_close` of the way from open to closed for
+/// the upper lid, `low_close` for the lower (negative opens); `sideways` turns both about the vertical, rad.
+Vec3 lids(const V& v, double up_close, double low_close, double sideways = 0) {
+  if (v.lid == 0 || v.anchor.x() < 0 || !(is_soft(v))) return Vec3::Zero();
+  const double x = std::clamp(v.anchor.x(), kInnerCanthusX, kOuterCanthusX);
+  const double open_u = lid_elevation(x, upper_lid_y(x)), open_l = lid_elevation(x, lower_lid_y(x));
+  const double meet = mix(open_l, open_u, 0.16);
+  const double share = smoothstep(0.18, 0.92, std::abs(v.lid));
+  const double angle = v.lid > 0 ? (open_u - meet) * up_close : (open_l - meet) * low_close;
+  const Vec3 arm = v.p - kEyeCentre;
+  const double side = sideways * smoothstep(0.3, 1.0, std::abs(v.lid)) *
+                      smoothstep(0, 6, std::min(x - kInnerCanthusX, kOuterCanthusX - x));
+  Vec3 turned =
+      Eigen::AngleAxisd(side, Vec3::UnitY()) * (Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm);
+  return turned - arm;
+}
+
+const Vec3 kCorner{kMouthCornerX, kMouthCornerY, 103};
+constexpr double kJawOpen = 21.5 * kDegree;
+
+Vec3 close_lips(const V& v) {
+  if (!is_soft(v)) return Vec3::Zero();
+  const Vec3 open = jaw_turn(v, kJawOpen);
+  // The lips come back all the way, the skin below less and less down to the chin.
+  double keep = smoothstep(-76, -42, v.anchor.y());
+  if (v.tissue == Tissue::lip || v.tissue == Tissue::mouth) keep = 1;
+  keep *= smoothstep(70, 30, std::abs(v.anchor.x()));
+  const Vec3 down = Vec3(0, -4.0, -1.0) * bell(v.anchor, {0, -33, 108}, {34, 30, 45});
+  return -keep * open + down;
+}
+
+/// Turns the red of one lip inwards over the teeth about its own border.
+Vec3 roll(const V& v, bool up, double angle) {
+  if (!is_soft(v)) return Vec3::Zero();
+  const Vec3& p = v.anchor;
+  const double x = std::abs(p.x());
+  const double s = std::min(1.0, x / (kMouthCornerX + 2));
+  const double border = up ? upper_lip_border_y(x) + 4 : lower_lip_border_y(x) - 4;
+  const double line = lip_line_y(x);
+  const double depth_fade = smoothstep(92, 104, p.z());
+  const double along =
+      up ? smoothstep(border + 3, line, p.y()) * upper(v) : smoothstep(border - 3, line, p.y()) * lower(v);
+  const double w = along * (1 - s * s) * depth_fade;
+  if (w <= 0) return Vec3::Zero();
+  const Vec3 pivot(p.x(), border, 106 - 0.012 * x * x);
+  const Vec3 arm = v.p - pivot;
+  return (Eigen::AngleAxisd((up ? 1 : -1) * angle * w, Vec3::UnitX()) * arm - arm) * std::min(1.0, 1.5 * w);
+}
+
+/// Left shapes and shapes of the midline, by name without side.
+Vec3 displacement(std::string_view name, const V& v) {
+  const auto is = [&](std::string_view n) { return name == n; };
+  // Brow.
+  if (is("browDown"))
+    return push(v, {20, 57, 101}, {34, 30, 45}, {-3.2, -6.2, 0.6}) +
+           push(v, {40, 58, 90}, {26, 24, 40}, {-0.8, -2.6, 0});
+  if (is("browInnerUp")) return push(v, {9, 58, 104}, {30, 40, 45}, {1.0, 6.0, 0.2});
+  if (is("browOuterUp")) return push(v, {42, 59, 88}, {32, 36, 45}, {1.2, 8.0, -1.2});
+  // Lids.
+  if (is("eyeBlink")) return lids(v, 1, 1) + push(v, {34, 22, 92}, {24, 16, 30}, {-0.4, 0.6, 0});
+  if (is("eyeLookDown")) return lids(v, 0.46, -0.30);
+  if (is("eyeLookUp")) return lids(v, -0.20, 0.5);
+  if (is("eyeLookIn")) return lids(v, 0.03, 0.0, -0.13);
+  if (is("eyeLookOut")) return lids(v, 0.03, 0.0, 0.13);
+  if (is("eyeSquint")) return lids(v, 0.12, 1.3) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.6, 2.2, 0.8});
+  if (is("eyeWide")) return lids(v, -0.21, -0.35) + push(v, {30, 52, 96}, {24, 16, 30}, {0, 0.7, 0});
+  // Cheeks.
+  if (is("cheekPuff"))
+    return push(v, {42, -26, 88}, {36, 38, 60}, {10.5, -0.5, 9.5}) +
+           push(v, {14, -20, 110}, {22, 14, 30}, {0.5, 0, 3.0}) +
+           push(v, {14, -46, 106}, {22, 14, 30}, {0.5, 0, 2.5});
+  if (is("cheekSquint")) return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 6.0, 2.4}) + lids(v, 0.0, 0.55);
+  if (is("noseSneer"))
+    return push(v, {22, -6, 102}, {30, 36, 50}, {1.8, 9.5, 1.0}) +
+           push(v, {12, 24, 104}, {16, 22, 30}, {-0.5, 2.2, 1.0}) +
+           push(v, {14, 54, 102}, {20, 16, 30}, {-0.5, -1.5, 0});
+  // Jaw.
+  if (is("jawForward")) return jaw_share(v) * Vec3(0, -0.8, 11.2);
+  if (is("jawLeft")) return jaw_share(v) * Vec3(9.0, -0.3, 0.0);
+  if (is("jawOpen")) return jaw_turn(v, kJawOpen);
+  if (is("mouthClose")) return close_lips(v);
+  // Mouth.
+  if (is("mouthDimple"))
+    return push(v, kCorner, {22, 20, 40}, {6.8, 1.4, -6.0}) +
+           push(v, {42, -30, 92}, {14, 18, 30}, {-0.5, 0, 1.0});
+  if (is("mouthFrown"))
+    return push(v, kCorner, {26, 26, 45}, {1.2, -6.6, -1.2}) +
+           push(v, {10, -52, 104}, {20, 16, 30}, {0, 1.5, 0.8});
+  if (is("mouthFunnel"))
+    return push(v, {0, -27, 113}, {27, 15, 40}, {0, 3.4, 8.5}, Lips::upper) +
+           push(v, {0, -40, 112}, {27, 17, 40}, {0, -4.6, 8.0}, Lips::lower) +
+           push(v, kCorner, {21, 24, 40}, {-7.0, 0, 4.0});
+  if (is("mouthLeft"))
+    return push(v, {2, -34, 108}, {52, 34, 60}, {17, 1.0, 0.0}) +
+           push(v, kCorner, {26, 24, 45}, {1.5, 2.5, -6.0});
+  if (is("mouthLowerDown")) return push(v, {11, -40, 110}, {24, 18, 40}, {0.8, -6.0, -0.4}, Lips::lower);
+  if (is("mouthPress"))
+    return push(v, {13, -28, 111}, {20, 9, 40}, {0.3, -1.5, -3.4}, Lips::upper) +
+           push(v, {13, -39, 110}, {20, 10, 40}, {0.3, 1.8, -3.4}, Lips::lower) +
+           push(v, kCorner, {18, 18, 40}, {1.4, -0.3, -2.0});
+  if (is("mouthPucker"))
+    return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 9.0}) +
+           push(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5});
+  if (is("mouthRollLower")) return roll(v, false, 75 * kDegree);
+  if (is("mouthRollUpper")) return roll(v, true, 70 * kDegree);
+  if (is("mouthShrugLower"))
+    return push(v, {0, -58, 106}, {30, 30, 50}, {0, 10.5, 1.5}, Lips::lower) +
+           push(v, {0, -38, 111}, {26, 14, 40}, {0, -1.5, 3.0}, Lips::lower) +
+           push(v, {0, -29, 112}, {28, 12, 40}, {0, 6.2, 2.6}, Lips::upper);
+  if (is("mouthShrugUpper"))
+    return push(v, {0, -27, 112}, {27, 20, 40}, {0, 5.4, 2.4}, Lips::upper) +
+           push(v, {0, -36, 112}, {22, 12, 40}, {0, 4.4, 1.8}, Lips::lower);
+  if (is("mouthSmile"))
+    return push(v, kCorner, {33, 30, 55}, {9.5, 9.0, -6.0}) +
+           push(v, {42, -2, 90}, {26, 24, 40}, {0.8, 3.5, 3.2}) + lids(v, 0, 0.25);
+  if (is("mouthStretch"))
+    return push(v, kCorner, {30, 28, 50}, {9.0, -3.6, -5.0}) +
+           push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});
+  if (is("mouthUpperUp"))
+    return push(v, {12, -26, 111}, {22, 22, 40}, {1.0, 8.4, 0.6}, Lips::upper) +
+           push(v, {20, -6, 104}, {16, 22, 30}, {1.0, 3.2, 1.2});
+  return Vec3::Zero();
+}
+
+Vec3 tongue_out(const V& v) {
+  // The jaw drops a little, the lips part, the tongue comes out over the lower lip.
+  Vec3 d = jaw_turn(v, 7.5 * kDegree);
+  if (v.tissue == Tissue::tongue) {
+    const double s = smoothstep(44, 92, v.p.z());
+    d += Vec3(0, 6.0 * s - 9.0 * s * s * s, 30 * s);
+    d.x() -= 0.12 * v.p.x() * s;
+  }
+  d += push(v, {0, -27, 113}, {24, 12, 40}, {0, 1.4, 0.6}, Lips::upper) +
+       push(v, {0, -40, 112}, {26, 16, 40}, {0, -3.2, 0.4}, Lips::lower);
+  return d;
+}
+
+/// Lids never sink into the eyeball when a shape is full on.
+void keep_off_eyeballs(const Sculpt& whole, std::vector<Vec3>& d) {
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    const V& v = whole.vertices[i];
+    if (v.tissue != Tissue::skin || std::abs(v.lid) < 0.05 || d[i].squaredNorm() == 0) continue;
+    const Vec3 centre(v.p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
+    const Vec3 arm = v.p + d[i] - centre;
+    const double least = kLidRadius - 0.25;
+    if (arm.norm() < least) d[i] += arm.normalized() * (least - arm.norm());
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole) {
+  const std::size_t n = whole.vertices.size();
+  std::vector<std::vector<Vec3>> all(kShapeCount + 1, std::vector<Vec3>(n, Vec3::Zero()));
+  const auto mirror_into = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3& d = all[from][i];
+      all[to][whole.mirror[i]] = {-d.x(), d.y(), d.z()};
+    }
+  };
+  for (std::size_t k = 0; k < kShapeCount; ++k) {
+    std::string_view name = kShapeNames[k];
+    if (name.ends_with("_R") || name == "jawRight" || name == "mouthRight") continue;
+    if (name.ends_with("_L")) name.remove_suffix(2);
+    for (std::size_t i = 0; i < n; ++i) all[k][i] = displacement(name, whole.vertices[i]);
+    keep_off_eyeballs(whole, all[k]);
+  }
+  for (std::size_t i = 0; i < n; ++i) all[kShapeCount][i] = tongue_out(whole.vertices[i]);
+  for (std::size_t k = 0; k < kShapeCount; ++k) {
+    const std::string_view name = kShapeNames[k];
+    if (name.ends_with("_R")) mirror_into(k - 1, k);
+  }
+  mirror_into(shape("jawLeft"), shape("jawRight"));
+  mirror_into(shape("mouthLeft"), shape("mouthRight"));
+  return all;
+}
+
+}  // namespace mien::face::builtin
