@@ -19,7 +19,8 @@ if(MIEN_SANITIZE)
 endif()
 
 add_library(mien_warnings INTERFACE)
-target_compile_options(mien_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
+target_compile_options(mien_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
+                       -Wno-missing-field-initializers)  # Designated initialisers leave the rest to its defaults.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # g++ 12 sees overflows and uninitialised reads in Eigen's and the standard library's inlined code that are not there.
   target_compile_options(mien_warnings INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow

@@ -1,0 +1,57 @@
+#include "mien/study/evaluation_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mien::study {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const MeanStd& value) { return {{"mean", value.mean}, {"std", value.std}}; }
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+  if (!value) return nullptr;
+  if constexpr (std::is_same_v<T, MeanStd>)
+    return to_json(*value);
+  else
+    return *value;
+}
+
+Json to_json(const Metrics& metrics) {
+  Json out;
+  out["mse"] = metrics.mse;
+  out["mse_felt"] = metrics.mse_felt;
+  out["pve_mm"] = to_json(metrics.pve_mm);
+  out["pve_face_mm"] = or_null(metrics.pve_face_mm);
+  out["lmk_mm"] = or_null(metrics.lmk_mm);
+  out["jitter_ratio"] = or_null(metrics.jitter_ratio);
+  out["blink_f1"] = or_null(metrics.blink_f1);
+  Json shapes = Json::object();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    shapes[std::string(face::kShapeNames[k])] = {{"mae", metrics.per_shape[k].mae},
+                                                 {"pearson", or_null(metrics.per_shape[k].pearson)}};
+  out["per_shape"] = std::move(shapes);
+  return out;
+}
+
+}  // namespace
+
+std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context) {
+  Json out;
+  out["frames"] = evaluation.frames;
+  out["takes"] = evaluation.takes;
+  out["face"] = context.face;
+  out["devices"] = context.devices;
+  out["model_file"] = context.model;
+  out["steps"] = context.steps;
+  out["adapted"] = context.adapted;
+  out["adapt_s"] = context.adapt_s;
+  out["model"] = to_json(evaluation.model);
+  out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
+  out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
+  out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : Json(nullptr);
+  return out.dump(2);
+}
+
+}  // namespace mien::study

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "mien/study/evaluation.h"
+
+namespace mien::study {
+
+/// What an evaluation was made with; printed beside the figures.
+struct EvaluationContext {
+  std::string face;     ///< Which face the errors are measured on.
+  std::string model;    ///< File of the model.
+  std::string devices;  ///< "lab", "device", or "mixed".
+  int steps = 0;        ///< Denoising steps.
+  bool adapted = false; ///< Whether the model was personalised on the take first.
+  double adapt_s = 0;
+};
+
+/// The one JSON object that `mien evaluate --json` prints (docs/metrics.md). Curves are left out.
+[[nodiscard]] std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context);
+
+}  // namespace mien::study

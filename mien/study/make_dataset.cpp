@@ -1,0 +1,209 @@
+#include "mien/study/make_dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <toml++/toml.h>
+
+#include "mien/face/builtin.h"
+#include "mien/face/load.h"
+#include "mien/study/trace_features.h"
+#include "mien/virtual/device_faults.h"
+#include "mien/virtual/performer.h"
+#include "mien/virtual/script.h"
+#include "mien/virtual/session.h"
+#include "mien/virtual/style.h"
+
+namespace mien::study {
+namespace {
+
+/// Where people come from.
+struct FaceSource {
+  std::optional<face::IctModel> ict;
+  std::optional<face::Face> one;  // A face without a family.
+};
+
+Result<FaceSource> open_faces(const std::string& what, const Progress& progress) {
+  FaceSource source;
+  if (what == "builtin") return source;
+  if (what.ends_with(".glb") || what.ends_with(".gltf") || what.ends_with(".vrm")) {
+    MIEN_TRY_ASSIGN(source.one, face::load_face(what, progress));
+    return source;
+  }
+  MIEN_TRY_ASSIGN(source.ict, face::import_ict_model(what, {.identities = true}, progress));
+  return source;
+}
+
+face::Face draw_face(const FaceSource& source, bool identities, Random random) {
+  if (source.one) return *source.one;
+  if (!source.ict) return identities ? face::make_builtin(face::random_identity(random)) : face::make_builtin();
+  if (!identities) return source.ict->face;
+  std::vector<float> coefficients(source.ict->identities.size());
+  for (float& c : coefficients) c = static_cast<float>(random.normal());
+  return face::with_identity(*source.ict, coefficients);
+}
+
+void add_frame(Sequence& out, const std::vector<model::SensorFeature>& sensors, const face::BlendshapeWeights& weights) {
+  for (const model::SensorFeature& s : sensors) {
+    out.values.insert(out.values.end(), s.accel_m_s2.data(), s.accel_m_s2.data() + 3);
+    out.values.insert(out.values.end(), s.rotation.begin(), s.rotation.end());
+  }
+  for (const model::SensorFeature& s : sensors) out.present.push_back(s.has_rotation ? 1 : 0);
+  for (const model::SensorFeature& s : sensors) out.present.push_back(s.has_accel ? 1 : 0);
+  for (const float w : weights.values) out.weights.push_back(std::clamp(w, 0.0F, 1.0F));
+  ++out.frames;
+}
+
+/// One performer's sequences, lab first.
+Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSource& faces, const sensor::Rig& rig,
+                                          const virt::DeviceFaults& faults, std::uint32_t performer) {
+  const Random root = Random(recipe.seed).fork("performer", performer);
+  const face::Face face = draw_face(faces, recipe.identities, root.fork("identity"));
+  Random placement = root.fork("placement");
+  std::vector<Vec3> offsets_m(rig.sensors.size());
+  for (Vec3& offset : offsets_m) {
+    const double x = placement.normal();
+    const double y = placement.normal();
+    const double z = placement.normal();
+    offset = 1e-3 * recipe.placement_mm * Vec3(x, y, z);
+  }
+  MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> mesh_sites, virt::skin_sites(face, rig, offsets_m));
+  const std::vector<virt::SkinSite> sites = virt::draw_kinematics(mesh_sites, recipe.kinematics, root.fork("kinematics"));
+  Random style_random = root.fork("style");
+  const virt::Style style = virt::draw_style(style_random);
+  const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+
+  std::vector<Sequence> out;
+  Random script_random = root.fork("script");
+  if (recipe.seconds > 0) {
+    virt::Script script = virt::random_script(recipe.seconds, script_random);
+    script.moves_head = false;
+    const face::Motion motion = virt::perform(script, style, root.fork("motion"));
+    Sequence lab;
+    lab.performer = performer;
+    lab.lab = true;
+    std::vector<model::SensorFeature> sensors(face_sensors.size());
+    for (const face::MotionFrame& frame : motion.frames) {
+      for (std::size_t s = 0; s < face_sensors.size(); ++s) {
+        const Quat q = sites[face_sensors[s]].rotation(frame.weights);
+        sensors[s].rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                               static_cast<float>(q.z())};
+        sensors[s].has_rotation = true;
+      }
+      add_frame(lab, sensors, frame.weights);
+    }
+    out.push_back(std::move(lab));
+  }
+  if (recipe.device_seconds > 0) {
+    const virt::Script script = virt::random_script(recipe.device_seconds, script_random);
+    const face::Motion motion = virt::perform(script, style, root.fork("device motion"));
+    const virt::PrologueMotion begun = virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
+    MIEN_TRY_ASSIGN(const virt::VirtualSession session,
+                    virt::play_devices(begun, sites, rig, faults, root.fork("devices")));
+    const std::vector<model::FeatureFrame> features =
+        trace_features(rig, session.events, session.samples, session.ticks);
+    Sequence device;
+    device.performer = performer;
+    for (std::size_t i = 0; i < features.size(); ++i)
+      if (session.truth[i].evaluated) add_frame(device, features[i].sensors, session.truth[i].weights);
+    out.push_back(std::move(device));
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& where) {
+  toml::table table;
+  try {
+    table = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    return fail(ErrorCode::malformed, std::string(error.description()),
+                fmt::format("{}, [data] line {}", where, error.source().begin.line));
+  }
+  DataRecipe recipe;
+  for (const auto& [name, node] : table) {
+    const std::string_view key = name.str();
+    const auto number = node.value<double>();
+    const auto is_count = [&] { return node.is_integer() && *number >= 0 && *number <= 1e6; };
+    const auto is_size = [&] { return number && std::isfinite(*number) && *number >= 0 && *number <= 1e6; };
+    bool good = true;
+    if (key == "identities") {
+      good = node.is_boolean();
+      if (good) recipe.identities = *node.value<bool>();
+    } else if (key == "seed" || key == "performers" || key == "validation_performers") {
+      good = is_count();
+      if (good && key == "seed") recipe.seed = static_cast<std::uint64_t>(*number);
+      if (good && key == "performers") recipe.performers = static_cast<int>(*number);
+      if (good && key == "validation_performers") recipe.validation_performers = static_cast<int>(*number);
+    } else if (key == "seconds" || key == "device_seconds" || key == "placement_mm" || key == "kinematics_gain" ||
+               key == "kinematics_deg") {
+      good = is_size();
+      if (good && key == "seconds") recipe.seconds = *number;
+      if (good && key == "device_seconds") recipe.device_seconds = *number;
+      if (good && key == "placement_mm") recipe.placement_mm = *number;
+      if (good && key == "kinematics_gain") recipe.kinematics.gain = *number;
+      if (good && key == "kinematics_deg") recipe.kinematics.direction_rad = *number * M_PI / 180;
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", key), where);
+    }
+    if (!good) return fail(ErrorCode::out_of_range, fmt::format("[data] {} is not what it should be", key), where);
+  }
+  if (recipe.performers < 1) return fail(ErrorCode::out_of_range, "[data] needs at least one performer", where);
+  if (recipe.validation_performers < 1)
+    return fail(ErrorCode::out_of_range, "[data] needs at least one validation performer", where);
+  return recipe;
+}
+
+Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face_name, const sensor::Rig& rig,
+                                  const Progress& progress) {
+  MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
+  MIEN_TRY_ASSIGN(const FaceSource faces, open_faces(face_name, progress));
+  const auto count = static_cast<std::size_t>(recipe.performers + recipe.validation_performers);
+  std::vector<std::vector<Sequence>> performed(count);
+  std::atomic<std::size_t> next = 0;
+  std::atomic<std::size_t> done = 0;
+  std::atomic<bool> stop = false;
+  std::optional<Error> error;
+  std::mutex error_mutex;
+  const auto work = [&] {
+    for (std::size_t p = next++; p < count && !stop; p = next++) {
+      auto one = perform_one(recipe, faces, rig, faults, static_cast<std::uint32_t>(p));
+      if (one) {
+        performed[p] = std::move(*one);
+        ++done;
+        continue;
+      }
+      const std::scoped_lock lock(error_mutex);
+      error = one.error();
+      stop = true;
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
+    while (done < count && !stop) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      if (!progress(static_cast<double>(done) / static_cast<double>(count),
+                    fmt::format("{} of {} performers", done.load(), count)))
+        stop = true;
+    }
+  }
+  if (error) return std::unexpected(*error);
+  if (done < count) return fail(ErrorCode::cancelled, "stopped before all performers had performed", face_name);
+
+  TrainingData data;
+  for (const std::uint16_t s : rig.face_sensors()) data.train.sensors.push_back(rig.sensors[s].name);
+  data.validation.sensors = data.train.sensors;
+  for (std::size_t p = 0; p < count; ++p)
+    for (Sequence& sequence : performed[p])
+      (p < static_cast<std::size_t>(recipe.performers) ? data.train : data.validation).sequences.push_back(std::move(sequence));
+  return data;
+}
+
+}  // namespace mien::study

@@ -1,0 +1,113 @@
+#include "mien/study/solve.h"
+
+#include <fmt/format.h>
+
+#include <map>
+
+#include "mien/core/sha256.h"
+#include "mien/imu/packet.h"
+#include "mien/study/trace_features.h"
+
+namespace mien::study {
+namespace {
+
+/// Decodes the raw packets again. A device keeps the sensor number that its stored samples have.
+Result<std::vector<take::StoredSample>> decode_log(const std::vector<take::LogEntry>& entries,
+                                                   const std::vector<take::StoredSample>& stored) {
+  std::map<std::int64_t, std::uint16_t> sensor_of_entry;
+  for (const take::StoredSample& s : stored) sensor_of_entry.emplace(s.entry, s.sample.sensor);
+  std::vector<take::StoredSample> out;
+  out.reserve(stored.size());
+  std::vector<sensor::Sample> samples;
+  std::map<std::pair<std::uint64_t, std::uint8_t>, std::uint16_t> sensor_of_device;
+  for (const take::LogEntry& entry : entries) {
+    if (!imu::is_packet(entry.bytes)) continue;
+    const auto packet = imu::parse_packet(entry.bytes);
+    if (!packet) continue;  // The session dropped it too.
+    const auto key = std::pair{packet->device, packet->channel};
+    auto bound = sensor_of_device.find(key);
+    if (bound == sensor_of_device.end()) {
+      const auto sensor = sensor_of_entry.find(entry.id);
+      if (sensor == sensor_of_entry.end()) continue;  // Not of this rig.
+      bound = sensor_of_device.emplace(key, sensor->second).first;
+    }
+    samples.clear();
+    imu::append_samples(*packet, bound->second, samples);
+    for (const sensor::Sample& sample : samples) out.push_back({entry.id, entry.arrival, sample});
+  }
+  return out;
+}
+
+std::vector<std::string> face_sensor_names(const sensor::Rig& rig) {
+  std::vector<std::string> names;
+  for (const std::uint16_t s : rig.face_sensors()) names.push_back(rig.sensors[s].name);
+  return names;
+}
+
+}  // namespace
+
+std::string hash_frames(std::span<const face::OutputFrame> frames) {
+  Sha256 hash;
+  for (const face::OutputFrame& frame : frames) {
+    hash.add_value(static_cast<std::int64_t>(frame.time.time_since_epoch().count()));
+    for (const float w : frame.weights.values) hash.add_value(w);
+    for (const double h : {frame.head.w(), frame.head.x(), frame.head.y(), frame.head.z()})
+      hash.add_value(static_cast<float>(h));
+    for (const Eigen::Vector2f& eye : frame.eyes_rad) {
+      hash.add_value(eye.x());
+      hash.add_value(eye.y());
+    }
+    for (const face::Provenance p : frame.provenance) hash.add_value(static_cast<std::uint8_t>(p));
+    hash.add_value(static_cast<std::uint8_t>(frame.head_provenance));
+    hash.add_value(static_cast<std::uint8_t>(frame.eyes_provenance));
+  }
+  return hash.hex();
+}
+
+Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from) {
+  MIEN_TRY_ASSIGN(std::vector<take::StoredSample> samples, take.samples());
+  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  if (from == SolveFrom::log) {
+    MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
+    MIEN_TRY_ASSIGN(samples, decode_log(entries, samples));
+  }
+  if (ticks.empty())
+    return fail(ErrorCode::not_found, "the take has no frames", take.path().string(), "record or perform it again");
+  return trace_features(take.rig(), events, samples, ticks);
+}
+
+Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver, SolveFrom from,
+                            const model::SamplerSettings& settings, const Progress& progress) {
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
+  const std::vector<std::string> sensors = face_sensor_names(take.rig());
+  Solution out;
+  MIEN_TRY_ASSIGN(out.frames, solver.solve(features, sensors, settings, progress));
+  out.ridge = solver.ridge(features, sensors, take.header().devices == "lab" ? "lab" : "device");
+  out.hash = hash_frames(out.frames);
+  return out;
+}
+
+Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution) {
+  TakeEstimates out;
+  out.take = take.path().string();
+  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, take.truth());
+  if (truth.empty())
+    return fail(ErrorCode::not_found, "the take has no truth to measure against", out.take,
+                "evaluate a take made by mien perform --take, or import a truth track");
+  // Truth stands on the ticks: pair them by time, and leave out ticks that it does not reach (a take cut off).
+  std::map<DeviceTime, const take::TruthFrame*> by_time;
+  for (const take::TruthFrame& t : truth) by_time.emplace(t.time, &t);
+  for (std::size_t i = 0; i < solution.frames.size(); ++i) {
+    const auto found = by_time.find(solution.frames[i].time);
+    take::TruthFrame frame;
+    frame.time = solution.frames[i].time;
+    frame.evaluated = false;
+    out.truth.push_back(found == by_time.end() ? frame : *found->second);
+    out.model.push_back(solution.frames[i].weights);
+  }
+  out.ridge = solution.ridge;
+  return out;
+}
+
+}  // namespace mien::study

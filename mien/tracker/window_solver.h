@@ -1,0 +1,47 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/output_frame.h"
+#include "mien/model/denoiser.h"
+#include "mien/model/features.h"
+#include "mien/model/model_file.h"
+
+namespace mien::tracker {
+
+/// Turns a whole track of features into output frames with the published window network: not live, since a frame waits
+/// for its window. Immutable after creation; any number of threads may share one.
+class WindowSolver {
+ public:
+  /// Errors: mismatch (a model whose outputs are not the 53 shapes), and the denoiser's.
+  [[nodiscard]] static Result<WindowSolver> create(model::ModelFile file);
+
+  [[nodiscard]] const model::ModelFile& file() const { return file_; }
+
+  /// One output frame a frame of features. Where a rig lacks one of the model's sensors, that sensor is missing.
+  /// `sensors` names the features' entries. Provenance: measured where any sensor was there, else predicted;
+  /// confidence: the share of the model's sensors that were. Errors: mismatch (no sensor in common), the sampler's.
+  [[nodiscard]] Result<std::vector<face::OutputFrame>> solve(std::span<const model::FeatureFrame> features,
+                                                             const std::vector<std::string>& sensors,
+                                                             const model::SamplerSettings& settings,
+                                                             const Progress& progress) const;
+
+  /// The ridge baseline of a profile on the same features; empty when the file has none for it.
+  [[nodiscard]] std::vector<face::BlendshapeWeights> ridge(std::span<const model::FeatureFrame> features,
+                                                           const std::vector<std::string>& sensors,
+                                                           std::string_view profile) const;
+
+ private:
+  WindowSolver(model::ModelFile file, model::Denoiser denoiser);
+  [[nodiscard]] std::vector<float> condition(std::span<const model::FeatureFrame> features,
+                                             const std::vector<std::string>& sensors) const;
+
+  model::ModelFile file_;
+  model::Denoiser denoiser_;
+};
+
+}  // namespace mien::tracker

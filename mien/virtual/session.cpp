@@ -1,0 +1,167 @@
+#include "mien/virtual/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mien/imu/packet.h"
+#include "mien/sensor/ticks.h"
+#include "mien/virtual/imu_simulator.h"
+
+namespace mien::virt {
+namespace {
+
+/// The skin is traced a little beyond both ends, so that filters and differences have something to stand on.
+constexpr double kMarginS = 0.25;
+constexpr double kRadPerDeg = std::numbers::pi / 180;
+
+/// Device ids of virtual nodes: "MIEN" and the sensor's number in the rig.
+std::uint64_t device_id(std::size_t sensor) { return 0x024D'4945'4E00ULL + sensor; }
+
+/// The code of the smallest range that the chip has and that reaches `wanted`: range = least * 2^code.
+std::uint8_t range_code(double wanted, double least, std::uint8_t most) {
+  std::uint8_t code = 0;
+  while (code < most && least * std::exp2(code) < wanted * (1 - 1e-9)) ++code;
+  return code;
+}
+
+/// From the motion's time to events on the reference's clock.
+void add_events(const PrologueTimes& times, const VirtualClock& reference, std::vector<take::Event>& events) {
+  const auto add = [&](const char* kind, double begin_s, double end_s, std::string json = {}) {
+    if (end_s > begin_s)
+      events.push_back({kind, reference.device(begin_s), reference.device(end_s), std::move(json)});
+  };
+  add("neutral", times.neutral.begin_s, times.neutral.end_s);
+  add("nod", times.nod.begin_s, times.nod.end_s);
+  add("shake", times.shake.begin_s, times.shake.end_s);
+  for (const Prompt& prompt : times.prompts) {
+    std::string target;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      if (prompt.target[k] != 0)
+        target += fmt::format("{}\"{}\": {}", target.empty() ? "" : ", ", face::kShapeNames[k], prompt.target[k]);
+    add("prompt", prompt.begin_s, prompt.end_s,
+        fmt::format(R"({{"name": "{}", "anchor": {}, "rise_s": {}, "target": {{{}}}}})", prompt.name, prompt.anchor,
+                    prompt.rise_s, target));
+  }
+  add("ease", times.ease.begin_s, times.ease.end_s);
+}
+
+take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double motion_start_s, DeviceTime frame) {
+  const face::MotionFrame moment = curve.at(true_s);
+  take::TruthFrame truth;
+  truth.time = frame;
+  truth.weights = moment.weights;
+  truth.tongue_out = moment.tongue_out;
+  truth.has_face = moment.has_face;
+  truth.evaluated = true_s >= motion_start_s && true_s <= curve.duration_s();
+  return truth;
+}
+
+}  // namespace
+
+Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
+                                    const sensor::Rig& rig, const DeviceFaults& faults, const Random& random) {
+  if (motion.motion.frames.empty())
+    return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
+  const face::MotionCurve curve(motion.motion);
+  const SkinTrajectory trajectory = trace_skin(curve, sites, -kMarginS, curve.duration_s() + kMarginS);
+
+  struct Sent {
+    HostTime arrival;
+    std::uint16_t sensor = 0;
+    std::vector<std::byte> bytes;
+  };
+  std::vector<Sent> sent;
+  std::vector<VirtualClock> clocks;
+  for (std::size_t s = 0; s < sites.size(); ++s) {
+    ImuSimulator simulator(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
+    clocks.push_back(simulator.clock());
+    for (const VirtualPacket& virtual_packet : simulator.play(trajectory, sites)) {
+      MIEN_TRY_ASSIGN(imu::Packet packet, imu::make_packet(virtual_packet.samples));
+      packet.device = device_id(s);
+      packet.sequence = virtual_packet.samples.front().sequence;
+      packet.gyro_range = range_code(faults.gyro_range_dps, 16, 6);
+      packet.accel_range = range_code(faults.accel_range_g, 2, 3);
+      MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
+      sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
+    }
+  }
+  std::ranges::stable_sort(sent, {}, &Sent::arrival);
+
+  const std::uint16_t reference = rig.find(rig.reference).value_or(0);
+  VirtualSession session;
+  add_events(motion.times, clocks[reference], session.events);
+  sensor::TickRule rule(rig);
+  std::vector<sensor::Sample> decoded;
+  const auto fire = [&](HostTime now) {
+    while (const auto tick = rule.due(now))
+      session.ticks.push_back({tick->index, static_cast<std::int64_t>(session.entries.size()), tick->fired, tick->frame});
+  };
+  for (Sent& packet : sent) {
+    fire(packet.arrival);
+    MIEN_TRY_ASSIGN(const imu::Packet parsed, imu::parse_packet(packet.bytes));
+    const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
+    decoded.clear();
+    imu::append_samples(parsed, packet.sensor, decoded);
+    for (const sensor::Sample& sample : decoded) {
+      session.samples.push_back({id, packet.arrival, sample});
+      rule.add(packet.arrival, sample);
+    }
+    session.entries.push_back({id, packet.arrival, "virtual", std::move(packet.bytes)});
+    fire(packet.arrival);
+  }
+  for (const take::Tick& tick : session.ticks)
+    session.truth.push_back(
+        truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
+  return session;
+}
+
+Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
+                                const sensor::Rig& rig, const Random& random, double noise_rad) {
+  if (motion.motion.frames.empty())
+    return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
+  const face::MotionCurve curve(motion.motion);
+  const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+  std::vector<Random> noise;
+  for (const std::uint16_t s : face_sensors) noise.push_back(random.fork("lab noise", s));
+
+  VirtualSession session;
+  const VirtualClock host;  // All clocks are one.
+  add_events(motion.times, host, session.events);
+  const auto frames = static_cast<std::int64_t>(std::floor(curve.duration_s() * kFrameRateHz)) + 1;
+  for (std::int64_t f = 0; f < frames; ++f) {
+    const Duration at = frame_offset(f);
+    const face::MotionFrame moment = curve.at(to_seconds(at));
+    for (std::size_t i = 0; i < face_sensors.size(); ++i) {
+      const std::uint16_t s = face_sensors[i];
+      Random& draw = noise[i];
+      Vec3 rotation = log_rotation(sites[s].rotation(moment.weights));
+      for (Eigen::Index axis = 0; axis < 3; ++axis) rotation[axis] += noise_rad * draw.normal();
+      sensor::Sample sample;
+      sample.sensor = s;
+      sample.kind = sensor::SampleKind::imu_head_relative;
+      sample.sequence = static_cast<std::uint32_t>(f);
+      sample.time = DeviceTime(at);
+      sample.count = 3;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        sample.values[axis] = static_cast<float>(rotation[static_cast<Eigen::Index>(axis)]);
+      MIEN_TRY_ASSIGN(imu::Packet packet, imu::make_packet({&sample, 1}));
+      packet.device = device_id(s);
+      packet.sequence = sample.sequence;
+      MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
+      MIEN_TRY_ASSIGN(const imu::Packet parsed, imu::parse_packet(bytes));
+      const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
+      std::vector<sensor::Sample> decoded;
+      imu::append_samples(parsed, s, decoded);
+      for (const sensor::Sample& d : decoded) session.samples.push_back({id, HostTime(at), d});
+      session.entries.push_back({id, HostTime(at), "virtual", std::move(bytes)});
+    }
+    session.ticks.push_back({f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});
+    session.truth.push_back(truth_at(curve, to_seconds(at), motion.times.motion_start_s, DeviceTime(at)));
+  }
+  return session;
+}
+
+}  // namespace mien::virt
