@@ -229,7 +229,10 @@ Result<OpenTake> open_untrusted(const fs::path& path) {
   const std::string where = path.string();
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
-  if (!fs::exists(status)) return fail(ErrorCode::not_found, "there is no such file", where);
+  if (status.type() == fs::file_type::not_found)
+    return fail(ErrorCode::not_found, "there is no such file", where);
+  if (!fs::status_known(status))
+    return fail(ErrorCode::io, code.message(), where, "check the folder and its permissions");
   if (!fs::is_regular_file(status))
     return fail(ErrorCode::bad_usage, "this is not a file", where, "name a take");
   MIEN_TRY_ASSIGN(OpenTake open, open_or_recover(path, where));
