@@ -80,6 +80,7 @@ std::vector<Exercise> make_exercises() {
   exercise("lower_lip_in", {{{"mouthRollLower", 1}}});
   exercise("upper_lip_in", {{{"mouthRollUpper", 1}}});
   exercise("chin_up", {{{"mouthShrugLower", 1}, {"mouthShrugUpper", 0.6F}}});
+  exercise("upper_lip_pushed", {{{"mouthShrugUpper", 1}}});
   exercise("upper_lip", {{{"mouthUpperUp", 1}}});
   exercise("upper_lip_sides", {{{"mouthUpperUp_L", 1}}, {{"mouthUpperUp_R", 1}}});
   exercise("lower_lip", {{{"mouthLowerDown", 1}}});

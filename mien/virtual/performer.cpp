@@ -143,6 +143,13 @@ class Person {
     for (const std::size_t k : {shape("eyeBlink_L"), shape("eyeBlink_R")})
       done[k] = std::max(done[k], std::min(1.0F, meant[k]) * style_.blink_peak);
     if (!tremor_.empty()) add_tremor(done);
+    // Gestures that happen to coincide are still made by one muscle.
+    if (moved_) {
+      for (std::size_t k = 0; k < kShapeCount; ++k)
+        done[k] = std::clamp(done[k], before_[k] - kFastest, before_[k] + kFastest);
+    }
+    before_ = done;
+    moved_ = true;
     return done;
   }
 
@@ -158,9 +165,14 @@ class Person {
     }
   }
 
+  /// Weight a frame: a full blink that closes in 75 ms.
+  static constexpr float kFastest = 0.42F;
+
   const Style& style_;
   Random random_;
   std::vector<SmoothNoise> tremor_;
+  BlendshapeWeights before_;
+  bool moved_ = false;
 };
 
 /// Lids, eyes and tongue of one frame.
