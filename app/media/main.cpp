@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "mien/core/files.h"
+#include "mien/core/wav.h"
+#include "mien/study/media/speech_synthesis.h"
+#include "mien/study/media/video_writer.h"
+
+namespace {
+
+using namespace mien;
+
+struct VideoCommand {
+  std::string size = "640x640", out, audio;
+  double rate_hz = 30;
+  int quality = 20;
+};
+
+/// Fills `frame` from standard input. True when there was a whole one, false at the end.
+Result<bool> read_frame(std::span<std::uint8_t> frame) {
+  std::size_t have = 0;
+  while (have < frame.size()) {
+    const ssize_t n = ::read(STDIN_FILENO, frame.data() + have, frame.size() - have);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(ErrorCode::io, std::strerror(errno), "standard input");
+    if (n == 0) break;
+    have += static_cast<std::size_t>(n);
+  }
+  if (have == 0) return false;
+  if (have < frame.size()) return fail(ErrorCode::truncated, "the last frame is cut short", "standard input");
+  return true;
+}
+
+Result<void> run_video(const VideoCommand& command) {
+  media::VideoOptions options;
+  char rest = 0;
+  if (std::sscanf(command.size.c_str(), "%5dx%5d%c", &options.width, &options.height, &rest) != 2)
+    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", command.size), "--size",
+                "write it like 640x480");
+  options.rate_hz = command.rate_hz;
+  options.quality = command.quality;
+  if (!command.audio.empty()) {
+    MIEN_TRY_ASSIGN(const auto bytes, read_file(command.audio));
+    MIEN_TRY_ASSIGN(options.sound, parse_wav(bytes, command.audio));
+  }
+  const std::size_t frame_size = std::size_t{3} * static_cast<std::size_t>(std::max(0, options.width)) *
+                                 static_cast<std::size_t>(std::max(0, options.height));
+  MIEN_TRY_ASSIGN(auto video, media::VideoWriter::create(command.out, std::move(options)));
+  std::vector<std::uint8_t> frame(frame_size);
+  for (;;) {
+    MIEN_TRY_ASSIGN(const bool more, read_frame(frame));
+    if (!more) return video.finish();
+    MIEN_TRY(video.add_frame(frame));
+  }
+}
+
+struct SpeakCommand {
+  std::string language = "en-us", text, json, wav;
+  int words_per_minute = 175;
+};
+
+Result<void> run_speak(const SpeakCommand& command) {
+  MIEN_TRY_ASSIGN(const auto spoken, media::speak(command.language, command.text, command.words_per_minute));
+  if (!command.wav.empty()) MIEN_TRY(write_file(command.wav, format_wav(spoken.sound)));
+  const std::string json =
+      media::spoken_text_json(command.language, command.text, command.words_per_minute, spoken);
+  if (!command.json.empty()) return write_file(command.json, json);
+  std::fputs(json.c_str(), stdout);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("mien-media: what mien needs FFmpeg and espeak-ng for", "mien-media");
+  program.set_version_flag("--version", "mien-media " MIEN_VERSION);
+  program.require_subcommand(1);
+
+  VideoCommand video;
+  CLI::App* video_app = program.add_subcommand("video", "Raw RGB frames on standard input become an MP4");
+  video_app->add_option("--size", video.size, "Width x height in pixels, even")->required();
+  video_app->add_option("--fps", video.rate_hz, "Frames a second")->capture_default_str();
+  video_app->add_option("--quality", video.quality, "H.264's constant rate factor, 0 to 51; lower is better")
+      ->capture_default_str();
+  video_app->add_option("--audio", video.audio, "A WAV file to play along");
+  video_app->add_option("--out", video.out, "The file to write")->required();
+  video_app->footer("\nExample:\n  mien-media video --size 640x480 --fps 30 --out face.mp4 < frames.rgb");
+
+  SpeakCommand speak;
+  CLI::App* speak_app =
+      program.add_subcommand("speak", "Reads a text aloud; tells when each phoneme is spoken");
+  speak_app->add_option("--language", speak.language, "As espeak-ng names it: en-us, de, fr-fr, es")
+      ->capture_default_str();
+  speak_app->add_option("--text", speak.text, "What to say")->required();
+  speak_app->add_option("--rate", speak.words_per_minute, "Words a minute, 80 to 450")->capture_default_str();
+  speak_app->add_option("--json", speak.json, "Where the times go; standard output unless told");
+  speak_app->add_option("--wav", speak.wav, "Where the sound goes");
+  speak_app->footer(
+      "\nExample:\n  mien-media speak --language de --text 'Guten Tag' --json tag.json --wav tag.wav");
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    fmt::print(stderr, "mien-media: {}; see mien-media --help\n", error.what());
+    return 2;
+  }
+  try {
+    if (const auto done = video_app->parsed() ? run_video(video) : run_speak(speak); !done) {
+      fmt::print(stderr, "mien-media: {}\n", done.error().message());
+      return is_bad_input(done.error().code) ? 2 : 1;
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "mien-media: {}; this is a defect, please report it\n", error.what());
+    return 1;
+  }
+  return 0;
+}

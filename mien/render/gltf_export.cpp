@@ -1,0 +1,453 @@
+#include "mien/render/gltf_export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "mien/core/bytes.h"
+#include "mien/core/files.h"
+#include "mien/core/time.h"
+#include "mien/render/base64.h"
+#include "mien/render/surface_paint.h"
+
+namespace mien::render {
+namespace {
+
+using face::Material;
+using nlohmann::json;
+using Triangle = std::array<std::uint32_t, 3>;
+
+constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
+constexpr int kVertexData = 34962, kIndexData = 34963;
+/// How far an eyeball turns at weight 1; as face::turn_eyes.
+constexpr double kEyeRadPerUnit = 0.611;
+
+/// The asset while it grows: JSON and the one buffer that it speaks of.
+class Asset {
+ public:
+  json tree;
+  ByteWriter buffer;
+
+  Asset() {
+    tree["asset"] = {{"version", "2.0"}, {"generator", "Mien"}};
+    for (const char* list : {"accessors", "bufferViews", "materials", "meshes", "nodes"})
+      tree[list] = json::array();
+  }
+
+  std::size_t add(const char* list, json entry) {
+    tree[list].push_back(std::move(entry));
+    return tree[list].size() - 1;
+  }
+
+  /// A view of `bytes`, which begins at a multiple of four.
+  std::size_t view(std::span<const std::byte> bytes, int target) {
+    while (buffer.bytes().size() % 4 != 0) buffer.little(std::uint8_t{0});
+    json entry = {{"buffer", 0}, {"byteOffset", buffer.bytes().size()}, {"byteLength", bytes.size()}};
+    if (target != 0) entry["target"] = target;
+    buffer.append(bytes);
+    return add("bufferViews", std::move(entry));
+  }
+  template <class T>
+  std::size_t view(std::span<const T> values, int target) {
+    static_assert(std::endian::native == std::endian::little, "buffers are written as they lie in memory");
+    return view(std::as_bytes(values), target);
+  }
+
+  static void limits(json& accessor, std::span<const Vec3f> values, bool with_zero) {
+    Vec3f low = with_zero || values.empty() ? Vec3f(Vec3f::Zero()) : values[0], high = low;
+    for (const Vec3f& v : values) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    accessor["min"] = {low.x(), low.y(), low.z()};
+    accessor["max"] = {high.x(), high.y(), high.z()};
+  }
+
+  std::size_t vectors(std::span<const Vec3f> values, bool with_limits) {
+    json accessor = {{"bufferView", view(values, kVertexData)},
+                     {"componentType", kFloat},
+                     {"type", "VEC3"},
+                     {"count", values.size()}};
+    if (with_limits) limits(accessor, values, false);
+    return add("accessors", std::move(accessor));
+  }
+
+  /// Zero but for `values` at `index` (ascending).
+  std::size_t sparse_vectors(std::vector<std::uint32_t> index, std::vector<Vec3f> values, std::size_t count) {
+    if (index.empty()) {
+      // A shape that moves nothing here: said by one vertex that moves by nothing, which every reader takes.
+      index.push_back(0);
+      values.push_back(Vec3f::Zero());
+    }
+    json accessor = {{"componentType", kFloat}, {"type", "VEC3"}, {"count", count}};
+    limits(accessor, values, true);
+    accessor["sparse"] = {
+        {"count", index.size()},
+        {"indices",
+         {{"bufferView", view(std::span<const std::uint32_t>(index), 0)}, {"componentType", kUnsignedInt}}},
+        {"values", {{"bufferView", view(std::span<const Vec3f>(values), 0)}}}};
+    return add("accessors", std::move(accessor));
+  }
+
+  std::size_t colours(std::span<const std::array<std::uint16_t, 4>> values) {
+    return add("accessors", {{"bufferView", view(values, kVertexData)},
+                             {"componentType", kUnsignedShort},
+                             {"normalized", true},
+                             {"type", "VEC4"},
+                             {"count", values.size()}});
+  }
+
+  std::size_t indices(std::span<const Triangle> triangles) {
+    return add("accessors", {{"bufferView", view(triangles, kIndexData)},
+                             {"componentType", kUnsignedInt},
+                             {"type", "SCALAR"},
+                             {"count", 3 * triangles.size()}});
+  }
+
+  /// Numbers of an animation, `width` of them a value.
+  std::size_t track(std::span<const float> values, const char* type, std::size_t width, bool with_limits) {
+    json accessor = {{"bufferView", view(values, 0)},
+                     {"componentType", kFloat},
+                     {"type", type},
+                     {"count", values.size() / width}};
+    if (with_limits) {
+      accessor["min"] = {values.front()};
+      accessor["max"] = {values.back()};
+    }
+    return add("accessors", std::move(accessor));
+  }
+};
+
+const char* material_name(Material material) {
+  switch (material) {
+    case Material::skin:
+      return "skin";
+    case Material::lips:
+      return "lips";
+    case Material::sclera:
+      return "sclera";
+    case Material::iris:
+      return "iris";
+    case Material::pupil:
+      return "pupil";
+    case Material::cornea:
+      return "cornea";
+    case Material::teeth:
+      return "teeth";
+    case Material::gums:
+      return "gums";
+    case Material::tongue:
+      return "tongue";
+    case Material::hair:
+      return "hair";
+    case Material::lash:
+      return "lash";
+    case Material::mouth_inside:
+      return "mouth_inside";
+    case Material::other:
+      break;
+  }
+  return "other";
+}
+
+json material_entry(Material material, float roughness) {
+  json entry = {{"name", material_name(material)},
+                {"doubleSided", true},
+                {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", roughness}}}};
+  const double alpha = material == Material::cornea ? 0.08 : material == Material::lash ? 0.35 : 1.0;
+  if (alpha < 1) {
+    entry["alphaMode"] = "BLEND";
+    entry["pbrMetallicRoughness"]["baseColorFactor"] = {1.0, 1.0, 1.0, alpha};
+  }
+  return entry;
+}
+
+/// Part of the face that becomes one glTF mesh.
+struct Piece {
+  std::string name;
+  std::map<Material, std::vector<Triangle>> triangles;  // Of the face's vertices.
+  bool with_shapes = false;
+  Vec3f origin_m = Vec3f::Zero();
+};
+
+/// An eyeball can be a node when it alone uses its vertices and no shape moves them.
+bool turns_alone(const face::Face& face, const face::Eyeball& ball) {
+  if (ball.vertex_count == 0 || std::size_t{ball.first_vertex} + ball.vertex_count > face.neutral_m.size())
+    return false;
+  const auto of_ball = [&](std::uint32_t i) {
+    return i >= ball.first_vertex && i < ball.first_vertex + ball.vertex_count;
+  };
+  for (const Triangle& t : face.triangles)
+    if (const auto count = std::ranges::count_if(t, of_ball); count != 0 && count != 3) return false;
+  return std::ranges::none_of(face.shapes,
+                              [&](const face::Shape& s) { return std::ranges::any_of(s.vertex, of_ball); });
+}
+
+Result<void> check(const face::Face& face) {
+  const auto bad = [&](ErrorCode code, std::string what) { return fail(code, std::move(what), face.name); };
+  const std::size_t n = face.neutral_m.size();
+  if (n == 0 || face.triangles.empty())
+    return bad(ErrorCode::bad_usage, "a face without triangles cannot be exported");
+  for (const Vec3f& p : face.neutral_m)
+    if (!p.allFinite()) return bad(ErrorCode::out_of_range, "a vertex is not finite");
+  for (const Triangle& t : face.triangles)
+    if (std::ranges::max(t) >= n)
+      return bad(ErrorCode::malformed, "a triangle names a vertex that is not there");
+  for (const face::Shape& s : face.shapes) {
+    if (s.vertex.size() != s.delta_m.size() || !std::ranges::is_sorted(s.vertex) ||
+        (!s.vertex.empty() && s.vertex.back() >= n))
+      return bad(ErrorCode::malformed, fmt::format("the shape {} does not fit the face", s.name));
+    for (const Vec3f& d : s.delta_m)
+      if (!d.allFinite())
+        return bad(ErrorCode::out_of_range, fmt::format("the shape {} is not finite", s.name));
+  }
+  if (!face.colour.empty() && face.colour.size() != n)
+    return bad(ErrorCode::malformed, "colours do not fit the vertices");
+  return {};
+}
+
+/// Adds a mesh and gives its index.
+std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& paint,
+                     std::map<Material, std::size_t>& materials, const Piece& piece,
+                     std::span<const Vec3f> normals) {
+  constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> place(face.neutral_m.size(), kNone);
+  std::vector<Material> material_of(face.neutral_m.size(), Material::skin);
+  for (const auto& [material, triangles] : piece.triangles)
+    for (const Triangle& t : triangles)
+      for (const std::uint32_t i : t) {
+        place[i] = 0;
+        material_of[i] = material;
+      }
+  std::vector<std::uint32_t> used;
+  for (std::uint32_t i = 0; i < place.size(); ++i)
+    if (place[i] != kNone) {
+      place[i] = static_cast<std::uint32_t>(used.size());
+      used.push_back(i);
+    }
+
+  std::vector<Vec3f> positions, unit_normals;
+  std::vector<std::array<std::uint16_t, 4>> colours;
+  for (const std::uint32_t i : used) {
+    positions.push_back(face.neutral_m[i] - piece.origin_m);
+    unit_normals.push_back(normals[i]);
+    const Vec3f* own = face.colour.empty() ? nullptr : &face.colour[i];
+    Vec3f albedo = paint.at(face.neutral_m[i], material_of[i], own).albedo;
+    if (material_of[i] == Material::cornea) albedo = Vec3f::Ones();
+    std::array<std::uint16_t, 4> rgba{0, 0, 0, 65535};
+    for (int c = 0; c < 3; ++c)
+      rgba[static_cast<std::size_t>(c)] =
+          static_cast<std::uint16_t>(std::clamp(albedo[c], 0.0F, 1.0F) * 65535 + 0.5F);
+    colours.push_back(rgba);
+  }
+  const json attributes = {{"POSITION", asset.vectors(positions, true)},
+                           {"NORMAL", asset.vectors(unit_normals, false)},
+                           {"COLOR_0", asset.colours(colours)}};
+
+  json targets = json::array(), names = json::array();
+  if (piece.with_shapes)
+    for (const face::Shape& s : face.shapes) {
+      std::vector<std::uint32_t> index;
+      std::vector<Vec3f> delta;
+      for (std::size_t k = 0; k < s.vertex.size(); ++k)
+        if (place[s.vertex[k]] != kNone) {
+          index.push_back(place[s.vertex[k]]);
+          delta.push_back(s.delta_m[k]);
+        }
+      targets.push_back(
+          {{"POSITION", asset.sparse_vectors(std::move(index), std::move(delta), used.size())}});
+      names.push_back(s.name);
+    }
+
+  json primitives = json::array();
+  for (const auto& [material, triangles] : piece.triangles) {
+    std::vector<Triangle> local;
+    for (const Triangle& t : triangles) local.push_back({place[t[0]], place[t[1]], place[t[2]]});
+    if (!materials.contains(material)) {
+      const float roughness = paint.at(Vec3f::Zero(), material, nullptr).roughness;
+      materials[material] = asset.add("materials", material_entry(material, roughness));
+    }
+    json primitive = {
+        {"attributes", attributes}, {"indices", asset.indices(local)}, {"material", materials[material]}};
+    if (!targets.empty()) primitive["targets"] = targets;
+    primitives.push_back(std::move(primitive));
+  }
+  json mesh = {{"name", piece.name}, {"primitives", std::move(primitives)}};
+  if (!targets.empty()) {
+    mesh["weights"] = std::vector<double>(names.size(), 0.0);
+    mesh["extras"] = {{"targetNames", std::move(names)}};
+  }
+  return asset.add("meshes", std::move(mesh));
+}
+
+void append(std::vector<float>& track, const Quat& rotation) {
+  // Neighbouring keys on the same side, or a reader's interpolation goes the long way round.
+  Quat q = canonical(rotation);
+  if (track.size() >= 4) {
+    const float* last = track.data() + track.size() - 4;
+    if (q.x() * last[0] + q.y() * last[1] + q.z() * last[2] + q.w() * last[3] < 0) q.coeffs() = -q.coeffs();
+  }
+  for (const double c : {q.x(), q.y(), q.z(), q.w()}) track.push_back(static_cast<float>(c));
+}
+
+Quat eye_rotation(const face::BlendshapeWeights& w, bool left) {
+  using face::shape;
+  const double yaw = left ? w[shape("eyeLookOut_L")] - w[shape("eyeLookIn_L")]
+                          : w[shape("eyeLookIn_R")] - w[shape("eyeLookOut_R")];
+  const double pitch = left ? w[shape("eyeLookUp_L")] - w[shape("eyeLookDown_L")]
+                            : w[shape("eyeLookUp_R")] - w[shape("eyeLookDown_R")];
+  return Eigen::AngleAxisd(kEyeRadPerUnit * yaw, Vec3::UnitY()) *
+         Eigen::AngleAxisd(-kEyeRadPerUnit * pitch, Vec3::UnitX());
+}
+
+struct NodeNames {
+  std::size_t head = 0, face = 0;
+  std::array<std::size_t, 2> eye{};
+  std::array<bool, 2> has_eye{};
+};
+
+Result<void> add_animation(Asset& asset, const face::Face& face, const face::Motion& motion,
+                           const NodeNames& nodes) {
+  const face::MotionCurve curve(motion);
+  const auto last_frame = static_cast<std::int64_t>(std::floor(motion.duration_s() * kFrameRateHz + 1e-6));
+  std::vector<float> times, weights, head, position;
+  std::array<std::vector<float>, 2> eyes;
+  for (std::int64_t i = 0; i <= last_frame; ++i) {
+    const double time_s = to_seconds(frame_offset(i));
+    const face::MotionFrame frame = curve.at(time_s);
+    times.push_back(static_cast<float>(time_s));
+    for (std::size_t k = 0; k < face.shapes.size(); ++k)
+      weights.push_back(k < face::kShapeCount ? frame.weights[k] : frame.tongue_out);
+    append(head, frame.head);
+    for (int c = 0; c < 3; ++c) position.push_back(static_cast<float>(frame.head_position_m[c]));
+    for (std::size_t e = 0; e < 2; ++e) append(eyes[e], eye_rotation(frame.weights, e == 0));
+  }
+  for (const auto* track : {&times, &weights, &head, &position, &eyes[0], &eyes[1]})
+    for (const float value : *track)
+      if (!std::isfinite(value))
+        return fail(ErrorCode::out_of_range, "the motion has a number that is not finite", motion.name);
+
+  json samplers = json::array(), channels = json::array();
+  const std::size_t input = asset.track(times, "SCALAR", 1, true);
+  const auto add = [&](std::size_t node, const char* path, std::size_t output) {
+    channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
+    samplers.push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  };
+  if (!face.shapes.empty()) add(nodes.face, "weights", asset.track(weights, "SCALAR", 1, false));
+  add(nodes.head, "rotation", asset.track(head, "VEC4", 4, false));
+  if (std::ranges::any_of(position, [](float v) { return v != 0; }))
+    add(nodes.head, "translation", asset.track(position, "VEC3", 3, false));
+  for (std::size_t e = 0; e < 2; ++e)
+    if (nodes.has_eye[e]) add(nodes.eye[e], "rotation", asset.track(eyes[e], "VEC4", 4, false));
+  asset.tree["animations"] = {{{"name", motion.name.empty() ? "performance" : motion.name},
+                               {"samplers", std::move(samplers)},
+                               {"channels", std::move(channels)}}};
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion,
+                                           GltfKind kind) {
+  MIEN_TRY(check(face));
+  if (motion != nullptr && motion->frames.empty())
+    return fail(ErrorCode::bad_usage, "the motion has no frames", motion->name);
+
+  std::vector<Material> material(face.triangles.size(), Material::skin);
+  for (const face::Part& part : face.parts)
+    for (std::size_t t = part.first_triangle;
+         t < std::min(face.triangles.size(), std::size_t{part.first_triangle} + part.triangle_count); ++t)
+      material[t] = part.material;
+
+  std::array<Piece, 3> pieces;  // The face, left eye, right eye.
+  pieces[0] = {.name = "face", .triangles = {}, .with_shapes = true, .origin_m = Vec3f::Zero()};
+  for (std::size_t e = 0; e < 2; ++e)
+    pieces[e + 1] = {.name = e == 0 ? "eye_L" : "eye_R",
+                     .triangles = {},
+                     .with_shapes = false,
+                     .origin_m = face.eyes[e].centre_m};
+  const std::array<bool, 2> alone = {turns_alone(face, face.eyes[0]), turns_alone(face, face.eyes[1])};
+  for (std::size_t t = 0; t < face.triangles.size(); ++t) {
+    std::size_t piece = 0;
+    for (std::size_t e = 0; e < 2; ++e)
+      if (const std::uint32_t i = face.triangles[t][0];
+          alone[e] && i >= face.eyes[e].first_vertex &&
+          i < face.eyes[e].first_vertex + face.eyes[e].vertex_count)
+        piece = e + 1;
+    pieces[piece].triangles[material[t]].push_back(face.triangles[t]);
+  }
+  if (pieces[0].triangles.empty())
+    return fail(ErrorCode::bad_usage, "a face of eyes alone cannot be exported", face.name);
+
+  Asset asset;
+  const SurfacePaint paint(face);
+  std::vector<Vec3f> normals(face.neutral_m.size());
+  face::vertex_normals(face, face.neutral_m, normals);
+  std::map<Material, std::size_t> materials;
+
+  NodeNames nodes;
+  json children = json::array();
+  nodes.face = asset.add(
+      "nodes", {{"name", "face"}, {"mesh", add_mesh(asset, face, paint, materials, pieces[0], normals)}});
+  children.push_back(nodes.face);
+  for (std::size_t e = 0; e < 2; ++e) {
+    if (pieces[e + 1].triangles.empty()) continue;
+    const Vec3f& at = pieces[e + 1].origin_m;
+    nodes.has_eye[e] = true;
+    nodes.eye[e] =
+        asset.add("nodes", {{"name", pieces[e + 1].name},
+                            {"mesh", add_mesh(asset, face, paint, materials, pieces[e + 1], normals)},
+                            {"translation", {at.x(), at.y(), at.z()}}});
+    children.push_back(nodes.eye[e]);
+  }
+  nodes.head = asset.add("nodes", {{"name", "head"}, {"children", std::move(children)}});
+  asset.tree["scenes"] = {{{"name", face.name.empty() ? "face" : face.name}, {"nodes", {nodes.head}}}};
+  asset.tree["scene"] = 0;
+  if (motion != nullptr) MIEN_TRY(add_animation(asset, face, *motion, nodes));
+
+  while (asset.buffer.bytes().size() % 4 != 0) asset.buffer.little(std::uint8_t{0});
+  const auto buffer = asset.buffer.bytes();
+  if (buffer.size() > std::numeric_limits<std::uint32_t>::max() / 2)
+    return fail(ErrorCode::out_of_range, "the asset would be larger than glTF's 4 GB", face.name,
+                "export a shorter motion");
+  json described = {{"byteLength", buffer.size()}};
+  if (kind == GltfKind::text) described["uri"] = "data:application/octet-stream;base64," + base64(buffer);
+  asset.tree["buffers"] = json::array({std::move(described)});
+
+  std::string text = asset.tree.dump(-1, ' ', false, json::error_handler_t::replace);
+  ByteWriter file;
+  if (kind == GltfKind::text) {
+    file.append(text);
+    return file.release();
+  }
+  while (text.size() % 4 != 0) text += ' ';
+  file.append("glTF");
+  file.little(std::uint32_t{2});
+  file.little(static_cast<std::uint32_t>(12 + 8 + text.size() + 8 + buffer.size()));
+  file.little(static_cast<std::uint32_t>(text.size()));
+  file.append("JSON");
+  file.append(text);
+  file.little(static_cast<std::uint32_t>(buffer.size()));
+  file.append(std::string_view("BIN\0", 4));
+  file.append(buffer);
+  return file.release();
+}
+
+Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face,
+                        const face::Motion* motion) {
+  const std::string ending = path.extension().string();
+  if (ending != ".glb" && ending != ".gltf")
+    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no ending of glTF", ending), path.string(),
+                "name it .glb or .gltf");
+  MIEN_TRY_ASSIGN(const auto content,
+                  encode_gltf(face, motion, ending == ".glb" ? GltfKind::binary : GltfKind::text));
+  return write_file(path, content);
+}
+
+}  // namespace mien::render

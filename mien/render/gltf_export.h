@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/face.h"
+#include "mien/face/motion.h"
+
+namespace mien::render {
+
+/// The container of a glTF 2.0 asset.
+enum class GltfKind {
+  binary,  ///< .glb
+  text,    ///< .gltf with its buffer inside as base64.
+};
+
+/// A face as glTF 2.0: a head node that turns, a mesh with one morph target a shape (names in
+/// mesh.extras.targetNames, ours), both eyeballs as nodes of their own where no shape moves them, colours at
+/// the vertices. With a motion, one animation at 60 frames a second: weights as performed, head rotation and
+/// position, eyes. Metres, +Y up, +Z forward. The same input gives the same bytes. Errors: out_of_range (a
+/// number that is not finite, or more than 4 GB), malformed (a triangle or shape that names a vertex that is
+/// not there), bad_usage (nothing to write). Source: Khronos, glTF 2.0 specification (ISO/IEC 12113:2022).
+[[nodiscard]] Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion,
+                                                         GltfKind kind);
+
+/// The same into a file, whole or not at all; the name's ending (.glb, .gltf) chooses the kind. Errors: those
+/// of encode_gltf and write_file, and bad_usage for another ending.
+[[nodiscard]] Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face,
+                                      const face::Motion* motion);
+
+}  // namespace mien::render
