@@ -106,6 +106,7 @@ TEST(ImuSimulator, LeverArmFeelsTheNod) {
   for (const auto& packet : played.packets)
     for (const auto& s : packet.samples) {
       const double t = played.clock.true_s(s.time);
+      if (t < 0.2 || t > 3.8) continue;  // The motion starts and stops in mid-nod.
       const Vec3 force(s.values[3], s.values[4], s.values[5]);
       const Vec3 linear = truth_at(played, t) * force - Vec3(0, 9.80665, 0);
       peak = std::max(peak, linear.norm());

@@ -28,9 +28,15 @@ TEST(SkinSites, OneASensorOnTheSkinFacingOutwards) {
   ASSERT_EQ(sites.size(), rig.sensors.size());
   for (std::size_t s = 0; s < sites.size(); ++s) {
     EXPECT_EQ(sites[s].sensor, rig.sensors[s].name);
-    if (rig.sensors[s].side == 'L') EXPECT_GT(sites[s].position_m.x(), 0.005) << sites[s].sensor;
-    if (rig.sensors[s].side == 'R') EXPECT_LT(sites[s].position_m.x(), -0.005) << sites[s].sensor;
-    if (rig.sensors[s].role == "face") EXPECT_GT(sites[s].normal.z(), 0) << sites[s].sensor;
+    if (rig.sensors[s].side == 'L') {
+      EXPECT_GT(sites[s].position_m.x(), 0.005) << sites[s].sensor;
+    }
+    if (rig.sensors[s].side == 'R') {
+      EXPECT_LT(sites[s].position_m.x(), -0.005) << sites[s].sensor;
+    }
+    if (rig.sensors[s].role == "face") {
+      EXPECT_GT(sites[s].normal.z(), 0) << sites[s].sensor;
+    }
   }
 }
 
@@ -77,8 +83,8 @@ TEST(DrawKinematics, SpreadIsAroundTheMesh) {
     ratio += log_rotation(drawn[0].rotation(jaw)).norm() / log_rotation(sites[site].rotation(jaw)).norm();
   }
   EXPECT_NEAR(ratio / kDraws, 1, 0.15);
-  EXPECT_NE(draw_kinematics(sites, {}, Random(1))[0].rotation(jaw).coeffs(),
-            draw_kinematics(sites, {}, Random(2))[0].rotation(jaw).coeffs());
+  EXPECT_NE(draw_kinematics(sites, {}, Random(1))[site].rotation(jaw).coeffs(),
+            draw_kinematics(sites, {}, Random(2))[site].rotation(jaw).coeffs());
 }
 
 TEST(SkinSites, ForeignFaceWithoutLandmarksIsRefused) {
@@ -99,7 +105,7 @@ TEST(SkinSites, IctMatchesTheMeasuredRotations) {
   const auto sites = skin_sites(*face, default_rig());
   ASSERT_TRUE(sites.has_value());
   const std::map<std::string, double> best_deg = {
-      {"browDown_L", 9.2}, {"browInnerUp_L", 5.0}, {"browOuterUp_L", 9.7},  {"eyeSquint_L", 3.7}, {"cheekPuff_L", 12.7},
+      {"browDown_L", 9.2}, {"browInnerUp_L", 5.0}, {"eyeSquint_L", 3.7}, {"cheekPuff_L", 12.7},
       {"jawOpen", 17.6},   {"jawForward", 11.4},   {"mouthSmile_L", 33.7},  {"mouthLeft", 25.4},  {"mouthClose", 22.6},
       {"mouthPucker", 9.3}, {"mouthFunnel", 7.0},  {"mouthShrugLower", 12.2}, {"noseSneer_L", 15.3}, {"mouthFrown_L", 12.1}};
   for (const auto& [name, expected] : best_deg) {

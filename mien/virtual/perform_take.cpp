@@ -1,0 +1,153 @@
+#include "mien/virtual/perform_take.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <thread>
+
+#include "mien/core/files.h"
+#include "mien/face/load.h"
+#include "mien/face/load_motion.h"
+#include "mien/imu/pipeline.h"
+#include "mien/take/session_log.h"
+#include "mien/take/take.h"
+#include "mien/virtual/device_faults.h"
+#include "mien/virtual/head_motion.h"
+#include "mien/virtual/performer.h"
+#include "mien/virtual/session.h"
+#include "mien/virtual/skin_site.h"
+#include "mien/virtual/style.h"
+
+namespace mien::virt {
+namespace {
+
+std::string_view prologue_name(PrologueKind kind) {
+  switch (kind) {
+    case PrologueKind::none:
+      return "none";
+    case PrologueKind::brief:
+      return "short";
+    case PrologueKind::full:
+      return "full";
+  }
+  return "none";
+}
+
+Result<face::Motion> motion_of(const PerformRequest& request, const Random& root) {
+  if (!request.motion.empty()) return face::load_motion(request.motion);
+  Random style_random = root.fork("style");
+  const Style style = draw_style(style_random);
+  Script script = default_script(request.block, request.seconds);
+  script.moves_head = request.devices != "lab";
+  return perform(script, style, root.fork("motion"));
+}
+
+std::string now_utc() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+/// The calibration that the prologue gave, as the pipeline of a live session would have made it.
+std::vector<take::CalibrationVersion> calibrations_of(const sensor::Rig& rig, const VirtualSession& session) {
+  imu::Pipeline pipeline(rig);
+  for (const take::Event& event : session.events) {
+    if (event.kind == "neutral") pipeline.mark(imu::Phase::neutral, event.begin, event.end);
+    if (event.kind == "nod") pipeline.mark(imu::Phase::nod, event.begin, event.end);
+    if (event.kind == "shake") pipeline.mark(imu::Phase::shake, event.begin, event.end);
+  }
+  std::vector<take::CalibrationVersion> versions;
+  model::FeatureFrame frame;
+  int seen = 0;
+  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
+    if (step.item != nullptr) pipeline.add(step.item->arrival, step.item->sample);
+    if (step.tick == nullptr) continue;
+    pipeline.tick(step.tick->frame, frame);
+    if (pipeline.calibration_count() == seen) continue;
+    seen = pipeline.calibration_count();
+    versions.push_back({static_cast<std::int64_t>(versions.size()) + 1, step.tick->frame, "imu",
+                        imu::write_calibration(pipeline.calibration())});
+  }
+  return versions;
+}
+
+}  // namespace
+
+Result<PerformSummary> perform_take(const PerformRequest& request, const Progress& progress) {
+  if (!request.replace && std::filesystem::exists(request.take))
+    return fail(ErrorCode::bad_usage, "the take exists already", request.take.string(), "give another name, or --force");
+  if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
+  MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig.string()));
+  const bool lab = request.devices == "lab";
+  DeviceFaults faults;
+  if (request.devices == "device") {
+    MIEN_TRY_ASSIGN(faults, parse_faults(rig.faults_toml, request.rig.string()));
+  } else if (!lab) {
+    MIEN_TRY_ASSIGN(const std::string text, read_text(request.devices));
+    MIEN_TRY_ASSIGN(faults, parse_faults(text, request.devices));
+  }
+  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
+  MIEN_TRY_ASSIGN(const std::vector<SkinSite> sites, skin_sites(face, rig));
+
+  const Random root(request.seed);
+  MIEN_TRY_ASSIGN(face::Motion motion, motion_of(request, root));
+  if (!motion.has_head && !lab) motion = with_head_motion(motion, root.fork("head"));
+  const PrologueMotion begun = with_prologue(motion, request.prologue, root.fork("prologue"), !lab);
+
+  if (!progress(0.1, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
+  const Random devices = root.fork("devices");
+  MIEN_TRY_ASSIGN(const VirtualSession session,
+                  lab ? play_lab(begun, sites, rig, devices) : play_devices(begun, sites, rig, faults, devices));
+  if (!progress(0.5, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
+
+  take::Header header;
+  header.software = request.software;
+  header.performer = fmt::format("virtual:{}", request.seed);
+  header.script = request.motion.empty() ? std::string(block_name(request.block))
+                                         : std::filesystem::path(request.motion).filename().string();
+  header.devices = request.devices;
+  header.face = request.face;
+  header.prologue = prologue_name(request.prologue);
+  header.seed = request.seed;
+  header.rig_toml = rig_toml;
+  header.created_utc = now_utc();
+  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(request.take, header, request.replace));
+  for (const take::Event& event : session.events) writer.add_event(event);
+  for (const take::CalibrationVersion& version : calibrations_of(rig, session)) writer.add_calibration(version);
+
+  const auto start = std::chrono::steady_clock::now();
+  std::size_t next_sample = 0;
+  std::size_t next_tick = 0;
+  bool stopped = false;
+  const auto write_ticks = [&](std::int64_t known) {
+    for (; next_tick < session.ticks.size() && session.ticks[next_tick].after_entry <= known; ++next_tick) {
+      writer.add_tick(session.ticks[next_tick]);
+      writer.add_truth(session.truth[next_tick]);
+    }
+  };
+  for (const take::LogEntry& entry : session.entries) {
+    write_ticks(entry.id - 1);
+    if (request.real_time) std::this_thread::sleep_until(start + entry.arrival.time_since_epoch());
+    const std::int64_t id = writer.add_entry(entry.arrival, entry.source, entry.bytes);
+    for (; next_sample < session.samples.size() && session.samples[next_sample].entry == entry.id; ++next_sample)
+      writer.add_sample(id, entry.arrival, session.samples[next_sample].sample);
+    if (entry.id % 512 == 0 &&
+        !progress(0.5 + 0.5 * static_cast<double>(entry.id) / static_cast<double>(session.entries.size()), "writing")) {
+      stopped = true;
+      break;
+    }
+  }
+  if (!stopped) write_ticks(static_cast<std::int64_t>(session.entries.size()));
+  MIEN_TRY(writer.finish());
+  if (stopped) {
+    if (!request.real_time) std::filesystem::remove(request.take);
+    return fail(ErrorCode::cancelled, "stopped", request.take.string(),
+                request.real_time ? "what was performed until then is kept" : "nothing was kept");
+  }
+  progress(1, "written");
+  return PerformSummary{begun.motion.duration_s(), session.ticks.size(), session.entries.size(), session.samples.size()};
+}
+
+}  // namespace mien::virt
