@@ -1,0 +1,156 @@
+#include "mien/study/report.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "mien/core/files.h"
+#include "mien/render/base64.h"
+
+namespace mien::study {
+namespace {
+
+// Series colours keep their hue in both modes and differ in lightness too, for the colour-blind.
+constexpr const char* kStyle = R"(
+:root { color-scheme: light dark; --page: #fbfbfa; --card: #ffffff; --ink: #1d2127; --soft: #626b78; --grid: #e4e6ea;
+  --line: #dcdfe4; --accent: #2467c4; --series-1: #2467c4; --series-2: #d9622b; --series-3: #1c9467; --series-4: #8a4fbf;
+  --series-5: #b98900; --series-6: #6b7684; }
+@media (prefers-color-scheme: dark) { :root { --page: #14161a; --card: #1b1e24; --ink: #e7e9ed; --soft: #9aa3b0;
+  --grid: #2d323b; --line: #2d323b; --accent: #6ea8ff; --series-1: #6ea8ff; --series-2: #f0925f; --series-3: #4fc795;
+  --series-4: #bd93ec; --series-5: #e3bc4c; --series-6: #9aa5b4; } }
+* { box-sizing: border-box; }
+body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans",
+  sans-serif; }
+main { max-width: 860px; margin: 0 auto; padding: 48px 24px 80px; }
+h1 { font-size: 30px; line-height: 1.2; margin: 0; letter-spacing: -0.01em; }
+.subtitle { color: var(--soft); margin: 8px 0 0; }
+h2 { font-size: 20px; margin: 44px 0 4px; padding-top: 18px; border-top: 1px solid var(--line); }
+p { margin: 12px 0; max-width: 70ch; }
+figure { margin: 20px 0; padding: 16px 18px 12px; background: var(--card); border: 1px solid var(--line);
+  border-radius: 10px; }
+figcaption { font-weight: 600; margin-bottom: 6px; }
+figure.picture figcaption { font-weight: 400; color: var(--soft); margin: 8px 0 0; font-size: 14px; }
+figure img, figure video { display: block; width: 100%; height: auto; border-radius: 6px; }
+svg { display: block; width: 100%; height: auto; font-size: 12px; fill: var(--soft); }
+svg .grid { stroke: var(--grid); stroke-width: 1; }
+svg .line { fill: none; stroke-width: 1.8; stroke-linejoin: round; stroke-linecap: round; }
+svg .spread { fill: none; stroke: var(--ink); stroke-width: 1.4; stroke-linecap: round; }
+.legend { display: flex; flex-wrap: wrap; gap: 4px 18px; font-size: 13px; color: var(--soft); margin: 0 0 8px; }
+.legend i { display: inline-block; width: 11px; height: 11px; border-radius: 3px; margin-right: 7px; }
+.keys { display: grid; grid-template-columns: repeat(auto-fit, minmax(170px, 1fr)); gap: 12px; margin: 22px 0; }
+.key { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 14px 16px; }
+.key span { display: block; color: var(--soft); font-size: 13px; }
+.key b { display: block; font-size: 25px; font-weight: 600; line-height: 1.35; font-variant-numeric: tabular-nums; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; width: 100%; font-size: 14px; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: 6px 14px 6px 0; border-bottom: 1px solid var(--grid); vertical-align: top; }
+th { color: var(--soft); font-weight: 500; }
+tr:last-child td { border-bottom: 0; }
+.number { text-align: right; }
+tr.strong td { font-weight: 650; }
+@media print { figure, .key { break-inside: avoid; } }
+)";
+
+bool is_number(const std::string& cell) {
+  if (cell.empty() || cell == "-") return true;
+  char* end = nullptr;
+  std::strtod(cell.c_str(), &end);
+  // A unit or a spread may follow: "0.75 mm", "0.75 ± 0.30", "12 %".
+  return end != cell.c_str() && (*end == 0 || *end == ' ');
+}
+
+}  // namespace
+
+Report::Report(std::string title, std::string subtitle)
+    : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
+
+void Report::heading(const std::string& words) {
+  body_ += "<h2>" + escaped(words) + "</h2>\n";
+}
+
+void Report::text(const std::string& paragraph) {
+  body_ += "<p>" + escaped(paragraph) + "</p>\n";
+}
+
+void Report::key_figures(const std::vector<KeyFigure>& figures) {
+  body_ += "<div class=\"keys\">\n";
+  for (const KeyFigure& f : figures) {
+    body_ += "<div class=\"key\"><span>" + escaped(f.name) + "</span><b>" + escaped(f.value) + "</b>";
+    if (!f.note.empty()) body_ += "<span>" + escaped(f.note) + "</span>";
+    body_ += "</div>\n";
+  }
+  body_ += "</div>\n";
+}
+
+void Report::table(const Table& table) {
+  std::vector<bool> numbers(table.columns.size(), !table.rows.empty());
+  for (const auto& row : table.rows)
+    for (std::size_t c = 0; c < numbers.size() && c < row.size(); ++c)
+      numbers[c] = numbers[c] && is_number(row[c]);
+  const auto cell = [&](const char* kind, std::size_t c, const std::string& words) {
+    const bool right = c < numbers.size() && numbers[c];
+    return std::string("<") + kind + (right ? " class=\"number\">" : ">") + escaped(words) + "</" + kind +
+           ">";
+  };
+  body_ += "<figure>";
+  if (!table.caption.empty()) body_ += "<figcaption>" + escaped(table.caption) + "</figcaption>";
+  body_ += "<div class=\"scroll\"><table><thead><tr>";
+  for (std::size_t c = 0; c < table.columns.size(); ++c) body_ += cell("th", c, table.columns[c]);
+  body_ += "</tr></thead><tbody>\n";
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    body_ +=
+        std::ranges::find(table.strong_rows, r) != table.strong_rows.end() ? "<tr class=\"strong\">" : "<tr>";
+    for (std::size_t c = 0; c < table.rows[r].size(); ++c) body_ += cell("td", c, table.rows[r][c]);
+    body_ += "</tr>\n";
+  }
+  body_ += "</tbody></table></div></figure>\n";
+}
+
+void Report::figure(const std::string& title, const std::vector<std::string>& series,
+                    const std::string& drawing) {
+  body_ += "<figure><figcaption>" + escaped(title) + "</figcaption>\n";
+  if (series.size() > 1) {
+    body_ += "<div class=\"legend\">";
+    for (std::size_t i = 0; i < series.size(); ++i)
+      body_ += "<span><i style=\"background:var(--series-" + std::to_string(i % 6 + 1) + ")\"></i>" +
+               escaped(series[i]) + "</span>";
+    body_ += "</div>\n";
+  }
+  body_ += drawing + "</figure>\n";
+}
+
+void Report::plot(const LinePlot& plot) {
+  std::vector<std::string> names;
+  for (const Line& line : plot.lines) names.push_back(line.name);
+  figure(plot.title, names, svg(plot));
+}
+
+void Report::bars(const BarPlot& plot) {
+  figure(plot.title, plot.series, svg(plot));
+}
+
+void Report::image(std::span<const std::byte> png, const std::string& caption) {
+  body_ += "<figure class=\"picture\"><img alt=\"" + escaped(caption) + "\" src=\"data:image/png;base64," +
+           render::base64(png) + "\"><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+}
+
+void Report::film(std::span<const std::byte> mp4, const std::string& caption) {
+  body_ += "<figure class=\"picture\"><video controls loop muted playsinline src=\"data:video/mp4;base64," +
+           render::base64(mp4) + "\"></video><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+}
+
+std::string Report::html() const {
+  std::string page =
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>";
+  page += escaped(title_) + "</title>\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n<h1>" +
+          escaped(title_) + "</h1>\n";
+  if (!subtitle_.empty()) page += "<p class=\"subtitle\">" + escaped(subtitle_) + "</p>\n";
+  return page + body_ + "</main>\n</body>\n</html>\n";
+}
+
+Result<void> Report::write(const std::filesystem::path& path) const {
+  return write_file(path, html());
+}
+
+}  // namespace mien::study

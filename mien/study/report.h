@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/study/plot.h"
+
+namespace mien::study {
+
+/// Rows under column heads. Cells are plain text; columns whose cells are all numbers stand to the right.
+struct Table {
+  std::string caption;
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::size_t> strong_rows;  ///< Rows that the reader should see first.
+};
+
+/// One number that matters, shown large.
+struct KeyFigure {
+  std::string name;
+  std::string value;  ///< With its unit.
+  std::string note;   ///< What it is measured against; may be empty.
+};
+
+/// A report that is one HTML file: styles, drawings, pictures and films are inside, nothing is fetched, no
+/// script runs. Light or dark as the reader's system is. Parts appear in the order in which they are added.
+/// All text is plain UTF-8.
+class Report {
+ public:
+  explicit Report(std::string title, std::string subtitle = {});
+
+  void heading(const std::string& words);
+  void text(const std::string& paragraph);
+  void key_figures(const std::vector<KeyFigure>& figures);
+  void table(const Table& table);
+  void plot(const LinePlot& plot);
+  void bars(const BarPlot& plot);
+  /// `png`: a PNG file's content.
+  void image(std::span<const std::byte> png, const std::string& caption);
+  /// `mp4`: an MP4 file's content; some megabytes at most, since it stands inside the page.
+  void film(std::span<const std::byte> mp4, const std::string& caption);
+
+  /// The whole page.
+  [[nodiscard]] std::string html() const;
+  /// Writes it, whole or not at all. Errors: io.
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path) const;
+
+ private:
+  void figure(const std::string& title, const std::vector<std::string>& series, const std::string& drawing);
+
+  std::string title_;
+  std::string subtitle_;
+  std::string body_;
+};
+
+}  // namespace mien::study
