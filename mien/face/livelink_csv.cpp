@@ -57,12 +57,12 @@ std::string_view cut(std::string_view& text, char separator) {
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   line = trim(line);
-  while (cells.size() <= kMaxColumns) {
-    const bool last = line.find(',') == std::string_view::npos;
+  bool last = false;
+  while (!last && cells.size() <= kMaxColumns) {
+    last = line.find(',') == std::string_view::npos;
     cells.push_back(trim(cut(line, ',')));
-    if (last) break;
   }
-  if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+  if (last && cells.size() > 1 && cells.back().empty()) cells.pop_back();
   return cells;
 }
 
