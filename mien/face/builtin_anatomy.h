@@ -15,8 +15,8 @@ inline constexpr double kEyeRadius = 12.5;
 inline constexpr double kLidRadius = 14.0;  ///< Outside of the lids, about the eyeball's centre.
 
 /// Corners of the eye, in x and y.
-inline constexpr double kInnerCanthusX = 18.6, kInnerCanthusY = 33.6;
-inline constexpr double kOuterCanthusX = 45.4, kOuterCanthusY = 35.4;
+inline constexpr double kInnerCanthusX = 18.0, kInnerCanthusY = 33.4;
+inline constexpr double kOuterCanthusX = 46.0, kOuterCanthusY = 35.6;
 
 inline constexpr double kMouthCornerX = 25.0, kMouthCornerY = -34.2;
 
@@ -40,7 +40,7 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 /// Height of the lids' margins at x, eyes open.
 [[nodiscard]] inline double upper_lid_y(double x) {
   const double s = lid_fraction(x);
-  return mix(kInnerCanthusY, kOuterCanthusY, s) + 6.9 * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.75);
+  return mix(kInnerCanthusY, kOuterCanthusY, s) + 6.7 * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.75);
 }
 [[nodiscard]] inline double lower_lid_y(double x) {
   const double s = lid_fraction(x);
@@ -50,7 +50,7 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 /// The line where the lips meet, and the borders of their red, at |x|.
 [[nodiscard]] inline double lip_line_y(double x) {
   const double s = std::min(std::abs(x) / kMouthCornerX, 1.3);
-  return -33.2 - 0.5 * gauss(s / 0.16) + 0.9 * gauss((s - 0.42) / 0.3) - 1.0 * s * s;
+  return -33.2 - 0.3 * gauss(s / 0.26) + 0.8 * gauss((s - 0.42) / 0.3) - 1.0 * s * s;
 }
 [[nodiscard]] inline double upper_lip_border_y(double x) {
   const double s = std::min(std::abs(x) / kMouthCornerX, 1.0);

@@ -1,7 +1,6 @@
 #include "mien/face/builtin_expression.h"
 
 #include <cmath>
-#include <functional>
 
 #include "mien/face/builtin_anatomy.h"
 #include "mien/face/profile.h"
@@ -10,7 +9,6 @@ namespace mien::face::builtin {
 namespace {
 
 using V = SculptVertex;
-using Field = std::function<Vec3(const V&)>;
 
 constexpr double kDegree = M_PI / 180;
 
@@ -85,8 +83,12 @@ Vec3 lids(const V& v, double up_close, double low_close, double sideways = 0) {
   const double x = std::clamp(v.anchor.x(), kInnerCanthusX, kOuterCanthusX);
   const double open_u = lid_elevation(x, upper_lid_y(x)), open_l = lid_elevation(x, lower_lid_y(x));
   const double meet = mix(open_l, open_u, 0.16);
-  const double share = smoothstep(0.18, 0.92, std::abs(v.lid));
-  const double angle = v.lid > 0 ? (open_u - meet) * up_close : (open_l - meet) * low_close;
+  const double share = smoothstep(0.04, 0.94, std::abs(v.lid));
+  // Away from the margin the fold of the lid unrolls less toward its corners.
+  const double s = lid_fraction(v.anchor.x());
+  const double middle = mix(smoothstep(-0.02, 0.42, s) * smoothstep(1.04, 0.7, s), 1.0,
+                            smoothstep(0.55, 0.95, std::abs(v.lid)));
+  const double angle = middle * (v.lid > 0 ? (open_u - meet) * up_close : (open_l - meet) * low_close);
   const Vec3 arm = v.p - kEyeCentre;
   const double side = sideways * smoothstep(0.3, 1.0, std::abs(v.lid)) *
                       smoothstep(0, 6, std::min(x - kInnerCanthusX, kOuterCanthusX - x));
@@ -109,22 +111,24 @@ Vec3 close_lips(const V& v) {
   return -keep * open + down;
 }
 
-/// Turns the red of one lip inwards over the teeth about its own border.
-Vec3 roll(const V& v, bool up, double angle) {
+/// Draws the red of one lip in between the teeth; the skin beside it follows to the line where the lips meet.
+Vec3 roll(const V& v, bool up) {
   if (!is_soft(v)) return Vec3::Zero();
   const Vec3& p = v.anchor;
   const double x = std::abs(p.x());
-  const double s = std::min(1.0, x / (kMouthCornerX + 2));
-  const double border = up ? upper_lip_border_y(x) + 4 : lower_lip_border_y(x) - 4;
+  const double s = std::min(1.0, x / (kMouthCornerX + 1));
+  const double side = up ? upper(v) : lower(v);
   const double line = lip_line_y(x);
-  const double depth_fade = smoothstep(92, 104, p.z());
-  const double along =
-      up ? smoothstep(border + 3, line, p.y()) * upper(v) : smoothstep(border - 3, line, p.y()) * lower(v);
-  const double w = along * (1 - s * s) * depth_fade;
-  if (w <= 0) return Vec3::Zero();
-  const Vec3 pivot(p.x(), border, 106 - 0.012 * x * x);
-  const Vec3 arm = v.p - pivot;
-  return (Eigen::AngleAxisd((up ? 1 : -1) * angle * w, Vec3::UnitX()) * arm - arm) * std::min(1.0, 1.5 * w);
+  const double border = up ? upper_lip_border_y(x) : lower_lip_border_y(x);
+  const double from_line = std::abs(p.y() - line), red = std::abs(border - line);
+  const double across = side * (1 - s * s) * (1 - smoothstep(red + 1, red + 13, from_line));
+  if (across <= 0) return Vec3::Zero();
+  const double inward = 1 - smoothstep(0.6 * red, red + 6, from_line);
+  const double deep = smoothstep(92, 104, p.z());  // the gums' side of the lip stays
+  // Everything on the red comes to the line; beyond it the skin is drawn after it by as much as the border
+  // moves.
+  const double slide = -(up ? 1 : -1) * std::min(from_line, red) * (up ? 0.85 : 0.95);
+  return deep * across * Vec3(0, slide + (up ? -0.8 : 0.9), -(up ? 8.5 : 9.0) * inward);
 }
 
 /// Left shapes and shapes of the midline, by name without side.
@@ -132,18 +136,18 @@ Vec3 displacement(std::string_view name, const V& v) {
   const auto is = [&](std::string_view n) { return name == n; };
   // Brow.
   if (is("browDown"))
-    return push(v, {20, 57, 101}, {34, 30, 45}, {-3.2, -6.2, 0.6}) +
-           push(v, {40, 58, 90}, {26, 24, 40}, {-0.8, -2.6, 0});
-  if (is("browInnerUp")) return push(v, {9, 58, 104}, {30, 40, 45}, {1.0, 6.0, 0.2});
+    return push(v, {20, 57, 101}, {32, 30, 45}, {-2.8, -5.2, 0.6}) +
+           push(v, {40, 59, 90}, {26, 26, 40}, {-0.6, -2.4, 0});
+  if (is("browInnerUp")) return push(v, {13, 60, 104}, {42, 40, 50}, {0.6, 6.2, 0.2});
   if (is("browOuterUp")) return push(v, {42, 59, 88}, {32, 36, 45}, {1.2, 8.0, -1.2});
   // Lids.
   if (is("eyeBlink")) return lids(v, 1, 1) + push(v, {34, 22, 92}, {24, 16, 30}, {-0.4, 0.6, 0});
-  if (is("eyeLookDown")) return lids(v, 0.46, -0.30);
-  if (is("eyeLookUp")) return lids(v, -0.20, 0.5);
+  if (is("eyeLookDown")) return lids(v, 0.67, -0.65);
+  if (is("eyeLookUp")) return lids(v, -0.29, 0.62);
   if (is("eyeLookIn")) return lids(v, 0.03, 0.0, -0.13);
   if (is("eyeLookOut")) return lids(v, 0.03, 0.0, 0.13);
   if (is("eyeSquint")) return lids(v, 0.12, 1.3) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.6, 2.2, 0.8});
-  if (is("eyeWide")) return lids(v, -0.21, -0.35) + push(v, {30, 52, 96}, {24, 16, 30}, {0, 0.7, 0});
+  if (is("eyeWide")) return lids(v, -0.24, -0.40) + push(v, {30, 52, 96}, {24, 16, 30}, {0, 0.7, 0});
   // Cheeks.
   if (is("cheekPuff"))
     return push(v, {42, -26, 88}, {36, 38, 60}, {10.5, -0.5, 9.5}) +
@@ -151,12 +155,15 @@ Vec3 displacement(std::string_view name, const V& v) {
            push(v, {14, -46, 106}, {22, 14, 30}, {0.5, 0, 2.5});
   if (is("cheekSquint")) return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 6.0, 2.4}) + lids(v, 0.0, 0.55);
   if (is("noseSneer"))
-    return push(v, {22, -6, 102}, {30, 36, 50}, {1.8, 9.5, 1.0}) +
+    return push(v, {29, -9, 101}, {30, 38, 50}, {1.8, 10.0, 1.0}) +
            push(v, {12, 24, 104}, {16, 22, 30}, {-0.5, 2.2, 1.0}) +
            push(v, {14, 54, 102}, {20, 16, 30}, {-0.5, -1.5, 0});
   // Jaw.
-  if (is("jawForward")) return jaw_share(v) * Vec3(0, -0.8, 11.2);
-  if (is("jawLeft")) return jaw_share(v) * Vec3(9.0, -0.3, 0.0);
+  if (is("jawForward"))
+    return jaw_share(v) * Vec3(0, 0.3, 11.2) + push(v, {0, -27, 112}, {28, 13, 40}, {0, 0, 1.6}, Lips::upper);
+  if (is("jawLeft"))
+    return jaw_share(v) * Vec3(9.0, 0.5, 0.0) +
+           push(v, {0, -28, 112}, {30, 16, 40}, {2.4, 0, 0}, Lips::upper);
   if (is("jawOpen")) return jaw_turn(v, kJawOpen);
   if (is("mouthClose")) return close_lips(v);
   // Mouth.
@@ -167,13 +174,13 @@ Vec3 displacement(std::string_view name, const V& v) {
     return push(v, kCorner, {26, 26, 45}, {1.2, -6.6, -1.2}) +
            push(v, {10, -52, 104}, {20, 16, 30}, {0, 1.5, 0.8});
   if (is("mouthFunnel"))
-    return push(v, {0, -27, 113}, {27, 15, 40}, {0, 3.4, 8.5}, Lips::upper) +
-           push(v, {0, -40, 112}, {27, 17, 40}, {0, -4.6, 8.0}, Lips::lower) +
-           push(v, kCorner, {21, 24, 40}, {-7.0, 0, 4.0});
+    return push(v, {0, -27, 113}, {28, 16, 40}, {0, 4.0, 10.0}, Lips::upper) +
+           push(v, {0, -40, 112}, {28, 18, 40}, {0, -5.4, 9.6}, Lips::lower) +
+           push(v, kCorner, {23, 25, 40}, {-11.0, 0, 6.5});
   if (is("mouthLeft"))
     return push(v, {2, -34, 108}, {52, 34, 60}, {17, 1.0, 0.0}) +
            push(v, kCorner, {26, 24, 45}, {1.5, 2.5, -6.0});
-  if (is("mouthLowerDown")) return push(v, {11, -40, 110}, {24, 18, 40}, {0.8, -6.0, -0.4}, Lips::lower);
+  if (is("mouthLowerDown")) return push(v, {11, -40, 110}, {24, 22, 40}, {0.6, -4.9, -0.4}, Lips::lower);
   if (is("mouthPress"))
     return push(v, {13, -28, 111}, {20, 9, 40}, {0.3, -1.5, -3.4}, Lips::upper) +
            push(v, {13, -39, 110}, {20, 10, 40}, {0.3, 1.8, -3.4}, Lips::lower) +
@@ -181,24 +188,22 @@ Vec3 displacement(std::string_view name, const V& v) {
   if (is("mouthPucker"))
     return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 9.0}) +
            push(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5});
-  if (is("mouthRollLower")) return roll(v, false, 75 * kDegree);
-  if (is("mouthRollUpper")) return roll(v, true, 70 * kDegree);
+  if (is("mouthRollLower")) return roll(v, false);
+  if (is("mouthRollUpper")) return roll(v, true);
   if (is("mouthShrugLower"))
-    return push(v, {0, -58, 106}, {30, 30, 50}, {0, 10.5, 1.5}, Lips::lower) +
-           push(v, {0, -38, 111}, {26, 14, 40}, {0, -1.5, 3.0}, Lips::lower) +
-           push(v, {0, -29, 112}, {28, 12, 40}, {0, 6.2, 2.6}, Lips::upper);
-  if (is("mouthShrugUpper"))
-    return push(v, {0, -27, 112}, {27, 20, 40}, {0, 5.4, 2.4}, Lips::upper) +
-           push(v, {0, -36, 112}, {22, 12, 40}, {0, 4.4, 1.8}, Lips::lower);
+    return push(v, {0, -60, 106}, {32, 30, 50}, {0, 10.6, 1.5}, Lips::lower) +
+           push(v, {0, -32, 112}, {32, 18, 40}, {0, 5.4, 3.4});
+  if (is("mouthShrugUpper")) return push(v, {0, -30, 112}, {30, 21, 40}, {0, 5.7, 2.4});
   if (is("mouthSmile"))
-    return push(v, kCorner, {33, 30, 55}, {9.5, 9.0, -6.0}) +
-           push(v, {42, -2, 90}, {26, 24, 40}, {0.8, 3.5, 3.2}) + lids(v, 0, 0.25);
+    return push(v, kCorner, {35, 31, 55}, {9.6, 9.2, -4.0}) +
+           push(v, {42, -1, 90}, {28, 26, 40}, {1.0, 3.6, 3.6}) +
+           push(v, {0, -31, 112}, {22, 14, 40}, {0, 0.3, -0.9}) + lids(v, 0, 0.25);
   if (is("mouthStretch"))
     return push(v, kCorner, {30, 28, 50}, {9.0, -3.6, -5.0}) +
            push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});
   if (is("mouthUpperUp"))
-    return push(v, {12, -26, 111}, {22, 22, 40}, {1.0, 8.4, 0.6}, Lips::upper) +
-           push(v, {20, -6, 104}, {16, 22, 30}, {1.0, 3.2, 1.2});
+    return push(v, {12, -26, 111}, {24, 22, 40}, {1.0, 7.0, 0.6}, Lips::upper) +
+           push(v, {26, -14, 102}, {24, 26, 40}, {1.0, 5.4, 1.4});
   return Vec3::Zero();
 }
 

@@ -19,13 +19,15 @@ struct Turn {
   double deg;
   Vec3 axis;
   double reach_mm = 17;  ///< How far the added turn reaches.
+  double swell_mm =
+      0;  ///< Pivot this far below the skin's own middle, so that the turned skin swells outward.
 };
 const Turn kTurns[] = {
     {"browDown", "frontalis", 9.2, {1, -0.5, -0.7}},
     {"browInnerUp", "frontalis", 5.0, {-0.5, 0.4, -0.7}},
     {"browOuterUp", "frontalis", 9.7, {0, 0, 1}},
     {"cheekPuff", "zygomaticus_lower", 12.7, {-0.6, -0.7, 0.3}},
-    {"cheekSquint", "zygomaticus_lower", 11.0, {1, -0.3, 0}},
+    {"cheekSquint", "zygomaticus_lower", 11.0, {1, -0.3, 0}, 20, 5},
     {"eyeBlink", "orbicularis", 2.6, {-1, -0.5, -0.5}},
     {"eyeLookDown", "orbicularis", 3.8, {1, 0.5, 0}},
     {"eyeLookIn", "orbicularis", 3.3, {0, -1, 0.5}},
@@ -35,7 +37,7 @@ const Turn kTurns[] = {
     {"eyeWide", "orbicularis", 0.7, {1, 0, 0}},
     {"jawForward", "buccinator", 11.4, {-1, 0, 0}},
     {"jawLeft", "buccinator", 9.2, {0, 0, 1}},
-    {"jawOpen", "zygomaticus_lower", 17.6, {1, 0, 0}},
+    {"jawOpen", "zygomaticus_lower", 17.6, {1, 0, 0}, 22},
     {"mouthClose", "buccinator", 22.6, {-1, 0, 0}},
     {"mouthDimple", "buccinator", 30.6, {0, -1, -0.4}},
     {"mouthFrown", "buccinator", 12.1, {0.4, 0.2, 1}},
@@ -47,22 +49,32 @@ const Turn kTurns[] = {
     {"mouthRollLower", "buccinator", 3.0, {0, -1, 0.3}},
     {"mouthRollUpper", "zygomaticus_lower", 8.1, {1, -0.4, 0}},
     {"mouthShrugLower", "mentalis", 12.2, {-1, 0, 0}},
-    {"mouthSmile", "zygomaticus_lower", 33.7, {0.8, -0.5, 0}},
+    {"mouthSmile", "zygomaticus_lower", 33.7, {0.8, -0.5, 0}, 22, 5},
     {"mouthStretch", "buccinator", 18.1, {0.2, -0.7, 0.7}},
-    {"mouthUpperUp", "zygomaticus_lower", 30.0, {1, -0.3, -0.5}},
-    {"noseSneer", "zygomaticus_lower", 15.3, {-0.2, 0.2, -1}},
+    {"mouthUpperUp", "zygomaticus_lower", 30.0, {1, -0.3, -0.5}, 20, 5},
+    {"noseSneer", "zygomaticus_lower", 15.3, {0.6, -0.2, -0.6}, 20, 4},
 };
 
-/// Adds the small turn `turn_rad` about `centre` to soft skin around it.
-void add_turn(const Sculpt& whole, const Vec3& centre, const Vec3& turn_rad, double reach_mm,
-              std::vector<Vec3>& d) {
+Vec3 patch_normal(const Sculpt& whole, const SkinPatch& patch) {
+  Vec3 sum = Vec3::Zero();
+  for (const SkinPatch::Point& point : patch.points) {
+    const Vec3 &a = whole.vertices[point.corner[0]].p, &b = whole.vertices[point.corner[1]].p,
+               &c = whole.vertices[point.corner[2]].p;
+    sum += point.area_mm2 * (b - a).cross(c - a).normalized();
+  }
+  return sum.normalized();
+}
+
+/// Adds the small turn `turn_rad` about `pivot` to soft skin around `centre`.
+void add_turn(const Sculpt& whole, const Vec3& centre, const Vec3& pivot, const Vec3& turn_rad,
+              double reach_mm, std::vector<Vec3>& d) {
   for (std::size_t i = 0; i < d.size(); ++i) {
     const SculptVertex& v = whole.vertices[i];
     if (v.tissue != Tissue::skin && v.tissue != Tissue::brow) continue;
     const double q = (v.anchor - centre).squaredNorm() / (reach_mm * reach_mm);
     if (q >= 1) continue;
     const double w = (1 - q) * (1 - q) * (1 + 2 * q) * (1 - smoothstep(0.3, 0.8, std::abs(v.lid)));
-    d[i] += w * turn_rad.cross(v.p - centre);
+    d[i] += w * turn_rad.cross(v.p - pivot);
   }
 }
 
@@ -129,6 +141,7 @@ void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displa
       if (!site.name.starts_with(turn->site) || (one_sided && site.name.ends_with("_R"))) continue;
       const Vec3 centre = site.position_m * 1000;
       const SkinPatch patch = skin_patch(whole, centre);
+      const Vec3 outward = patch_normal(whole, patch);
       Vec3 axis = turn->axis.normalized();
       // On the right side of a two-sided shape the mirrored axis: x keeps its sign, y and z change theirs.
       if (site.name.ends_with("_R")) axis = Vec3(axis.x(), -axis.y(), -axis.z());
@@ -138,7 +151,9 @@ void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displa
       for (int i = 0; i < 8; ++i) {
         const Vec3 missing = wanted - patch_rotation_deg(whole, patch, d);
         if (missing.norm() < 0.05) break;
-        add_turn(whole, centre, 0.9 * missing * M_PI / 180, turn->reach_mm, d);
+        const Vec3 step = 0.9 * missing * M_PI / 180;
+        const Vec3 pivot = centre + turn->swell_mm * outward.cross(step.normalized());
+        add_turn(whole, centre, pivot, step, turn->reach_mm, d);
       }
     }
   }

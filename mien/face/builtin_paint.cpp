@@ -24,7 +24,7 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
       skin_tone < 0.5 ? blend(fair, middle, 2 * skin_tone) : blend(middle, deep, 2 * skin_tone - 1);
   const Vec3f hair = blend(Vec3f(0.42F, 0.27F, 0.12F), Vec3f(0.012F, 0.009F, 0.008F),
                            std::sqrt(std::clamp(hair_tone, 0.0, 1.0)));
-  const Vec3f red = Vec3f(skin.x() * 0.82F, skin.y() * 0.40F, skin.z() * 0.40F);
+  const Vec3f red(skin.x() * 0.80F, skin.y() * 0.46F, skin.z() * 0.48F);
   const Vec3f wet(0.45F, 0.13F, 0.11F);
   const Vec3f iris = blend(Vec3f(0.10F, 0.19F, 0.24F), Vec3f(0.12F, 0.055F, 0.022F), 1.5 * hair_tone);
   for (SculptVertex& v : whole.vertices) {
@@ -42,9 +42,9 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
                     0.6 * spot(p, 30, 45, 18, 7) + 0.35 * spot(p, 30, 25, 16, 5));  // about the eyes
           c = blend(c, flush * 0.8F, smoothstep(0.75, 1.0, std::abs(v.lid)) * 0.5);
           c = blend(c, Vec3f(0.10F, 0.03F, 0.02F),
-                    1.1 * spot(p, 6.6, -6.6, 3.0, 3.2) * smoothstep(108, 114, p.z()));
+                    1.25 * spot(p, 7.2, -7.8, 2.8, 2.6) * smoothstep(100, 104, p.z()));
           c = blend(c, hair,
-                    0.42 *
+                    0.55 *
                         gauss((p.y() - (54 + 5.0 * std::sin(M_PI * std::clamp((std::abs(p.x()) - 8) / 66, 0.0,
                                                                               1.0)))) /
                               4.2) *
@@ -63,7 +63,8 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
         v.colour = blend(red, Vec3f(0.22F, 0.045F, 0.04F), smoothstep(112, 100, p.z()));
         break;
       case Tissue::lid_inside:
-        v.colour = blend(skin, wet, 0.55);
+        v.colour =
+            blend(blend(skin, wet, 0.55), hair * 0.5F, v.lid > 0 ? 0.75 * smoothstep(0.3, 0.9, v.lid) : 0.15);
         break;
       case Tissue::eyeball: {
         const int band = static_cast<int>(v.lid);

@@ -30,7 +30,7 @@ void sew_up(Sculpt& half, Piece piece, const Ring& a, const Ring& b, bool closed
 /// An outer ear on its own plane, turned out from the head: rim, ridge, bowl, tragus and lobe as relief on a
 /// disc.
 void add_ear(Sculpt& half) {
-  const Vec3 root(71.5, 18, 2);
+  const Vec3 root(72.5, 18, 1);
   const Vec3 back = Vec3(0.50, 0.06, -0.86).normalized();
   const Vec3 up = (Vec3(0.05, 1, -0.16) - Vec3(0.05, 1, -0.16).dot(back) * back).normalized();
   const Vec3 out = up.cross(back).normalized() * -1.0;
@@ -52,7 +52,7 @@ void add_ear(Sculpt& half) {
     double h = 4.2;
     h += rim * (3.0 * gauss((rho - 0.9) / 0.12) - 1.6 * gauss((rho - 0.72) / 0.1));
     h += (1 - lobe) * (1 - front) * 2.4 * gauss((rho - 0.54) / 0.12);
-    h -= 8.5 * gauss(rho / 0.36) * (1 - 0.3 * lobe);
+    h -= 6.5 * gauss(rho / 0.36) * (1 - 0.3 * lobe);
     h += 4.0 * gauss((rho - 0.62) / 0.22) * front * gauss((s + 0.1) / 0.45);  // tragus
     h -= 3.0 * smoothstep(0.8, 1.0, rho) * front;                             // sinks into the cheek
     return h;
@@ -230,7 +230,7 @@ void add_lashes(Sculpt& half, Random random) {
     const Vec3 root = kEyeCentre + out * (kLidRadius - 0.5);
     const double fan = mix(-0.45, 0.85, s) + 0.12 * random.normal();
     const double length =
-        (upper ? mix(5.6, 8.6, std::sin(M_PI * std::pow(s, 1.5))) : 3.6) * (1 + 0.1 * random.normal());
+        (upper ? mix(6.0, 9.8, std::sin(M_PI * std::pow(s, 1.5))) : 3.6) * (1 + 0.1 * random.normal());
     const Vec3 forward = Vec3(fan * 0.55, upper ? -0.02 : -0.35, 1).normalized();
     const Vec3 curl = Vec3(fan * 0.9, upper ? 0.95 : -0.75, 0.55).normalized();
     const Vec3 middle = root + forward * length * 0.5;
@@ -247,7 +247,7 @@ double brow_y(double x) {
 }
 
 void add_brow(Sculpt& half, Random random) {
-  constexpr int kHairs = 64;
+  constexpr int kHairs = 86;
   for (int i = 0; i < kHairs; ++i) {
     const double s = (i + random.uniform()) / kHairs;
     const double x = mix(11.5, 53.5, s);
@@ -263,14 +263,14 @@ void add_brow(Sculpt& half, Random random) {
     };
     const Vec3 root = on_skin(0, 0.0), middle = on_skin(0.5 * length, 1.0), tip = on_skin(length, 0.5);
     const Vec3 side = Vec3(-direction.y(), direction.x(), 0);
-    add_hair(half, Piece::brows, Tissue::brow, root, middle, tip, -side, 0.75, 0);
+    add_hair(half, Piece::brows, Tissue::brow, root, middle, tip, -side, 0.6, 0);
   }
 }
 
 /// Where hair begins, as a row, over the azimuth.
 double hairline_row(double azimuth) {
   const double a = azimuth * 180 / M_PI;
-  const double points[][2] = {{0, 96},   {18, 95}, {32, 98},   {44, 90},  {54, 70}, {62, 50},
+  const double points[][2] = {{0, 89},   {18, 90}, {32, 92},   {44, 85},  {54, 70}, {62, 50},
                               {68, 22},  {76, 12}, {82, 18},   {88, 46},  {98, 56}, {108, 50},
                               {118, 26}, {128, 2}, {145, -22}, {180, -36}};
   for (std::size_t i = 0; i + 1 < std::size(points); ++i)
@@ -283,18 +283,19 @@ void add_scalp_hair(Sculpt& half, Random random) {
   constexpr int kColumns = 38, kRows = 11;
   Ring below;
   for (int r = 0; r <= kRows; ++r) {
-    const double v = static_cast<double>(r) / kRows;
+    const double v = r == 0 ? 0.0 : mix(0.035, 1.0, std::pow((r - 1.0) / (kRows - 1), 1.15));
     Ring ring;
     for (int c = 0; c <= kColumns; ++c) {
       const double azimuth = M_PI * c / kColumns;
-      const double row = mix(hairline_row(azimuth), kTopRow - 0.5, std::pow(v, 0.9));
+      const double row = mix(hairline_row(azimuth), kTopRow - 0.5, v);
       Vec3 p = head_point(azimuth, row);
       const Vec3 centre(0, 50, 5);
       const double full = smoothstep(0.0, 0.22, v);
       const double front = smoothstep(75, 20, azimuth * 180 / M_PI);
       const double strand = random.uniform(-1, 1);
       double lift = -1.5 + full * (6.5 + 5.0 * front * smoothstep(0.1, 0.3, v)) + full * 0.8 * strand;
-      if (r == 0) lift = -1.2;
+      if (r == 0) lift = -1.0;
+      if (r == 1) lift = 1.2;
       p += (p - centre).normalized() * lift;
       if (c == 0 || c == kColumns) p.x() = 0;
       SculptVertex w = vertex(p, Tissue::hair, 1);

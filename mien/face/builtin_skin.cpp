@@ -11,14 +11,15 @@ constexpr double kDegree = M_PI / 180;
 
 std::vector<double> column_azimuths() {
   std::vector<double> columns;
-  for (int i = 0; i <= 24; ++i) columns.push_back(1.75 * i * kDegree);
+  for (int i = 0; i <= 6; ++i) columns.push_back(1.3 * i * kDegree);
+  for (int i = 1; i <= 19; ++i) columns.push_back((7.8 + 1.8 * i) * kDegree);
   double step = 1.75;
   while (columns.back() < 180 * kDegree) {
-    step = std::min(step * 1.16, columns.back() < 100 * kDegree ? 4.6 : 10.0);
+    step = std::min(step * 1.16, columns.back() < 100 * kDegree ? 4.8 : 11.0);
     columns.push_back(columns.back() + step * kDegree);
   }
   // Stretch what lies behind the face so that the last column ends at the back exactly.
-  const double front = 42 * kDegree;
+  const double front = columns[25];
   const double scale = (M_PI - front) / (columns.back() - front);
   for (double& c : columns)
     if (c > front) c = front + (c - front) * scale;
@@ -28,18 +29,20 @@ std::vector<double> column_azimuths() {
 
 std::vector<double> row_coordinates() {
   std::vector<double> rows;
-  for (int i = 0; i < 9; ++i) rows.push_back(mix(kNeckRow, kThroatRow, i / 9.0));
-  for (int i = 0; i < 11; ++i) rows.push_back(mix(kThroatRow, kChinRow, i / 11.0));
-  for (int i = 0; i < 40; ++i) rows.push_back(kChinRow + 3.0 * i);
+  for (int i = 0; i < 8; ++i) rows.push_back(mix(kNeckRow, kThroatRow, i / 8.0));
+  for (int i = 0; i < 10; ++i) rows.push_back(mix(kThroatRow, kChinRow, i / 10.0));
+  for (int i = 0; i < 15; ++i) rows.push_back(kChinRow + 3.0 * i);
+  for (int i = 0; i < 10; ++i) rows.push_back(-15 + 2.1 * i);  // the nose's underside is steep
+  for (int i = 0; i < 18; ++i) rows.push_back(6 + 3.0 * i);
   double step = 3.0;
   for (double row = kCrownRow; row < kTopRow - 8; row += step) {
     rows.push_back(row);
-    step = std::min(step * 1.2, 12.0);
+    step = std::min(step * 1.28, 14.0);
   }
   return rows;
 }
 
-constexpr std::size_t kFaceRow = 20;  ///< Index of the row at kChinRow; the next ones are 3 mm apart.
+constexpr std::size_t kFaceRow = 18;  ///< Index of the row at kChinRow; the next ones are 3 mm apart.
 
 /// A block of the grid that a hole replaces: first and last row and column, as vertices.
 struct Block {
@@ -51,8 +54,8 @@ struct Block {
     return row > row0 && row < row1 && (column > column0 || column0 == 0) && column < column1;
   }
 };
-constexpr Block kEyeBlock{kFaceRow + 26, kFaceRow + 37, 4, 25};   // y 18 to 51
-constexpr Block kMouthBlock{kFaceRow + 1, kFaceRow + 15, 0, 13};  // y -57 to -15
+constexpr Block kEyeBlock{kFaceRow + 29, kFaceRow + 40, 5, 25};   // y 18 to 51
+constexpr Block kMouthBlock{kFaceRow + 1, kFaceRow + 15, 0, 14};  // y -57 to -15
 
 /// Sews two rings of equal size; `outer` lies around `inner`, both counter-clockwise from the front.
 void sew(Sculpt& half, Piece piece, const std::vector<std::uint32_t>& outer,
@@ -65,7 +68,7 @@ void sew(Sculpt& half, Piece piece, const std::vector<std::uint32_t>& outer,
 }
 
 double lip_side_at(double x, double y) {
-  const double width = 3.5 + 2.0 * std::max(0.0, x - kMouthCornerX + 1);
+  const double width = 4.0 + 2.7 * std::max(0.0, x - kMouthCornerX + 1);
   return std::clamp((y - lip_line_y(x)) / width, -1.0, 1.0);
 }
 
@@ -173,7 +176,7 @@ void add_mouth(Sculpt& half, const Grid& grid) {
     }
     red[i] = {x_red, lower ? std::min(lower_lip_border_y(x_red), lip_line_y(x_red) - 0.15)
                            : std::max(upper_lip_border_y(x_red), lip_line_y(x_red) + 0.15)};
-    meet[i] = {x_meet, lip_line_y(x_meet) + (lower ? -0.12 : 0.12)};
+    meet[i] = {x_meet, lip_line_y(x_meet) + (lower ? -0.06 : 0.06)};
     side[i] = (lower ? -1 : 1) * std::min(1.0, 2.2 * (1 - s) + 0.15);
   }
   constexpr int kOuter = 8, kRed = 6;
@@ -201,7 +204,7 @@ void add_mouth(Sculpt& half, const Grid& grid) {
   struct Step {
     double back, away, widen;
   };
-  constexpr Step kSteps[] = {{2.2, 0.1, 1.0},  {4.6, 1.2, 1.02}, {6.6, 4.5, 1.06},
+  constexpr Step kSteps[] = {{2.2, -0.1, 1.0}, {4.6, 1.2, 1.02}, {6.6, 4.5, 1.06},
                              {8.4, 9.0, 1.12}, {13, 13, 1.17},   {22, 14, 1.2},
                              {38, 14, 1.16},   {58, 12, 0.95},   {70, 8, 0.6}};
   for (const Step step : kSteps) {

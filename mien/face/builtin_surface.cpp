@@ -68,41 +68,44 @@ double relief(const Vec3& p) {
 
 }  // namespace
 
-double head_distance(const Vec3& point) {
-  // Both halves at once; the rounded corner keeps the midline smooth.
-  const Vec3 p(std::sqrt(point.x() * point.x() + 4) - 0.5, point.y(), point.z());
+double head_distance(const Vec3& p) {
+  // Paired parts are written once, on the left; the rounded corner keeps them smooth across the midline.
+  const Vec3 q(std::sqrt(p.x() * p.x() + 25) - 1.5, p.y(), p.z());
   // Braincase and forehead.
   double d = ellipsoid(p, {0, 58, 0}, {75, 86, 93});
   d = join(d, ellipsoid(p, {0, 66, 40}, {62, 50, 62}), 14);
   // Middle face, cheekbones, flesh of the cheeks, upper jaw.
-  d = join(d, ellipsoid(p, {0, 8, 38}, {62, 62, 64}), 18);
-  d = join(d, capsule(p, {36, 10, 84}, 11, {60, 18, 50}, 9), 16);
-  d = join(d, ellipsoid(p, {36, -22, 66}, {22, 30, 27}), 18);
+  d = join(d, ellipsoid(p, {0, 8, 36}, {65, 64, 66}), 22);
+  d = join(d, capsule(q, {37, 9, 83}, 11, {56, 17, 52}, 11), 22);
+  d = join(d, ellipsoid(q, {36, -22, 66}, {21, 30, 27}), 18);
   d = join(d, ellipsoid(p, {0, -26, 72}, {30, 34, 36}), 18);
   // Lower jaw and chin.
-  d = join(d, capsule(p, {48, 6, 18}, 15, {44, -40, 24}, 15), 18);
-  d = join(d, capsule(p, {44, -42, 26}, 15, {12, -66, 86}, 13), 18);
-  d = join(d, ellipsoid(p, {0, -66, 92}, {19, 15, 15}), 14);
-  d = join(d, ellipsoid(p, {0, -60, 56}, {36, 22, 36}), 16);
+  d = join(d, capsule(q, {48, 6, 18}, 14, {41, -36, 26}, 13), 30);
+  const Vec3 other(-p.x(), p.y(), p.z());
+  const double mandible = join(capsule(p, {41, -37, 28}, 13, {9, -66, 86}, 11.5),
+                               capsule(other, {41, -37, 28}, 13, {9, -66, 86}, 11.5), 12);
+  d = join(d, mandible, 28);
+  d = join(d, ellipsoid(p, {0, -66, 93}, {18, 14.5, 14.5}), 16);
+  d = join(d, ellipsoid(p, {0, -58, 56}, {34, 22, 36}), 18);
   // Neck, widening to the shoulders.
-  double neck = capsule(p, {0, -10, -22}, 52, {0, -240, -30}, 54);
-  neck = join(neck, capsule(p, {20, -150, -42}, 40, {110, -245, -48}, 40), 40);
-  neck = join(neck, capsule(p, {58, -10, -12}, 8, {14, -190, 24}, 9), 16);
+  double neck = capsule(p, {0, -10, -22}, 51, {0, -240, -30}, 54);
+  neck = join(neck, capsule(q, {24, -150, -42}, 40, {84, -240, -46}, 38), 40);
+  neck = join(neck, capsule(q, {50, -20, -14}, 7, {12, -190, 20}, 8), 28);
   d = join(d, neck, 14);
   // Brow, eye socket, and the lids' bulge in it.
-  double brow = capsule(p, {11, 50, 96}, 9, {40, 55, 86}, 9.5);
-  brow = join(brow, capsule(p, {40, 55, 86}, 9.5, {56, 44, 66}, 8), 6);
-  d = join(d, brow, 10);
-  d = carve(d, ellipsoid(p, {31, 35, 106}, {20, 12, 17}), 10);
-  d = join(d, (p - kEyeCentre).norm() - kLidRadius, 3.5);
-  d = join(d, ellipsoid(p, {33, 29, 84}, {16, 11, 11}), 8);
+  double brow = capsule(q, {11, 50, 96}, 9, {40, 55, 86}, 9.5);
+  brow = join(brow, capsule(q, {40, 55, 86}, 9.5, {55, 44, 66}, 7), 6);
+  d = join(d, brow, 16);
+  d = carve(d, ellipsoid(q, {31, 35, 106}, {20, 12, 17}), 10);
+  d = join(d, (q - kEyeCentre).norm() - kLidRadius, 3.5);
+  d = join(d, ellipsoid(q, {33, 29, 84}, {16, 11, 11}), 8);
   // Nose.
-  double nose = capsule(p, {0, 40, 98}, 8, {0, 8, 116}, 9);
-  nose = join(nose, ellipsoid(p, {0, 3, 117}, {11, 10, 12.5}), 8);
-  nose = join(nose, ellipsoid(p, {0, 14, 100}, {14, 26, 12}), 10);
-  nose = join(nose, ellipsoid(p, {11.8, -1.5, 107.5}, {6.6, 8.2, 9.5}), 5);
-  nose = join(nose, capsule(p, {0, -2, 118}, 6, {0, -11, 108}, 4), 5);
-  nose = carve(nose, ellipsoid(p, {7.0, -9.5, 116}, {3.6, 6.5, 5.5}), 3);
+  double nose = capsule(p, {0, 40, 98}, 7.2, {0, 8, 116}, 7.6);
+  nose = join(nose, ellipsoid(p, {0, 3.5, 117}, {9.6, 9.0, 12.5}), 8);
+  nose = join(nose, ellipsoid(p, {0, 14, 100}, {12.5, 26, 12}), 10);
+  nose = join(nose, ellipsoid(q, {12.2, -2.0, 107.5}, {6.2, 7.4, 9.5}), 4);
+  nose = join(nose, capsule(p, {0, -2, 118}, 5, {0, -11, 108}, 3.6), 5);
+  nose = carve(nose, ellipsoid(q, {7.6, -11.0, 114.5}, {3.9, 8.5, 7.5}), 2.0);
   return join(d, nose, 7);
 }
 
