@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <string>
 
 // The take file's layout and limits, shared by its writer and its reader. Described for people in
 // docs/take.md; a change of either is a new kUserVersion.
@@ -30,7 +29,7 @@ inline constexpr std::array<Table, 10> kTables = {{
      "CREATE TABLE header(id INTEGER PRIMARY KEY,software TEXT NOT NULL,performer TEXT NOT NULL,script TEXT "
      "NOT NULL,"
      "devices TEXT NOT NULL,face TEXT NOT NULL,face_parameters TEXT NOT NULL,prologue TEXT NOT NULL,"
-     "seed INTEGER NOT NULL,rig_toml TEXT NOT NULL,created_utc TEXT NOT NULL,shapes TEXT NOT NULL)STRICT"},
+     "seed INTEGER NOT NULL,rig_toml TEXT NOT NULL,created_utc TEXT NOT NULL,profile TEXT NOT NULL)STRICT"},
     {"source", "id", "CREATE TABLE source(id INTEGER PRIMARY KEY,name TEXT NOT NULL)STRICT"},
     {"log", "id",
      "CREATE TABLE log(id INTEGER PRIMARY KEY,arrival_ns INTEGER NOT NULL,source INTEGER NOT NULL,"
@@ -75,8 +74,9 @@ enum class TableId : std::uint8_t {
 /// overflow.
 inline constexpr std::int64_t kMaxTimeNs = std::int64_t{1} << 58U;
 inline constexpr std::int64_t kMaxFrame = std::int64_t{1} << 32U;
-/// Real performances go a little beyond 0 to 1; beyond this the number is no weight.
-inline constexpr double kMaxWeight = 10.0;
+/// Real performances go a little beyond 0 to 1; beyond this the number is no weight. As the Live Link CSV
+/// reader has it.
+inline constexpr double kMaxWeight = 100.0;
 /// A UDP packet has at most 64 KiB, a camera's picture a few MiB.
 inline constexpr std::size_t kMaxEntryBytes = std::size_t{1} << 24U;
 /// Rig files, scripts, calibrations, events' details.
@@ -94,8 +94,8 @@ inline constexpr std::int64_t kPcmJoinNs = 10'000'000;
 inline constexpr const char* kFinishedKey = "mien.finished";
 inline constexpr const char* kDamagedFix = "the file is damaged or was changed by another program";
 
-/// The names of the weights in `truth`, as the header lists them.
-[[nodiscard]] std::string shape_list();
+/// The profile of the weights in `truth`: face::kShapeNames in their order.
+inline constexpr const char* kProfile = "ict53";
 
 /// Numbers in blobs are little-endian. Shape: `to` has as many values as `bytes` has room for.
 template <class T>

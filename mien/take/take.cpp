@@ -96,7 +96,7 @@ Result<void> Take::State::read_header() {
       auto headers,
       read_all<Header>(
           TableId::header,
-          "software,performer,script,devices,face,face_parameters,prologue,seed,rig_toml,created_utc,shapes",
+          "software,performer,script,devices,face,face_parameters,prologue,seed,rig_toml,created_utc,profile",
           [](Row& row, std::int64_t) {
             Header read;
             int column = 0;
@@ -108,8 +108,8 @@ Result<void> Take::State::read_header() {
                                                        std::numeric_limits<std::int64_t>::max()));
             for (std::string* text : {&read.rig_toml, &read.created_utc})
               *text = row.text(++column, kMaxTextBytes);
-            if (row.text(++column, kMaxTextBytes) != shape_list())
-              row.reject("its weights are of other shapes than this program's");
+            if (row.text(++column, kMaxNameBytes) != kProfile)
+              row.reject("its weights are of a profile that this program does not know");
             return read;
           }));
   if (headers.size() != 1)

@@ -110,7 +110,7 @@ Result<void> write_header(Database& database, const Header& header) {
                                     kApplicationId, kUserVersion)
                             .c_str()));
   for (const Table& table : kTables) MIEN_TRY(database.run(table.sql));
-  const std::string shapes = shape_list();
+  const std::string profile = kProfile;
   MIEN_TRY_ASSIGN(Statement statement,
                   database.prepare("INSERT INTO header VALUES(1,?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11)"));
   int column = 0;
@@ -118,7 +118,7 @@ Result<void> write_header(Database& database, const Header& header) {
                                   &header.face, &header.face_parameters, &header.prologue})
     statement.bind(++column, *text);
   statement.bind(++column, static_cast<std::int64_t>(header.seed));
-  for (const std::string* text : {&header.rig_toml, &header.created_utc, &shapes})
+  for (const std::string* text : {&header.rig_toml, &header.created_utc, &profile})
     statement.bind(++column, *text);
   if (const int rc = statement.step(); rc != SQLITE_DONE) return std::unexpected(database.error(rc));
   return database.run("COMMIT");
@@ -301,15 +301,6 @@ bool all_finite(std::span<const float> values) {
 }
 
 }  // namespace
-
-std::string shape_list() {
-  std::string list;
-  for (const std::string_view name : face::kShapeNames) {
-    if (!list.empty()) list += ',';
-    list += name;
-  }
-  return list;
-}
 
 struct TakeWriter::State {
   State(fs::path file, std::size_t sensors) : path(std::move(file)), sensor_count(sensors) {}

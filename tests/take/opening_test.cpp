@@ -193,10 +193,10 @@ INSTANTIATE_TEST_SUITE_P(
         Doctored{"audio_empty", "UPDATE audio SET pcm=x''", "not whole floats"},
         Doctored{"two_headers",
                  "INSERT INTO header SELECT 2,software,performer,script,devices,face,face_parameters,"
-                 "prologue,seed,rig_toml,created_utc,shapes FROM header",
+                 "prologue,seed,rig_toml,created_utc,profile FROM header",
                  "2 headers"},
         Doctored{"no_header", "DELETE FROM header", "0 headers"},
-        Doctored{"other_shapes", "UPDATE header SET shapes='jawOpen'", "other shapes"},
+        Doctored{"other_profile", "UPDATE header SET profile='arkit52'", "of a profile"},
         Doctored{"bad_rig", "UPDATE header SET rig_toml='name='", "rig"},
         Doctored{"sources_not_from_one", "UPDATE source SET id=7", "numbered from 1"},
         Doctored{"long_source", "UPDATE source SET name=printf('%.*c',300,'x')", "name is 300 bytes"},

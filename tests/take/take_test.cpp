@@ -403,7 +403,7 @@ INSTANTIATE_TEST_SUITE_P(
                  [](TakeWriter& w) { w.add_truth(truth_with([](auto& frame) { frame.weights[3] = kNan; })); },
                  "weight"},
         BadInput{"huge_truth",
-                 [](TakeWriter& w) { w.add_truth(truth_with([](auto& frame) { frame.tongue_out = 11; })); },
+                 [](TakeWriter& w) { w.add_truth(truth_with([](auto& frame) { frame.tongue_out = 101; })); },
                  "weight"},
         BadInput{"event_ends_first",
                  [](TakeWriter& w) {
