@@ -1,0 +1,202 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "app/command.h"
+#include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
+#include "mien/take/summary.h"
+
+namespace mien::app {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// A take may come from anyone: what it says is shown without anything that a terminal would obey, on one
+/// line.
+std::string shown(std::string_view text, std::size_t max_bytes = 120) {
+  std::string line;
+  for (const char letter : text.substr(0, max_bytes))
+    line += static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F ? ' ' : letter;
+  return text.size() > max_bytes ? line + "..." : line;
+}
+
+/// Text in a take need not be UTF-8.
+std::string dumped(const ordered_json& json) {
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+const char* state_of(const take::Take& take) {
+  return take.finished() ? "finished" : "cut off, or still recording";
+}
+
+Result<void> print_json(const take::Take& take, const take::Summary& summary) {
+  const take::Header& header = take.header();
+  ordered_json json;
+  json["file"] = take.path().string();
+  json["finished"] = take.finished();
+  json["software"] = header.software;
+  json["created_utc"] = header.created_utc;
+  json["performer"] = header.performer;
+  json["script"] = header.script;
+  json["devices"] = header.devices;
+  json["face"] = header.face;
+  json["prologue"] = header.prologue;
+  json["seed"] = header.seed;
+  json["duration_s"] = summary.duration_s;
+  json["log"] = {{"entries", summary.entries}, {"bytes", summary.entry_bytes}};
+  json["ticks"] = summary.ticks;
+  json["samples"] = summary.samples;
+  json["rig"] = take.rig().name;
+  json["reference"] = take.rig().reference;
+  json["sensors"] = ordered_json::array();
+  for (const take::SensorSummary& sensor : summary.sensors)
+    json["sensors"].push_back({{"name", sensor.name},
+                               {"samples", sensor.samples},
+                               {"rate_hz", sensor.rate_hz},
+                               {"loss", sensor.loss},
+                               {"lost", sensor.lost},
+                               {"doubled", sensor.doubled},
+                               {"gaps", sensor.gaps},
+                               {"longest_gap_s", sensor.longest_gap_s},
+                               {"begin_s", sensor.begin_s},
+                               {"end_s", sensor.end_s},
+                               {"time_estimated", sensor.time_estimated}});
+  json["truth"] = {{"frames", summary.truth_frames},
+                   {"without_face", summary.truth_lost},
+                   {"evaluated", summary.truth_evaluated}};
+  json["audio"] = {{"seconds", summary.audio_s}, {"rate_hz", summary.audio_rate_hz}};
+  json["events"] = ordered_json::array();
+  MIEN_TRY_ASSIGN(const auto events, take.events());
+  for (const take::Event& event : events)
+    json["events"].push_back({{"kind", event.kind},
+                              {"begin_s", to_seconds(event.begin.time_since_epoch())},
+                              {"end_s", to_seconds(event.end.time_since_epoch())}});
+  json["calibrations"] = ordered_json::array();
+  MIEN_TRY_ASSIGN(const auto calibrations, take.calibrations());
+  for (const take::CalibrationVersion& calibration : calibrations)
+    json["calibrations"].push_back({{"id", calibration.id},
+                                    {"modality", calibration.modality},
+                                    {"made_s", to_seconds(calibration.made.time_since_epoch())}});
+  json["notes"] = ordered_json::object();
+  MIEN_TRY_ASSIGN(const auto notes, take.notes());
+  for (const take::Note& note : notes) json["notes"][note.key] = note.value;
+  fmt::print("{}\n", dumped(json));
+  return {};
+}
+
+Result<void> print_text(const take::Take& take, const take::Summary& summary) {
+  const take::Header& header = take.header();
+  fmt::print("{}: {:.1f} s, {}\n", take.path().string(), summary.duration_s, state_of(take));
+  fmt::print("  performer  {}\n", shown(header.performer));
+  fmt::print("  performs   {}\n", shown(header.script));
+  fmt::print("  face       {}\n", shown(header.face));
+  fmt::print("  devices    {}, seed {}, prologue {}\n", shown(header.devices), header.seed,
+             shown(header.prologue));
+  fmt::print("  made by    {}, {}\n", shown(header.software), shown(header.created_utc));
+  fmt::print("  log        {} entries, {:.1f} MB, {} ticks\n", summary.entries,
+             static_cast<double>(summary.entry_bytes) * 1e-6, summary.ticks);
+  if (summary.truth_frames > 0)
+    fmt::print("  truth      {} frames, {} evaluated, {} without a face\n", summary.truth_frames,
+               summary.truth_evaluated, summary.truth_lost);
+  if (summary.audio_rate_hz > 0)
+    fmt::print("  sound      {:.1f} s at {} Hz\n", summary.audio_s, summary.audio_rate_hz);
+  MIEN_TRY_ASSIGN(const auto calibrations, take.calibrations());
+  for (const take::CalibrationVersion& calibration : calibrations)
+    fmt::print("  calibrated {} (version {}) at {:.2f} s\n", shown(calibration.modality), calibration.id,
+               to_seconds(calibration.made.time_since_epoch()));
+  MIEN_TRY_ASSIGN(const auto events, take.events());
+  constexpr std::size_t kEventsShown = 20;
+  for (std::size_t i = 0; i < std::min(events.size(), kEventsShown); ++i)
+    fmt::print("  event      {:<12} {:8.2f} to {:.2f} s\n", shown(events[i].kind),
+               to_seconds(events[i].begin.time_since_epoch()), to_seconds(events[i].end.time_since_epoch()));
+  if (events.size() > kEventsShown) fmt::print("  event      and {} more\n", events.size() - kEventsShown);
+  MIEN_TRY_ASSIGN(const auto notes, take.notes());
+  for (const take::Note& note : notes)
+    fmt::print("  note       {}: {}\n", shown(note.key), shown(note.value));
+  fmt::print("\n  {:<24} {:>9} {:>9} {:>8} {:>6} {:>12}\n", "sensor (rig " + shown(take.rig().name) + ")",
+             "samples", "rate, Hz", "loss, %", "gaps", "longest, ms");
+  for (const take::SensorSummary& sensor : summary.sensors)
+    fmt::print("  {:<24} {:>9} {:>9.2f} {:>8.2f} {:>6} {:>12.1f}{}\n", shown(sensor.name), sensor.samples,
+               sensor.rate_hz, 100 * sensor.loss, sensor.gaps, 1e3 * sensor.longest_gap_s,
+               sensor.time_estimated ? "  times estimated" : "");
+  return {};
+}
+
+Result<void> info(const std::string& file, bool json) {
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
+  MIEN_TRY_ASSIGN(const take::Summary summary, take::summarise(take));
+  return json ? print_json(take, summary) : print_text(take, summary);
+}
+
+Result<void> check(const std::string& file, bool json) {
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
+  MIEN_TRY(take.check());
+  if (json)
+    fmt::print("{}\n", dumped({{"file", file}, {"sound", true}, {"finished", take.finished()}}));
+  else
+    fmt::print("{}: sound, {}\n", file, state_of(take));
+  return {};
+}
+
+/// The truth as a Live Link CSV, from its first frame on: what `mien perform --motion` takes back.
+Result<void> export_truth(const std::string& file, const std::string& csv, bool force) {
+  std::error_code code;
+  if (!force && std::filesystem::exists(csv, code))
+    return fail(ErrorCode::bad_usage, "the file exists already", csv,
+                "choose another name, or replace it with --force");
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
+  MIEN_TRY_ASSIGN(const auto truth, take.truth());
+  if (truth.empty())
+    return fail(ErrorCode::not_found, "the take has no truth", file,
+                "mien solve makes weights from its sensors");
+  face::Motion motion;
+  motion.name = std::filesystem::path(file).stem().string();
+  for (const take::TruthFrame& frame : truth) {
+    face::MotionFrame& moment = motion.frames.emplace_back();
+    moment.time_s = to_seconds(frame.time - truth.front().time);
+    moment.weights = frame.weights;
+    moment.tongue_out = frame.tongue_out;
+    moment.has_face = frame.has_face;
+  }
+  return write_file(csv, face::format_livelink_csv(face::livelink_from_motion(motion, false)));
+}
+
+}  // namespace
+
+void add_take_command(Commands& commands) {
+  CLI::App* parent = commands.add("take", "Looks into takes", "mien take info a.mien", {});
+  parent->require_subcommand(1);
+  struct Options {
+    std::string file;
+    std::string csv;
+    bool json = false;
+    bool force = false;
+  };
+  const auto options = std::make_shared<Options>();
+
+  CLI::App* info_command = commands.add_under(
+      parent, "info", "Shows who performed what, for how long, and how well each sensor was heard",
+      "mien take info a.mien --json", [options] { return info(options->file, options->json); });
+  CLI::App* check_command =
+      commands.add_under(parent, "check", "Reads all of a take and says whether it is sound",
+                         "mien take check a.mien", [options] { return check(options->file, options->json); });
+  CLI::App* export_command =
+      commands.add_under(parent, "export", "Writes the truth of a take as a Live Link CSV",
+                         "mien take export a.mien --csv truth.csv",
+                         [options] { return export_truth(options->file, options->csv, options->force); });
+  for (CLI::App* command : {info_command, check_command, export_command})
+    command->add_option("take", options->file, "The take")->required();
+  for (CLI::App* command : {info_command, check_command})
+    command->add_flag("--json", options->json, "Print one JSON object");
+  export_command->add_option("--csv", options->csv, "Where to write the truth")->required();
+  export_command->add_flag("--force", options->force, "Replace an existing file");
+}
+
+}  // namespace mien::app
