@@ -28,7 +28,10 @@ constexpr std::size_t kOverlapFrames = 12;
 Manner manner_of(const Segment& segment, const Style& style) {
   Manner manner{
       .loudness = style.articulation, .articulation = style.articulation, .prosody = style.head_liveliness};
-  if (segment.block != Block::acted) return manner;
+  if (segment.block != Block::acted) {
+    manner.prosody *= 0.6;  // Calm.
+    return manner;
+  }
   // Active emotions open the mouth and move the head, sadness takes both back.
   const double by = segment.intensity;
   switch (segment.emotion) {
@@ -49,12 +52,14 @@ Manner manner_of(const Segment& segment, const Style& style) {
     default:
       break;
   }
+  manner.prosody = std::min(manner.prosody, 2.0);
   return manner;
 }
 
 void speak(Canvas& canvas, const Segment& segment, const Style& style, const Random& random) {
   Random words = random.fork("words");
-  const double rate = style.speech_rate * (segment.block == Block::acted ? 1.1 : 1.0);
+  // The languages' rates are those of fluent reading; calm reading is slower, acted lines are not.
+  const double rate = style.speech_rate * (segment.block == Block::acted ? 1.0 : 0.8);
   const Utterance drawn = segment.utterance
                               ? *segment.utterance
                               : random_utterance(segment.language, canvas.duration_s(), rate, words);

@@ -51,7 +51,7 @@ struct PrologueMotion {
 };
 
 /// Puts a calibration prologue before a motion. `gestures` false leaves out nod and shake, as the profile
-/// *lab* asks, and keeps the head where the motion's own head will begin. In a full prologue every prompt is
+/// *lab* asks, and holds the head upright. In a full prologue every prompt is
 /// missed: gain 0.6 to 1.2 a shape, 0.15 to 0.6 s late, one to three shapes unasked at up to 0.3, left and
 /// right unlike.
 [[nodiscard]] PrologueMotion with_prologue(const face::Motion& motion, PrologueKind kind,

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLongest_s = 3600;
 constexpr std::size_t kMostPhonemes = 100'000;
-constexpr std::size_t kLongestIpaBytes = 64;
+constexpr std::size_t kLongestIpaBytes = 32;
 
 using Json = nlohmann::json;
 
@@ -223,7 +223,7 @@ Result<Utterance> parse_utterance(std::string_view json) {
     MIEN_TRY_ASSIGN(phoneme.start_s, read_time(entry, "start_s", here));
     MIEN_TRY_ASSIGN(phoneme.end_s, read_time(entry, "end_s", here));
     if (phoneme.ipa.size() > kLongestIpaBytes)
-      return fail(ErrorCode::out_of_range, "'ipa' is longer than 64 bytes", here);
+      return fail(ErrorCode::out_of_range, "'ipa' is longer than 32 bytes", here);
     if (phoneme.end_s < phoneme.start_s)
       return fail(ErrorCode::out_of_range, "it ends before it starts", here);
     if (!utterance.phonemes.empty() && phoneme.start_s < utterance.phonemes.back().start_s)

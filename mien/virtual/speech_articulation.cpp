@@ -14,6 +14,8 @@ using face::shape;
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+/// Sounds in one phoneme; triphthongs with their glides have four.
+constexpr std::size_t kMostParts = 4;
 
 /// The movements that speech is made of. Stretch, smile and dimple and so on move both sides.
 enum Gesture : std::size_t {
@@ -232,6 +234,7 @@ std::vector<Sound> sounds_of(const Utterance& utterance) {
     std::vector<Articulation> parts;
     for (const char32_t letter : letters_of(phoneme.ipa)) {
       if (letter == U'ˈ') stressed = true;
+      if (parts.size() == kMostParts) break;
       if (const auto articulation = articulation_of(letter)) parts.push_back(*articulation);
     }
     const bool diphthong = parts.size() == 2 && parts[0].vowel && parts[1].vowel;
@@ -337,7 +340,7 @@ void add_prosody(Canvas& canvas, const std::vector<Sound>& sounds, const Manner&
       if (which > 0.85) canvas.add(frown, envelope, manner.prosody * random.uniform(0.05, 0.25));
       if (random.chance(0.6)) {
         const Vec3 gesture = manner.prosody * kDegree *
-                             Vec3(random.uniform(1, 5), 1.2 * random.normal(), 0.8 * random.normal());
+                             Vec3(random.uniform(1, 4.5), 1.2 * random.normal(), 0.8 * random.normal());
         const auto first =
             static_cast<std::size_t>(std::max(0.0, std::ceil(envelope.begin_s * kFrameRateHz)));
         for (std::size_t i = first; i < canvas.frame_count(); ++i) {

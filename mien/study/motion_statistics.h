@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string>
+
+#include "mien/face/motion.h"
+
+namespace mien::study {
+
+/// How one shape is used.
+struct ShapeStatistics {
+  double mean = 0;
+  double deviation = 0;    ///< Standard deviation over frames.
+  double rest = 0;         ///< 10th percentile: where the shape comes back to.
+  double p95 = 0;          ///< 95th percentile.
+  double speed_per_s = 0;  ///< Root mean square of the derivative.
+};
+
+/// How a face moves: range, speed, rest, and what moves together. Frames without a face are left out.
+struct MotionStatistics {
+  std::string name;
+  double duration_s = 0;  ///< Of what was counted.
+  std::array<ShapeStatistics, face::kShapeCount> shapes{};
+  /// Pearson's, of all pairs of shapes; 0 where a shape does not move.
+  Eigen::MatrixXd correlation;  // kShapeCount x kShapeCount
+
+  double mean_weight = 0;  ///< Means over the shapes.
+  double mean_deviation = 0;
+  double mean_rest = 0;
+  double mean_p95 = 0;
+  double mean_speed_per_s = 0;
+  /// Root mean square speed over deviation, of the median shape, 1/s: how quick motion is for its size.
+  double quickness_per_s = 0;
+  double active_shapes = 0;         ///< Mean number of weights above 0.1.
+  double mean_abs_correlation = 0;  ///< Of all pairs but left with right of one shape.
+  double side_correlation = 0;      ///< Mean of left with right.
+  /// Participation ratio of the covariance, (sum of eigenvalues)^2 / sum of their squares: about how many
+  /// independent motions there are.
+  double dimensions = 0;
+};
+
+/// Statistics of one or more motions taken together, each read at 30 Hz through its own curve, so that
+/// recordings of 30 and 60 frames a second compare. Needs at least two frames with a face; else all is 0.
+[[nodiscard]] MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::string name);
+
+/// The mean of several people's statistics, each weighing the same: what one person of them is like. (Taking
+/// their frames together would count the differences between people as motion.)
+[[nodiscard]] MotionStatistics mean_statistics(std::span<const MotionStatistics> people, std::string name);
+
+/// Pearson correlation of the two correlation matrices' entries above the diagonal, -1 to 1: do the same
+/// shapes go together?
+[[nodiscard]] double correlation_agreement(const MotionStatistics& a, const MotionStatistics& b);
+
+/// Markdown: one column a motion, one row a summary; then the standard deviation of every shape.
+[[nodiscard]] std::string comparison_markdown(std::span<const MotionStatistics> columns);
+
+}  // namespace mien::study

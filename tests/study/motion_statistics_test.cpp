@@ -1,0 +1,128 @@
+#include "mien/study/motion_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "mien/face/load_motion.h"
+#include "mien/virtual/performer.h"
+
+namespace mien::study {
+namespace {
+
+using face::shape;
+
+/// jawOpen 0.5 + 0.4 sin at half a hertz, both smiles half of it, the left frown against it.
+face::Motion wave(double rate_hz) {
+  face::Motion motion;
+  for (int i = 0; i < 40 * rate_hz; ++i) {
+    face::MotionFrame frame;
+    frame.time_s = i / rate_hz;
+    const auto s = static_cast<float>(std::sin(std::numbers::pi * frame.time_s));
+    frame.weights[shape("jawOpen")] = 0.5F + 0.4F * s;
+    frame.weights[shape("mouthSmile_L")] = 0.25F + 0.2F * s;
+    frame.weights[shape("mouthSmile_R")] = 0.25F + 0.2F * s;
+    frame.weights[shape("mouthFrown_L")] = 0.25F - 0.2F * s;
+    motion.frames.push_back(frame);
+  }
+  return motion;
+}
+
+TEST(MotionStatistics, OfASineAreThoseOfASine) {
+  for (const double rate_hz : {30.0, 60.0, 100.0}) {
+    const std::array motions = {wave(rate_hz)};
+    const MotionStatistics s = motion_statistics(motions, "wave");
+    const ShapeStatistics& jaw = s.shapes[shape("jawOpen")];
+    EXPECT_NEAR(jaw.mean, 0.5, 0.01);
+    EXPECT_NEAR(jaw.deviation, 0.4 / std::sqrt(2), 0.005);
+    EXPECT_NEAR(jaw.speed_per_s, 0.4 * std::numbers::pi / std::sqrt(2), 0.01);
+    EXPECT_NEAR(jaw.p95, 0.5 + 0.4 * std::sin(0.45 * std::numbers::pi), 0.01);
+    EXPECT_NEAR(s.correlation(shape("jawOpen"), shape("mouthSmile_L")), 1, 1e-4);
+    EXPECT_NEAR(s.correlation(shape("jawOpen"), shape("mouthFrown_L")), -1, 1e-4);
+    EXPECT_EQ(s.correlation(shape("jawOpen"), shape("browDown_L")), 0);
+    EXPECT_NEAR(s.dimensions, 1, 1e-3);
+    EXPECT_NEAR(s.quickness_per_s, std::numbers::pi, 0.03);
+  }
+}
+
+TEST(MotionStatistics, LeavesOutFramesWithoutFace) {
+  auto motion = wave(30);
+  for (std::size_t i = 300; i < 400; ++i) {
+    motion.frames[i].has_face = false;
+    motion.frames[i].weights.values.fill(1000);
+  }
+  const std::array motions = {motion};
+  const MotionStatistics s = motion_statistics(motions, "lost");
+  EXPECT_LT(s.shapes[shape("jawOpen")].p95, 1);
+  EXPECT_NEAR(s.duration_s, 1100 / 30.0, 0.2);
+}
+
+TEST(MotionStatistics, SurvivesNothingAndLittle) {
+  EXPECT_EQ(motion_statistics({}, "none").duration_s, 0);
+  std::array<face::Motion, 1> one;
+  one[0].frames.resize(1);
+  EXPECT_EQ(motion_statistics(one, "one").duration_s, 0);
+}
+
+TEST(MotionStatistics, MeanOfPeopleDoesNotCountTheirDifferencesAsMotion) {
+  auto raised = wave(30);
+  for (auto& frame : raised.frames) frame.weights[shape("jawOpen")] += 3;
+  const std::array both = {wave(30), raised};
+  const std::array people = {motion_statistics(std::span(both).first(1), "a"),
+                             motion_statistics(std::span(both).last(1), "b")};
+  const auto mean = mean_statistics(people, "mean");
+  EXPECT_NEAR(mean.shapes[shape("jawOpen")].deviation, 0.4 / std::sqrt(2), 0.005);
+  EXPECT_NEAR(mean.shapes[shape("jawOpen")].mean, 2.0, 0.02);
+  EXPECT_NEAR(mean.duration_s, 80, 0.2);
+  EXPECT_GT(motion_statistics(both, "pooled").shapes[shape("jawOpen")].deviation, 1.0);
+  EXPECT_EQ(mean_statistics({}, "none").duration_s, 0);
+}
+
+TEST(MotionStatistics, AMotionAgreesWithItselfMoreThanWithAnother) {
+  const auto play = [](virt::Block block) {
+    Random random(1);
+    const std::array motions = {
+        virt::perform(virt::default_script(block, 60), virt::draw_style(random), Random(2))};
+    return motion_statistics(motions, "");
+  };
+  const auto reading = play(virt::Block::reading);
+  EXPECT_NEAR(correlation_agreement(reading, reading), 1, 1e-9);
+  EXPECT_LT(correlation_agreement(reading, play(virt::Block::free)), 0.9);
+}
+
+/// Real performances are only compared with, so the bounds are wide: the same order of range, speed and
+/// number of independent motions.
+TEST(MotionStatistics, VirtualRangeOfMotionIsOfTheSameOrderAsARealOne) {
+  const std::filesystem::path path = MIEN_SOURCE_DIR "/../shared/data/performances/alex_rom_3.csv";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real performance at " << path;
+  const auto real_motion = face::load_motion(path);
+  ASSERT_TRUE(real_motion.has_value()) << real_motion.error().message();
+  const auto real = motion_statistics(std::span(&*real_motion, 1), "real");
+  std::vector<MotionStatistics> people;
+  Random random(1);
+  for (std::uint64_t person = 0; person < 8; ++person) {
+    const virt::Style style = virt::draw_style(random);
+    const std::array motions = {virt::perform(virt::default_script(virt::Block::range_of_motion, 120), style,
+                                              random.fork("p", person))};
+    people.push_back(motion_statistics(motions, ""));
+  }
+  const auto made = mean_statistics(people, "virtual");
+  const auto same_order = [](double a, double b) { return a < 2.5 * b && b < 2.5 * a; };
+  EXPECT_PRED2(same_order, made.mean_deviation, real.mean_deviation);
+  EXPECT_PRED2(same_order, made.mean_p95, real.mean_p95);
+  EXPECT_PRED2(same_order, made.mean_speed_per_s, real.mean_speed_per_s);
+  EXPECT_PRED2(same_order, made.quickness_per_s, real.quickness_per_s);
+  EXPECT_GT(correlation_agreement(made, real), 0.2);
+}
+
+TEST(MotionStatistics, TableHasARowAShape) {
+  const std::array columns = {motion_statistics({}, "nobody")};
+  const std::string table = comparison_markdown(columns);
+  for (const auto& name : face::kShapeNames) EXPECT_NE(table.find(std::string(name)), std::string::npos);
+  EXPECT_NE(table.find("nobody"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mien::study
