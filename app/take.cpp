@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
 #include "app/command.h"
-#include "mien/core/files.h"
-#include "mien/face/livelink_csv.h"
+#include "app/json_output.h"
 #include "mien/take/summary.h"
 
 namespace mien::app {
@@ -27,16 +25,11 @@ std::string shown(std::string_view text, std::size_t max_bytes = 120) {
   return text.size() > max_bytes ? line + "..." : line;
 }
 
-/// Text in a take need not be UTF-8.
-std::string dumped(const ordered_json& json) {
-  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace);
-}
-
 const char* state_of(const take::Take& take) {
   return take.finished() ? "finished" : "cut off, or still recording";
 }
 
-Result<void> print_json(const take::Take& take, const take::Summary& summary) {
+Result<void> print_info_json(const take::Take& take, const take::Summary& summary) {
   const take::Header& header = take.header();
   ordered_json json;
   json["file"] = take.path().string();
@@ -87,7 +80,7 @@ Result<void> print_json(const take::Take& take, const take::Summary& summary) {
   json["notes"] = ordered_json::object();
   MIEN_TRY_ASSIGN(const auto notes, take.notes());
   for (const take::Note& note : notes) json["notes"][note.key] = note.value;
-  fmt::print("{}\n", dumped(json));
+  print_json(json);
   return {};
 }
 
@@ -132,40 +125,17 @@ Result<void> print_text(const take::Take& take, const take::Summary& summary) {
 Result<void> info(const std::string& file, bool json) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
   MIEN_TRY_ASSIGN(const take::Summary summary, take::summarise(take));
-  return json ? print_json(take, summary) : print_text(take, summary);
+  return json ? print_info_json(take, summary) : print_text(take, summary);
 }
 
 Result<void> check(const std::string& file, bool json) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
   MIEN_TRY(take.check());
   if (json)
-    fmt::print("{}\n", dumped({{"file", file}, {"sound", true}, {"finished", take.finished()}}));
+    print_json({{"file", file}, {"sound", true}, {"finished", take.finished()}});
   else
     fmt::print("{}: sound, {}\n", file, state_of(take));
   return {};
-}
-
-/// The truth as a Live Link CSV, from its first frame on: what `mien perform --motion` takes back.
-Result<void> export_truth(const std::string& file, const std::string& csv, bool force) {
-  std::error_code code;
-  if (!force && std::filesystem::exists(csv, code))
-    return fail(ErrorCode::bad_usage, "the file exists already", csv,
-                "choose another name, or replace it with --force");
-  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
-  MIEN_TRY_ASSIGN(const auto truth, take.truth());
-  if (truth.empty())
-    return fail(ErrorCode::not_found, "the take has no truth", file,
-                "mien solve makes weights from its sensors");
-  face::Motion motion;
-  motion.name = std::filesystem::path(file).stem().string();
-  for (const take::TruthFrame& frame : truth) {
-    face::MotionFrame& moment = motion.frames.emplace_back();
-    moment.time_s = to_seconds(frame.time - truth.front().time);
-    moment.weights = frame.weights;
-    moment.tongue_out = frame.tongue_out;
-    moment.has_face = frame.has_face;
-  }
-  return write_file(csv, face::format_livelink_csv(face::livelink_from_motion(motion, false)));
 }
 
 }  // namespace
@@ -175,9 +145,7 @@ void add_take_command(Commands& commands) {
   parent->require_subcommand(1);
   struct Options {
     std::string file;
-    std::string csv;
     bool json = false;
-    bool force = false;
   };
   const auto options = std::make_shared<Options>();
 
@@ -187,16 +155,10 @@ void add_take_command(Commands& commands) {
   CLI::App* check_command =
       commands.add_under(parent, "check", "Reads all of a take and says whether it is sound",
                          "mien take check a.mien", [options] { return check(options->file, options->json); });
-  CLI::App* export_command =
-      commands.add_under(parent, "export", "Writes the truth of a take as a Live Link CSV",
-                         "mien take export a.mien --csv truth.csv",
-                         [options] { return export_truth(options->file, options->csv, options->force); });
-  for (CLI::App* command : {info_command, check_command, export_command})
+  for (CLI::App* command : {info_command, check_command}) {
     command->add_option("take", options->file, "The take")->required();
-  for (CLI::App* command : {info_command, check_command})
     command->add_flag("--json", options->json, "Print one JSON object");
-  export_command->add_option("--csv", options->csv, "Where to write the truth")->required();
-  export_command->add_flag("--force", options->force, "Replace an existing file");
+  }
 }
 
 }  // namespace mien::app

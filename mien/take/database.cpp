@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "mien/take/layout.h"
+#include "mien/take/utf8.h"
 
 namespace mien::take {
 namespace fs = std::filesystem;
@@ -158,6 +159,10 @@ std::string Row::text(int column, std::size_t max_bytes) {
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
   if (text == nullptr || size > max_bytes) {
     reject(fmt::format("{} is {} bytes of text, more than {}", name(column), size, max_bytes));
+    return {};
+  }
+  if (!is_utf8({text, size})) {
+    reject(name(column) + " is not UTF-8 text");
     return {};
   }
   return {text, size};

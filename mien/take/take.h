@@ -148,7 +148,7 @@ class TakeWriter {
 class Take {
  public:
   /// Errors: not_found; bad_usage (no file, empty); malformed; unsupported (another version); out_of_range;
-  /// io. Cost: reads the file once (about half a second for 100 MB from the cache).
+  /// io. Cost: reads the file once (under a second for 100 MB from the cache).
   [[nodiscard]] static Result<Take> open(const std::filesystem::path& path);
   Take(Take&&) noexcept;
   Take& operator=(Take&&) noexcept;

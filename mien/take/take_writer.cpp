@@ -18,6 +18,7 @@
 #include "mien/take/database.h"
 #include "mien/take/layout.h"
 #include "mien/take/take.h"
+#include "mien/take/utf8.h"
 
 namespace mien::take {
 namespace fs = std::filesystem;
@@ -294,6 +295,9 @@ template <class Clock>
 bool is_time(std::chrono::time_point<Clock, Duration> time) {
   return is_time(time.time_since_epoch().count());
 }
+bool is_text(std::string_view text, std::size_t max_bytes) {
+  return text.size() <= max_bytes && is_utf8(text);
+}
 bool all_finite(std::span<const float> values) {
   for (const float value : values)
     if (!std::isfinite(value)) return false;
@@ -427,9 +431,11 @@ Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header
   for (const std::string* text :
        {&header.software, &header.performer, &header.script, &header.devices, &header.face,
         &header.face_parameters, &header.prologue, &header.rig_toml, &header.created_utc})
-    if (text->size() > kMaxTextBytes)
+    if (!is_text(*text, kMaxTextBytes))
       return fail(ErrorCode::out_of_range,
-                  fmt::format("a text of the header is longer than {} bytes", kMaxTextBytes), where);
+                  fmt::format("a text of the header (\"{}\") is not UTF-8, or longer than {} bytes",
+                              is_utf8(*text) ? text->substr(0, 40) : "?", kMaxTextBytes),
+                  where, "rename the file that it names, or shorten it");
 
   NewFile file(path);
   MIEN_TRY(file.make());
@@ -451,8 +457,9 @@ std::int64_t TakeWriter::add_entry(HostTime arrival, std::string_view source,
   const std::int64_t id = ++s.entries;
   if (!is_time(arrival) || arrival < s.last_arrival)
     s.refuse(fmt::format("log entry {} arrives before the one that came before it, or at no time", id));
-  else if (source.size() > kMaxNameBytes)
-    s.refuse(fmt::format("the source of log entry {} is longer than {} bytes", id, kMaxNameBytes));
+  else if (!is_text(source, kMaxNameBytes))
+    s.refuse(
+        fmt::format("the source of log entry {} is not UTF-8, or longer than {} bytes", id, kMaxNameBytes));
   else if (bytes.size() > kMaxEntryBytes)
     s.refuse(fmt::format("log entry {} is longer than {} bytes", id, kMaxEntryBytes));
   s.last_arrival = arrival;
@@ -532,8 +539,8 @@ void TakeWriter::add_event(const Event& event) {
   State& s = *state_;
   if (!is_time(event.begin) || !is_time(event.end) || event.end < event.begin)
     s.refuse(fmt::format("the event \"{}\" ends before it begins, or at no time", event.kind));
-  else if (event.kind.size() > kMaxNameBytes || event.json.size() > kMaxTextBytes)
-    s.refuse("an event is longer than a take holds");
+  else if (!is_text(event.kind, kMaxNameBytes) || !is_text(event.json, kMaxTextBytes))
+    s.refuse("an event is not UTF-8, or longer than a take holds");
   s.add(TableId::event, event.json.size(), [&](ByteWriter& queue) {
     put_text(queue, event.kind);
     put_time(queue, event.begin);
@@ -549,8 +556,8 @@ void TakeWriter::add_calibration(const CalibrationVersion& calibration) {
     s.refuse(fmt::format("calibration {} comes after calibration {}", id, s.last_calibration));
   else if (!is_time(calibration.made))
     s.refuse(fmt::format("calibration {} has no time", id));
-  else if (calibration.modality.size() > kMaxNameBytes || calibration.json.size() > kMaxTextBytes)
-    s.refuse(fmt::format("calibration {} is longer than a take holds", id));
+  else if (!is_text(calibration.modality, kMaxNameBytes) || !is_text(calibration.json, kMaxTextBytes))
+    s.refuse(fmt::format("calibration {} is not UTF-8, or longer than a take holds", id));
   s.last_calibration = id;
   s.add(TableId::calibration, calibration.json.size(), [&](ByteWriter& queue) {
     queue.little(id);
@@ -591,8 +598,8 @@ void TakeWriter::add_audio(int rate_hz, DeviceTime start, std::span<const float>
 
 void TakeWriter::add_note(std::string_view key, std::string_view value) {
   State& s = *state_;
-  if (key.empty() || key.size() > kMaxNameBytes || key == kFinishedKey || value.size() > kMaxTextBytes)
-    s.refuse("a note has no key, one that is reserved, or is longer than a take holds");
+  if (key.empty() || !is_text(key, kMaxNameBytes) || key == kFinishedKey || !is_text(value, kMaxTextBytes))
+    s.refuse("a note has no key, one that is reserved, is not UTF-8, or is longer than a take holds");
   s.add(TableId::note, value.size(), [&](ByteWriter& queue) {
     put_text(queue, key);
     put_text(queue, value);

@@ -186,6 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
         Doctored{"frame_too_far", "UPDATE tick SET frame=9223372036854775807 WHERE frame=4", "frame is"},
         Doctored{"event_ends_first", "UPDATE event SET end_ns=begin_ns-1", "end_ns"},
         Doctored{"long_kind", "UPDATE event SET kind=printf('%.*c',300,'x')", "kind is 300 bytes"},
+        Doctored{"not_utf8", "UPDATE event SET json=CAST(x'ff41' AS TEXT)", "json is not UTF-8"},
         Doctored{"audio_rate", "UPDATE audio SET rate_hz=0", "rate_hz is 0"},
         Doctored{"audio_nan", "UPDATE audio SET pcm=x'0000c07f'", "audio 1"},
         Doctored{"audio_gap", "INSERT INTO audio VALUES(2,8000,99000000000,x'00000000')",

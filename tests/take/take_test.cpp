@@ -427,6 +427,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "not finite"},
         BadInput{"no_rate", [](TakeWriter& w) { w.add_audio(0, device_ms(1), std::vector<float>(8, 0.0F)); },
                  "1000"},
+        BadInput{"note_of_no_text", [](TakeWriter& w) { w.add_note("key", "\xFF"); }, "UTF-8"},
         BadInput{"reserved_note", [](TakeWriter& w) { w.add_note("mien.finished", "yes"); }, "reserved"}),
     [](const auto& tested) { return tested.param.name; });
 
