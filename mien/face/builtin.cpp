@@ -95,7 +95,9 @@ std::array<std::uint32_t, 68> find_landmarks(const Sculpt& s) {
       if (v.tissue != Tissue::skin && v.tissue != Tissue::lip) continue;
       if (v.p.x() < 0 || (place.right == place.left && v.p.x() != 0)) continue;
       if (inner_lip && (v.tissue != Tissue::lip || (place.right >= 65) != (v.lip_side < 0))) continue;
-      double d = (v.p - place.p).squaredNorm();
+      // The lips meet deep in their furrow: across and up are what counts there.
+      double d = inner_lip ? std::pow(v.p.x() - place.p.x(), 2) + 16 * std::pow(v.p.y() - place.p.y(), 2)
+                           : (v.p - place.p).squaredNorm();
       if (eye)
         d +=
             400 * (1 - std::max(std::abs(v.lid), 0.0)) * (place.right == 36 || place.right == 39 ? 0.0 : 1.0);
@@ -188,7 +190,9 @@ BuiltinParameters random_identity(Random& random) {
   p.asymmetry = random.uniform(0.4, 1.6);
   p.asymmetry_seed = random.bits() | 1U;
   p.skin_tone = random.uniform(0, 1);
-  p.hair_tone = std::clamp(random.uniform(0, 0.8) + 0.3 * p.skin_tone, 0.0, 1.0);
+  // Deep skin seldom goes with fair hair.
+  p.hair_tone = builtin::mix(0.85, 1.0, smoothstep(0.15, 0.6, p.skin_tone)) *
+                std::pow(random.uniform(), 1 - 0.9 * smoothstep(0.1, 0.7, p.skin_tone));
   p.hair = random.chance(0.85);
   return p;
 }
@@ -237,10 +241,11 @@ Face make_builtin(const BuiltinParameters& parameters) {
 }
 
 std::array<BuiltinSite, 12> builtin_sites() {
-  // Where the same muscles lie on this head.
+  // Where the same muscles lie on this head, measured on it once.
   constexpr double kMm = 1e-3;
-  const Vec3 frontalis(35, 72, 95.5), orbicularis(50, 23.5, 83), upper(42, 7, 92), lower(34.5, -19, 98),
-      buccinator(39.5, -36.5, 91);
+  const Vec3 frontalis(34.6, 71.5, 93.4), orbicularis(50.9, 23.5, 86.9), upper(43, 7, 96.5),
+      lower(34.3, -19, 96.3), buccinator(39.3, -36.3, 90.2), mentalis(0, -68.4, 108.7),
+      mastoid(60, -7.6, -16.4);
   const auto right = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
   return {{{"frontalis_R", right(frontalis) * kMm},
            {"frontalis_L", frontalis * kMm},
@@ -252,8 +257,8 @@ std::array<BuiltinSite, 12> builtin_sites() {
            {"zygomaticus_lower_L", lower * kMm},
            {"buccinator_R", right(buccinator) * kMm},
            {"buccinator_L", buccinator * kMm},
-           {"mentalis", Vec3(0, -68, 107) * kMm},
-           {"mastoid_L", Vec3(64, -7, -18) * kMm}}};
+           {"mentalis", mentalis * kMm},
+           {"mastoid_L", mastoid * kMm}}};
 }
 
 }  // namespace mien::face

@@ -18,7 +18,7 @@ inline constexpr double kLidRadius = 14.0;  ///< Outside of the lids, about the 
 inline constexpr double kInnerCanthusX = 18.0, kInnerCanthusY = 33.4;
 inline constexpr double kOuterCanthusX = 46.0, kOuterCanthusY = 35.6;
 
-inline constexpr double kMouthCornerX = 25.0, kMouthCornerY = -34.2;
+inline constexpr double kMouthCornerX = 25.0, kMouthCornerY = -33.6;
 
 inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joints.
 
@@ -50,7 +50,7 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 /// The line where the lips meet, and the borders of their red, at |x|.
 [[nodiscard]] inline double lip_line_y(double x) {
   const double s = std::min(std::abs(x) / kMouthCornerX, 1.3);
-  return -33.2 - 0.3 * gauss(s / 0.26) + 0.8 * gauss((s - 0.42) / 0.3) - 1.0 * s * s;
+  return -33.2 - 0.3 * gauss(s / 0.26) + 0.8 * gauss((s - 0.42) / 0.3) - 0.3 * s * s;
 }
 [[nodiscard]] inline double upper_lip_border_y(double x) {
   const double s = std::min(std::abs(x) / kMouthCornerX, 1.0);

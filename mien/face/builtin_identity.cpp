@@ -32,14 +32,14 @@ IdentityWarp::IdentityWarp(const BuiltinParameters& parameters) : q_(parameters)
   const auto bump = [&](double amount, const Vec3& centre, const Vec3& radius, const Vec3& d, bool both) {
     if (amount != 0) bumps_.push_back({centre, radius.cwiseInverse(), amount * d, both});
   };
-  bump(q_.chin_size, {0, -68, 98}, {44, 40, 50}, {0, -1.6, 2.0}, false);
-  bump(q_.nose_length, {0, -1, 120}, {28, 32, 38}, {0, -0.7, 1.7}, false);
-  bump(q_.nose_bridge, {0, 24, 110}, {20, 32, 32}, {0, 0.2, 1.4}, false);
-  bump(q_.eye_spacing, {36, 36, 85}, {44, 50, 60}, {1.1, 0, -0.2}, true);
-  bump(q_.cheekbones, {52, 14, 70}, {34, 36, 46}, {1.5, 0, 1.0}, true);
-  bump(q_.cheek_fullness, {44, -22, 76}, {36, 40, 50}, {1.7, 0, 1.5}, true);
-  bump(q_.brow_ridge, {24, 54, 98}, {40, 22, 34}, {0, -0.2, 0.9}, true);
-  bump(q_.brow_height, {28, 58, 96}, {44, 24, 44}, {0, 1.1, -0.1}, true);
+  bump(q_.chin_size, {0, -68, 98}, {44, 40, 50}, {0, -2.0, 2.4}, false);
+  bump(q_.nose_length, {0, -1, 120}, {28, 32, 38}, {0, -0.9, 2.1}, false);
+  bump(q_.nose_bridge, {0, 24, 110}, {20, 32, 32}, {0, 0.2, 1.7}, false);
+  bump(q_.eye_spacing, {36, 36, 85}, {44, 50, 60}, {1.2, 0, -0.2}, true);
+  bump(q_.cheekbones, {52, 14, 70}, {34, 36, 46}, {1.9, 0, 1.2}, true);
+  bump(q_.cheek_fullness, {44, -22, 76}, {36, 40, 50}, {2.1, 0, 1.8}, true);
+  bump(q_.brow_ridge, {24, 54, 98}, {40, 22, 34}, {0, -0.2, 1.1}, true);
+  bump(q_.brow_height, {28, 58, 96}, {44, 24, 44}, {0, 1.3, -0.1}, true);
   if (q_.asymmetry_seed != 0 && q_.asymmetry > 0) {
     Random random(q_.asymmetry_seed);
     for (int i = 0; i < 10; ++i) {
@@ -51,24 +51,24 @@ IdentityWarp::IdentityWarp(const BuiltinParameters& parameters) : q_(parameters)
       bump(0.55 * q_.asymmetry, centre, {radius, radius, radius}, d, false);
     }
   }
-  eye_scale_ = 1 + 0.022 * q_.eye_size;
+  eye_scale_ = 1 + 0.026 * q_.eye_size;
   eye_shift_ = {shift(kEyeCentre), shift(flip(kEyeCentre))};
 }
 
 Vec3 IdentityWarp::shift(const Vec3& p) const {
   Vec3 d = Vec3::Zero();
   const double x = p.x(), y = p.y();
-  d.x() += 0.020 * q_.head_width * x;
+  d.x() += 0.024 * q_.head_width * x;
   if (y < 10 && q_.face_length != 0) {
     const double t = std::min((10 - y) / 90, 1.3);
     d.y() -= 2.8 * q_.face_length * t * t / (t + 0.25);
   }
-  if (q_.jaw_width != 0) d.x() += 0.042 * q_.jaw_width * x * bell(p, {0, -52, 40}, inverse(130, 62, 120));
-  if (q_.nose_width != 0) d.x() += 0.085 * q_.nose_width * x * bell(p, {0, -2, 112}, inverse(26, 24, 34));
-  if (q_.mouth_width != 0) d.x() += 0.045 * q_.mouth_width * x * bell(p, {0, -34, 104}, inverse(58, 36, 54));
+  if (q_.jaw_width != 0) d.x() += 0.05 * q_.jaw_width * x * bell(p, {0, -52, 40}, inverse(130, 62, 120));
+  if (q_.nose_width != 0) d.x() += 0.095 * q_.nose_width * x * bell(p, {0, -2, 112}, inverse(26, 24, 34));
+  if (q_.mouth_width != 0) d.x() += 0.05 * q_.mouth_width * x * bell(p, {0, -34, 104}, inverse(58, 36, 54));
   if (q_.lip_fullness != 0) {
     const double w = q_.lip_fullness * bell(p, {0, -34, 110}, inverse(32, 20, 26));
-    d += Vec3(0, 0.10 * (y - lip_line_y(x)), 0.6) * w;
+    d += Vec3(0, 0.12 * (y - lip_line_y(x)), 0.7) * w;
   }
   d.y() += 2.2 * q_.forehead_height * smoothstep(62, 140, y);
   if (q_.neck_width != 0) {

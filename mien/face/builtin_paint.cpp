@@ -22,7 +22,7 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
   const Vec3f fair(0.72F, 0.46F, 0.35F), middle(0.42F, 0.22F, 0.135F), deep(0.115F, 0.055F, 0.034F);
   const Vec3f skin =
       skin_tone < 0.5 ? blend(fair, middle, 2 * skin_tone) : blend(middle, deep, 2 * skin_tone - 1);
-  const Vec3f hair = blend(Vec3f(0.42F, 0.27F, 0.12F), Vec3f(0.012F, 0.009F, 0.008F),
+  const Vec3f hair = blend(Vec3f(0.46F, 0.27F, 0.115F), Vec3f(0.014F, 0.009F, 0.007F),
                            std::sqrt(std::clamp(hair_tone, 0.0, 1.0)));
   const Vec3f red(skin.x() * 0.80F, skin.y() * 0.46F, skin.z() * 0.48F);
   const Vec3f wet(0.45F, 0.13F, 0.11F);

@@ -270,9 +270,9 @@ void add_brow(Sculpt& half, Random random) {
 /// Where hair begins, as a row, over the azimuth.
 double hairline_row(double azimuth) {
   const double a = azimuth * 180 / M_PI;
-  const double points[][2] = {{0, 89},   {18, 90}, {32, 92},   {44, 85},  {54, 70}, {62, 50},
-                              {68, 22},  {76, 12}, {82, 18},   {88, 46},  {98, 56}, {108, 50},
-                              {118, 26}, {128, 2}, {145, -22}, {180, -36}};
+  const double points[][2] = {{0, 91},   {11, 89},  {22, 92}, {32, 98},   {40, 95},  {48, 78}, {56, 60},
+                              {63, 46},  {68, 20},  {71, 9},  {77, 6},    {81, 14},  {87, 44}, {98, 56},
+                              {108, 50}, {118, 26}, {128, 2}, {145, -22}, {180, -36}};
   for (std::size_t i = 0; i + 1 < std::size(points); ++i)
     if (a <= points[i + 1][0])
       return mix(points[i][1], points[i + 1][1], smoothstep(points[i][0], points[i + 1][0], a));
@@ -280,20 +280,25 @@ double hairline_row(double azimuth) {
 }
 
 void add_scalp_hair(Sculpt& half, Random random) {
-  constexpr int kColumns = 38, kRows = 11;
+  constexpr int kColumns = 44, kRows = 9;
+  std::vector<double> ragged;
+  for (int c = 0; c <= kColumns; ++c) ragged.push_back(random.uniform(-1.6, 1.6));
   Ring below;
   for (int r = 0; r <= kRows; ++r) {
     const double v = r == 0 ? 0.0 : mix(0.035, 1.0, std::pow((r - 1.0) / (kRows - 1), 1.15));
     Ring ring;
     for (int c = 0; c <= kColumns; ++c) {
-      const double azimuth = M_PI * c / kColumns;
-      const double row = mix(hairline_row(azimuth), kTopRow - 0.5, v);
+      // Closer together in front, where the edge is seen.
+      const double share = static_cast<double>(c) / kColumns;
+      const double azimuth = M_PI * share * mix(0.72, 1.0, share);
+      const double row = mix(hairline_row(azimuth) + ragged[static_cast<std::size_t>(c)], kTopRow - 0.5, v);
       Vec3 p = head_point(azimuth, row);
       const Vec3 centre(0, 50, 5);
       const double full = smoothstep(0.0, 0.22, v);
       const double front = smoothstep(75, 20, azimuth * 180 / M_PI);
       const double strand = random.uniform(-1, 1);
-      double lift = -1.5 + full * (6.5 + 5.0 * front * smoothstep(0.1, 0.3, v)) + full * 0.8 * strand;
+      double lift = -1.5 + full * (6.0 + 9.0 * front * smoothstep(0.03, 0.2, v) * smoothstep(0.9, 0.3, v)) +
+                    full * 0.8 * strand;
       if (r == 0) lift = -1.0;
       if (r == 1) lift = 1.2;
       p += (p - centre).normalized() * lift;
