@@ -1,9 +1,147 @@
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
 #include "app/command.h"
+#include "mien/core/files.h"
+#include "mien/face/load.h"
+#include "mien/face/obj.h"
+#include "mien/render/gltf_export.h"
 
 namespace mien::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+constexpr std::array kMaterialNames = {"skin", "lips",   "sclera", "iris", "pupil",        "cornea", "teeth",
+                                       "gums", "tongue", "hair",   "lash", "mouth_inside", "other"};
+
+std::string material_name(face::Material material) {
+  return kMaterialNames.at(static_cast<std::size_t>(material));
+}
+
+/// A glTF may name its meshes in any bytes: what is no UTF-8 is replaced.
+void print_json(const ordered_json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, ordered_json::error_handler_t::replace));
+}
+
+/// Extent of the neutral face along each axis, mm.
+Vec3f size_mm(const face::Face& face) {
+  Eigen::AlignedBox3f box;
+  for (const Vec3f& v : face.neutral_m) box.extend(v);
+  return face.neutral_m.empty() ? Vec3f(Vec3f::Zero()) : Vec3f(1000 * box.sizes());
+}
+
+ordered_json describe(const face::Face& face) {
+  ordered_json json;
+  json["name"] = face.name;
+  json["vertices"] = face.neutral_m.size();
+  json["triangles"] = face.triangles.size();
+  const Vec3f size = size_mm(face);
+  json["size_mm"] = {size.x(), size.y(), size.z()};
+  json["shapes"] = ordered_json::array();
+  for (const face::Shape& s : face.shapes)
+    json["shapes"].push_back({{"name", s.name},
+                              {"vertices", s.vertex.size()},
+                              {"peak_mm", 1000 * face::peak_displacement_m(face, s.name)}});
+  json["landmarks"] = ordered_json::array();
+  if (face.has_landmarks)
+    for (const std::uint32_t vertex : face.landmarks) json["landmarks"].push_back(vertex);
+  json["regions"] = ordered_json::array();
+  for (const face::Region& region : face.regions)
+    json["regions"].push_back({{"name", region.name}, {"vertices", region.vertex.size()}});
+  json["parts"] = ordered_json::array();
+  for (const face::Part& part : face.parts)
+    json["parts"].push_back({{"name", part.name},
+                             {"material", material_name(part.material)},
+                             {"triangles", part.triangle_count}});
+  json["eyes"] = ordered_json::array();
+  for (const face::Eyeball& eye : face.eyes)
+    json["eyes"].push_back(
+        {{"vertices", eye.vertex_count},
+         {"centre_mm", {1000 * eye.centre_m.x(), 1000 * eye.centre_m.y(), 1000 * eye.centre_m.z()}}});
+  return json;
+}
+
+void print_text(const face::Face& face) {
+  const Vec3f size = size_mm(face);
+  fmt::print("{}: {} vertices, {} triangles, {:.0f} x {:.0f} x {:.0f} mm\n", face.name, face.neutral_m.size(),
+             face.triangles.size(), size.x(), size.y(), size.z());
+  fmt::print("landmarks: {}\n", face.has_landmarks ? "68" : "none");
+  for (std::size_t e = 0; e < face.eyes.size(); ++e)
+    fmt::print(
+        "{} eyeball: {}\n", e == 0 ? "left" : "right",
+        face.eyes[e].vertex_count > 0 ? fmt::format("{} vertices", face.eyes[e].vertex_count) : "unknown");
+  fmt::print("\n{:<18} {:>9} {:>9}\n", "shape", "peak mm", "vertices");
+  for (const face::Shape& s : face.shapes)
+    if (s.vertex.empty())
+      fmt::print("{:<18} {:>9}\n", s.name, "missing");
+    else
+      fmt::print("{:<18} {:>9.2f} {:>9}\n", s.name, 1000 * face::peak_displacement_m(face, s.name),
+                 s.vertex.size());
+  fmt::print("\n{:<18} {:>9}\n", "region", "vertices");
+  for (const face::Region& region : face.regions)
+    fmt::print("{:<18} {:>9}\n", region.name, region.vertex.size());
+  fmt::print("\n{:<18} {:>9}  material\n", "part", "triangles");
+  for (const face::Part& part : face.parts)
+    fmt::print("{:<18} {:>9}  {}\n", part.name, part.triangle_count, material_name(part.material));
+}
+
+struct FaceArguments {
+  std::string face = "builtin";
+  std::string out;
+  bool json = false;
+};
+
+Result<void> show(const FaceArguments& arguments) {
+  MIEN_TRY_ASSIGN(const face::Face face,
+                  face::load_face(arguments.face, terminal_progress("reading the face")));
+  if (arguments.json)
+    print_json(describe(face));
+  else
+    print_text(face);
+  return {};
+}
+
+Result<void> export_face(const FaceArguments& arguments) {
+  const fs::path out = arguments.out;
+  const std::string ending = out.extension().string();
+  if (ending != ".obj" && ending != ".glb" && ending != ".gltf")
+    return fail(ErrorCode::bad_usage, "the name ends neither in .obj nor in .glb or .gltf", out.string());
+  MIEN_TRY_ASSIGN(const face::Face face,
+                  face::load_face(arguments.face, terminal_progress("reading the face")));
+  if (ending == ".obj")
+    MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
+  else
+    MIEN_TRY(render::write_gltf(out, face, nullptr));
+  if (arguments.json) print_json(ordered_json{{"file", out.string()}, {"face", face.name}});
+  return {};
+}
+
+}  // namespace
 
 void add_face_command(Commands& commands) {
-  commands.add("face", "Shows what a face model is made of", "mien face --face builtin", [] { return Result<void>{}; });
+  const auto arguments = std::make_shared<FaceArguments>();
+  constexpr const char* kFaceHelp =
+      "builtin, a folder with generic_neutral_mesh.obj, or a .glb, .gltf or .vrm file";
+  CLI::App* face = commands.add("face", "Shows what a face model is made of", "mien face --face builtin",
+                                [arguments] { return show(*arguments); });
+  face->add_option("--face", arguments->face, kFaceHelp)->capture_default_str();
+  face->add_flag("--json", arguments->json, "One JSON object on stdout");
+  CLI::App* exported = commands.add_under(
+      face, "export", "Writes the face to a file that other programs open",
+      "mien face export --face builtin --out face.glb", [arguments] { return export_face(*arguments); });
+  exported->add_option("--face", arguments->face, kFaceHelp)->capture_default_str();
+  exported->add_option("--out", arguments->out, "The file to write: .obj (the neutral face), .glb or .gltf")
+      ->required();
+  exported->add_flag("--json", arguments->json, "One JSON object on stdout");
 }
 
 }  // namespace mien::app

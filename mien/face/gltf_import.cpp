@@ -90,6 +90,14 @@ Material guess_material(const std::string& names) {
   return Material::skin;
 }
 
+/// A name from the file on one line, without anything that a terminal would obey.
+std::string printable(std::string name) {
+  if (name.size() > 80) name.resize(80);
+  for (char& c : name)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return name;
+}
+
 // ---- Reading the container
 // -------------------------------------------------------------------------------------------
 
@@ -399,7 +407,7 @@ Result<std::vector<Placed>> place_nodes(const tinygltf::Model& model, const Arra
     seen[static_cast<std::size_t>(next.node)] = true;
     const Mat4 world = next.parent * local_transform(*node);
     if (!world.allFinite() || world.cwiseAbs().maxCoeff() > 1e9)
-      return fail(ErrorCode::out_of_range, "a node's transform is beyond all bounds", node->name);
+      return fail(ErrorCode::out_of_range, "a node's transform is beyond all bounds", printable(node->name));
     placed.push_back({next.node, world});
     for (auto child = node->children.rbegin(); child != node->children.rend(); ++child)
       open.push_back({*child, world, next.depth + 1});
@@ -624,7 +632,7 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
     const std::size_t vertices = position.size() / 3;
     if (out.position.size() + vertices > kMaxVertices)
       return fail(ErrorCode::out_of_range, fmt::format("there are more than {} vertices", kMaxVertices),
-                  node.name);
+                  printable(node.name));
     const auto first = static_cast<std::uint32_t>(out.position.size());
     MIEN_TRY_ASSIGN(const auto matrices,
                     vertex_matrices(model, primitive, node, placed.world, worlds, vertices, arrays));
@@ -635,7 +643,7 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
     for (std::size_t v = 0; v < vertices; ++v) {
       const Vec3 at_v = (matrix(v) * vec(position, v).homogeneous()).head<3>();
       if (!(at_v.cwiseAbs().maxCoeff() <= 1e9))
-        return fail(ErrorCode::out_of_range, "a vertex lies beyond all bounds", node.name);
+        return fail(ErrorCode::out_of_range, "a vertex lies beyond all bounds", printable(node.name));
       out.position.push_back(at_v);
     }
 
@@ -650,7 +658,7 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
 
     const tinygltf::Material* material = at(model.materials, primitive.material);
     const std::string material_name = material != nullptr ? material->name : std::string();
-    const std::string part_name = !mesh->name.empty() ? mesh->name : node.name;
+    const std::string part_name = printable(!mesh->name.empty() ? mesh->name : node.name);
     const Material kind = guess_material(plain(part_name + " " + material_name));
     out.parts.push_back({part_name.empty() ? fmt::format("part_{}", out.parts.size()) : part_name, kind,
                          first_triangle, static_cast<std::uint32_t>(out.triangles.size()) - first_triangle});
@@ -691,7 +699,8 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
       bound = bound || !moved.empty();
       for (std::size_t v = 0; v < moved.size(); ++v) {
         if (!(moved[v].cwiseAbs().maxCoeff() <= 1e9))
-          return fail(ErrorCode::out_of_range, "a morph target moves beyond all bounds", node.name);
+          return fail(ErrorCode::out_of_range, "a morph target moves beyond all bounds",
+                      printable(node.name));
         if (moved[v].isZero(0)) continue;
         if (++out.delta_count > kMaxDeltas) return arrays.bad("its morph targets move too many vertices");
         out.delta[k].emplace_back(first + static_cast<std::uint32_t>(v), moved[v]);

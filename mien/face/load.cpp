@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "mien/face/builtin.h"
 #include "mien/face/gltf_import.h"
 #include "mien/face/ict_import.h"
 
@@ -9,9 +10,7 @@ namespace mien::face {
 namespace fs = std::filesystem;
 
 Result<Face> load_face(const std::string& what, const Progress& progress) {
-  if (what == "builtin")
-    return fail(ErrorCode::unsupported, "the built-in face is not part of this build", what,
-                "name a folder with generic_neutral_mesh.obj");
+  if (what == "builtin") return make_builtin();
   std::error_code code;
   const fs::path path = what;
   if (fs::is_directory(path, code)) {

@@ -217,6 +217,13 @@ TEST_F(IctFolder, IsFoundByLoadFace) {
   EXPECT_EQ(load_face((model() / "jawOpen.obj").string()).error().code, ErrorCode::unsupported);
 }
 
+TEST(LoadFace, KnowsTheBuiltInFaceByName) {
+  const auto face = load_face("builtin");
+  ASSERT_TRUE(face) << face.error().message();
+  EXPECT_EQ(face->shapes.size(), kShapeCount + 1);
+  EXPECT_TRUE(face->has_landmarks);
+}
+
 TEST(IctCache, AnyShortenedOrAlteredBytesAreNoModel) {
   IctModel model;
   model.face.neutral_m = {{1, 2, 3}, {4, 5, 6}};
