@@ -94,9 +94,11 @@ std::vector<VirtualPacket> ImuSimulator::play(const SkinTrajectory& trajectory,
 
   const double end_s = trajectory.begin_s + static_cast<double>(points - 1) * grid_s;
   const double period_s = 1 / (kImuRateHz * clock_.rate);  // True time between two samples.
-  // The first multiple of the device's period that leaves room for the differences.
-  const auto first = static_cast<std::int64_t>(
-      std::ceil((clock_.offset_s + clock_.rate * (trajectory.begin_s + 3 * grid_s)) * kImuRateHz));
+  // The first multiple of the device's period that leaves room for the differences; a clock never shows less
+  // than zero.
+  const auto first = std::max<std::int64_t>(
+      0, static_cast<std::int64_t>(
+             std::ceil((clock_.offset_s + clock_.rate * (trajectory.begin_s + 3 * grid_s)) * kImuRateHz)));
   const auto last = static_cast<std::int64_t>(
       std::floor((clock_.offset_s + clock_.rate * (end_s - 3 * grid_s)) * kImuRateHz));
 
