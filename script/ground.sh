@@ -63,3 +63,12 @@ npm_modules() {
   say "Installing npm packages of script/npm"
   (cd script/npm && npm ci --no-audit --no-fund --loglevel=error) || stop "npm could not install script/npm"
 }
+
+# cpp_files: our own C++ files, each ended by a NUL: the committed ones, or all that an unpacked archive has.
+cpp_files() {
+  if [ -e .git ]; then
+    git ls-files -z '*.h' '*.cpp' || stop "git cannot list the committed files"
+  else
+    find app bench examples fuzz mien tests \( -name '*.h' -o -name '*.cpp' \) -print0
+  fi
+}
