@@ -14,6 +14,10 @@ struct FusionSettings {
   double tau_accel_s = 3.0;
   /// Time constant of the heading correction by the magnetometer, s.
   double tau_mag_s = 9.0;
+  /// What a gyroscope's reading says. False: the rate at the sample's time (the middle of the reading, as our
+  /// packets have it). True: the mean over the step that ends there, as of recordings that number their
+  /// samples and tell no time.
+  bool gyro_is_step_mean = false;
   /// Estimate the gyroscope's bias while moving (from the inclination correction) and at rest.
   bool motion_bias_estimation = true;
   bool rest_bias_estimation = true;
@@ -43,6 +47,9 @@ struct FusionSettings {
   double rest_filter_tau_s = 0.5;
   double rest_gyro_rad_s = 0.0349;  ///< 2 deg/s. Raising calls slow motion rest and learns it as bias.
   double rest_accel_m_s2 = 0.5;
+  /// A resting rate farther than this (0.3 deg/s), and farther than three sigmas, from the known bias is slow
+  /// motion.
+  double rest_bias_tolerance_rad_s = 0.00524;
 
   /// Magnetometer: low-pass of norm and dip, s; of the reference, s; tolerances (share, rad); times, s; rate,
   /// rad/s.
@@ -60,6 +67,115 @@ struct FusionSettings {
   /// A gap between samples longer than this restarts the inclination correction, s: the held rate cannot be
   /// trusted.
   double max_gap_s = 0.25;
+};
+
+/// Second-order low-pass of N values with a free step: a Butterworth filter as a state-variable filter, whose
+/// state stays meaningful when the time step changes. Its first tau seconds give the plain mean, so that it
+/// starts without a transient. Source: Zavalishin 2012, "The Art of VA Filter Design", section 4
+/// (topology-preserving transform).
+template <int N>
+class LowPass {
+ public:
+  using Vector = Eigen::Matrix<double, N, 1>;
+
+  /// `tau_s` as in VQF: cutoff sqrt(2) / (2 pi tau).
+  explicit LowPass(double tau_s) : tau_s_(tau_s) {}
+
+  const Vector& add(double dt_s, const Vector& value);
+  [[nodiscard]] const Vector& value() const { return value_; }
+  /// The next values count from the start again, the present one as the first.
+  void restart() {
+    elapsed_s_ = 0;
+    count_ = 0;
+  }
+
+ private:
+  double tau_s_;
+  double elapsed_s_ = 0;
+  double count_ = 0;
+  double dt_s_ = -1;  // Of the coefficients.
+  double a1_ = 0, a2_ = 0, a3_ = 0;
+  Vector sum_ = Vector::Zero();
+  Vector band_ = Vector::Zero();
+  Vector low_ = Vector::Zero();
+  Vector value_ = Vector::Zero();
+};
+
+/// Orientation of one IMU from gyroscope and accelerometer, and from a magnetometer where there is one, with
+/// the gyroscope's bias estimated at rest and in motion.
+///
+/// q_world_sensor = q_delta * q_accel * q_gyro: strap-down integration; a slow correction of the inclination
+/// by the low-passed specific force, filtered in the almost inertial frame that the integration gives, so
+/// that motion cancels out of it; a turn about the vertical by the magnetometer. World: +Y up; +Z magnetic
+/// north where fuse_mag is called, else any heading. Any step between samples, also an uneven one. A value
+/// type: a copy is a snapshot. No allocation. About 0.4 us a sample. Source: Laidig and Seel 2023, "VQF",
+/// doi:10.1016/j.inffus.2022.10.014; differences: docs/fusion.md.
+class Fusion {
+ public:
+  explicit Fusion(const FusionSettings& settings = {});
+
+  /// One sample. `dt_s` since the last, > 0; ignored for the first. Frame S. Numbers are finite.
+  void add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2);
+  /// The magnetometer's reading of the sample just added; any unit, always the same one.
+  void fuse_mag(const Vec3& mag);
+
+  /// A wearer who was asked to hold still does: rest is then found sooner and with tolerance for a living
+  /// body.
+  void expect_rest(bool expected) { rest_expected_ = expected; }
+
+  /// q_world_sensor. With fuse_mag its heading is magnetic.
+  [[nodiscard]] Quat orientation() const;
+  /// The last rate without its bias, frame S.
+  [[nodiscard]] Vec3 rate_rad_s() const { return last_rate_; }
+  [[nodiscard]] const Vec3& bias_rad_s() const { return bias_; }
+  /// Standard deviation of the bias, the largest of any direction, about.
+  [[nodiscard]] double bias_sigma_rad_s() const;
+  [[nodiscard]] bool at_rest() const { return at_rest_; }
+  /// Standard deviation that gaps have added to the orientation and that has not been corrected since, rad.
+  [[nodiscard]] double gap_sigma_rad() const { return gap_sigma_; }
+  /// The magnetic field is not that of before; the heading is held by the gyroscope.
+  [[nodiscard]] bool mag_disturbed() const { return mag_.disturbed; }
+
+ private:
+  void detect_rest(double dt_s, const Vec3& gyro, const Vec3& accel);
+  void correct_inclination(double dt_s, const Vec3& accel);
+  void estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_up);
+
+  struct MagState {
+    LowPass<2> current;  // Norm, dip.
+    double norm = 0;
+    double dip = 0;
+    double reference_norm = 0;
+    double reference_dip = 0;
+    double candidate_norm = -1;
+    double candidate_dip = 0;
+    double undisturbed_s = 0;
+    double candidate_s = 0;
+    double rejected_s = 0;
+    double start_gain = 1;
+    bool disturbed = true;
+  };
+
+  FusionSettings settings_;
+  bool started_ = false;
+  bool rest_expected_ = false;
+  double last_dt_s_ = 0;
+  Quat q_gyro_ = Quat::Identity();
+  Quat q_accel_ = Quat::Identity();
+  double heading_ = 0;  // Delta, about the vertical.
+  Vec3 last_raw_ = Vec3::Zero();
+  Vec3 last_rate_ = Vec3::Zero();
+  LowPass<3> force_;
+  LowPass<3> rest_gyro_;
+  LowPass<3> rest_accel_;
+  double rest_s_ = 0;
+  bool at_rest_ = false;
+  LowPass<9> rotation_;      // Rows of R, low-passed like the force.
+  LowPass<2> rotated_bias_;  // Horizontal parts of R b.
+  Vec3 bias_ = Vec3::Zero();
+  Mat3 bias_cov_;
+  double gap_sigma_ = 0;
+  MagState mag_;
 };
 
 }  // namespace mien::imu

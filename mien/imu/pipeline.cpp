@@ -1,8 +1,15 @@
 #include "mien/imu/pipeline.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
+
+#include "mien/imu/heading.h"
+#include "mien/imu/orientation_track.h"
+#include "mien/imu/prologue.h"
+#include "mien/sensor/clock_model.h"
 
 namespace mien::imu {
 namespace {
@@ -10,11 +17,14 @@ namespace {
 using sensor::Sample;
 using sensor::SampleKind;
 
+/// A device time this far behind the newest is a board that began anew; less is a sample out of order.
+constexpr Duration kRestart = std::chrono::seconds(1);
+
 /// Newest rotations of one sensor of the lab profile; their times stand on the reference's line already.
 class LabTrack {
  public:
   void add(DeviceTime time, const Vec3& rotation_vector) {
-    entries_[static_cast<std::size_t>(next_ % kSize)] = {time, rotation_vector};
+    entries_[next_ % kSize] = {time, rotation_vector};
     ++next_;
   }
 
@@ -23,7 +33,7 @@ class LabTrack {
   [[nodiscard]] bool at(DeviceTime frame, Duration silence, Quat& out) const {
     const Entry* best = nullptr;
     Duration best_distance{};
-    for (std::size_t i = 0; i < std::min<std::size_t>(next_, kSize); ++i) {
+    for (std::size_t i = 0; i < std::min(next_, kSize); ++i) {
       const Entry& entry = entries_[i];
       const Duration distance = entry.time > frame ? entry.time - frame : frame - entry.time;
       if (best == nullptr || distance < best_distance) {
@@ -46,49 +56,294 @@ class LabTrack {
   std::size_t next_ = 0;
 };
 
+/// One sensor of the rig on its way from samples to orientations.
+struct Channel {
+  explicit Channel(const FusionSettings& settings) : fusion(settings) {}
+  Fusion fusion;
+  OrientationTrack track;
+  LabTrack lab;
+  std::optional<DeviceTime> newest;
+  Duration step{};          // Between the last two samples that followed each other.
+  double gap_sigma = 0;     // As the fusion had it when its growth was last passed on.
+  bool began_anew = false;  // Its heading has nothing to do with the calibrated one.
+  std::uint64_t dropped = 0;
+  std::uint64_t lost = 0;
+};
+
+struct PhaseWindow {
+  Phase phase;
+  DeviceTime begin;
+  DeviceTime end;
+  bool begun = false;
+};
+
+Vec3 vec3(const Sample& sample, std::size_t at) {
+  return Vec3(sample.values[at], sample.values[at + 1], sample.values[at + 2]);
+}
+
 void put_rotation(const Quat& q, model::SensorFeature& feature) {
-  feature.rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
-                      static_cast<float>(q.z())};
+  const Quat unit = canonical(q);
+  feature.rotation = {static_cast<float>(unit.w()), static_cast<float>(unit.x()),
+                      static_cast<float>(unit.y()), static_cast<float>(unit.z())};
   feature.has_rotation = true;
 }
 
 }  // namespace
 
 struct Pipeline::State {
+  State(const sensor::Rig& rig, const PipelineSettings& s)
+      : settings(s),
+        face(rig.face_sensors()),
+        head(rig.head_sensor()),
+        lines(rig.sensors.size(), rig.find(rig.reference)),
+        channels(rig.sensors.size(), Channel(s.fusion)),
+        prologue(rig),
+        trackers(face.size(), HeadingTracker(s.heading)),
+        lever_m(face.size()) {
+    calibration.sensors.resize(face.size());
+    prologue_frame.face.resize(face.size());
+    if (!head || !rig.sensors[*head].position_m) return;
+    for (std::size_t i = 0; i < face.size(); ++i)
+      if (rig.sensors[face[i]].position_m)
+        lever_m[i] = *rig.sensors[face[i]].position_m - *rig.sensors[*head].position_m;
+  }
+
+  void add_raw(Channel& channel, const Sample& sample);
+  void add_fused(Channel& channel, const Sample& sample);
+  /// False when the sample is out of order. Sets the step, nothing when the board began anew.
+  bool order(Channel& channel, const Sample& sample, double& dt_s);
+  [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
+  void run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear);
+  void put_in_force(const Calibration& made);
+  [[nodiscard]] Quat turn_of(std::size_t i) const {
+    return settings.magnetometer ? Quat::Identity() : heading_turn(trackers[i].heading_rad());
+  }
+
   PipelineSettings settings;
   std::vector<std::uint16_t> face;  // Numbers in the rig.
-  std::vector<LabTrack> lab;        // One a sensor of the rig.
+  std::optional<std::uint16_t> head;
+  sensor::TimeLines lines;
+  std::vector<Channel> channels;  // One a sensor of the rig.
+  Prologue prologue;
+  Prologue::Frame prologue_frame;
+  std::vector<PhaseWindow> windows;
   Calibration calibration;
+  int calibrations = 0;
+  std::vector<HeadingTracker> trackers;      // One a face sensor.
+  std::vector<std::optional<Vec3>> lever_m;  // From the ear sensor, frame H.
+  std::optional<DeviceTime> last_frame;
+  std::optional<Vec3> last_head_rate;  // Frame H, at last_frame.
 };
 
-Pipeline::Pipeline(const sensor::Rig& rig, const PipelineSettings& settings)
-    : state_(std::make_unique<State>()) {
-  state_->settings = settings;
-  state_->face = rig.face_sensors();
-  state_->lab.resize(rig.sensors.size());
-  state_->calibration.sensors.resize(state_->face.size());
+bool Pipeline::State::order(Channel& channel, const Sample& sample, double& dt_s) {
+  dt_s = 0;
+  if (channel.newest) {
+    const Duration since = sample.time - *channel.newest;
+    if (since < -kRestart) {
+      channel.fusion = Fusion(settings.fusion);
+      channel.track.clear();
+      channel.began_anew = true;
+      channel.gap_sigma = 0;
+      channel.step = {};
+    } else if (since <= Duration::zero()) {
+      ++channel.dropped;
+      return false;
+    } else {
+      dt_s = to_seconds(since);
+      if (channel.step > Duration::zero() && since > channel.step * 3 / 2)
+        channel.lost += static_cast<std::uint64_t>((since + channel.step / 2) / channel.step - 1);
+      else
+        channel.step = since;
+    }
+  }
+  channel.newest = sample.time;
+  return true;
 }
+
+void Pipeline::State::add_raw(Channel& channel, const Sample& sample) {
+  double dt_s = 0;
+  if (!order(channel, sample, dt_s)) return;
+  const Vec3 accel = vec3(sample, 3);
+  channel.fusion.add(dt_s, vec3(sample, 0), accel);
+  if (settings.magnetometer && sample.count >= 9) channel.fusion.fuse_mag(vec3(sample, 6));
+  const Quat q = channel.fusion.orientation();
+  channel.track.add({sample.time, q, q * accel, channel.fusion.rate_rad_s()});
+}
+
+void Pipeline::State::add_fused(Channel& channel, const Sample& sample) {
+  double dt_s = 0;
+  if (!order(channel, sample, dt_s)) return;
+  Quat q(sample.values[0], sample.values[1], sample.values[2], sample.values[3]);
+  if (q.norm() < 0.5) return;
+  q.normalize();
+  Vec3 rate = Vec3::Zero();
+  if (dt_s > 0 && !channel.track.empty())
+    rate = log_rotation(channel.track.newest().orientation.conjugate() * q) / dt_s;
+  channel.track.add({sample.time, q, q * vec3(sample, 4), rate});
+}
+
+std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTime frame) const {
+  const Channel& channel = channels[sensor];
+  if (channel.track.empty() || !lines.ready() || !lines.heard(sensor)) return std::nullopt;
+  return channel.track.at(lines.from_line(sensor, frame), settings.silence, settings.prediction);
+}
+
+void Pipeline::State::put_in_force(const Calibration& made) {
+  calibration = made;
+  ++calibrations;
+  for (std::size_t i = 0; i < face.size(); ++i)
+    trackers[i].start(made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
+  for (Channel& channel : channels) {
+    channel.began_anew = false;
+    channel.gap_sigma = channel.fusion.gap_sigma_rad();
+  }
+}
+
+void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear) {
+  bool resting = false;
+  for (PhaseWindow& window : windows) {
+    if (frame < window.begin) continue;
+    if (frame >= window.end) {
+      if (!window.begun) continue;
+      // The headings that the trackers found since stay: a shake only adds its score.
+      const Calibration made = prologue.solve();
+      if (window.phase == Phase::shake && calibration.complete) {
+        calibration.scores = made.scores;
+        ++calibrations;
+      } else if (window.phase == Phase::nod || !calibration.complete) {
+        put_in_force(made);
+      }
+      continue;
+    }
+    if (!window.begun) {
+      window.begun = true;
+      if (window.phase == Phase::neutral) prologue.begin_neutral();
+      if (window.phase == Phase::nod) prologue.begin_nod();
+      if (window.phase == Phase::shake) prologue.begin_shake();
+    }
+    resting = resting || window.phase == Phase::neutral;
+    if (!ear) continue;
+    // In the first half of the hold the gyroscopes' biases are still being found.
+    if (window.phase == Phase::neutral && frame < window.begin + (window.end - window.begin) / 2) continue;
+    prologue_frame.q_world_ear = ear->orientation;
+    prologue_frame.ear_rate_rad_s = ear->rate_rad_s;
+    prologue_frame.ear_force_world_m_s2 = ear->force_world_m_s2;
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const auto sensor = pose(face[i], frame);
+      prologue_frame.face[i].present = sensor.has_value();
+      if (!sensor) continue;
+      prologue_frame.face[i].q_world_face = sensor->orientation;
+      prologue_frame.face[i].force_world_m_s2 = sensor->force_world_m_s2;
+    }
+    if (window.phase == Phase::neutral) prologue.add_neutral(prologue_frame);
+    if (window.phase == Phase::nod) prologue.add_nod(prologue_frame);
+    if (window.phase == Phase::shake) prologue.add_shake(prologue_frame);
+  }
+  std::erase_if(windows, [frame](const PhaseWindow& window) { return frame >= window.end; });
+  for (Channel& channel : channels) channel.fusion.expect_rest(resting);
+}
+
+Pipeline::Pipeline(const sensor::Rig& rig, const PipelineSettings& settings)
+    : state_(std::make_unique<State>(rig, settings)) {}
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 Pipeline::~Pipeline() = default;
 
-void Pipeline::mark(Phase, DeviceTime, DeviceTime) {}
+void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
+  if (end > begin) state_->windows.push_back({phase, begin, end, false});
+}
 
-void Pipeline::add(HostTime, const Sample& sample) {
-  if (sample.sensor >= state_->lab.size()) return;
-  if (sample.kind == SampleKind::imu_head_relative && sample.count >= 3)
-    state_->lab[sample.sensor].add(sample.time, Vec3(sample.values[0], sample.values[1], sample.values[2]));
+void Pipeline::add(HostTime arrival, const Sample& sample) {
+  State& s = *state_;
+  if (sample.sensor >= s.channels.size()) return;
+  for (const float value : sample.used())
+    if (!std::isfinite(value)) return;
+  Channel& channel = s.channels[sample.sensor];
+  switch (sample.kind) {
+    case SampleKind::imu_raw:
+      if (sample.count < 6) return;
+      s.lines.add(arrival, sample);
+      s.add_raw(channel, sample);
+      return;
+    case SampleKind::imu_fused:
+      if (sample.count < 7) return;
+      s.lines.add(arrival, sample);
+      s.add_fused(channel, sample);
+      return;
+    case SampleKind::imu_head_relative:
+      if (sample.count < 3) return;
+      s.lines.add(arrival, sample);
+      channel.lab.add(sample.time, vec3(sample, 0));
+      return;
+  }
 }
 
 void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
+  State& s = *state_;
   out.time = frame;
   out.head = Quat::Identity();
   out.has_head = false;
-  out.sensors.assign(state_->face.size(), model::SensorFeature{});
-  for (std::size_t i = 0; i < state_->face.size(); ++i) {
-    Quat rotation;
-    if (state_->lab[state_->face[i]].at(frame, state_->settings.silence, rotation))
-      put_rotation(rotation, out.sensors[i]);
+  out.sensors.assign(s.face.size(), model::SensorFeature{});
+  const double dt_s = s.last_frame ? std::clamp(to_seconds(frame - *s.last_frame), 0.0, 1.0) : 0.0;
+  s.last_frame = frame;
+
+  std::optional<FusedSample> ear;
+  if (s.head) ear = s.pose(*s.head, frame);
+  if (!s.windows.empty()) s.run_prologue(frame, ear);
+
+  const Calibration& calibration = s.calibration;
+  const bool head_known = ear && calibration.complete && !s.channels[*s.head].began_anew;
+  const Quat& c = calibration.q_head_ear;
+  Vec3 head_rate = Vec3::Zero();
+  Vec3 head_turn = Vec3::Zero();  // Angular acceleration, frame H.
+  if (head_known) {
+    out.head = canonical(heading_turn(-calibration.neutral_heading_rad) * ear->orientation * c.conjugate());
+    out.has_head = true;
+    head_rate = c * ear->rate_rad_s;
+    if (s.last_head_rate && dt_s > 0) head_turn = (head_rate - *s.last_head_rate) / dt_s;
+  }
+  s.last_head_rate = head_known ? std::optional<Vec3>(head_rate) : std::nullopt;
+
+  double ear_gap = 0;
+  if (s.head) {
+    Channel& channel = s.channels[*s.head];
+    const double now = channel.fusion.gap_sigma_rad();
+    ear_gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
+    channel.gap_sigma = now;
+  }
+  for (std::size_t i = 0; i < s.face.size(); ++i) {
+    model::SensorFeature& feature = out.sensors[i];
+    Channel& channel = s.channels[s.face[i]];
+    Quat lab;
+    if (channel.lab.at(frame, s.settings.silence, lab)) {
+      put_rotation(lab, feature);
+      continue;
+    }
+    if (!calibration.complete || !calibration.sensors[i].valid) continue;
+    const double now = channel.fusion.gap_sigma_rad();
+    const double gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
+    channel.gap_sigma = now;
+    if (gap > 0 || ear_gap > 0) s.trackers[i].inflate(std::hypot(gap, ear_gap));
+
+    const auto sensor = head_known && !channel.began_anew ? s.pose(s.face[i], frame) : std::nullopt;
+    if (!sensor) {
+      s.trackers[i].skip(dt_s);
+      continue;
+    }
+    const Quat world_to_ear = ear->orientation.conjugate();
+    Quat relative = world_to_ear * s.turn_of(i) * sensor->orientation;
+    if (s.settings.track_heading && !s.settings.magnetometer) {
+      s.trackers[i].add(dt_s, relative, ear->orientation, relative * sensor->rate_rad_s - ear->rate_rad_s,
+                        ear->rate_rad_s);
+      relative = world_to_ear * s.turn_of(i) * sensor->orientation;
+    }
+    put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
+
+    Vec3 accel = c * (world_to_ear * (s.turn_of(i) * sensor->force_world_m_s2 - ear->force_world_m_s2));
+    if (s.lever_m[i])
+      accel -= head_turn.cross(*s.lever_m[i]) + head_rate.cross(head_rate.cross(*s.lever_m[i]));
+    feature.accel_m_s2 = (accel - calibration.sensors[i].neutral_accel_m_s2).cast<float>();
+    feature.has_accel = true;
   }
 }
 
@@ -96,16 +351,32 @@ const Calibration& Pipeline::calibration() const {
   return state_->calibration;
 }
 int Pipeline::calibration_count() const {
-  return 0;
+  return state_->calibrations;
 }
+
 Result<void> Pipeline::restore(const Calibration& calibration) {
   if (calibration.sensors.size() != state_->face.size())
     return fail(ErrorCode::mismatch, "the calibration is of another number of sensors");
-  state_->calibration = calibration;
+  state_->put_in_force(calibration);
   return {};
 }
-SensorStatus Pipeline::status(std::uint16_t) const {
-  return {};
+
+SensorStatus Pipeline::status(std::uint16_t sensor) const {
+  const State& s = *state_;
+  SensorStatus status;
+  if (sensor >= s.channels.size()) return status;
+  status.dropped = s.channels[sensor].dropped;
+  status.lost = s.channels[sensor].lost;
+  Quat lab;
+  if (s.last_frame)
+    status.present = s.pose(sensor, *s.last_frame).has_value() ||
+                     s.channels[sensor].lab.at(*s.last_frame, s.settings.silence, lab);
+  for (std::size_t i = 0; i < s.face.size(); ++i) {
+    if (s.face[i] != sensor || s.settings.magnetometer) continue;
+    status.heading_rad = s.trackers[i].heading_rad();
+    status.heading_sigma_rad = s.trackers[i].sigma_rad();
+  }
+  return status;
 }
 
 }  // namespace mien::imu

@@ -6,6 +6,7 @@
 #include "mien/core/time.h"
 #include "mien/imu/calibration.h"
 #include "mien/imu/fusion.h"
+#include "mien/imu/heading.h"
 #include "mien/model/features.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
@@ -21,6 +22,7 @@ enum class Phase : std::uint8_t {
 
 struct PipelineSettings {
   FusionSettings fusion;
+  HeadingSettings heading;
   /// Fuse the magnetometer where samples carry one. All headings are then magnetic ones, and Z_i is the
   /// identity. Off: a heading from a magnetometer near electronics is worse (5 deg) than the relative one
   /// that nods give.

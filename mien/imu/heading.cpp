@@ -1,0 +1,187 @@
+#include "mien/imu/heading.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mien::imu {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+/// Errors of successive nods are hardly independent: so many looks a prologue counts for.
+constexpr double kIndependentLooks = 2;
+
+double wrap(double angle) {
+  const double wrapped = std::remainder(angle, 2 * kPi);
+  return wrapped <= -kPi ? kPi : wrapped;
+}
+
+}  // namespace
+
+Quat heading_turn(double angle_rad) {
+  return Quat(Eigen::AngleAxisd(angle_rad, Vec3::UnitY()));
+}
+
+void HeadingSums::add(const Quat& q_world_ear, const Quat& q_world_face) {
+  const Mat3 ear = q_world_ear.toRotationMatrix().transpose();
+  const Mat3 face = q_world_face.toRotationMatrix();
+  // Z = y y^T + cos (1 - y y^T) + sin [y]x, with [y]x face = (row z, 0, -row x).
+  const Mat3 vertical = ear.col(1) * face.row(1);
+  constant_ += vertical;
+  cosine_ += ear * face - vertical;
+  sine_ += ear.col(0) * face.row(2) - ear.col(2) * face.row(0);
+  up_sum_ += ear.col(1);
+  ++count_;
+}
+
+HeadingSums& HeadingSums::operator+=(const HeadingSums& other) {
+  constant_ += other.constant_;
+  cosine_ += other.cosine_;
+  sine_ += other.sine_;
+  up_sum_ += other.up_sum_;
+  count_ += other.count_;
+  return *this;
+}
+
+double HeadingSums::squared_sum(double heading_rad) const {
+  return (constant_ + std::cos(heading_rad) * cosine_ + std::sin(heading_rad) * sine_).squaredNorm();
+}
+
+Quat HeadingSums::mean(double heading_rad) const {
+  // The rotation closest to the sum of matrices: fit_rotation takes the transpose, "from" to "to".
+  const Mat3 sum = constant_ + std::cos(heading_rad) * cosine_ + std::sin(heading_rad) * sine_;
+  return fit_rotation(Mat3(sum.transpose()));
+}
+
+double HeadingSums::spread(double heading_rad) const {
+  if (count_ == 0) return 0;
+  // Sum |P - mean|_F^2 = 3 n - |sum P|^2 / n, and a turn by an angle a is 2 a^2 of it.
+  const double n = static_cast<double>(count_);
+  return std::sqrt(std::max(0.0, 0.5 * (3.0 - squared_sum(heading_rad) / (n * n))));
+}
+
+HeadingSums::Best HeadingSums::find() const {
+  Best best;
+  best.sigma_rad = kPi;
+  if (count_ < 2) return best;
+  // The sum of squares is a trigonometric polynomial of degree two: a coarse search finds its hill, halving
+  // its top.
+  constexpr int kCoarse = 72;
+  double top = -1;
+  for (int i = 0; i < kCoarse; ++i) {
+    const double angle = wrap(2 * kPi * i / kCoarse);
+    const double value = squared_sum(angle);
+    if (value > top) {
+      top = value;
+      best.heading_rad = angle;
+    }
+  }
+  double low = best.heading_rad - 2 * kPi / kCoarse;
+  double high = best.heading_rad + 2 * kPi / kCoarse;
+  constexpr double kGolden = 0.6180339887498949;
+  for (int i = 0; i < 60; ++i) {
+    const double a = high - kGolden * (high - low);
+    const double b = low + kGolden * (high - low);
+    (squared_sum(a) > squared_sum(b) ? high : low) = squared_sum(a) > squared_sum(b) ? b : a;
+  }
+  best.heading_rad = wrap(0.5 * (low + high));
+  const double n = static_cast<double>(count_);
+  const double tilt2 = 1 - (up_sum_ / n).squaredNorm();  // Mean square path of the vertical about its mean.
+  const double left = std::max(spread(best.heading_rad), 1e-4);
+  if (tilt2 > 1e-9) best.sigma_rad = std::min(kPi, left / std::sqrt(tilt2 * kIndependentLooks));
+  return best;
+}
+
+void HeadingTracker::start(double heading_rad, double sigma_rad) {
+  *this = HeadingTracker(settings_);
+  heading_ = heading_rad;
+  cov_(0, 0) = sigma_rad * sigma_rad;
+  cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
+}
+
+double HeadingTracker::sigma_rad() const {
+  return std::min(kPi, std::sqrt(std::max(0.0, cov_(0, 0))));
+}
+
+void HeadingTracker::predict(double dt_s) {
+  heading_ = wrap(heading_ + rate_ * dt_s);
+  Eigen::Matrix2d step;
+  step << 1, dt_s, 0, 1;
+  cov_ = (step * cov_ * step.transpose()).eval();
+  cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
+  cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
+}
+
+void HeadingTracker::begin(const Quat& q_ear_face) {
+  stretch_s_ = 0;
+  n_ = 0;
+  from_ = q_ear_face;
+  world_sum_.setZero();
+  turn_sum_.setZero();
+  world_turn_sum_.setZero();
+  turn_turn_ = 0;
+}
+
+void HeadingTracker::skip(double dt_s) {
+  predict(dt_s);
+  still_s_ = 0;
+}
+
+void HeadingTracker::measure(double error_rad, double sigma_rad) {
+  // What was seen is Z's excess: the heading less the true one.
+  const double variance = cov_(0, 0) + sigma_rad * sigma_rad;
+  const Eigen::Vector2d kalman = cov_.col(0) / variance;
+  heading_ = wrap(heading_ - kalman.x() * error_rad);
+  rate_ -= kalman.y() * error_rad;
+  const Eigen::RowVector2d row = cov_.row(0);
+  cov_ = (cov_ - kalman * row).eval();
+}
+
+void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
+                         const Vec3& head_rate_rad_s) {
+  predict(dt_s);
+  smooth_rate_ += std::min(1.0, dt_s / 0.1) * (rate_rad_s - smooth_rate_);
+  if (smooth_rate_.norm() > settings_.still_rad_s + settings_.still_share * head_rate_rad_s.norm()) {
+    still_s_ = 0;
+    return;
+  }
+  const bool was_still = still_s_ >= settings_.still_s;
+  still_s_ += dt_s;
+  if (still_s_ < settings_.still_s) return;
+  if (!was_still || stretch_s_ > settings_.max_stretch_s) begin(q_ear_face);
+
+  const Vec3 turn = log_rotation(q_ear_face * from_.conjugate());
+  const Mat3 world_ear = q_world_ear.toRotationMatrix();
+  stretch_s_ += dt_s;
+  n_ += 1;
+  world_sum_ += world_ear;
+  turn_sum_ += turn;
+  world_turn_sum_ += world_ear * turn;
+  turn_turn_ += turn.squaredNorm();
+
+  // Least squares of turn = R_h^T e + constant, the constant taken out, the inclinations held near nought.
+  const double frame2 = settings_.frame_sigma_rad * settings_.frame_sigma_rad * settings_.correlated_frames;
+  const double hold = frame2 / (settings_.tilt_sigma_rad * settings_.tilt_sigma_rad);
+  const Mat3 normal = Mat3(Mat3::Identity() * n_ - world_sum_ * world_sum_.transpose() / n_);
+  Mat3 held = normal;
+  held(0, 0) += hold;
+  held(2, 2) += hold;
+  // A pure turn about the vertical tells nothing of it: a row of noughts, no inverse.
+  if (normal(1, 1) < settings_.min_information) return;
+  const Mat3 inverse = held.inverse();
+  const double information = 1 / inverse(1, 1);
+  if (!(information > settings_.min_information)) return;
+
+  const Vec3 right = world_turn_sum_ - world_sum_ * turn_sum_ / n_;
+  const Vec3 error = inverse * right;
+  const double all = turn_turn_ - turn_sum_.squaredNorm() / n_;
+  const double residual2 = std::max(0.0, all - 2 * error.dot(right) + error.dot(normal * error)) / n_;
+  if (residual2 < settings_.max_residual_rad * settings_.max_residual_rad) {
+    const double noise2 = std::max(frame2, residual2 * settings_.correlated_frames);
+    measure(error.y(), std::sqrt(noise2 / information));
+  }
+  begin(q_ear_face);
+}
+
+}  // namespace mien::imu

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cstddef>
+
+#include "mien/core/rotation.h"
+
+namespace mien::imu {
+
+/// Z(angle): the turn about the vertical that brings one fusion's world to another's.
+[[nodiscard]] Quat heading_turn(double angle_rad);
+
+/// Sums of P(Z) = R_h^T Z R_i over frames, for every Z at once: Z is linear in 1, cos and sin of its angle,
+/// so three 3 x 3 sums hold all that a search over the heading needs. No frame is kept.
+class HeadingSums {
+ public:
+  /// One frame: orientations of ear sensor and face sensor in their own fusions' worlds.
+  void add(const Quat& q_world_ear, const Quat& q_world_face);
+  HeadingSums& operator+=(const HeadingSums& other);
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// The mean of P at a heading, brought back to a rotation.
+  [[nodiscard]] Quat mean(double heading_rad) const;
+  /// Root mean square angle of P from its mean at a heading, rad.
+  [[nodiscard]] double spread(double heading_rad) const;
+
+  struct Best {
+    double heading_rad = 0;  ///< (-pi, pi]: P is most constant.
+    double sigma_rad =
+        0;  ///< From the spread that is left and how much the head tilted; pi when it did not tilt.
+  };
+  [[nodiscard]] Best find() const;
+
+ private:
+  [[nodiscard]] double squared_sum(double heading_rad) const;
+  Mat3 constant_ = Mat3::Zero();
+  Mat3 cosine_ = Mat3::Zero();
+  Mat3 sine_ = Mat3::Zero();
+  Vec3 up_sum_ = Vec3::Zero();  // Of the vertical in the ear sensor's axes.
+  std::size_t count_ = 0;
+};
+
+struct HeadingSettings {
+  /// The face is still when it turns slower than this against the head (smoothed over 0.1 s), rad/s (4
+  /// deg/s), ...
+  double still_rad_s = 0.07;
+  /// ... and this share of the head's own rate, which gyroscopes' scales make of it, ...
+  double still_share = 0.03;
+  /// ... for this long, s.
+  double still_s = 0.3;
+  /// A stretch ends when its tilts tell the heading: so many squared paths of the vertical in the head,
+  /// summed over 60 Hz frames, are left after the inclinations' share is taken out.
+  double min_information = 3;
+  /// A stretch that told nothing after this time begins anew, s.
+  double max_stretch_s = 4.0;
+  /// Standard deviation of one frame's orientation error, rad (0.4 deg), and the frames over which it is the
+  /// same error.
+  double frame_sigma_rad = 0.007;
+  double correlated_frames = 8;
+  /// Standard deviation of the difference of two fusions' inclinations, rad (1.5 deg): it moves with the head
+  /// too.
+  double tilt_sigma_rad = 0.026;
+  /// A stretch whose rotation does not follow the tilt to this, rad (1 deg), was a moving face.
+  double max_residual_rad = 0.0175;
+  /// How the difference of two gyroscopes' rates about the vertical wanders, rad/s per root s, and how unsure
+  /// it is at first, rad/s (0.15 deg/s). Biases wander slowly (0.05 deg/s a root minute); but nodding and
+  /// turning at once turns half a percent of scale into a tenth of a degree a second, and stops when the head
+  /// does.
+  double rate_walk = 6e-4;
+  double rate_sigma_rad_s = 2.6e-3;
+  /// How the heading itself wanders, rad per root s (0.03 deg).
+  double heading_walk = 5e-4;
+};
+
+/// Follows one sensor's heading error after the prologue. Where the head tilts while the face is still, an
+/// error e of the world (a turn about the vertical, and what the inclinations differ) turns P by R_h^T e plus
+/// a constant: three numbers by least squares, of which the vertical one corrects the heading and, over time,
+/// its rate. Elsewhere the uncertainty grows.
+class HeadingTracker {
+ public:
+  explicit HeadingTracker(const HeadingSettings& settings = {}) : settings_(settings) {}
+  /// From a calibration.
+  void start(double heading_rad, double sigma_rad);
+  /// Z's angle now.
+  [[nodiscard]] double heading_rad() const { return heading_; }
+  [[nodiscard]] double sigma_rad() const;
+  /// Something else made it unsure: a gap, by so much.
+  void inflate(double sigma_rad) { cov_(0, 0) += sigma_rad * sigma_rad; }
+
+  /// One frame. `q_ear_face` is P at heading_rad(); `q_world_ear` is R_h; `rate_rad_s` the rate of the face
+  /// sensor against the ear sensor, `head_rate_rad_s` the ear sensor's own; both in its axes.
+  void add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
+           const Vec3& head_rate_rad_s);
+  /// One frame in which the sensor or the ear's was missing.
+  void skip(double dt_s);
+
+ private:
+  void predict(double dt_s);
+  void begin(const Quat& q_ear_face);
+  void measure(double error_rad, double sigma_rad);
+
+  HeadingSettings settings_;
+  double heading_ = 0;
+  double rate_ = 0;
+  Eigen::Matrix2d cov_ = Eigen::Matrix2d::Zero();
+  Vec3 smooth_rate_ = Vec3::Zero();
+  double still_s_ = 0;
+  // The running stretch.
+  double stretch_s_ = 0;
+  double n_ = 0;
+  Quat from_ = Quat::Identity();
+  Mat3 world_sum_ = Mat3::Zero();  // Of R_h.
+  Vec3 turn_sum_ = Vec3::Zero();   // Of P's turns since the stretch began, ear's axes.
+  Vec3 world_turn_sum_ = Vec3::Zero();
+  double turn_turn_ = 0;
+};
+
+}  // namespace mien::imu

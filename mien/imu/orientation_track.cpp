@@ -1,0 +1,62 @@
+#include "mien/imu/orientation_track.h"
+
+#include <algorithm>
+
+namespace mien::imu {
+namespace {
+
+constexpr Duration kHalfFrame{1'000'000'000 / 120};
+
+}  // namespace
+
+void OrientationTrack::add(const FusedSample& sample) {
+  entries_[count_ % kSize] = sample;
+  ++count_;
+}
+
+Vec3 OrientationTrack::force_around(DeviceTime time) const {
+  Vec3 sum = Vec3::Zero();
+  int n = 0;
+  const std::size_t size = std::min(count_, kSize);
+  for (std::size_t i = 0; i < size; ++i) {
+    const FusedSample& entry = back(i);
+    if (entry.time < time - kHalfFrame) break;
+    if (entry.time > time + kHalfFrame) continue;
+    sum += entry.force_world_m_s2;
+    ++n;
+  }
+  return n > 0 ? Vec3(sum / n) : newest().force_world_m_s2;
+}
+
+std::optional<FusedSample> OrientationTrack::at(DeviceTime time, Duration silence,
+                                                Duration prediction) const {
+  if (count_ == 0) return std::nullopt;
+  FusedSample out = newest();
+  if (time >= out.time) {
+    const Duration ahead = time - out.time;
+    if (ahead > silence) return std::nullopt;
+    out.orientation =
+        out.orientation * exp_rotation(out.rate_rad_s * to_seconds(std::min(ahead, prediction)));
+  } else {
+    const std::size_t size = std::min(count_, kSize);
+    std::size_t i = 1;
+    while (i < size && back(i).time > time) ++i;
+    if (i == size) {
+      // Older than all that is kept: the oldest stands for a moment before it.
+      out = back(size - 1);
+      if (out.time - time > silence) return std::nullopt;
+    } else {
+      const FusedSample& before = back(i);
+      const FusedSample& after = back(i - 1);
+      if (after.time - before.time > silence) return std::nullopt;
+      const double u = to_seconds(time - before.time) / to_seconds(after.time - before.time);
+      out.orientation = before.orientation.slerp(u, after.orientation);
+      out.rate_rad_s = (1 - u) * before.rate_rad_s + u * after.rate_rad_s;
+    }
+  }
+  out.force_world_m_s2 = force_around(time);
+  out.time = time;
+  return out;
+}
+
+}  // namespace mien::imu

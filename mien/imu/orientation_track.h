@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "mien/core/rotation.h"
+#include "mien/core/time.h"
+
+namespace mien::imu {
+
+/// One fused sample.
+struct FusedSample {
+  DeviceTime time;
+  Quat orientation = Quat::Identity();   ///< q_world_sensor.
+  Vec3 force_world_m_s2 = Vec3::Zero();  ///< Specific force in that fusion's world; +g along +Y at rest.
+  Vec3 rate_rad_s = Vec3::Zero();        ///< Without bias, frame S.
+};
+
+/// The newest fused samples of one sensor, and what lies between them. No allocation.
+class OrientationTrack {
+ public:
+  /// Times rise from call to call.
+  void add(const FusedSample& sample);
+  void clear() { count_ = 0; }
+  [[nodiscard]] bool empty() const { return count_ == 0; }
+  [[nodiscard]] const FusedSample& newest() const { return entries_[(count_ - 1) % kSize]; }
+
+  /// What the sensor read at `time`: interpolated between samples; beyond the newest turned on at its rate
+  /// for `prediction` at most, then held. The force is the mean over a 60th of a second around. None when the
+  /// nearest sample before, or the gap around, is farther than `silence`.
+  [[nodiscard]] std::optional<FusedSample> at(DeviceTime time, Duration silence, Duration prediction) const;
+
+ private:
+  static constexpr std::size_t kSize = 64;  // A quarter of a second at 240 Hz.
+  [[nodiscard]] const FusedSample& back(std::size_t i) const { return entries_[(count_ - 1 - i) % kSize]; }
+  [[nodiscard]] Vec3 force_around(DeviceTime time) const;
+
+  std::array<FusedSample, kSize> entries_;
+  std::size_t count_ = 0;  // Ever added.
+};
+
+}  // namespace mien::imu

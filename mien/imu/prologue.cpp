@@ -1,0 +1,223 @@
+#include "mien/imu/prologue.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace mien::imu {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180;
+
+/// Frames of neutral, and of a nod, that a calibration is made of at least: half a second.
+constexpr std::size_t kMinFrames = 30;
+/// A head that turned so far from neutral has begun its nod.
+constexpr double kFirstTurn = 4 * kDeg;
+
+// What passes. A nod of 10 degrees finds the heading to a few degrees; the others tell a step that was not
+// done as asked.
+constexpr double kMaxStillRate = 4 * kDeg;   // Of the head in the hold, RMS, rad/s.
+constexpr double kMaxFaceSpread = 2 * kDeg;  // Of the worst sensor against the head in the hold.
+constexpr double kMinNod = 10 * kDeg;
+constexpr double kMinShake = 10 * kDeg;
+constexpr double kMinAxisShare = 0.8;
+constexpr double kMaxNodTilt = 20 * kDeg;    // Of the nod's axis out of the horizontal.
+constexpr double kMaxShakeTilt = 20 * kDeg;  // Of the shake's axis off the vertical.
+constexpr double kMaxHeadingSigma = 3 * kDeg;
+
+sensor::Score score(std::string name, double value, const char* unit, bool pass, std::string sentence) {
+  return {std::move(name), value, unit, pass, std::move(sentence)};
+}
+
+}  // namespace
+
+void Prologue::Sway::add(const Vec3& rate_rad_s, double angle_rad) {
+  rate_square += rate_rad_s * rate_rad_s.transpose();
+  ++count;
+  largest_rad = std::max(largest_rad, angle_rad);
+}
+
+Vec3 Prologue::Sway::axis() const {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(rate_square).eigenvectors().col(2);
+}
+
+double Prologue::Sway::axis_share() const {
+  const double all = rate_square.trace();
+  return all > 0 ? Eigen::SelfAdjointEigenSolver<Mat3>(rate_square).eigenvalues()[2] / all : 0;
+}
+
+double Prologue::Sway::rms_rad_s() const {
+  return count > 0 ? std::sqrt(rate_square.trace() / static_cast<double>(count)) : 0;
+}
+
+Prologue::Prologue(const sensor::Rig& rig) {
+  for (const std::uint16_t index : rig.face_sensors()) {
+    names_.push_back(rig.sensors[index].name);
+    outward_.push_back(rig.sensors[index].outward);
+  }
+  begin_neutral();
+}
+
+void Prologue::begin_neutral() {
+  hold_.assign(names_.size(), {});
+  force_.assign(names_.size(), {});
+  ear_sum_.setZero();
+  ear_up_sum_.setZero();
+  still_ = {};
+  begin_nod();
+  begin_shake();
+}
+
+void Prologue::begin_nod() {
+  nod_.assign(names_.size(), {});
+  nodding_ = {};
+  first_turn_.reset();
+}
+
+void Prologue::begin_shake() {
+  shaking_ = {};
+}
+
+Vec3 Prologue::from_neutral(const Quat& q_world_ear) const {
+  if (still_.count == 0) return Vec3::Zero();
+  const Quat neutral = fit_rotation(Mat3(ear_sum_.transpose()));
+  return log_rotation(neutral.conjugate() * q_world_ear);
+}
+
+void Prologue::add_neutral(const Frame& frame) {
+  const Mat3 ear = frame.q_world_ear.toRotationMatrix();
+  ear_sum_ += ear;
+  ear_up_sum_ += ear.row(1).transpose();
+  still_.add(frame.ear_rate_rad_s, 0);
+  for (std::size_t i = 0; i < frame.face.size(); ++i) {
+    if (!frame.face[i].present) continue;
+    hold_[i].add(frame.q_world_ear, frame.face[i].q_world_face);
+    const Vec3& f = frame.face[i].force_world_m_s2;
+    // R_h^T (Z f - f_h), with Z f = (0, y, 0) + cos (x, 0, z) + sin (z, 0, -x).
+    force_[i].constant += ear.transpose() * (Vec3(0, f.y(), 0) - frame.ear_force_world_m_s2);
+    force_[i].cosine += ear.transpose() * Vec3(f.x(), 0, f.z());
+    force_[i].sine += ear.transpose() * Vec3(f.z(), 0, -f.x());
+  }
+}
+
+void Prologue::add_nod(const Frame& frame) {
+  const Vec3 turn = from_neutral(frame.q_world_ear);
+  nodding_.add(frame.ear_rate_rad_s, turn.norm());
+  if (!first_turn_ && turn.norm() > kFirstTurn) first_turn_ = turn;
+  for (std::size_t i = 0; i < frame.face.size(); ++i)
+    if (frame.face[i].present) nod_[i].add(frame.q_world_ear, frame.face[i].q_world_face);
+}
+
+void Prologue::add_shake(const Frame& frame) {
+  shaking_.add(frame.ear_rate_rad_s, from_neutral(frame.q_world_ear).norm());
+}
+
+Calibration Prologue::solve() const {
+  Calibration out;
+  out.sensors.resize(names_.size());
+  if (still_.count < kMinFrames) {
+    out.scores.push_back(
+        score("neutral", 0, "", false,
+              "the head sensor was not heard while holding still; check it and hold still again"));
+    return out;
+  }
+  const double still_dps = still_.rms_rad_s() / kDeg;
+  out.scores.push_back(score("neutral", still_dps, "dps", still_.rms_rad_s() <= kMaxStillRate,
+                             still_.rms_rad_s() <= kMaxStillRate
+                                 ? "the head held still"
+                                 : "the head moved; hold still for three seconds again"));
+
+  // Headings, from hold and nod together.
+  double worst_spread = 0;
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    SensorCalibration& sensor = out.sensors[i];
+    if (hold_[i].count() < kMinFrames || nod_[i].count() < kMinFrames) continue;
+    HeadingSums both = hold_[i];
+    both += nod_[i];
+    const HeadingSums::Best best = both.find();
+    sensor.valid = true;
+    sensor.heading_rad = best.heading_rad;
+    sensor.heading_sigma_rad = best.sigma_rad;
+    sensor.neutral = hold_[i].mean(best.heading_rad);
+    worst_spread = std::max(worst_spread, hold_[i].spread(best.heading_rad));
+  }
+  if (nodding_.count < kMinFrames) return out;
+  out.scores.push_back(score("neutral face", worst_spread / kDeg, "deg", worst_spread <= kMaxFaceSpread,
+                             worst_spread <= kMaxFaceSpread
+                                 ? "the face held still"
+                                 : "the face moved while holding still; relax and hold still again"));
+
+  // C: up from gravity, left from the nod's axis, which turns positively when the head goes down.
+  const Vec3 up = ear_up_sum_.normalized();
+  const Vec3 nod_axis = nodding_.axis();
+  const Vec3 level = nod_axis - up * up.dot(nod_axis);
+  const double nod_tilt = std::asin(std::clamp(std::abs(up.dot(nod_axis)), 0.0, 1.0));
+  const double share = nodding_.axis_share();
+  const bool nodded = first_turn_.has_value() && nodding_.largest_rad >= kMinNod;
+  out.scores.push_back(
+      score("nod", nodding_.largest_rad / kDeg, "deg", nodded,
+            nodded ? "the nod was large enough" : "the nod was too small; nod by 15 degrees or more"));
+  const bool straight = nod_tilt <= kMaxNodTilt && share >= kMinAxisShare;
+  out.scores.push_back(score("nod axis", nod_tilt / kDeg, "deg", straight,
+                             straight
+                                 ? "the nod was straight"
+                                 : "the nod was mixed with other turns; nod straight down and up again"));
+  if (!first_turn_ || level.norm() < 0.1) return out;
+  Vec3 left = level.normalized();
+  if (left.dot(*first_turn_) < 0) left = -left;
+
+  // The mean outward direction of the face is forward; it overrules the nod's beginning.
+  Vec3 outward = Vec3::Zero();
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (outward_[i] && out.sensors[i].valid) outward += out.sensors[i].neutral * *outward_[i];
+  if (outward.norm() > 0.1) {
+    const bool agree = left.cross(up).dot(outward) > 0;
+    if (!agree) left = -left;
+    out.scores.push_back(
+        score("nod direction", agree ? 1 : 0, "", agree,
+              agree ? "the nod began downwards, as the sensors' outward axes say too"
+                    : "the nod began upwards, or the sensors' outward axes are wrong; nod down first"));
+  }
+  Mat3 to_head;
+  to_head.row(0) = left.transpose();
+  to_head.row(1) = up.transpose();
+  to_head.row(2) = left.cross(up).transpose();
+  out.q_head_ear = canonical(Quat(to_head));
+  const Quat neutral_ear = fit_rotation(Mat3(ear_sum_.transpose()));
+  const Vec3 ahead = neutral_ear * (out.q_head_ear.conjugate() * Vec3::UnitZ());
+  out.neutral_heading_rad = std::atan2(ahead.x(), ahead.z());
+  out.complete = true;
+
+  if (shaking_.count >= kMinFrames) {
+    const double off = std::acos(std::clamp(std::abs(up.dot(shaking_.axis())), 0.0, 1.0));
+    const bool good = off <= kMaxShakeTilt && shaking_.largest_rad >= kMinShake;
+    out.scores.push_back(
+        score("shake", off / kDeg, "deg", good,
+              good ? "the shake was about the vertical that gravity gives"
+                   : "the shake was small or not about the vertical; sit upright and calibrate again"));
+  }
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    SensorCalibration& sensor = out.sensors[i];
+    if (!sensor.valid) {
+      out.scores.push_back(score("heading " + names_[i], 180, "deg", false,
+                                 "the sensor was silent in the prologue; check it and calibrate again"));
+      continue;
+    }
+    const bool good = sensor.heading_sigma_rad <= kMaxHeadingSigma;
+    out.scores.push_back(
+        score("heading " + names_[i], sensor.heading_sigma_rad / kDeg, "deg", good,
+              good ? "the nod tells how this sensor is headed"
+                   : "the nod does not tell how this sensor is headed; keep the face still and nod wider"));
+    const ForceSums& f = force_[i];
+    sensor.neutral_accel_m_s2 =
+        out.q_head_ear *
+        Vec3(f.constant + std::cos(sensor.heading_rad) * f.cosine + std::sin(sensor.heading_rad) * f.sine) /
+        static_cast<double>(hold_[i].count());
+  }
+  return out;
+}
+
+}  // namespace mien::imu

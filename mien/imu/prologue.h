@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/rotation.h"
+#include "mien/imu/calibration.h"
+#include "mien/imu/heading.h"
+#include "mien/sensor/rig.h"
+
+namespace mien::imu {
+
+/// Gathers the prologue frame by frame and makes the calibration of it. No frame is kept: sums hold all.
+class Prologue {
+ public:
+  explicit Prologue(const sensor::Rig& rig);
+
+  /// What one frame says. `face` holds one entry a face sensor; an absent one is missing.
+  struct Frame {
+    Quat q_world_ear;
+    Vec3 ear_rate_rad_s = Vec3::Zero();  ///< Without bias, the ear sensor's axes.
+    Vec3 ear_force_world_m_s2 = Vec3::Zero();
+    struct Face {
+      bool present = false;
+      Quat q_world_face;
+      Vec3 force_world_m_s2 = Vec3::Zero();
+    };
+    std::vector<Face> face;
+  };
+
+  void begin_neutral();
+  void add_neutral(const Frame& frame);
+  void begin_nod();
+  void add_nod(const Frame& frame);
+  void begin_shake();
+  void add_shake(const Frame& frame);
+
+  /// What is known now. Complete when neutral and nod are in and the ear sensor was there; scores judge what
+  /// is in.
+  [[nodiscard]] Calibration solve() const;
+
+ private:
+  struct Sway {
+    Mat3 rate_square = Mat3::Zero();  // Sum of rate rate^T.
+    std::size_t count = 0;
+    double largest_rad = 0;  // From neutral.
+    void add(const Vec3& rate_rad_s, double angle_rad);
+    [[nodiscard]] Vec3 axis() const;          // The one turned about most; sign free.
+    [[nodiscard]] double axis_share() const;  // Of the turning, how much is about it.
+    [[nodiscard]] double rms_rad_s() const;
+  };
+  [[nodiscard]] Vec3 from_neutral(const Quat& q_world_ear) const;
+
+  std::vector<std::string> names_;
+  std::vector<std::optional<Vec3>> outward_;
+  std::vector<HeadingSums> hold_;
+  std::vector<HeadingSums> nod_;
+  // Face less ear force over the hold is linear in cos and sin of the heading too; it is averaged after Z is
+  // known.
+  struct ForceSums {
+    Vec3 constant = Vec3::Zero(), cosine = Vec3::Zero(), sine = Vec3::Zero();
+  };
+  std::vector<ForceSums> force_;
+  Mat3 ear_sum_ = Mat3::Zero();  // Of R_h over the hold.
+  Vec3 ear_up_sum_ = Vec3::Zero();
+  Sway still_;
+  Sway nodding_;
+  Sway shaking_;
+  std::optional<Vec3> first_turn_;
+};
+
+}  // namespace mien::imu

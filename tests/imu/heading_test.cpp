@@ -1,0 +1,113 @@
+#include "mien/imu/heading.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mien/core/random.h"
+
+namespace mien::imu {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180;
+
+Quat about(const Vec3& axis, double angle) {
+  return Quat(Eigen::AngleAxisd(angle, axis));
+}
+
+TEST(HeadingSums, ANodFindsAnyHeading) {
+  Random random(1);
+  for (int trial = 0; trial < 30; ++trial) {
+    const double heading = random.uniform(-180, 180) * kDeg;
+    const Quat ear_mount = random.rotation();
+    const Quat face_mount = random.rotation();
+    HeadingSums sums;
+    for (int i = 0; i < 120; ++i) {
+      const Quat head = about(Vec3::UnitX(), 15 * kDeg * std::sin(0.1 * i));
+      // The face's fusion reads the world turned by -heading.
+      sums.add(head * ear_mount, heading_turn(-heading) * head * face_mount);
+    }
+    const auto best = sums.find();
+    EXPECT_NEAR(std::remainder(best.heading_rad - heading, 2 * std::numbers::pi), 0, 1e-5);
+    EXPECT_LT(best.sigma_rad, 0.1 * kDeg);
+    EXPECT_LT(sums.spread(best.heading_rad), 0.01 * kDeg);
+    EXPECT_LT(angle_between(sums.mean(best.heading_rad), ear_mount.conjugate() * face_mount), 1e-5);
+  }
+}
+
+TEST(HeadingSums, AShakeAboutTheVerticalTellsNothing) {
+  HeadingSums sums;
+  for (int i = 0; i < 120; ++i) {
+    const Quat head = about(Vec3::UnitY(), 30 * kDeg * std::sin(0.1 * i));
+    sums.add(head, heading_turn(1) * head);
+  }
+  EXPECT_GT(sums.find().sigma_rad, 90 * kDeg);
+  EXPECT_GT(HeadingSums().find().sigma_rad, 90 * kDeg);
+}
+
+TEST(HeadingSums, NoiseIsSaid) {
+  Random random(2);
+  HeadingSums sums;
+  for (int i = 0; i < 120; ++i) {
+    const Quat head = about(Vec3::UnitX(), 10 * kDeg * std::sin(0.1 * i));
+    const Quat noise = exp_rotation(1.0 * kDeg * Vec3(random.normal(), random.normal(), random.normal()));
+    sums.add(head, heading_turn(-0.5) * head * noise);
+  }
+  const auto best = sums.find();
+  EXPECT_NEAR(best.heading_rad, 0.5, 3 * best.sigma_rad);
+  EXPECT_GT(best.sigma_rad, 2 * kDeg);
+}
+
+/// P of a still face whose heading is `error` off, on a head that nods and turns.
+struct Still {
+  static Quat head(double t) {
+    return about(Vec3::UnitY(), 30 * kDeg * std::sin(2.2 * t)) *
+           about(Vec3::UnitX(), 15 * kDeg * std::sin(3.1 * t));
+  }
+};
+
+TEST(HeadingTracker, FollowsADriftWhileTheHeadNods) {
+  HeadingTracker tracker;
+  tracker.start(0.3, 0.5 * kDeg);
+  double truth = 0.3;
+  for (int i = 0; i < 60 * 60; ++i) {
+    const double t = i / 60.0;
+    truth += 0.05 * kDeg / 60;
+    const Quat head = Still::head(t);
+    const Quat relative = head.conjugate() * heading_turn(tracker.heading_rad() - truth) * head;
+    tracker.add(1 / 60.0, relative, head, Vec3::Zero(), Vec3::Zero());
+    if (t > 20) {
+      EXPECT_NEAR(tracker.heading_rad(), truth, 0.4 * kDeg) << t;
+    }
+  }
+  EXPECT_LT(tracker.sigma_rad(), 1 * kDeg);
+}
+
+TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
+  HeadingTracker turning;
+  HeadingTracker moving;
+  HeadingTracker missing;
+  for (HeadingTracker* tracker : {&turning, &moving, &missing}) tracker->start(0, 0.3 * kDeg);
+  double last = 0;
+  for (int i = 0; i < 60 * 20; ++i) {
+    const double t = i / 60.0;
+    const Quat head = about(Vec3::UnitY(), std::sin(t));
+    turning.add(1 / 60.0, Quat::Identity(), head, Vec3::Zero(), Vec3::Zero());
+    // A face that talks: its turns must not be taken for the heading's.
+    moving.add(1 / 60.0, exp_rotation(0.3 * std::sin(8 * t) * Vec3::UnitZ()), Still::head(t), Vec3(0, 0, 1.5),
+               Vec3::Zero());
+    missing.skip(1 / 60.0);
+    if (i % 60 == 0) {
+      EXPECT_GE(turning.sigma_rad(), last);
+      last = turning.sigma_rad();
+    }
+  }
+  for (const HeadingTracker* tracker : {&turning, &moving, &missing}) {
+    EXPECT_EQ(tracker->heading_rad(), 0);
+    EXPECT_GT(tracker->sigma_rad(), 1 * kDeg);
+  }
+}
+
+}  // namespace
+}  // namespace mien::imu

@@ -1,0 +1,309 @@
+#include "mien/imu/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <iostream>
+#include <limits>
+
+#include "tests/imu/nodding_head.h"
+
+namespace mien::imu {
+namespace {
+
+using testing_head::Entry;
+using testing_head::Faults;
+using testing_head::kDeg;
+using testing_head::play;
+using testing_head::record;
+using testing_head::Recording;
+using testing_head::rotation_of;
+using testing_head::Script;
+
+Quat still_skin(std::size_t, double) {
+  return Quat::Identity();
+}
+
+/// A skin that turns by up to 20 degrees about an axis of its own once the prologue is over, then rests at
+/// neutral.
+Quat moving_skin(std::size_t sensor, double t) {
+  static const std::array<Vec3, 3> axes = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  const double on = testing_head::ease((t - 10) / 0.5) * (1 - testing_head::ease((t - 25) / 0.5));
+  return exp_rotation(on * 20 * kDeg * std::sin(2.5 * t) * axes[sensor % 3]);
+}
+
+Faults no_faults() {
+  Faults faults;
+  faults.scale = 0;
+  return faults;
+}
+
+// The promise of the device profile: a still face on a nodding and turning head reads as still.
+TEST(Pipeline, AStillFaceOnAMovingHeadReadsStill) {
+  const Script script;
+  double sum = 0;
+  double worst = 0;
+  std::size_t count = 0;
+  for (const std::uint64_t seed : {11U, 12U, 13U}) {
+    const Recording recording = record(script, Faults{}, 11, seed, still_skin);
+    Pipeline pipeline(recording.rig);
+    std::array<double, 11> square{};
+    std::array<std::size_t, 11> frames{};
+    play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+      if (t < script.move_begin) return;
+      for (std::size_t i = 0; i < 11; ++i) {
+        if (!frame.sensors[i].has_rotation) continue;
+        const double angle = log_rotation(rotation_of(frame.sensors[i])).norm();
+        square[i] += angle * angle;
+        ++frames[i];
+      }
+    });
+    for (const sensor::Score& score : pipeline.calibration().scores) EXPECT_TRUE(score.pass) << score.name;
+    for (std::size_t i = 0; i < 11; ++i) {
+      EXPECT_GT(frames[i], 3500u);
+      worst = std::max(worst, std::sqrt(square[i] / static_cast<double>(frames[i])) / kDeg);
+      sum += square[i];
+      count += frames[i];
+    }
+  }
+  const double rms = std::sqrt(sum / static_cast<double>(count)) / kDeg;
+  std::cout << "skin rotation of a still face: " << rms << " deg RMS, worst sensor " << worst << " deg\n";
+  EXPECT_LT(rms, 1.5);
+  EXPECT_LT(worst, 2.2);
+}
+
+TEST(Pipeline, ReadsTheSkinsOwnTurnInTheHeadsAxes) {
+  Script script;
+  script.end = 24;
+  const Recording recording = record(script, no_faults(), 3, 21, moving_skin);
+  Pipeline pipeline(recording.rig);
+  std::size_t frames = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t < 10) return;
+    ASSERT_TRUE(frame.has_head);
+    EXPECT_LT(angle_between(frame.head, script.head(t)), 1.5 * kDeg) << t;
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_LT(angle_between(rotation_of(frame.sensors[i]), moving_skin(i, t)), 1.5 * kDeg)
+          << i << " at " << t;
+    ++frames;
+  });
+  EXPECT_GT(frames, 800u);
+}
+
+TEST(Pipeline, AMovingFaceDoesNotDragItsHeading) {
+  Script script;
+  script.end = 40;
+  const Recording recording = record(script, Faults{}, 3, 22, moving_skin);
+  Pipeline pipeline(recording.rig);
+  double square = 0;
+  std::size_t frames = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t < 10) return;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double error = angle_between(rotation_of(frame.sensors[i]), moving_skin(i, t));
+      square += error * error;
+      ++frames;
+    }
+  });
+  EXPECT_LT(std::sqrt(square / static_cast<double>(frames)), 2.0 * kDeg);
+}
+
+TEST(Pipeline, OutwardAxesOverruleANodThatBeganUpwards) {
+  Script script;
+  script.end = 12;
+  script.first_nod = -1;
+  Quat right;
+  Quat mirrored;
+  for (const bool outward : {true, false}) {
+    const Recording recording = record(script, no_faults(), 3, 23, still_skin, outward);
+    Pipeline pipeline(recording.rig);
+    Quat head;
+    play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+      if (frame.has_head) head = frame.head.conjugate() * script.head(t);
+    });
+    ASSERT_TRUE(pipeline.calibration().complete);
+    if (outward) {
+      EXPECT_LT(angle_between(head, Quat::Identity()), 3 * kDeg);
+      right = pipeline.calibration().q_head_ear;
+      EXPECT_FALSE(sensor::all_pass(pipeline.calibration().scores));
+    } else {
+      // Without them nobody can know: pitch is taken for its opposite, left for right.
+      mirrored = pipeline.calibration().q_head_ear;
+      EXPECT_TRUE(sensor::all_pass(pipeline.calibration().scores));
+    }
+  }
+  EXPECT_NEAR(angle_between(right, mirrored), std::numbers::pi, 1 * kDeg);
+}
+
+TEST(Pipeline, LeverArmsTakeTheHeadsTurningOutOfTheAcceleration) {
+  Script script;
+  script.end = 25;
+  std::array<double, 2> square{};
+  for (const bool positions : {false, true}) {
+    const Recording recording = record(script, no_faults(), 3, 24, still_skin, false, positions);
+    Pipeline pipeline(recording.rig);
+    play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+      if (t < 12) return;
+      for (const auto& feature : frame.sensors) {
+        ASSERT_TRUE(feature.has_accel);
+        square[positions ? 1 : 0] += feature.accel_m_s2.squaredNorm();
+      }
+    });
+  }
+  EXPECT_LT(std::sqrt(square[1]), 0.4 * std::sqrt(square[0]));
+}
+
+TEST(Pipeline, SaysNothingBeforeACalibration) {
+  Script script;
+  script.end = 3;
+  const Recording recording = record(script, Faults{}, 3, 25, still_skin);
+  Pipeline pipeline(recording.rig);
+  play(recording, script, pipeline, [&](double, const model::FeatureFrame& frame, const Pipeline&) {
+    EXPECT_FALSE(frame.has_head);
+    ASSERT_EQ(frame.sensors.size(), 3u);
+    for (const auto& feature : frame.sensors) {
+      EXPECT_FALSE(feature.has_rotation);
+      EXPECT_FALSE(feature.has_accel);
+    }
+  });
+  EXPECT_FALSE(pipeline.calibration().complete);
+}
+
+TEST(Pipeline, LostSensorsAreMissingAndTheOthersAreNot) {
+  Script script;
+  script.end = 22;
+  Recording recording = record(script, Faults{}, 3, 26, still_skin);
+  // Sensor 1 from second 14 on; the ear's from 18 to 19.
+  std::erase_if(recording.entries, [](const Entry& entry) {
+    const double t = to_seconds(entry.arrival.time_since_epoch());
+    return (entry.samples[0].sensor == 1 && t > 14) || (entry.samples[0].sensor == 3 && t > 18 && t < 19);
+  });
+  Pipeline pipeline(recording.rig);
+  std::size_t seen = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline& p) {
+    if (t < 11) return;
+    if (t < 13.9 || (t > 14.2 && t < 17.9)) {
+      EXPECT_TRUE(frame.sensors[0].has_rotation);
+      EXPECT_EQ(frame.sensors[1].has_rotation, t < 14) << t;
+      EXPECT_EQ(p.status(1).present, t < 14);
+      ++seen;
+    }
+    if (t > 18.2 && t < 18.9) {
+      EXPECT_FALSE(frame.has_head);
+      EXPECT_FALSE(frame.sensors[0].has_rotation);
+    }
+    if (t > 19.3) {
+      EXPECT_TRUE(frame.has_head);
+      EXPECT_TRUE(frame.sensors[0].has_rotation);
+      // What the gap may have done to the heading is said.
+      EXPECT_GT(p.status(0).heading_sigma_rad, 0.2 * kDeg);
+    }
+  });
+  EXPECT_GT(seen, 300u);
+  EXPECT_GT(pipeline.status(3).lost, 200u);
+}
+
+TEST(Pipeline, ABoardThatBeganAnewWaitsForACalibration) {
+  Script script;
+  script.end = 14;
+  Recording recording = record(script, Faults{}, 2, 27, still_skin);
+  for (Entry& entry : recording.entries)
+    if (entry.samples[0].sensor == 0 && to_seconds(entry.arrival.time_since_epoch()) > 12)
+      for (sensor::Sample& sample : entry.samples) sample.time -= std::chrono::seconds(11);
+  Pipeline pipeline(recording.rig);
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t > 11 && t < 11.9) {
+      EXPECT_TRUE(frame.sensors[0].has_rotation);
+    }
+    if (t > 12.2) {
+      EXPECT_FALSE(frame.sensors[0].has_rotation);
+      EXPECT_TRUE(frame.sensors[1].has_rotation);
+    }
+  });
+}
+
+TEST(Pipeline, NodesThatFuseEnterAfterTheFusion) {
+  // Perfect fusions, each with a heading of its own, forty degrees apart.
+  Script script;
+  script.end = 20;
+  Recording recording = record(script, no_faults(), 2, 28, still_skin);
+  std::array<Quat, 3> mount;
+  Random random(280);
+  for (Quat& q : mount) q = random.rotation();
+  // Without drift a device's time is true time and an offset; the earliest arrivals show it.
+  std::array<double, 3> offset_s{};
+  for (const Entry& entry : recording.entries) {
+    const sensor::Sample& last = entry.samples.back();
+    double& offset = offset_s[last.sensor];
+    const double seen =
+        to_seconds(last.time.time_since_epoch()) - to_seconds(entry.arrival.time_since_epoch()) + 0.001;
+    offset = offset == 0 ? seen : std::max(offset, seen);
+  }
+  for (Entry& entry : recording.entries)
+    for (sensor::Sample& sample : entry.samples) {
+      const double t = to_seconds(sample.time.time_since_epoch()) - offset_s[sample.sensor];
+      const Quat heading(Eigen::AngleAxisd(40 * kDeg * sample.sensor, Vec3::UnitY()));
+      const Quat true_q =
+          script.head(t) * (sample.sensor < 2 ? moving_skin(sample.sensor, t) : Quat::Identity());
+      const Quat q = heading * true_q * mount[sample.sensor];
+      const Vec3 force = (true_q * mount[sample.sensor]).conjugate() * Vec3(0, testing_head::kGravity, 0);
+      sample.kind = sensor::SampleKind::imu_fused;
+      sample.count = 7;
+      sample.values = {static_cast<float>(q.w()),     static_cast<float>(q.x()),
+                       static_cast<float>(q.y()),     static_cast<float>(q.z()),
+                       static_cast<float>(force.x()), static_cast<float>(force.y()),
+                       static_cast<float>(force.z())};
+    }
+  Pipeline pipeline(recording.rig);
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t < 10) return;
+    for (std::size_t i = 0; i < 2; ++i)
+      EXPECT_LT(angle_between(rotation_of(frame.sensors[i]), moving_skin(i, t)), 1.0 * kDeg)
+          << i << " at " << t;
+  });
+  // The headings are forty degrees apart, as far as the ear's axes tell: Z undoes what was put in.
+  const double apart = std::remainder(
+      pipeline.calibration().sensors[0].heading_rad - pipeline.calibration().sensors[1].heading_rad,
+      2 * std::numbers::pi);
+  EXPECT_NEAR(apart, 40 * kDeg, 0.5 * kDeg);
+}
+
+TEST(Pipeline, TheSameLogGivesTheSameBits) {
+  Script script;
+  script.end = 16;
+  const Recording recording = record(script, Faults{}, 3, 29, moving_skin);
+  std::vector<model::FeatureFrame> runs[2];
+  for (auto& run : runs) {
+    Pipeline pipeline(recording.rig);
+    play(recording, script, pipeline,
+         [&run](double, const model::FeatureFrame& frame, const Pipeline&) { run.push_back(frame); });
+  }
+  ASSERT_EQ(runs[0].size(), runs[1].size());
+  for (std::size_t i = 0; i < runs[0].size(); ++i) {
+    EXPECT_EQ(runs[0][i].sensors, runs[1][i].sensors);
+    EXPECT_EQ(runs[0][i].head.coeffs(), runs[1][i].head.coeffs());
+  }
+}
+
+TEST(Pipeline, DropsWhatComesTwiceOrLate) {
+  Script script;
+  script.end = 1;
+  const Recording recording = record(script, Faults{}, 1, 30, still_skin);
+  Pipeline pipeline(recording.rig);
+  for (const Entry& entry : recording.entries)
+    for (const sensor::Sample& sample : entry.samples) {
+      pipeline.add(entry.arrival, sample);
+      pipeline.add(entry.arrival, sample);
+    }
+  EXPECT_GT(pipeline.status(0).dropped, 200u);
+  sensor::Sample bad = recording.entries[0].samples[0];
+  bad.values[2] = std::numeric_limits<float>::quiet_NaN();
+  pipeline.add(HostTime{}, bad);
+  const auto dropped = pipeline.status(bad.sensor).dropped;
+  bad.sensor = 99;
+  pipeline.add(HostTime{}, bad);
+  EXPECT_EQ(pipeline.status(recording.entries[0].samples[0].sensor).dropped, dropped);
+}
+
+}  // namespace
+}  // namespace mien::imu
