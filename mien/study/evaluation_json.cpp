@@ -7,7 +7,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json to_json(const MeanStd& value) { return {{"mean", value.mean}, {"std", value.std}}; }
+Json to_json(const MeanStd& value) {
+  return {{"mean", value.mean}, {"std", value.std}};
+}
 
 template <class T>
 Json or_null(const std::optional<T>& value) {

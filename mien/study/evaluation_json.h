@@ -8,11 +8,11 @@ namespace mien::study {
 
 /// What an evaluation was made with; printed beside the figures.
 struct EvaluationContext {
-  std::string face;     ///< Which face the errors are measured on.
-  std::string model;    ///< File of the model.
-  std::string devices;  ///< "lab", "device", or "mixed".
-  int steps = 0;        ///< Denoising steps.
-  bool adapted = false; ///< Whether the model was personalised on the take first.
+  std::string face;      ///< Which face the errors are measured on.
+  std::string model;     ///< File of the model.
+  std::string devices;   ///< "lab", "device", or "mixed".
+  int steps = 0;         ///< Denoising steps.
+  bool adapted = false;  ///< Whether the model was personalised on the take first.
   double adapt_s = 0;
 };
 

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <toml++/toml.h>
 
 #include "mien/face/builtin.h"
 #include "mien/face/load.h"
@@ -41,14 +41,16 @@ Result<FaceSource> open_faces(const std::string& what, const Progress& progress)
 
 face::Face draw_face(const FaceSource& source, bool identities, Random random) {
   if (source.one) return *source.one;
-  if (!source.ict) return identities ? face::make_builtin(face::random_identity(random)) : face::make_builtin();
+  if (!source.ict)
+    return identities ? face::make_builtin(face::random_identity(random)) : face::make_builtin();
   if (!identities) return source.ict->face;
   std::vector<float> coefficients(source.ict->identities.size());
   for (float& c : coefficients) c = static_cast<float>(random.normal());
   return face::with_identity(*source.ict, coefficients);
 }
 
-void add_frame(Sequence& out, const std::vector<model::SensorFeature>& sensors, const face::BlendshapeWeights& weights) {
+void add_frame(Sequence& out, const std::vector<model::SensorFeature>& sensors,
+               const face::BlendshapeWeights& weights) {
   for (const model::SensorFeature& s : sensors) {
     out.values.insert(out.values.end(), s.accel_m_s2.data(), s.accel_m_s2.data() + 3);
     out.values.insert(out.values.end(), s.rotation.begin(), s.rotation.end());
@@ -60,8 +62,9 @@ void add_frame(Sequence& out, const std::vector<model::SensorFeature>& sensors, 
 }
 
 /// One performer's sequences, lab first.
-Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSource& faces, const sensor::Rig& rig,
-                                          const virt::DeviceFaults& faults, std::uint32_t performer) {
+Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSource& faces,
+                                          const sensor::Rig& rig, const virt::DeviceFaults& faults,
+                                          std::uint32_t performer) {
   const Random root = Random(recipe.seed).fork("performer", performer);
   const face::Face face = draw_face(faces, recipe.identities, root.fork("identity"));
   Random placement = root.fork("placement");
@@ -73,7 +76,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
     offset = 1e-3 * recipe.placement_mm * Vec3(x, y, z);
   }
   MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> mesh_sites, virt::skin_sites(face, rig, offsets_m));
-  const std::vector<virt::SkinSite> sites = virt::draw_kinematics(mesh_sites, recipe.kinematics, root.fork("kinematics"));
+  const std::vector<virt::SkinSite> sites =
+      virt::draw_kinematics(mesh_sites, recipe.kinematics, root.fork("kinematics"));
   Random style_random = root.fork("style");
   const virt::Style style = virt::draw_style(style_random);
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
@@ -91,8 +95,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
     for (const face::MotionFrame& frame : motion.frames) {
       for (std::size_t s = 0; s < face_sensors.size(); ++s) {
         const Quat q = sites[face_sensors[s]].rotation(frame.weights);
-        sensors[s].rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
-                               static_cast<float>(q.z())};
+        sensors[s].rotation = {static_cast<float>(q.w()), static_cast<float>(q.x()),
+                               static_cast<float>(q.y()), static_cast<float>(q.z())};
         sensors[s].has_rotation = true;
       }
       add_frame(lab, sensors, frame.weights);
@@ -102,7 +106,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
   if (recipe.device_seconds > 0) {
     const virt::Script script = virt::random_script(recipe.device_seconds, script_random);
     const face::Motion motion = virt::perform(script, style, root.fork("device motion"));
-    const virt::PrologueMotion begun = virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
+    const virt::PrologueMotion begun =
+        virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
     MIEN_TRY_ASSIGN(const virt::VirtualSession session,
                     virt::play_devices(begun, sites, rig, faults, root.fork("devices")));
     const std::vector<model::FeatureFrame> features =
@@ -141,8 +146,8 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
       if (good && key == "seed") recipe.seed = static_cast<std::uint64_t>(*number);
       if (good && key == "performers") recipe.performers = static_cast<int>(*number);
       if (good && key == "validation_performers") recipe.validation_performers = static_cast<int>(*number);
-    } else if (key == "seconds" || key == "device_seconds" || key == "placement_mm" || key == "kinematics_gain" ||
-               key == "kinematics_deg") {
+    } else if (key == "seconds" || key == "device_seconds" || key == "placement_mm" ||
+               key == "kinematics_gain" || key == "kinematics_deg") {
       good = is_size();
       if (good && key == "seconds") recipe.seconds = *number;
       if (good && key == "device_seconds") recipe.device_seconds = *number;
@@ -152,16 +157,18 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
     } else {
       return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", key), where);
     }
-    if (!good) return fail(ErrorCode::out_of_range, fmt::format("[data] {} is not what it should be", key), where);
+    if (!good)
+      return fail(ErrorCode::out_of_range, fmt::format("[data] {} is not what it should be", key), where);
   }
-  if (recipe.performers < 1) return fail(ErrorCode::out_of_range, "[data] needs at least one performer", where);
+  if (recipe.performers < 1)
+    return fail(ErrorCode::out_of_range, "[data] needs at least one performer", where);
   if (recipe.validation_performers < 1)
     return fail(ErrorCode::out_of_range, "[data] needs at least one validation performer", where);
   return recipe;
 }
 
-Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face_name, const sensor::Rig& rig,
-                                  const Progress& progress) {
+Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face_name,
+                                  const sensor::Rig& rig, const Progress& progress) {
   MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
   MIEN_TRY_ASSIGN(const FaceSource faces, open_faces(face_name, progress));
   const auto count = static_cast<std::size_t>(recipe.performers + recipe.validation_performers);
@@ -186,7 +193,8 @@ Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& f
   };
   {
     std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
+    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
+      threads.emplace_back(work);
     while (done < count && !stop) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       if (!progress(static_cast<double>(done) / static_cast<double>(count),
@@ -195,14 +203,16 @@ Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& f
     }
   }
   if (error) return std::unexpected(*error);
-  if (done < count) return fail(ErrorCode::cancelled, "stopped before all performers had performed", face_name);
+  if (done < count)
+    return fail(ErrorCode::cancelled, "stopped before all performers had performed", face_name);
 
   TrainingData data;
   for (const std::uint16_t s : rig.face_sensors()) data.train.sensors.push_back(rig.sensors[s].name);
   data.validation.sensors = data.train.sensors;
   for (std::size_t p = 0; p < count; ++p)
     for (Sequence& sequence : performed[p])
-      (p < static_cast<std::size_t>(recipe.performers) ? data.train : data.validation).sequences.push_back(std::move(sequence));
+      (p < static_cast<std::size_t>(recipe.performers) ? data.train : data.validation)
+          .sequences.push_back(std::move(sequence));
   return data;
 }
 

@@ -16,18 +16,20 @@ namespace mien::study {
 /// How much of what virtual performers give to train on: the [data] table of a recipe.
 struct DataRecipe {
   std::uint64_t seed = 1;
-  int performers = 400;             ///< Drawn people; each has an identity, a style and a placement of its own.
-  int validation_performers = 24;   ///< Held out: never trained on.
-  double seconds = 120;             ///< What each performs in the lab profile.
-  /// What each performs in the device profile, after a short prologue; 0: none. Simulated at 240 Hz and fused.
+  int performers = 400;  ///< Drawn people; each has an identity, a style and a placement of its own.
+  int validation_performers = 24;  ///< Held out: never trained on.
+  double seconds = 120;            ///< What each performs in the lab profile.
+  /// What each performs in the device profile, after a short prologue; 0: none. Simulated at 240 Hz and
+  /// fused.
   double device_seconds = 30;
   /// Different people: the built-in family's identities, or ICT's.
   bool identities = true;
-  double placement_mm = 3;          ///< Placement error along the skin, one sigma an axis.
-  virt::KinematicsSpread kinematics;///< Drawn anew for each performer.
+  double placement_mm = 3;            ///< Placement error along the skin, one sigma an axis.
+  virt::KinematicsSpread kinematics;  ///< Drawn anew for each performer.
   bool operator==(const DataRecipe& other) const {
-    return seed == other.seed && performers == other.performers && validation_performers == other.validation_performers &&
-           seconds == other.seconds && device_seconds == other.device_seconds && identities == other.identities &&
+    return seed == other.seed && performers == other.performers &&
+           validation_performers == other.validation_performers && seconds == other.seconds &&
+           device_seconds == other.device_seconds && identities == other.identities &&
            placement_mm == other.placement_mm && kinematics.gain == other.kinematics.gain &&
            kinematics.direction_rad == other.kinematics.direction_rad;
   }
@@ -41,10 +43,12 @@ struct TrainingData {
   Dataset validation;
 };
 
-/// Lets virtual performers perform. `face` as face::load_face takes it; "builtin" draws identities of the built-in
-/// family, an ICT folder those of ICT. The same recipe, face and rig give the same bits on any number of threads.
-/// Cost: about a minute of one core an hour of lab performance, three times that an hour of device performance.
-[[nodiscard]] Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face, const sensor::Rig& rig,
+/// Lets virtual performers perform. `face` as face::load_face takes it; "builtin" draws identities of the
+/// built-in family, an ICT folder those of ICT. The same recipe, face and rig give the same bits on any
+/// number of threads. Cost: about a minute of one core an hour of lab performance, three times that an hour
+/// of device performance.
+[[nodiscard]] Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face,
+                                                const sensor::Rig& rig,
                                                 const Progress& progress = no_progress);
 
 }  // namespace mien::study

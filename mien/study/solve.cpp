@@ -73,7 +73,8 @@ Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, S
     MIEN_TRY_ASSIGN(samples, decode_log(entries, samples));
   }
   if (ticks.empty())
-    return fail(ErrorCode::not_found, "the take has no frames", take.path().string(), "record or perform it again");
+    return fail(ErrorCode::not_found, "the take has no frames", take.path().string(),
+                "record or perform it again");
   return trace_features(take.rig(), events, samples, ticks);
 }
 
@@ -95,7 +96,8 @@ Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solutio
   if (truth.empty())
     return fail(ErrorCode::not_found, "the take has no truth to measure against", out.take,
                 "evaluate a take made by mien perform --take, or import a truth track");
-  // Truth stands on the ticks: pair them by time, and leave out ticks that it does not reach (a take cut off).
+  // Truth stands on the ticks: pair them by time, and leave out ticks that it does not reach (a take cut
+  // off).
   std::map<DeviceTime, const take::TruthFrame*> by_time;
   for (const take::TruthFrame& t : truth) by_time.emplace(t.time, &t);
   for (std::size_t i = 0; i < solution.frames.size(); ++i) {

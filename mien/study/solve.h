@@ -19,21 +19,25 @@ enum class SolveFrom {
 
 /// A take's answer.
 struct Solution {
-  std::vector<face::OutputFrame> frames;           ///< One a tick.
-  std::vector<face::BlendshapeWeights> ridge;      ///< One a tick; empty when the model file has none for the profile.
+  std::vector<face::OutputFrame> frames;  ///< One a tick.
+  std::vector<face::BlendshapeWeights>
+      ridge;         ///< One a tick; empty when the model file has none for the profile.
   std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 
-/// SHA-256 of output frames as the contract has it: for each frame its device time (i64 ns), 53 weights (f32), head
-/// w,x,y,z (f32), eyes yaw and pitch left then right (f32), the 53 provenances, the head's and the eyes' (u8).
+/// SHA-256 of output frames as the contract has it: for each frame its device time (i64 ns), 53 weights
+/// (f32), head w,x,y,z (f32), eyes yaw and pitch left then right (f32), the 53 provenances, the head's and
+/// the eyes' (u8).
 [[nodiscard]] std::string hash_frames(std::span<const face::OutputFrame> frames);
 
-/// Features of a take, one frame a tick. Errors: the take's, and those of packets that do not parse (malformed).
+/// Features of a take, one frame a tick. Errors: the take's, and those of packets that do not parse
+/// (malformed).
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from);
 
 /// Solves a whole take with the window network.
-[[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver, SolveFrom from,
-                                          const model::SamplerSettings& settings, const Progress& progress);
+[[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,
+                                          SolveFrom from, const model::SamplerSettings& settings,
+                                          const Progress& progress);
 
 /// The solution beside the take's truth, for evaluate(). Errors: not_found (a take without truth).
 [[nodiscard]] Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution);

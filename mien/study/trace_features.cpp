@@ -19,7 +19,8 @@ std::optional<imu::Phase> phase_of(std::string_view event_kind) {
 
 std::vector<model::FeatureFrame> trace_features(const sensor::Rig& rig, std::span<const take::Event> events,
                                                 std::span<const take::StoredSample> samples,
-                                                std::span<const take::Tick> ticks, imu::Calibration* calibration) {
+                                                std::span<const take::Tick> ticks,
+                                                imu::Calibration* calibration) {
   imu::Pipeline pipeline(rig);
   for (const take::Event& event : events)
     if (const auto phase = phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);

@@ -10,9 +10,11 @@
 
 namespace mien::study {
 
-/// The features of a recorded session, one frame a tick: its samples and ticks in the log's order through the IMU
-/// pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in force at the end.
-[[nodiscard]] std::vector<model::FeatureFrame> trace_features(const sensor::Rig& rig, std::span<const take::Event> events,
+/// The features of a recorded session, one frame a tick: its samples and ticks in the log's order through the
+/// IMU pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in force
+/// at the end.
+[[nodiscard]] std::vector<model::FeatureFrame> trace_features(const sensor::Rig& rig,
+                                                              std::span<const take::Event> events,
                                                               std::span<const take::StoredSample> samples,
                                                               std::span<const take::Tick> ticks,
                                                               imu::Calibration* calibration = nullptr);

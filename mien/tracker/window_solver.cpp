@@ -11,7 +11,8 @@ namespace mien::tracker {
 namespace {
 
 /// For each of the model's sensors its place in the features, or -1.
-std::vector<std::ptrdiff_t> match_sensors(const std::vector<std::string>& wanted, const std::vector<std::string>& there) {
+std::vector<std::ptrdiff_t> match_sensors(const std::vector<std::string>& wanted,
+                                          const std::vector<std::string>& there) {
   std::vector<std::ptrdiff_t> places;
   for (const std::string& name : wanted) {
     const auto found = std::ranges::find(there, name);
@@ -27,8 +28,8 @@ WindowSolver::WindowSolver(model::ModelFile file, model::Denoiser denoiser)
 
 Result<WindowSolver> WindowSolver::create(model::ModelFile file) {
   if (!std::ranges::equal(file.shapes, face::kShapeNames))
-    return fail(ErrorCode::mismatch, "the model's outputs are not the 53 ICT shapes in their order", "model file",
-                "train it with this version of Mien");
+    return fail(ErrorCode::mismatch, "the model's outputs are not the 53 ICT shapes in their order",
+                "model file", "train it with this version of Mien");
   MIEN_TRY_ASSIGN(model::Denoiser denoiser, model::Denoiser::create(file.architecture, file.network));
   return WindowSolver(std::move(file), std::move(denoiser));
 }
@@ -42,8 +43,10 @@ std::vector<float> WindowSolver::condition(std::span<const model::FeatureFrame> 
   frame.sensors.resize(places.size());
   for (std::size_t f = 0; f < features.size(); ++f) {
     for (std::size_t s = 0; s < places.size(); ++s)
-      frame.sensors[s] = places[s] < 0 ? model::SensorFeature{} : features[f].sensors[static_cast<std::size_t>(places[s])];
-    model::encode_features(file_.features, file_.normalisation, frame, std::span(out).subspan(f * width, width));
+      frame.sensors[s] =
+          places[s] < 0 ? model::SensorFeature{} : features[f].sensors[static_cast<std::size_t>(places[s])];
+    model::encode_features(file_.features, file_.normalisation, frame,
+                           std::span(out).subspan(f * width, width));
   }
   return out;
 }
@@ -56,8 +59,9 @@ Result<std::vector<face::OutputFrame>> WindowSolver::solve(std::span<const model
   if (std::ranges::all_of(places, [](std::ptrdiff_t place) { return place < 0; }))
     return fail(ErrorCode::mismatch, "the take's rig has none of the model's sensors", "model file",
                 "use a model that was trained for this rig");
-  MIEN_TRY_ASSIGN(const std::vector<float> weights,
-                  model::solve_windows(denoiser_, file_.schedule, condition(features, sensors), settings, progress));
+  MIEN_TRY_ASSIGN(
+      const std::vector<float> weights,
+      model::solve_windows(denoiser_, file_.schedule, condition(features, sensors), settings, progress));
   std::vector<face::OutputFrame> out(features.size());
   for (std::size_t f = 0; f < features.size(); ++f) {
     std::size_t there = 0;

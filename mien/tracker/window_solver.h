@@ -13,8 +13,8 @@
 
 namespace mien::tracker {
 
-/// Turns a whole track of features into output frames with the published window network: not live, since a frame waits
-/// for its window. Immutable after creation; any number of threads may share one.
+/// Turns a whole track of features into output frames with the published window network: not live, since a
+/// frame waits for its window. Immutable after creation; any number of threads may share one.
 class WindowSolver {
  public:
   /// Errors: mismatch (a model whose outputs are not the 53 shapes), and the denoiser's.
@@ -22,9 +22,10 @@ class WindowSolver {
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
 
-  /// One output frame a frame of features. Where a rig lacks one of the model's sensors, that sensor is missing.
-  /// `sensors` names the features' entries. Provenance: measured where any sensor was there, else predicted;
-  /// confidence: the share of the model's sensors that were. Errors: mismatch (no sensor in common), the sampler's.
+  /// One output frame a frame of features. Where a rig lacks one of the model's sensors, that sensor is
+  /// missing. `sensors` names the features' entries. Provenance: measured where any sensor was there, else
+  /// predicted; confidence: the share of the model's sensors that were. Errors: mismatch (no sensor in
+  /// common), the sampler's.
   [[nodiscard]] Result<std::vector<face::OutputFrame>> solve(std::span<const model::FeatureFrame> features,
                                                              const std::vector<std::string>& sensors,
                                                              const model::SamplerSettings& settings,

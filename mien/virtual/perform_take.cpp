@@ -76,7 +76,8 @@ std::vector<take::CalibrationVersion> calibrations_of(const sensor::Rig& rig, co
 
 Result<PerformSummary> perform_take(const PerformRequest& request, const Progress& progress) {
   if (!request.replace && std::filesystem::exists(request.take))
-    return fail(ErrorCode::bad_usage, "the take exists already", request.take.string(), "give another name, or --force");
+    return fail(ErrorCode::bad_usage, "the take exists already", request.take.string(),
+                "give another name, or --force");
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
   MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig.string()));
@@ -98,8 +99,8 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
 
   if (!progress(0.1, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
   const Random devices = root.fork("devices");
-  MIEN_TRY_ASSIGN(const VirtualSession session,
-                  lab ? play_lab(begun, sites, rig, devices) : play_devices(begun, sites, rig, faults, devices));
+  MIEN_TRY_ASSIGN(const VirtualSession session, lab ? play_lab(begun, sites, rig, devices)
+                                                    : play_devices(begun, sites, rig, faults, devices));
   if (!progress(0.5, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
 
   take::Header header;
@@ -115,7 +116,8 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.created_utc = now_utc();
   MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(request.take, header, request.replace));
   for (const take::Event& event : session.events) writer.add_event(event);
-  for (const take::CalibrationVersion& version : calibrations_of(rig, session)) writer.add_calibration(version);
+  for (const take::CalibrationVersion& version : calibrations_of(rig, session))
+    writer.add_calibration(version);
 
   const auto start = std::chrono::steady_clock::now();
   std::size_t next_sample = 0;
@@ -131,10 +133,12 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
     write_ticks(entry.id - 1);
     if (request.real_time) std::this_thread::sleep_until(start + entry.arrival.time_since_epoch());
     const std::int64_t id = writer.add_entry(entry.arrival, entry.source, entry.bytes);
-    for (; next_sample < session.samples.size() && session.samples[next_sample].entry == entry.id; ++next_sample)
+    for (; next_sample < session.samples.size() && session.samples[next_sample].entry == entry.id;
+         ++next_sample)
       writer.add_sample(id, entry.arrival, session.samples[next_sample].sample);
     if (entry.id % 512 == 0 &&
-        !progress(0.5 + 0.5 * static_cast<double>(entry.id) / static_cast<double>(session.entries.size()), "writing")) {
+        !progress(0.5 + 0.5 * static_cast<double>(entry.id) / static_cast<double>(session.entries.size()),
+                  "writing")) {
       stopped = true;
       break;
     }
@@ -147,7 +151,8 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
                 request.real_time ? "what was performed until then is kept" : "nothing was kept");
   }
   progress(1, "written");
-  return PerformSummary{begun.motion.duration_s(), session.ticks.size(), session.entries.size(), session.samples.size()};
+  return PerformSummary{begun.motion.duration_s(), session.ticks.size(), session.entries.size(),
+                        session.samples.size()};
 }
 
 }  // namespace mien::virt

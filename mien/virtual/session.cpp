@@ -18,7 +18,9 @@ constexpr double kMarginS = 0.25;
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 
 /// Device ids of virtual nodes: "MIEN" and the sensor's number in the rig.
-std::uint64_t device_id(std::size_t sensor) { return 0x024D'4945'4E00ULL + sensor; }
+std::uint64_t device_id(std::size_t sensor) {
+  return 0x024D'4945'4E00ULL + sensor;
+}
 
 /// The code of the smallest range that the chip has and that reaches `wanted`: range = least * 2^code.
 std::uint8_t range_code(double wanted, double least, std::uint8_t most) {
@@ -40,15 +42,17 @@ void add_events(const PrologueTimes& times, const VirtualClock& reference, std::
     std::string target;
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
       if (prompt.target[k] != 0)
-        target += fmt::format("{}\"{}\": {}", target.empty() ? "" : ", ", face::kShapeNames[k], prompt.target[k]);
+        target +=
+            fmt::format("{}\"{}\": {}", target.empty() ? "" : ", ", face::kShapeNames[k], prompt.target[k]);
     add("prompt", prompt.begin_s, prompt.end_s,
-        fmt::format(R"({{"name": "{}", "anchor": {}, "rise_s": {}, "target": {{{}}}}})", prompt.name, prompt.anchor,
-                    prompt.rise_s, target));
+        fmt::format(R"({{"name": "{}", "anchor": {}, "rise_s": {}, "target": {{{}}}}})", prompt.name,
+                    prompt.anchor, prompt.rise_s, target));
   }
   add("ease", times.ease.begin_s, times.ease.end_s);
 }
 
-take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double motion_start_s, DeviceTime frame) {
+take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double motion_start_s,
+                          DeviceTime frame) {
   const face::MotionFrame moment = curve.at(true_s);
   take::TruthFrame truth;
   truth.time = frame;
@@ -62,7 +66,8 @@ take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double 
 }  // namespace
 
 Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
-                                    const sensor::Rig& rig, const DeviceFaults& faults, const Random& random) {
+                                    const sensor::Rig& rig, const DeviceFaults& faults,
+                                    const Random& random) {
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
@@ -97,7 +102,8 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   std::vector<sensor::Sample> decoded;
   const auto fire = [&](HostTime now) {
     while (const auto tick = rule.due(now))
-      session.ticks.push_back({tick->index, static_cast<std::int64_t>(session.entries.size()), tick->fired, tick->frame});
+      session.ticks.push_back(
+          {tick->index, static_cast<std::int64_t>(session.entries.size()), tick->fired, tick->frame});
   };
   for (Sent& packet : sent) {
     fire(packet.arrival);
@@ -158,7 +164,8 @@ Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<
       for (const sensor::Sample& d : decoded) session.samples.push_back({id, HostTime(at), d});
       session.entries.push_back({id, HostTime(at), "virtual", std::move(bytes)});
     }
-    session.ticks.push_back({f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});
+    session.ticks.push_back(
+        {f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});
     session.truth.push_back(truth_at(curve, to_seconds(at), motion.times.motion_start_s, DeviceTime(at)));
   }
   return session;

@@ -10,31 +10,31 @@
 
 namespace mien::virt {
 
-/// Everything that a live session would have seen of a virtual performer, in order: what `mien perform --take` writes
-/// and what training data are made of. The bytes are those that a socket would carry, and the samples are decoded from
-/// them.
+/// Everything that a live session would have seen of a virtual performer, in order: what `mien perform
+/// --take` writes and what training data are made of. The bytes are those that a socket would carry, and the
+/// samples are decoded from them.
 struct VirtualSession {
-  std::vector<take::LogEntry> entries;     ///< By arrival; ids 1, 2, 3, ...
-  std::vector<take::StoredSample> samples; ///< By entry.
+  std::vector<take::LogEntry> entries;      ///< By arrival; ids 1, 2, 3, ...
+  std::vector<take::StoredSample> samples;  ///< By entry.
   std::vector<take::Tick> ticks;
-  std::vector<take::TruthFrame> truth;     ///< One a tick.
-  std::vector<take::Event> events;         ///< "neutral", "nod", "shake", "ease", "prompt".
+  std::vector<take::TruthFrame> truth;  ///< One a tick.
+  std::vector<take::Event> events;      ///< "neutral", "nod", "shake", "ease", "prompt".
 };
 
 /// White noise of the lab profile, an axis: 1 degree.
 inline constexpr double kLabNoiseRad = 0.017453292519943295;
 
-/// The *device* profile: each sensor is a node of its own that sends raw axes at 240 Hz, four samples a packet, with
-/// the faults that `random` draws it. `sites` are those of the rig's sensors, in its order.
+/// The *device* profile: each sensor is a node of its own that sends raw axes at 240 Hz, four samples a
+/// packet, with the faults that `random` draws it. `sites` are those of the rig's sensors, in its order.
 /// Errors: bad_usage (a motion without frames), and what the packets' encoder finds.
-[[nodiscard]] Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
-                                                  const sensor::Rig& rig, const DeviceFaults& faults,
-                                                  const Random& random);
+[[nodiscard]] Result<VirtualSession> play_devices(const PrologueMotion& motion,
+                                                  const std::vector<SkinSite>& sites, const sensor::Rig& rig,
+                                                  const DeviceFaults& faults, const Random& random);
 
-/// The *lab* profile: for each face sensor and each frame of 60 Hz one rotation vector of the skin in the head frame,
-/// with white noise; no acceleration, no ear sensor, and all clocks are one.
-[[nodiscard]] Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
-                                              const sensor::Rig& rig, const Random& random,
-                                              double noise_rad = kLabNoiseRad);
+/// The *lab* profile: for each face sensor and each frame of 60 Hz one rotation vector of the skin in the
+/// head frame, with white noise; no acceleration, no ear sensor, and all clocks are one.
+[[nodiscard]] Result<VirtualSession> play_lab(const PrologueMotion& motion,
+                                              const std::vector<SkinSite>& sites, const sensor::Rig& rig,
+                                              const Random& random, double noise_rad = kLabNoiseRad);
 
 }  // namespace mien::virt
