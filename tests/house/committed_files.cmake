@@ -1,5 +1,6 @@
-# Looks through the text of every committed file for what must not be there: the address of a package registry (a clone
-# takes packages from the registry that its own machine is set to).
+# Looks through the committed files for what must not be there, the address of a package registry (a clone takes
+# packages from the registry that its own machine is set to), and for what must: a corpus for every fuzz target, of
+# files under 8 KB.
 #   cmake -DROOT=<project> -P committed_files.cmake
 cmake_minimum_required(VERSION 3.25)
 
@@ -34,6 +35,24 @@ endforeach()
 
 if(complaints)
   message(FATAL_ERROR "Addresses of package registries in committed files:\n${complaints}")
+endif()
+
+foreach(file IN LISTS files)
+  if(file MATCHES "^fuzz/([a-z0-9_]+)_fuzz\\.cpp$")
+    set(corpus ${files})
+    list(FILTER corpus INCLUDE REGEX "^fuzz/corpus/${CMAKE_MATCH_1}/")
+    if(NOT corpus)
+      string(APPEND complaints "${file}: there is no file in fuzz/corpus/${CMAKE_MATCH_1}\n")
+    endif()
+  elseif(file MATCHES "^fuzz/corpus/" AND EXISTS "${ROOT}/${file}")
+    file(SIZE "${ROOT}/${file}" bytes)
+    if(bytes GREATER_EQUAL 8192)
+      string(APPEND complaints "${file}: ${bytes} bytes; a corpus has files under 8 KB\n")
+    endif()
+  endif()
+endforeach()
+if(complaints)
+  message(FATAL_ERROR "The fuzzer's corpora:\n${complaints}")
 endif()
 if(count EQUAL 0)
   message(FATAL_ERROR "No files were found under ${ROOT}: is this the project's root?")
