@@ -256,6 +256,25 @@ TEST(Gltf, ReadsSparseTargetsAndTargetsWithoutData) {
   EXPECT_EQ(peak_cm(head, "eyeBlink_L"), 0);
 }
 
+TEST(Gltf, PrimitivesThatShareTheirVerticesKeepThemShared) {
+  Head h;
+  h.edit = [](std::string& json) {
+    // The skin's primitive once more, with another material and three indices of its own.
+    const std::size_t first = json.find(R"({"attributes":{"POSITION":0})");
+    const std::size_t end = json.find("]}]}", first) + 2;
+    std::string again = json.substr(first, end - first);
+    replace(again, R"("targets")", R"("indices":7,"material":0,"targets")");
+    json.insert(end, "," + again);
+    replace(json, R"("scene":0)", R"("materials":[{"name":"teeth"}],"scene":0)");
+  };
+  const GltfHead head = parsed(h);
+  EXPECT_EQ(head.face.neutral_m.size(), 12U);
+  EXPECT_EQ(head.face.triangles.size(), 5U);
+  EXPECT_EQ(head.face.parts[1].material, Material::teeth);
+  EXPECT_NEAR(peak_cm(head, "jawOpen"), 4, 1e-4);
+  EXPECT_EQ(head.face.region("skin")->vertex.size(), 6U);
+}
+
 TEST(Gltf, VrmClipsNameWhatTargetsDoNot) {
   Head h;
   h.target_names = R"("Fcl_1","Fcl_2","Fcl_3","Fcl_4","Fcl_5")";
