@@ -134,6 +134,17 @@ Take& Take::operator=(Take&&) noexcept = default;
 Take::~Take() = default;
 
 Result<Take> Take::open(const std::filesystem::path& path) {
+  auto take = open_and_check(path);
+  if (take) return take;
+  // What a foreign file calls its tables or writes into its rig is told, but it does not get to break the
+  // line or to command the terminal.
+  Error error = std::move(take).error();
+  for (char& letter : error.what)
+    if (static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F) letter = ' ';
+  return std::unexpected(std::move(error));
+}
+
+Result<Take> Take::open_and_check(const std::filesystem::path& path) {
   auto state = std::make_unique<State>();
   state->path = path;
   MIEN_TRY_ASSIGN(state->open, open_untrusted(path));

@@ -173,6 +173,7 @@ class Take {
 
  private:
   struct State;
+  static Result<Take> open_and_check(const std::filesystem::path& path);
   explicit Take(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
