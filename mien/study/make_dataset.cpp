@@ -103,7 +103,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
     }
     out.push_back(std::move(lab));
   }
-  if (recipe.device_seconds > 0) {
+  const bool held_out = performer >= static_cast<std::uint32_t>(recipe.performers);
+  if (recipe.device_seconds > 0 && (held_out || root.fork("device share").uniform() < recipe.device_share)) {
     const virt::Script script = virt::random_script(recipe.device_seconds, script_random);
     const face::Motion motion = virt::perform(script, style, root.fork("device motion"));
     const virt::PrologueMotion begun =
@@ -147,10 +148,11 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
       if (good && key == "performers") recipe.performers = static_cast<int>(*number);
       if (good && key == "validation_performers") recipe.validation_performers = static_cast<int>(*number);
     } else if (key == "seconds" || key == "device_seconds" || key == "placement_mm" ||
-               key == "kinematics_gain" || key == "kinematics_deg") {
+               key == "kinematics_gain" || key == "kinematics_deg" || key == "device_share") {
       good = is_size();
       if (good && key == "seconds") recipe.seconds = *number;
       if (good && key == "device_seconds") recipe.device_seconds = *number;
+      if (good && key == "device_share") recipe.device_share = std::min(1.0, *number);
       if (good && key == "placement_mm") recipe.placement_mm = *number;
       if (good && key == "kinematics_gain") recipe.kinematics.gain = *number;
       if (good && key == "kinematics_deg") recipe.kinematics.direction_rad = *number * M_PI / 180;

@@ -22,6 +22,7 @@ struct DataRecipe {
   /// What each performs in the device profile, after a short prologue; 0: none. Simulated at 240 Hz and
   /// fused.
   double device_seconds = 30;
+  double device_share = 1;  ///< Share of the performers that are simulated so.
   /// Different people: the built-in family's identities, or ICT's.
   bool identities = true;
   double placement_mm = 3;            ///< Placement error along the skin, one sigma an axis.
@@ -29,8 +30,9 @@ struct DataRecipe {
   bool operator==(const DataRecipe& other) const {
     return seed == other.seed && performers == other.performers &&
            validation_performers == other.validation_performers && seconds == other.seconds &&
-           device_seconds == other.device_seconds && identities == other.identities &&
-           placement_mm == other.placement_mm && kinematics.gain == other.kinematics.gain &&
+           device_seconds == other.device_seconds && device_share == other.device_share &&
+           identities == other.identities && placement_mm == other.placement_mm &&
+           kinematics.gain == other.kinematics.gain &&
            kinematics.direction_rad == other.kinematics.direction_rad;
   }
 };
