@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "app/command.h"
+#include "mien/core/files.h"
+#include "mien/model/denoiser.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/make_dataset.h"
+#include "mien/train/parity.h"
+#include "mien/train/trainer.h"
+
+namespace {
+
+using namespace mien;
+using Json = nlohmann::ordered_json;
+
+struct TrainArguments {
+  std::string recipe, out, face = "builtin", rig;
+  train::TrainOptions options;
+  bool json = false;
+};
+
+/// Data generation is shown as this share of the whole.
+constexpr double kDataShare = 0.1;
+
+Result<void> run_train(const TrainArguments& arguments) {
+  MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
+  MIEN_TRY_ASSIGN(const train::Recipe recipe, train::parse_recipe(text, arguments.recipe));
+  MIEN_TRY_ASSIGN(const study::DataRecipe data_recipe,
+                  study::parse_data_recipe(recipe.data, arguments.recipe + ", [data]"));
+  std::filesystem::path rig_path = arguments.rig;
+  if (rig_path.empty()) {
+    MIEN_TRY_ASSIGN(rig_path, find_resource("rigs/default.toml"));
+  }
+  train::TrainOptions options = arguments.options;
+  options.out = arguments.out;
+  MIEN_TRY_ASSIGN(options.rig, read_text(rig_path));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(options.rig, rig_path.string()));
+
+  const Progress shown = app::terminal_progress("training");
+  MIEN_TRY_ASSIGN(
+      const study::TrainingData data,
+      study::make_dataset(data_recipe, arguments.face, rig, [&](double part, std::string_view what) {
+        return shown(kDataShare * part * 0.999, what);
+      }));
+  MIEN_TRY_ASSIGN(
+      const train::TrainReport report,
+      train::train(recipe, data.train, data.validation, options, [&](double part, std::string_view what) {
+        return shown(kDataShare + (1 - kDataShare) * part, what);
+      }));
+  if (!report.replaced)
+    fmt::print(stderr, "mien-train: {} is better and stays; the new model is {}\n", options.out.string(),
+               report.model.string());
+  if (arguments.json) {
+    Json object = {{"model", report.model.string()}, {"replaced", report.replaced}};
+    object["results"] = Json::parse(report.results);
+    fmt::print("{}\n", object.dump(2));
+  }
+  return {};
+}
+
+Result<void> run_parity(const std::string& path, bool json) {
+  MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(path));
+  MIEN_TRY_ASSIGN(const train::Parity parity, train::measure_parity(model));
+  if (json)
+    fmt::print("{}\n", Json{{"model", path},
+                            {"largest_difference", parity.largest_difference},
+                            {"limit", train::kParityLimit},
+                            {"calls", parity.calls},
+                            {"kernels", model::kernel_name()}}
+                           .dump(2));
+  else
+    fmt::print("largest difference {:.2e} over {} calls ({} kernels); allowed {:.0e}\n",
+               parity.largest_difference, parity.calls, model::kernel_name(), train::kParityLimit);
+  if (!(parity.largest_difference < train::kParityLimit))
+    return fail(ErrorCode::internal,
+                fmt::format("the run time differs from libtorch by {:.2e}", parity.largest_difference), path);
+  return {};
+}
+
+struct SpeedArguments {
+  std::string architecture = "light", precision = "bf16", device = "cpu";
+  std::size_t batch = 32, steps = 10, sensors = 11;
+  double dropout = 0.1;
+  int threads = 0;
+  bool json = false;
+};
+
+Result<void> run_speed(const SpeedArguments& arguments) {
+  train::Recipe recipe;
+  MIEN_TRY_ASSIGN(recipe.architecture, model::named_architecture(arguments.architecture, 1));
+  recipe.presence_flags = arguments.architecture != "faithful";
+  recipe.batch = arguments.batch;
+  recipe.bf16 = arguments.precision == "bf16";
+  recipe.dropout = arguments.dropout;
+  MIEN_TRY_ASSIGN(const double speed, train::measure_speed(recipe, arguments.sensors, arguments.steps,
+                                                           arguments.device, arguments.threads));
+  if (arguments.json)
+    fmt::print("{}\n", Json{{"architecture", arguments.architecture},
+                            {"precision", arguments.precision},
+                            {"device", arguments.device},
+                            {"batch", arguments.batch},
+                            {"dropout", arguments.dropout},
+                            {"windows_per_s", speed}}
+                           .dump(2));
+  else
+    fmt::print("{:.1f} windows a second ({}, {}, batch {}, dropout {}, {})\n", speed, arguments.architecture,
+               arguments.precision, arguments.batch, arguments.dropout, arguments.device);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App program("Trains Mien's models. Started by `mien train`; parity and speed are its own.",
+                   "mien-train");
+  program.set_version_flag("--version", "mien-train " MIEN_VERSION);
+  program.require_subcommand(1);
+  app::Commands commands(program);
+
+  TrainArguments train;
+  CLI::App* train_command = commands.add("train", "Makes data by a recipe, trains on them and writes a model",
+                                         "mien train models/recipes/light.toml --out light.safetensors",
+                                         [&] { return run_train(train); });
+  train_command->add_option("recipe", train.recipe, "The recipe, a TOML file")->required();
+  train_command->add_option("--out", train.out, "The model to write")->required();
+  train_command->add_option("--face", train.face, "builtin, an ICT-FaceKit folder, or a .glb or .vrm file");
+  train_command->add_option("--rig", train.rig, "The sensor rig; rigs/default.toml unless told");
+  train_command->add_flag("--resume", train.options.resume,
+                          "Go on from the checkpoint of a run that was stopped");
+  train_command->add_flag("--force", train.options.force, "Replace what stands there, whatever it is");
+  train_command->add_option("--device", train.options.device, "cpu, cuda or cuda:N");
+  train_command->add_option("--threads", train.options.threads, "Threads on the CPU; 0 takes all cores");
+  train_command->add_flag("--json", train.json, "Print the results as JSON");
+
+  std::string parity_model;
+  bool parity_json = false;
+  CLI::App* parity = commands.add("parity", "Compares the run time with libtorch, one call at a time",
+                                  "mien-train parity light.safetensors",
+                                  [&] { return run_parity(parity_model, parity_json); });
+  parity->add_option("model", parity_model, "The model")->required();
+  parity->add_flag("--json", parity_json, "Print the result as JSON");
+
+  SpeedArguments speed;
+  CLI::App* speed_command =
+      commands.add("speed", "Measures how fast this machine trains", "mien-train speed --architecture light",
+                   [&] { return run_speed(speed); });
+  speed_command->add_option("--architecture", speed.architecture, "light or faithful");
+  speed_command->add_option("--precision", speed.precision, "bf16 or fp32")
+      ->check(CLI::IsMember({"bf16", "fp32"}));
+  speed_command->add_option("--batch", speed.batch, "Windows a step")->check(CLI::Range(1, 4096));
+  speed_command->add_option("--steps", speed.steps, "Steps measured")->check(CLI::Range(1, 10000));
+  speed_command->add_option("--sensors", speed.sensors, "Sensors of the rig")->check(CLI::Range(1, 100));
+  speed_command->add_option("--dropout", speed.dropout, "Share dropped")->check(CLI::Range(0.0, 0.9));
+  speed_command->add_option("--device", speed.device, "cpu, cuda or cuda:N");
+  speed_command->add_option("--threads", speed.threads, "Threads on the CPU; 0 takes all cores");
+  speed_command->add_flag("--json", speed.json, "Print the result as JSON");
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& shown) {
+    return program.exit(shown);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "mien-train: {}; see mien-train --help\n", error.what());
+    return 2;
+  }
+  try {
+    if (const auto done = commands.run(); !done) {
+      fmt::print(stderr, "mien-train: {}\n", done.error().message());
+      return is_bad_input(done.error().code) ? 2 : 1;
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "mien-train: {}; this is a defect, please report it\n", error.what());
+    return 1;
+  }
+  return 0;
+}

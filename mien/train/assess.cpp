@@ -1,0 +1,190 @@
+#include "mien/train/assess.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/model/denoiser.h"
+#include "mien/model/sampler.h"
+
+namespace mien::train {
+namespace {
+
+/// Frames of one sequence that the choice of a sampler looks at: enough for several joins.
+constexpr std::size_t kSamplerTakeFrames = 600;
+/// Validation frames by which a ridge's penalty is chosen.
+constexpr std::size_t kRidgeValidationFrames = 20'000;
+
+/// Condition and truth of some frames.
+struct Frames {
+  std::vector<float> condition, weights;
+};
+
+Frames frames_of(const BatchMaker& batches, std::size_t width, std::size_t sequence, std::size_t count,
+                 Random& random) {
+  const study::Sequence& s = batches.dataset().sequences[sequence];
+  count = std::min(count, s.frames);
+  Frames frames{.condition = std::vector<float>(count * width), .weights = {}};
+  batches.encode(sequence, 0, count, random, frames.condition);
+  const std::size_t outputs = s.weights.size() / std::max<std::size_t>(s.frames, 1);
+  for (std::size_t i = 0; i < count * outputs; ++i)
+    frames.weights.push_back(std::clamp(s.weights[i], 0.0F, 1.0F));
+  return frames;
+}
+
+std::vector<std::size_t> of_profile(const study::Dataset& dataset, bool lab) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < dataset.sequences.size(); ++i)
+    if (dataset.sequences[i].lab == lab) chosen.push_back(i);
+  return chosen;
+}
+
+Result<Assessment::Profile> fit_profile(const BatchMaker& training, const BatchMaker& validation,
+                                        std::uint64_t seed, bool lab, model::ModelFile& model) {
+  const std::size_t width = model.architecture.condition, outputs = model.architecture.outputs;
+  Random random = Random(seed).fork("ridge", lab ? 1 : 0);
+  model::RidgeFit fit(width, outputs);
+  for (const std::size_t i : of_profile(training.dataset(), lab)) {
+    const Frames frames = frames_of(training, width, i, training.dataset().sequences[i].frames, random);
+    fit.add(frames.condition, frames.weights);
+  }
+  Frames held_out;
+  const auto takes = of_profile(validation.dataset(), lab);
+  for (const std::size_t i : takes) {
+    const Frames frames = frames_of(validation, width, i, kRidgeValidationFrames / takes.size() + 1, random);
+    held_out.condition.insert(held_out.condition.end(), frames.condition.begin(), frames.condition.end());
+    held_out.weights.insert(held_out.weights.end(), frames.weights.begin(), frames.weights.end());
+  }
+  MIEN_TRY_ASSIGN(model::RidgeBaseline ridge, model::choose_ridge(fit, held_out.condition, held_out.weights));
+  ridge.profile = lab ? "lab" : "device";
+  Assessment::Profile profile{.name = ridge.profile, .ridge_mse = ridge.validation_mse};
+  for (std::size_t i = 0; i < held_out.weights.size(); ++i)
+    profile.mean_pose_mse += std::pow(double{held_out.weights[i]} - double{model.mean_pose[i % outputs]}, 2) /
+                             static_cast<double>(held_out.weights.size());
+  model.ridge.push_back(std::move(ridge));
+  return profile;
+}
+
+/// Runs one setting over takes and sums up how it did.
+class Trial {
+ public:
+  Trial(const model::Denoiser& denoiser, const model::ScheduleSettings& schedule)
+      : denoiser_(denoiser), schedule_(schedule) {}
+
+  Result<Assessment::Candidate> run(const std::vector<Frames>& takes,
+                                    const model::SamplerSettings& settings) const {
+    const std::size_t outputs = denoiser_.architecture().outputs, window = denoiser_.architecture().window;
+    double error = 0, count = 0, joins = 0, inside = 0, truth = 0;
+    for (const Frames& take : takes) {
+      MIEN_TRY_ASSIGN(const std::vector<float> solved,
+                      model::solve_windows(denoiser_, schedule_, take.condition, settings, no_progress));
+      for (std::size_t i = 0; i < solved.size(); ++i)
+        error += std::pow(double{solved[i]} - double{take.weights[i]}, 2);
+      count += static_cast<double>(solved.size());
+      joins += third_difference(solved, outputs, window, true);
+      inside += third_difference(solved, outputs, window, false);
+      truth += third_difference(take.weights, outputs, window, false);
+    }
+    return Assessment::Candidate{.settings = settings,
+                                 .mse = count > 0 ? error / count : 0,
+                                 .jitter_ratio = truth > 0 ? inside / truth : 0,
+                                 .seam_ratio = inside > 0 ? joins / inside : 0};
+  }
+
+ private:
+  const model::Denoiser& denoiser_;
+  model::ScheduleSettings schedule_;
+};
+
+/// Takes from validation, lab and device in turn and spread over the performers, until there are frames
+/// enough.
+std::vector<Frames> sampler_takes(const Recipe& recipe, const BatchMaker& validation, std::size_t width) {
+  Random random = Random(recipe.seed).fork("sampler");
+  const std::vector<std::size_t> profiles[] = {of_profile(validation.dataset(), true),
+                                               of_profile(validation.dataset(), false)};
+  const std::size_t wanted = std::max<std::size_t>(1, recipe.sampler_frames / kSamplerTakeFrames / 2);
+  std::vector<Frames> takes;
+  for (const auto& profile : profiles) {
+    const std::size_t count = std::min(wanted, profile.size());
+    for (std::size_t i = 0; i < count; ++i)
+      takes.push_back(frames_of(validation, width, profile[i * profile.size() / count],
+                                std::min(kSamplerTakeFrames, recipe.sampler_frames), random));
+  }
+  return takes;
+}
+
+}  // namespace
+
+std::vector<float> mean_pose_of(const study::Dataset& dataset) {
+  std::vector<double> sum;
+  double frames = 0;
+  for (const study::Sequence& s : dataset.sequences) {
+    if (s.frames == 0) continue;
+    sum.resize(s.weights.size() / s.frames);
+    frames += static_cast<double>(s.frames);
+    for (std::size_t j = 0; j < s.weights.size(); ++j)
+      sum[j % sum.size()] += std::clamp(double{s.weights[j]}, 0.0, 1.0);
+  }
+  std::vector<float> mean;
+  for (const double v : sum) mean.push_back(static_cast<float>(v / frames));
+  return mean;
+}
+
+double third_difference(std::span<const float> weights, std::size_t width, std::size_t window,
+                        bool at_joins) {
+  const std::size_t frames = weights.size() / width;
+  // A join lies where a window's new frames begin; four frames make a third difference, so it touches three
+  // of them.
+  std::vector<std::uint8_t> joined(frames, 0);
+  for (const std::size_t start : model::window_starts(frames, window)) {
+    if (start == 0) continue;
+    for (const std::size_t join : {start, start + model::overlap_frames(window)})
+      for (std::size_t f = join; f < std::min(join + 3, frames); ++f) joined[f] = 1;
+  }
+  double sum = 0, count = 0;
+  for (std::size_t f = 3; f < frames; ++f) {
+    if ((joined[f] != 0) != at_joins) continue;
+    for (std::size_t j = 0; j < width; ++j) {
+      const auto at = [&](std::size_t back) { return double{weights[(f - back) * width + j]}; };
+      sum += std::abs(at(0) - 3 * at(1) + 3 * at(2) - at(3));
+    }
+    count += static_cast<double>(width);
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training, const BatchMaker& validation,
+                          model::ModelFile& model, const Progress& progress) {
+  Assessment assessment;
+  model.ridge.clear();
+  for (const bool lab : {true, false}) {
+    if (of_profile(training.dataset(), lab).empty() || of_profile(validation.dataset(), lab).empty())
+      continue;
+    MIEN_TRY_ASSIGN(auto profile, fit_profile(training, validation, recipe.seed, lab, model));
+    assessment.profiles.push_back(std::move(profile));
+  }
+
+  MIEN_TRY_ASSIGN(const model::Denoiser denoiser, model::Denoiser::create(model.architecture, model.network));
+  const Trial trial(denoiser, model.schedule);
+  const std::vector<Frames> takes = sampler_takes(recipe, validation, model.architecture.condition);
+  const std::size_t trials = 2 * recipe.sampler_steps.size();
+  for (const std::size_t steps : recipe.sampler_steps)
+    for (const model::OverlapHold hold : {model::OverlapHold::noised, model::OverlapHold::clean}) {
+      if (!progress(static_cast<double>(assessment.samplers.size()) / static_cast<double>(trials),
+                    "choosing the sampler"))
+        return fail(ErrorCode::cancelled, "stopped while choosing the sampler");
+      MIEN_TRY_ASSIGN(
+          auto candidate,
+          trial.run(takes, {.kind = model::SamplerKind::ddim, .steps = steps, .seed = 1, .hold = hold}));
+      assessment.samplers.push_back(candidate);
+    }
+  const auto better = [](const Assessment::Candidate& a, const Assessment::Candidate& b) {
+    const bool a_smooth = a.seam_ratio <= kSeamLimit, b_smooth = b.seam_ratio <= kSeamLimit;
+    return a_smooth != b_smooth ? a_smooth : a.mse < b.mse;
+  };
+  model.sampler = std::min_element(assessment.samplers.begin(), assessment.samplers.end(), better)->settings;
+  return assessment;
+}
+
+}  // namespace mien::train

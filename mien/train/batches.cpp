@@ -1,0 +1,210 @@
+#include "mien/train/batches.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "mien/core/rotation.h"
+#include "mien/core/sha256.h"
+#include "mien/face/profile.h"
+#include "mien/model/schedule.h"
+
+namespace mien::train {
+namespace {
+
+/// A scale is never taken for smaller than this: a value that hardly changes must not be blown up into noise.
+constexpr double kSmallestScale = 1e-3;
+
+/// Turns a rotation (w, x, y, z) by a random vector of `sigma` radians an axis, in the frame that it is given
+/// in.
+void disturb(float* wxyz, double sigma, Random& random) {
+  const Vec3 turn(random.normal(0, sigma), random.normal(0, sigma), random.normal(0, sigma));
+  const Quat q = canonical(exp_rotation(turn) * Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]));
+  wxyz[0] = static_cast<float>(q.w());
+  wxyz[1] = static_cast<float>(q.x());
+  wxyz[2] = static_cast<float>(q.y());
+  wxyz[3] = static_cast<float>(q.z());
+}
+
+bool all_finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
+template <class T>
+void add_array(Sha256& hash, const std::vector<T>& values) {
+  hash.add(std::as_bytes(std::span(values)));
+}
+
+}  // namespace
+
+Result<void> check(const study::Dataset& dataset) {
+  const std::size_t n = dataset.sensors.size();
+  if (n == 0) return fail(ErrorCode::mismatch, "the data set has no sensors");
+  for (std::size_t i = 0; i < dataset.sequences.size(); ++i) {
+    const study::Sequence& s = dataset.sequences[i];
+    const std::string where = fmt::format("sequence {}", i);
+    if (s.values.size() != s.frames * 7 * n || s.present.size() != s.frames * 2 * n ||
+        s.weights.size() != s.frames * face::kShapeCount)
+      return fail(ErrorCode::mismatch,
+                  fmt::format("its arrays do not fit {} frames of {} sensors", s.frames, n), where);
+    if (!all_finite(s.values) || !all_finite(s.weights))
+      return fail(ErrorCode::out_of_range, "it holds a number that is not finite", where);
+  }
+  return {};
+}
+
+std::string hash_of(const study::Dataset& dataset) {
+  Sha256 hash;
+  for (const std::string& sensor : dataset.sensors) {
+    hash.add(std::as_bytes(std::span(sensor)));
+    hash.add_value('\n');
+  }
+  for (const study::Sequence& s : dataset.sequences) {
+    hash.add_value(s.performer);
+    hash.add_value(s.lab);
+    hash.add_value(static_cast<std::uint64_t>(s.frames));
+    add_array(hash, s.values);
+    add_array(hash, s.present);
+    add_array(hash, s.weights);
+  }
+  return hash.hex();
+}
+
+Result<void> check_apart(const study::Dataset& training, const study::Dataset& validation) {
+  if (training.sensors != validation.sensors)
+    return fail(ErrorCode::mismatch, "training and validation have different sensors", "data set");
+  std::set<std::uint32_t> trained_on;
+  for (const study::Sequence& s : training.sequences) trained_on.insert(s.performer);
+  for (const study::Sequence& s : validation.sequences)
+    if (trained_on.contains(s.performer))
+      return fail(ErrorCode::mismatch,
+                  fmt::format("performer {} is both trained and validated on", s.performer), "data set");
+  return {};
+}
+
+model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, double lab_noise_rad) {
+  const std::size_t n = dataset.sensors.size();
+  std::vector<double> sum(7 * n), squares(7 * n), count(7 * n);
+  for (const study::Sequence& s : dataset.sequences) {
+    for (std::size_t f = 0; f < s.frames; ++f)
+      for (std::size_t sensor = 0; sensor < n; ++sensor)
+        for (std::size_t v = 0; v < 7; ++v) {
+          if (s.present[f * 2 * n + (v < 3 ? n + sensor : sensor)] == 0) continue;
+          const std::size_t at = 7 * sensor + v;
+          const double value = s.values[f * 7 * n + at];
+          // A turn by `noise` moves a quaternion's vector part by half of it.
+          const double noise = s.lab && v > 3 ? lab_noise_rad / 2 : 0;
+          sum[at] += value;
+          squares[at] += value * value + noise * noise;
+          count[at] += 1;
+        }
+  }
+  model::FeatureNormalisation result;
+  for (std::size_t at = 0; at < 7 * n; ++at) {
+    const double mean = count[at] > 0 ? sum[at] / count[at] : 0;
+    const double variance = count[at] > 0 ? squares[at] / count[at] - mean * mean : 1;
+    result.mean.push_back(static_cast<float>(mean));
+    result.scale.push_back(static_cast<float>(std::max(std::sqrt(std::max(variance, 0.0)), kSmallestScale)));
+  }
+  return result;
+}
+
+BatchMaker::BatchMaker(const study::Dataset& dataset, const Recipe& recipe,
+                       const model::FeatureLayout& layout, const model::FeatureNormalisation& normalisation)
+    : dataset_(dataset), recipe_(recipe), layout_(layout), normalisation_(normalisation) {}
+
+void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
+                             Random& random, std::span<float> out) const {
+  const study::Sequence& s = dataset_.sequences[sequence];
+  const std::size_t n = layout_.sensors.size(), width = layout_.width();
+  std::vector<float> values(7 * n);
+  std::vector<std::uint8_t> present(2 * n);
+  for (std::size_t f = 0; f < count; ++f) {
+    std::copy_n(s.values.data() + (first + f) * 7 * n, 7 * n, values.data());
+    std::copy_n(s.present.data() + (first + f) * 2 * n, 2 * n, present.data());
+    for (std::size_t sensor = 0; sensor < n; ++sensor) {
+      if (!loss.sensor.empty() && loss.sensor[sensor] != 0) present[sensor] = present[n + sensor] = 0;
+      if (loss.acceleration) present[n + sensor] = 0;
+      if (s.lab && present[sensor] != 0)
+        disturb(values.data() + 7 * sensor + 3, recipe_.lab_noise_rad, random);
+    }
+    model::encode_values(layout_, normalisation_, values, present, out.subspan(f * width, width));
+  }
+}
+
+void BatchMaker::encode(std::size_t sequence, std::size_t first, std::size_t count, Random& random,
+                        std::span<float> out) const {
+  encode_with(sequence, first, count, {}, random, out);
+}
+
+BatchMaker::Loss BatchMaker::draw_loss(Random& random) const {
+  Loss loss{.sensor = std::vector<std::uint8_t>(layout_.sensors.size()),
+            .acceleration = random.chance(recipe_.acceleration_loss)};
+  const double chance = random.chance(recipe_.many_lost) ? random.uniform(0, 0.9) : recipe_.sensor_loss;
+  for (std::uint8_t& lost : loss.sensor) lost = random.chance(chance) ? 1 : 0;
+  return loss;
+}
+
+void BatchMaker::append_window(std::size_t sequence, std::size_t first, const Loss& loss, Random& random,
+                               Batch& batch) const {
+  const std::size_t window = recipe_.architecture.window, outputs = recipe_.architecture.outputs,
+                    width = layout_.width();
+  const std::size_t at = batch.condition.size();
+  batch.condition.resize(at + window * width);
+  encode_with(sequence, first, window, loss, random, std::span(batch.condition).subspan(at));
+  const float* weights = dataset_.sequences[sequence].weights.data() + first * outputs;
+  for (std::size_t i = 0; i < window * outputs; ++i) batch.clean.push_back(model::to_network(weights[i]));
+  ++batch.windows;
+}
+
+std::size_t BatchMaker::places_in(std::size_t sequence) const {
+  const std::size_t frames = dataset_.sequences[sequence].frames;
+  return frames >= recipe_.architecture.window ? frames - recipe_.architecture.window + 1 : 0;
+}
+
+std::size_t BatchMaker::places() const {
+  std::size_t places = 0;
+  for (std::size_t i = 0; i < dataset_.sequences.size(); ++i) places += places_in(i);
+  return places;
+}
+
+Batch BatchMaker::random_batch(std::size_t count, Random random) const {
+  const std::size_t all = places();
+  Batch batch;
+  for (std::size_t i = 0; i < count; ++i) {
+    // Every place is as likely as every other, so long sequences count for more.
+    std::uint64_t place = random.below(all);
+    std::size_t sequence = 0;
+    for (; place >= places_in(sequence); ++sequence) place -= places_in(sequence);
+    append_window(sequence, static_cast<std::size_t>(place), draw_loss(random), random, batch);
+    // One level from each equal part of the range: evenly drawn with less scatter from step to step.
+    const double u = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count);
+    const auto levels = static_cast<double>(recipe_.schedule.levels);
+    batch.level.push_back(
+        static_cast<std::int64_t>(std::min(levels - 1, levels * std::pow(u, 1 / (1 + recipe_.t_bias)))));
+    batch.held.push_back(
+        random.chance(recipe_.held_overlap) ? static_cast<std::int64_t>(recipe_.architecture.window / 2) : 0);
+  }
+  return batch;
+}
+
+Batch BatchMaker::even_batch(std::size_t count, Random random) const {
+  const std::size_t window = recipe_.architecture.window;
+  std::vector<std::pair<std::size_t, std::size_t>> windows;
+  for (std::size_t i = 0; i < dataset_.sequences.size(); ++i)
+    for (std::size_t first = 0; first + window <= dataset_.sequences[i].frames; first += window)
+      windows.emplace_back(i, first);
+  Batch batch;
+  count = std::min(count, windows.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [sequence, first] = windows[i * windows.size() / count];
+    append_window(sequence, first, {}, random, batch);
+  }
+  batch.level.assign(batch.windows, 0);
+  batch.held.assign(batch.windows, 0);
+  return batch;
+}
+
+}  // namespace mien::train

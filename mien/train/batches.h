@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/random.h"
+#include "mien/model/features.h"
+#include "mien/study/dataset.h"
+#include "mien/train/recipe.h"
+
+namespace mien::train {
+
+/// Windows for one step of training, as plain arrays.
+struct Batch {
+  std::size_t windows = 0;
+  std::vector<float> condition;     ///< windows x frames x condition.
+  std::vector<float> clean;         ///< windows x frames x outputs, in [-1, 1].
+  std::vector<std::int64_t> level;  ///< Noise level of each window.
+  std::vector<std::int64_t> held;   ///< First frames of each window that are given clean; mostly 0.
+};
+
+/// Refuses a data set whose arrays do not fit each other or hold what is not finite. Errors: mismatch,
+/// out_of_range.
+[[nodiscard]] Result<void> check(const study::Dataset& dataset);
+
+/// SHA-256 over everything in the data set: equal hashes mean that scores can be compared.
+[[nodiscard]] std::string hash_of(const study::Dataset& dataset);
+
+/// Refuses two sets of which somebody performs in both, or whose sensors differ. Errors: mismatch.
+[[nodiscard]] Result<void> check_apart(const study::Dataset& training, const study::Dataset& validation);
+
+/// Mean and scale of each value over the frames where it is there. Lab rotations count with their noise.
+[[nodiscard]] model::FeatureNormalisation normalisation_of(const study::Dataset& dataset,
+                                                           double lab_noise_rad);
+
+/// Turns sequences into what the network reads. Everything random comes from the generator that is handed in,
+/// so a step's batch depends on nothing but the recipe's seed and the step's number.
+class BatchMaker {
+ public:
+  /// Keeps references: the data set must stay.
+  BatchMaker(const study::Dataset& dataset, const Recipe& recipe, const model::FeatureLayout& layout,
+             const model::FeatureNormalisation& normalisation);
+
+  [[nodiscard]] const study::Dataset& dataset() const { return dataset_; }
+
+  /// `count` windows at random places, augmented. Thread-safe. Errors: none; needs at
+  /// least one sequence as long as a window, see places().
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const;
+
+  /// At most `count` windows, evenly spread over the data set, with lab noise (from `random`) but nothing
+  /// lost.
+  [[nodiscard]] Batch even_batch(std::size_t count, Random random) const;
+
+  /// Condition of `count` frames of one sequence, from `first` on, with lab noise where the sequence is lab.
+  void encode(std::size_t sequence, std::size_t first, std::size_t count, Random& random,
+              std::span<float> out) const;
+
+  /// Places at which a window may begin.
+  [[nodiscard]] std::size_t places() const;
+
+ private:
+  [[nodiscard]] std::size_t places_in(std::size_t sequence) const;
+  struct Loss {
+    std::vector<std::uint8_t> sensor;
+    bool acceleration = false;
+  };
+  void encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
+                   Random& random, std::span<float> out) const;
+  void append_window(std::size_t sequence, std::size_t first, const Loss& loss, Random& random,
+                     Batch& batch) const;
+  [[nodiscard]] Loss draw_loss(Random& random) const;
+
+  const study::Dataset& dataset_;
+  const Recipe& recipe_;
+  model::FeatureLayout layout_;
+  model::FeatureNormalisation normalisation_;
+};
+
+}  // namespace mien::train

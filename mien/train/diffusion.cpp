@@ -1,0 +1,83 @@
+#include "mien/train/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mien::train {
+namespace {
+
+/// Windows that go through the network at once while validating.
+constexpr std::int64_t kValidationBatch = 64;
+constexpr std::uint64_t kValidationSeed = 20240601;
+
+}  // namespace
+
+DeviceBatch to_device(const Batch& batch, const Recipe& recipe, const torch::Device& device) {
+  const auto windows = static_cast<std::int64_t>(batch.windows);
+  const auto frames = static_cast<std::int64_t>(recipe.architecture.window);
+  return {.condition = torch::tensor(batch.condition).view({windows, frames, -1}).to(device),
+          .clean = torch::tensor(batch.clean).view({windows, frames, -1}).to(device),
+          .level = torch::tensor(batch.level).to(device),
+          .held = torch::tensor(batch.held).to(device)};
+}
+
+NoiseMixer::NoiseMixer(const model::ScheduleSettings& schedule, const torch::Device& device) {
+  std::vector<float> keep, add;
+  for (const double signal : model::cosine_signal(schedule)) {
+    keep.push_back(static_cast<float>(std::sqrt(signal)));
+    add.push_back(static_cast<float>(std::sqrt(1 - signal)));
+  }
+  keep_ = torch::tensor(keep).to(device);
+  add_ = torch::tensor(add).to(device);
+}
+
+torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noise) const {
+  const torch::Tensor mixed = keep_.index_select(0, batch.level).view({-1, 1, 1}) * batch.clean +
+                              add_.index_select(0, batch.level).view({-1, 1, 1}) * noise;
+  const torch::Tensor frame = torch::arange(batch.clean.size(1), batch.held.options()).view({1, -1, 1});
+  return torch::where(frame < batch.held.view({-1, 1, 1}), batch.clean, mixed);
+}
+
+torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
+  const torch::Tensor error = (predicted - batch.clean).abs();
+  if (recipe.t_weight == 0) return error.mean();
+  const torch::Tensor weight =
+      ((batch.level.to(torch::kFloat) + 1) / static_cast<double>(recipe.schedule.levels))
+          .pow(recipe.t_weight);
+  return (error.mean(at::IntArrayRef{1, 2}) * weight / weight.mean()).mean();
+}
+
+ValidationScore validate(const Recipe& recipe, const Parameters& parameters, const Batch& windows,
+                         const NoiseMixer& mixer, const torch::Device& device) {
+  const at::NoGradGuard no_gradients;
+  DeviceBatch all = to_device(windows, recipe, device);
+  // Noise from our own generator: a device's would differ from another's.
+  Random random(kValidationSeed);
+  std::vector<float> values(windows.clean.size());
+  for (float& v : values) v = static_cast<float>(random.normal());
+  const torch::Tensor noise = torch::tensor(values).view(all.clean.sizes()).to(device);
+
+  const auto count = static_cast<std::int64_t>(windows.windows);
+  const auto levels = static_cast<std::int64_t>(recipe.schedule.levels);
+  const std::int64_t looked_at[] = {levels / 4, levels / 2, levels * 3 / 4, levels - 1};
+  ValidationScore score;
+  for (const std::int64_t level : looked_at)
+    for (std::int64_t at = 0; at < count; at += kValidationBatch) {
+      const std::int64_t end = std::min(count, at + kValidationBatch);
+      DeviceBatch part = {.condition = all.condition.slice(0, at, end),
+                          .clean = all.clean.slice(0, at, end),
+                          .level = torch::full_like(all.level.slice(0, at, end), level),
+                          .held = all.held.slice(0, at, end)};
+      const torch::Tensor predicted =
+          predict(recipe.architecture, parameters, mixer.mix(part, noise.slice(0, at, end)), part.condition,
+                  part.level, {.dropout = 0, .bf16 = recipe.bf16});
+      const double share = static_cast<double>(end - at) / static_cast<double>(count);
+      score.loss += share * (predicted - part.clean).abs().mean().item<double>() / std::size(looked_at);
+      // Half the distance in [-1, 1] is the distance of weights.
+      if (level == levels - 1)
+        score.mse += share * (predicted.clamp(-1, 1) - part.clean).square().mean().item<double>() / 4;
+    }
+  return score;
+}
+
+}  // namespace mien::train

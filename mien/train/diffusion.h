@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include "mien/core/random.h"
+#include "mien/train/batches.h"
+#include "mien/train/network.h"
+
+namespace mien::train {
+
+/// A batch on the device that computes.
+struct DeviceBatch {
+  torch::Tensor condition, clean;  ///< [windows, frames, numbers].
+  torch::Tensor level, held;       ///< [windows].
+};
+
+[[nodiscard]] DeviceBatch to_device(const Batch& batch, const Recipe& recipe, const torch::Device& device);
+
+/// The forward process: mixes noise into clean windows at their levels, held first frames aside.
+class NoiseMixer {
+ public:
+  NoiseMixer(const model::ScheduleSettings& schedule, const torch::Device& device);
+  /// All shapes as DeviceBatch; `noise` as `clean`.
+  [[nodiscard]] torch::Tensor mix(const DeviceBatch& batch, const torch::Tensor& noise) const;
+
+ private:
+  torch::Tensor keep_, add_;  ///< One number a level.
+};
+
+/// The training loss: mean absolute error of the clean windows, weighted by noise level where the recipe says
+/// so.
+[[nodiscard]] torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted,
+                                    const DeviceBatch& batch);
+
+/// How well weights predict performers that they were not trained on.
+struct ValidationScore {
+  double loss = 0;  ///< Mean absolute error in [-1, 1] over a few noise levels.
+  double mse = 0;   ///< Squared error of weights in [0, 1], asked once from pure noise.
+
+  [[nodiscard]] double by(Score score) const { return score == Score::mse ? mse : loss; }
+};
+
+/// Scores weights on fixed windows with fixed noise: the same weights give the same score.
+[[nodiscard]] ValidationScore validate(const Recipe& recipe, const Parameters& parameters,
+                                       const Batch& windows, const NoiseMixer& mixer,
+                                       const torch::Device& device);
+
+}  // namespace mien::train

@@ -1,0 +1,140 @@
+#include "mien/train/network.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "mien/core/random.h"
+
+namespace mien::train {
+namespace {
+
+/// Hands out parameters one after the other, in the order in which the network uses them.
+class Cursor {
+ public:
+  Cursor(const Parameters& parameters, const Pass& pass)
+      : next_(parameters.begin()), pass_(pass), type_(pass.bf16 ? torch::kBFloat16 : torch::kFloat) {}
+
+  torch::Tensor linear(const torch::Tensor& x) {
+    const torch::Tensor weight = take(), bias = take();
+    return torch::linear(x.to(type_), weight, bias);
+  }
+  /// Query, key and value in one product, which is faster than three.
+  torch::Tensor three_linears(const torch::Tensor& x) {
+    std::vector<torch::Tensor> weights, biases;
+    for (int i = 0; i < 3; ++i) {
+      weights.push_back(take());
+      biases.push_back(take());
+    }
+    return torch::linear(x.to(type_), torch::cat(weights), torch::cat(biases));
+  }
+  torch::Tensor normalise(const torch::Tensor& x) {
+    const torch::Tensor gain = take(), shift = take();
+    return torch::layer_norm(x, {x.size(-1)}, gain, shift, model::kLayerNormEpsilon);
+  }
+  [[nodiscard]] torch::Tensor drop(const torch::Tensor& x) const {
+    return pass_.dropout > 0 ? torch::dropout(x, pass_.dropout, true) : x;
+  }
+
+ private:
+  torch::Tensor take() { return (next_++)->to(type_); }
+  Parameters::const_iterator next_;
+  const Pass& pass_;
+  torch::ScalarType type_;
+};
+
+torch::Tensor as_tensor(const std::vector<float>& values, at::IntArrayRef shape,
+                        const torch::Device& device) {
+  return torch::tensor(values).view(shape).to(device);
+}
+
+/// The sinusoids of whole noise levels, [windows, kNoiseSinusoid]: what model::noise_sinusoid gives for one.
+torch::Tensor noise_sinusoids(const torch::Tensor& level) {
+  constexpr std::int64_t kHalf = model::kNoiseSinusoid / 2;
+  const auto options = torch::TensorOptions().dtype(torch::kDouble).device(level.device());
+  const torch::Tensor frequency =
+      torch::exp(torch::arange(kHalf, options) * (-std::log(10000.0) / (kHalf - 1)));
+  const torch::Tensor angle = level.to(torch::kDouble).unsqueeze(1) * frequency;
+  return torch::cat({angle.sin(), angle.cos()}, 1).to(torch::kFloat);
+}
+
+torch::Tensor positions(std::size_t tokens, std::size_t d_model, const torch::Device& device) {
+  std::vector<float> all, one(d_model);
+  for (std::size_t t = 0; t < tokens; ++t) {
+    model::position_encoding(t, one);
+    all.insert(all.end(), one.begin(), one.end());
+  }
+  return as_tensor(all, {static_cast<std::int64_t>(tokens), static_cast<std::int64_t>(d_model)}, device);
+}
+
+}  // namespace
+
+Parameters fresh_parameters(const model::Architecture& architecture, std::uint64_t seed,
+                            const torch::Device& device) {
+  const Random root(seed);
+  Parameters parameters;
+  std::size_t inputs = 1;
+  for (const model::TensorSpec& spec : model::network_tensors(architecture)) {
+    Random random = root.fork(spec.name);
+    std::int64_t count = 1;
+    std::vector<std::int64_t> shape;
+    for (const std::size_t n : spec.shape) {
+      shape.push_back(static_cast<std::int64_t>(n));
+      count *= shape.back();
+    }
+    if (spec.shape.size() == 2) inputs = spec.shape[1];  // A bias follows its weight.
+    const bool norm = spec.name.find("_norm.") != std::string::npos;
+    const double spread = 1 / std::sqrt(static_cast<double>(inputs));
+    std::vector<float> values(static_cast<std::size_t>(count), spec.name.ends_with("weight") ? 1.0F : 0.0F);
+    if (!norm)
+      for (float& v : values) v = static_cast<float>(random.uniform(-spread, spread));
+    parameters.push_back(as_tensor(values, shape, device).requires_grad_());
+  }
+  return parameters;
+}
+
+std::vector<model::Tensor> to_tensors(const model::Architecture& architecture, const Parameters& parameters) {
+  std::vector<model::Tensor> tensors;
+  auto parameter = parameters.begin();
+  for (const model::TensorSpec& spec : model::network_tensors(architecture)) {
+    const torch::Tensor plain = (parameter++)->detach().to(torch::kCPU, torch::kFloat).contiguous();
+    const auto* data = plain.data_ptr<float>();
+    tensors.push_back({.name = spec.name, .shape = spec.shape, .values = {data, data + plain.numel()}});
+  }
+  return tensors;
+}
+
+Parameters from_tensors(const std::vector<model::Tensor>& tensors, const torch::Device& device) {
+  Parameters parameters;
+  for (const model::Tensor& tensor : tensors)
+    parameters.push_back(as_tensor(
+        tensor.values, std::vector<std::int64_t>(tensor.shape.begin(), tensor.shape.end()), device));
+  return parameters;
+}
+
+torch::Tensor predict(const model::Architecture& a, const Parameters& parameters, const torch::Tensor& noisy,
+                      const torch::Tensor& condition, const torch::Tensor& level, const Pass& pass) {
+  const std::int64_t windows = noisy.size(0), tokens = noisy.size(1) + 1;
+  const auto heads = static_cast<std::int64_t>(a.heads), d_head = static_cast<std::int64_t>(a.d_head);
+  Cursor use(parameters, pass);
+
+  const torch::Tensor frames = use.linear(torch::cat({noisy, condition}, 2));
+  const torch::Tensor hidden = torch::gelu(use.linear(noise_sinusoids(level)));
+  const torch::Tensor noise = use.linear(hidden).unsqueeze(1);
+  torch::Tensor x = torch::cat({noise, frames}, 1);
+  x = x + positions(static_cast<std::size_t>(tokens), a.d_model, noisy.device()).to(x.scalar_type());
+  for (std::size_t layer = 0; layer < a.layers; ++layer) {
+    const torch::Tensor projected =
+        use.three_linears(x).view({windows, tokens, 3, heads, d_head}).permute({2, 0, 3, 1, 4});
+    const torch::Tensor query = projected[0] * (1 / std::sqrt(static_cast<double>(d_head)));
+    const torch::Tensor share =
+        use.drop(torch::softmax(torch::matmul(query, projected[1].transpose(2, 3)), -1));
+    const torch::Tensor mixed =
+        torch::matmul(share, projected[2]).transpose(1, 2).reshape({windows, tokens, heads * d_head});
+    x = use.normalise(use.drop(use.linear(mixed)) + x);
+    const torch::Tensor inner = torch::relu(use.linear(x));
+    x = use.normalise(use.drop(use.linear(inner)) + x);
+  }
+  return use.linear(x.slice(1, 1)).to(torch::kFloat);
+}
+
+}  // namespace mien::train

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "mien/model/architecture.h"
+#include "mien/model/safetensors.h"
+#include "mien/train/torch.h"
+
+namespace mien::train {
+
+/// The network's weights as libtorch tensors, in the order of model::network_tensors().
+using Parameters = std::vector<torch::Tensor>;
+
+/// Fresh weights: uniform in +-1/sqrt(inputs) as libtorch's own linear layers, normalisations the identity.
+/// The same seed gives the same weights everywhere.
+[[nodiscard]] Parameters fresh_parameters(const model::Architecture& architecture, std::uint64_t seed,
+                                          const torch::Device& device);
+
+/// To and from a model file's tensors. Sizes must be the architecture's.
+[[nodiscard]] std::vector<model::Tensor> to_tensors(const model::Architecture& architecture,
+                                                    const Parameters& parameters);
+[[nodiscard]] Parameters from_tensors(const std::vector<model::Tensor>& tensors, const torch::Device& device);
+
+/// How a pass through the network is computed.
+struct Pass {
+  double dropout =
+      0;  ///< Share of activations dropped after softmax, attention and feed-forward; 0 when not training.
+  bool bf16 = false;  ///< Products in bf16 with fp32 sums: more than twice as fast where the CPU has it.
+};
+
+/// The clean windows that the network sees in noisy ones, differentiable: the same function as
+/// model::Denoiser. Shapes: noisy [windows, frames, outputs], condition [windows, frames, condition], level
+/// [windows] (whole numbers), result [windows, frames, outputs] in fp32.
+[[nodiscard]] torch::Tensor predict(const model::Architecture& architecture, const Parameters& parameters,
+                                    const torch::Tensor& noisy, const torch::Tensor& condition,
+                                    const torch::Tensor& level, const Pass& pass);
+
+}  // namespace mien::train

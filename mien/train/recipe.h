@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/model/architecture.h"
+#include "mien/model/schedule.h"
+
+namespace mien::train {
+
+/// What a validation score is compared by.
+enum class Score {
+  mse,   ///< Squared error of the weights that the network gives when asked once, from pure noise.
+  loss,  ///< The training loss, over a few noise levels.
+};
+
+/// How a model is made, from data to budget: a TOML file (docs/model.md lists its keys). Defaults are the
+/// light network's; a recipe names what differs.
+struct Recipe {
+  std::string text;        ///< The file as it was read: it goes into the model.
+  std::uint64_t seed = 1;  ///< Fixes weights, order, augmentation and noise.
+
+  // [network]
+  model::Architecture architecture;  ///< `condition` is filled in from the data's sensors.
+  bool presence_flags = true;        ///< Off in the faithful variant.
+  double dropout = 0.1;              ///< 0 to 0.9. Raise it when training loss runs away from validation.
+
+  // [data]: the table as TOML text, unread, for whoever makes the data.
+  std::string data;
+
+  // [optimiser]
+  double learning_rate = 2e-4;
+  std::size_t batch = 64;           ///< Windows a step.
+  std::size_t warm_up_steps = 200;  ///< The rate rises from zero over these.
+  bool cosine_decay = true;         ///< The rate falls to a hundredth along a half cosine over the budget.
+  double clip_norm = 1.0;           ///< Gradients longer than this are shortened; 0 never.
+  double ema = 0.999;               ///< The averaged weights keep this share at each averaging.
+  std::size_t ema_every = 1;        ///< Steps between averagings.
+  bool bf16 = true;                 ///< Products in bf16.
+
+  // [noise]
+  model::ScheduleSettings schedule;
+  double t_bias = 0;  ///< 0 draws levels evenly; above, high ones more often: level ~ uniform^(1/(1+t_bias)).
+  double t_weight = 0;      ///< Loss weight (level / levels)^t_weight: above 0 high levels count more.
+  double held_overlap = 0;  ///< Share of windows whose first half is given clean, as OverlapHold::clean does.
+
+  // [augmentation]
+  double lab_noise_rad = 0.017453292519943295;  ///< White noise an axis on lab rotations: 1 degree.
+  double sensor_loss = 0.05;                    ///< Chance of each sensor to be missing through a window.
+  double many_lost = 0.05;  ///< Chance of a window to lose each sensor with a chance drawn from 0 to 0.9.
+  double acceleration_loss = 0.1;  ///< Chance of a window to lose every acceleration.
+
+  // [validation]
+  std::size_t windows = 256;    ///< Windows looked at each time.
+  double every_s = 120;         ///< Seconds between validations (which also write the checkpoint).
+  std::size_t every_steps = 0;  ///< The same in steps, when not 0: then runs repeat to the bit.
+  Score score = Score::mse;     ///< By which the best averaged weights are kept.
+
+  // [sampler]: candidates, of which validation chooses.
+  std::vector<std::size_t> sampler_steps = {1, 2, 4, 8};
+  std::size_t sampler_frames = 3000;  ///< Validation frames solved for each candidate.
+
+  // [budget]: whichever ends first; 0 is none. One must be given.
+  std::size_t steps = 0;
+  double seconds = 0;
+};
+
+/// Reads a recipe. Errors: malformed (not TOML), bad_usage (a key that is not known), out_of_range.
+[[nodiscard]] Result<Recipe> parse_recipe(std::string_view text, std::string_view where);
+
+}  // namespace mien::train

@@ -1,0 +1,428 @@
+#include "mien/train/trainer.h"
+
+#include <ATen/Parallel.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <thread>
+
+#include "mien/core/files.h"
+#include "mien/core/sha256.h"
+#include "mien/face/profile.h"
+#include "mien/model/model_file.h"
+#include "mien/train/assess.h"
+#include "mien/train/batches.h"
+#include "mien/train/checkpoint.h"
+#include "mien/train/diffusion.h"
+#include "mien/train/network.h"
+#include "mien/train/optimiser.h"
+
+namespace mien::train {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+constexpr const char* kCurveHead =
+    "step,seconds,windows,learning_rate,training_loss,validation_loss,validation_mse\n";
+/// Share of the whole that choosing the sampler is shown as.
+constexpr double kAssessShare = 0.02;
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string sha256(std::string_view text) {
+  Sha256 hash;
+  hash.add(std::as_bytes(std::span(text)));
+  return hash.hex();
+}
+
+Result<torch::Device> find_device(const std::string& name) {
+  try {
+    const torch::Device device(name);
+    (void)torch::zeros({1}, device);
+    return device;
+  } catch (const std::exception&) {
+    return fail(ErrorCode::bad_usage, fmt::format("libtorch has no device {:?} here", name), "--device",
+                "use cpu");
+  }
+}
+
+void use_threads(int threads) {
+  // libtorch starts with one thread where OpenMP's own default is unset.
+  at::set_num_threads(threads > 0 ? threads
+                                  : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+}
+
+/// Batches of the steps to come, made while the device computes.
+class BatchStream {
+ public:
+  BatchStream(const BatchMaker& maker, const Recipe& recipe, std::int64_t first_step, std::size_t ahead)
+      : maker_(maker), recipe_(recipe), next_step_(first_step), ahead_(ahead) {}
+
+  Batch next() {
+    while (coming_.size() <= ahead_)
+      coming_.push_back(std::async(std::launch::async, [this, step = next_step_++] {
+        return maker_.random_batch(recipe_.batch,
+                                   Random(recipe_.seed).fork("batch", static_cast<std::uint64_t>(step)));
+      }));
+    Batch batch = coming_.front().get();
+    coming_.pop_front();
+    return batch;
+  }
+
+ private:
+  const BatchMaker& maker_;
+  const Recipe& recipe_;
+  std::int64_t next_step_;
+  std::size_t ahead_;
+  std::deque<std::future<Batch>> coming_;
+};
+
+/// The rate at a step: warm-up, then a half cosine down to a hundredth over the budget.
+double learning_rate(const Recipe& recipe, std::int64_t step, double fraction) {
+  const double warm =
+      recipe.warm_up_steps == 0
+          ? 1.0
+          : std::min(1.0, static_cast<double>(step + 1) / static_cast<double>(recipe.warm_up_steps));
+  const double decay = recipe.cosine_decay
+                           ? 0.01 + 0.99 * 0.5 * (1 + std::cos(std::numbers::pi * std::min(fraction, 1.0)))
+                           : 1.0;
+  return recipe.learning_rate * warm * decay;
+}
+
+/// One optimisation step on a batch; the loss.
+double take_step(const Recipe& recipe, const torch::Device& device, const NoiseMixer& mixer,
+                 const Batch& batch, std::int64_t step, double rate, Parameters& weights, Adam& adam,
+                 MovingAverage& average) {
+  // Noise and dropout start anew from the step's number, so nothing needs to be remembered across a restart.
+  torch::manual_seed(Random(recipe.seed).fork("step", static_cast<std::uint64_t>(step)).bits());
+  const DeviceBatch windows = to_device(batch, recipe, device);
+  const torch::Tensor noisy = mixer.mix(windows, torch::randn_like(windows.clean));
+  const torch::Tensor predicted = predict(recipe.architecture, weights, noisy, windows.condition,
+                                          windows.level, {.dropout = recipe.dropout, .bf16 = recipe.bf16});
+  const torch::Tensor loss = loss_of(recipe, predicted, windows);
+  loss.backward();
+  adam.step(weights, rate, recipe.clip_norm);
+  if (static_cast<std::size_t>(adam.steps) % recipe.ema_every == 0) average.add(weights, recipe.ema);
+  return loss.item<double>();
+}
+
+class Training {
+ public:
+  Training(Recipe recipe, const study::Dataset& training, const study::Dataset& validation,
+           const TrainOptions& options, const Progress& progress)
+      : recipe_(std::move(recipe)),
+        training_(training),
+        validation_(validation),
+        options_(options),
+        progress_(progress) {
+    checkpoint_path_ = options.out;
+    checkpoint_path_ += ".checkpoint";
+    curve_path_ = fs::path(options.out).replace_extension(".csv");
+  }
+
+  Result<TrainReport> run() {
+    MIEN_TRY(prepare());
+    MIEN_TRY(refuse_to_replace_another_kind());
+    MIEN_TRY(start());
+    MIEN_TRY(loop());
+    return finish();
+  }
+
+ private:
+  Result<void> prepare() {
+    MIEN_TRY(check(training_));
+    MIEN_TRY(check(validation_));
+    MIEN_TRY(check_apart(training_, validation_));
+    MIEN_TRY_ASSIGN(device_, find_device(options_.device));
+    use_threads(options_.threads);
+    layout_ = {.sensors = training_.sensors, .presence_flags = recipe_.presence_flags};
+    recipe_.architecture.condition = layout_.width();
+    recipe_.architecture.outputs = face::kShapeCount;
+    MIEN_TRY(model::check(recipe_.architecture));
+    normalisation_ = normalisation_of(training_, recipe_.lab_noise_rad);
+    training_batches_.emplace(training_, recipe_, layout_, normalisation_);
+    validation_batches_.emplace(validation_, recipe_, layout_, normalisation_);
+    if (training_batches_->places() == 0 || validation_batches_->places() == 0)
+      return fail(ErrorCode::bad_usage, fmt::format("training or validation has no sequence of {} frames",
+                                                    recipe_.architecture.window));
+    mixer_.emplace(recipe_.schedule, *device_);
+    validation_windows_ =
+        validation_batches_->even_batch(recipe_.windows, Random(recipe_.seed).fork("validation"));
+    validation_hash_ =
+        sha256(fmt::format("{} {} {} {} {}", hash_of(validation_), recipe_.windows, recipe_.seed,
+                           recipe_.lab_noise_rad, recipe_.score == Score::mse ? "mse" : "loss"));
+    run_ = sha256(
+        fmt::format("{} {} {} {}", recipe_.text, hash_of(training_), validation_hash_, options_.device));
+    return {};
+  }
+
+  /// The score of the model that stands at `out`, if it was measured on the same validation data.
+  Result<std::optional<double>> standing_score() const {
+    std::error_code code;
+    if (!fs::exists(options_.out, code) || options_.force) return std::nullopt;
+    MIEN_TRY_ASSIGN(const model::ModelFile standing, model::read_model(options_.out));
+    const Json results = Json::parse(standing.results, nullptr, false);
+    const Json validation =
+        results.is_object() && results.contains("validation") ? results["validation"] : Json();
+    if (!validation.is_object() || !validation.contains("hash") || validation["hash"] != validation_hash_ ||
+        !validation.contains("score") || !validation["score"].is_number())
+      return fail(ErrorCode::mismatch,
+                  "the model that stands here was measured on other data, so it cannot be compared",
+                  options_.out.string(), "name another file, or use --force");
+    return validation["score"].get<double>();
+  }
+  Result<void> refuse_to_replace_another_kind() const {
+    if (const auto standing = standing_score(); !standing) return std::unexpected(standing.error());
+    return {};
+  }
+
+  Result<void> start() {
+    weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, *device_);
+    adam_.emplace(weights_);
+    average_.emplace(weights_);
+    state_.run = run_;
+    state_.curve = kCurveHead;
+    std::error_code code;
+    if (!fs::exists(checkpoint_path_, code)) return {};
+    if (options_.force) return {};
+    if (!options_.resume)
+      return fail(ErrorCode::bad_usage, "an unfinished run stands here", checkpoint_path_.string(),
+                  "use --resume to go on with it, or --force to begin anew");
+    MIEN_TRY_ASSIGN(state_, read_checkpoint(checkpoint_path_, recipe_.architecture));
+    if (state_.run != run_)
+      return fail(ErrorCode::mismatch, "the checkpoint belongs to another recipe, data set or device",
+                  checkpoint_path_.string(), "use --force to begin anew");
+    weights_ = from_tensors(state_.weights, *device_);
+    for (torch::Tensor& p : weights_) p.requires_grad_();
+    adam_->mean = from_tensors(state_.adam_mean, *device_);
+    adam_->square = from_tensors(state_.adam_square, *device_);
+    adam_->steps = state_.step;
+    average_->average = from_tensors(state_.average, *device_);
+    average_->count = state_.averagings;
+    return {};
+  }
+
+  [[nodiscard]] double fraction() const {
+    const double by_steps =
+        recipe_.steps == 0 ? 0 : static_cast<double>(state_.step) / static_cast<double>(recipe_.steps);
+    const double by_time = recipe_.seconds == 0 ? 0 : state_.seconds / recipe_.seconds;
+    return std::max(by_steps, by_time);
+  }
+
+  Result<void> loop() {
+    const std::size_t ahead = device_->is_cpu() ? 1 : 8;
+    BatchStream stream(*training_batches_, recipe_, state_.step, ahead);
+    double mark_s = now_s(), last_validation_s = mark_s;
+    while (fraction() < 1) {
+      const double rate = learning_rate(recipe_, state_.step, fraction());
+      const double loss = take_step(recipe_, *device_, *mixer_, stream.next(), state_.step, rate, weights_,
+                                    *adam_, *average_);
+      if (!std::isfinite(loss))
+        return fail(ErrorCode::internal, fmt::format("the loss is no longer finite at step {}", state_.step),
+                    options_.out.string(), "lower optimiser.learning_rate; the last checkpoint is sound");
+      ++state_.step;
+      shown_loss_ = shown_loss_ == 0 ? loss : 0.98 * shown_loss_ + 0.02 * loss;
+      loss_sum_ += loss;
+      ++loss_count_;
+      const double at_s = now_s();
+      state_.seconds += at_s - mark_s;
+      const double speed = static_cast<double>(recipe_.batch) / (at_s - mark_s);
+      shown_speed_ = shown_speed_ == 0 ? speed : 0.95 * shown_speed_ + 0.05 * speed;
+      const bool go_on = progress_((1 - kAssessShare) * std::min(fraction(), 1.0), status());
+      const bool due = recipe_.every_steps > 0
+                           ? state_.step % static_cast<std::int64_t>(recipe_.every_steps) == 0
+                           : at_s - last_validation_s > recipe_.every_s;
+      if (!go_on) {
+        MIEN_TRY(save());
+        return fail(ErrorCode::cancelled, fmt::format("stopped after {} steps", state_.step),
+                    checkpoint_path_.string(), "go on with --resume");
+      }
+      if (due || fraction() >= 1) {
+        look(rate);
+        MIEN_TRY(save());
+        last_validation_s = now_s();
+      }
+      mark_s = now_s();  // Validation and checkpoint do not count as training.
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string status() const {
+    std::string text =
+        fmt::format("step {}, loss {:.4f}, {:.0f} windows/s", state_.step, shown_loss_, shown_speed_);
+    if (last_score_)
+      text += fmt::format(", validation loss {:.4f}, mse {:.5f}", last_score_->loss, last_score_->mse);
+    return text;
+  }
+
+  /// Validates the averaged weights, keeps the best, and adds a row to the curve.
+  void look(double rate) {
+    last_score_ = validate(recipe_, average_->average, validation_windows_, *mixer_, *device_);
+    state_.curve += fmt::format("{},{:.1f},{},{:.3g},{:.6f},{:.6f},{:.7f}\n", state_.step, state_.seconds,
+                                state_.step * static_cast<std::int64_t>(recipe_.batch), rate,
+                                loss_count_ > 0 ? loss_sum_ / static_cast<double>(loss_count_) : 0.0,
+                                last_score_->loss, last_score_->mse);
+    loss_sum_ = 0;
+    loss_count_ = 0;
+    if (last_score_->by(recipe_.score) < state_.best_score) {
+      state_.best_score = last_score_->by(recipe_.score);
+      state_.best_step = state_.step;
+      state_.best = to_tensors(recipe_.architecture, average_->average);
+    }
+  }
+
+  Result<void> save() {
+    const model::Architecture& a = recipe_.architecture;
+    state_.weights = to_tensors(a, weights_);
+    state_.adam_mean = to_tensors(a, adam_->mean);
+    state_.adam_square = to_tensors(a, adam_->square);
+    state_.average = to_tensors(a, average_->average);
+    state_.averagings = average_->count;
+    if (state_.best.empty()) state_.best = state_.average;
+    MIEN_TRY(write_checkpoint(checkpoint_path_, state_));
+    return write_file(curve_path_, state_.curve);
+  }
+
+  Result<TrainReport> finish() {
+    model::ModelFile model;
+    model.architecture = recipe_.architecture;
+    model.features = layout_;
+    model.normalisation = normalisation_;
+    model.shapes.assign(face::kShapeNames.begin(), face::kShapeNames.end());
+    model.mean_pose = mean_pose_of(training_);
+    model.schedule = recipe_.schedule;
+    model.rig = options_.rig;
+    model.recipe = recipe_.text;
+    model.network = state_.best;
+    MIEN_TRY_ASSIGN(const Assessment assessment, assess(recipe_, *training_batches_, *validation_batches_,
+                                                        model, [&](double part, std::string_view what) {
+                                                          return progress_(1 - kAssessShare * (1 - part),
+                                                                           what);
+                                                        }));
+    const ValidationScore score =
+        validate(recipe_, from_tensors(state_.best, *device_), validation_windows_, *mixer_, *device_);
+    model.results = results(assessment, score).dump();
+
+    TrainReport report{.model = options_.out, .replaced = true, .results = model.results};
+    MIEN_TRY_ASSIGN(const std::optional<double> standing, standing_score());
+    if (standing && *standing <= state_.best_score) {
+      report.replaced = false;
+      report.model.replace_extension(".worse.safetensors");
+    }
+    MIEN_TRY(model::write_model(report.model, model));
+    std::error_code code;
+    fs::remove(checkpoint_path_, code);
+    progress_(1, report.replaced ? "trained" : "trained, but the model that stands here is better and stays");
+    return report;
+  }
+
+  [[nodiscard]] Json results(const Assessment& assessment, const ValidationScore& score) const {
+    Json profiles = Json::object(), samplers = Json::array();
+    for (const auto& p : assessment.profiles)
+      profiles[p.name] = {{"ridge_mse", p.ridge_mse}, {"mean_pose_mse", p.mean_pose_mse}};
+    for (const auto& c : assessment.samplers)
+      samplers.push_back({{"steps", c.settings.steps},
+                          {"hold", c.settings.hold == model::OverlapHold::clean ? "clean" : "noised"},
+                          {"mse", c.mse},
+                          {"jitter_ratio", c.jitter_ratio},
+                          {"seam_ratio", c.seam_ratio}});
+    const auto frames = [](const study::Dataset& dataset) {
+      std::size_t sum = 0;
+      for (const study::Sequence& s : dataset.sequences) sum += s.frames;
+      return sum;
+    };
+    return {{"validation",
+             {{"hash", validation_hash_},
+              {"score", state_.best_score},
+              {"loss", score.loss},
+              {"mse", score.mse},
+              {"frames", frames(validation_)},
+              {"profiles", profiles}}},
+            {"samplers", samplers},
+            {"training",
+             {{"steps", state_.step},
+              {"best_step", state_.best_step},
+              {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
+              {"frames", frames(training_)},
+              {"seconds", std::round(state_.seconds)},
+              {"device", options_.device},
+              {"parameters", model::parameter_count(recipe_.architecture)}}}};
+  }
+
+  Recipe recipe_;
+  const study::Dataset& training_;
+  const study::Dataset& validation_;
+  const TrainOptions& options_;
+  const Progress& progress_;
+  fs::path checkpoint_path_, curve_path_;
+  std::optional<torch::Device> device_;
+  model::FeatureLayout layout_;
+  model::FeatureNormalisation normalisation_;
+  std::optional<BatchMaker> training_batches_, validation_batches_;
+  std::optional<NoiseMixer> mixer_;
+  Batch validation_windows_;
+  std::string validation_hash_, run_;
+  Parameters weights_;
+  std::optional<Adam> adam_;
+  std::optional<MovingAverage> average_;
+  Checkpoint state_;
+  std::optional<ValidationScore> last_score_;
+  double shown_loss_ = 0, shown_speed_ = 0, loss_sum_ = 0;
+  std::int64_t loss_count_ = 0;
+};
+
+}  // namespace
+
+Result<TrainReport> train(Recipe recipe, const study::Dataset& training, const study::Dataset& validation,
+                          const TrainOptions& options, const Progress& progress) {
+  try {
+    return Training(std::move(recipe), training, validation, options, progress).run();
+  } catch (const c10::Error& error) {
+    return fail(ErrorCode::internal, error.what_without_backtrace(), "libtorch");
+  }
+}
+
+Result<double> measure_speed(const Recipe& given, std::size_t sensors, std::size_t steps,
+                             const std::string& device_name, int threads) {
+  MIEN_TRY_ASSIGN(const torch::Device device, find_device(device_name));
+  use_threads(threads);
+  Recipe recipe = given;
+  recipe.architecture.condition = (recipe.presence_flags ? 9 : 7) * sensors;
+  const model::Architecture& a = recipe.architecture;
+  Random random(1);
+  Batch batch{.windows = recipe.batch,
+              .condition = {},
+              .clean = {},
+              .level = {},
+              .held = std::vector<std::int64_t>(recipe.batch)};
+  for (std::size_t i = 0; i < recipe.batch * a.window * a.condition; ++i)
+    batch.condition.push_back(static_cast<float>(random.normal()));
+  for (std::size_t i = 0; i < recipe.batch * a.window * a.outputs; ++i)
+    batch.clean.push_back(static_cast<float>(random.uniform(-1, 1)));
+  for (std::size_t i = 0; i < recipe.batch; ++i)
+    batch.level.push_back(static_cast<std::int64_t>(random.below(recipe.schedule.levels)));
+  Parameters weights = fresh_parameters(a, 1, device);
+  Adam adam(weights);
+  MovingAverage average(weights);
+  const NoiseMixer mixer(recipe.schedule, device);
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i <= steps; ++i) {
+    const double start_s = now_s();
+    take_step(recipe, device, mixer, batch, static_cast<std::int64_t>(i), recipe.learning_rate, weights, adam,
+              average);
+    if (i > 0) seconds.push_back(now_s() - start_s);  // The first one also sets libtorch up.
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return static_cast<double>(recipe.batch) / seconds[seconds.size() / 2];
+}
+
+}  // namespace mien::train

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/study/dataset.h"
+#include "mien/train/recipe.h"
+
+namespace mien::train {
+
+struct TrainOptions {
+  /// The model. While training, OUT.checkpoint stands beside it; the loss curve goes to OUT with the
+  /// extension csv.
+  std::filesystem::path out;
+  bool resume = false;         ///< Go on from the checkpoint, if there is one.
+  bool force = false;          ///< Replace a model, or drop a checkpoint, whatever it is.
+  std::string device = "cpu";  ///< "cpu", "cuda" or "cuda:1".
+  int threads = 0;             ///< Of libtorch on the CPU; 0: all cores.
+  std::string rig;             ///< Text of the rig file, to be kept in the model.
+};
+
+struct TrainReport {
+  std::filesystem::path model;  ///< Where it was written: `out`, or beside it when a better one stands there.
+  bool replaced = true;         ///< False when the one at `out` is better and stays.
+  std::string results;          ///< As in the model file: JSON.
+};
+
+/// Trains the recipe's network and writes the model; the performers of `validation` are not in `training`.
+/// Every step depends on the recipe, the data and the step's number alone: with a budget in steps, a run that
+/// was killed and resumed ends with the same bits, on the same machine and number of threads. A stop by
+/// `progress` leaves a checkpoint. Errors: bad_usage, mismatch (data, checkpoint or model of another run),
+/// cancelled, io, internal (the loss is no longer finite).
+[[nodiscard]] Result<TrainReport> train(Recipe recipe, const study::Dataset& training,
+                                        const study::Dataset& validation, const TrainOptions& options,
+                                        const Progress& progress);
+
+/// Training speed on made-up windows, in windows a second, the median over `steps`.
+[[nodiscard]] Result<double> measure_speed(const Recipe& recipe, std::size_t sensors, std::size_t steps,
+                                           const std::string& device, int threads);
+
+}  // namespace mien::train

@@ -1,0 +1,133 @@
+#include "mien/train/batches.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/train/toy_data.h"
+
+namespace mien::train {
+namespace {
+
+class Batches : public testing::Test {
+ protected:
+  void SetUp() override {
+    layout_ = {.sensors = dataset_.sensors, .presence_flags = true};
+    normalisation_ = normalisation_of(dataset_, recipe_.lab_noise_rad);
+  }
+  [[nodiscard]] BatchMaker maker() const { return {dataset_, recipe_, layout_, normalisation_}; }
+  void lose_nothing() { recipe_.sensor_loss = recipe_.many_lost = recipe_.acceleration_loss = 0; }
+
+  Recipe recipe_ = *parse_recipe(toy_recipe(1), "test");
+  study::Dataset dataset_ = toy_data(0, 3);
+  model::FeatureLayout layout_;
+  model::FeatureNormalisation normalisation_;
+};
+
+TEST_F(Batches, AStepsBatchIsAFunctionOfTheStep) {
+  const BatchMaker batches = maker();
+  const auto make = [&](std::uint64_t step) {
+    return batches.random_batch(16, Random(3).fork("batch", step));
+  };
+  EXPECT_EQ(make(5).condition, make(5).condition);
+  EXPECT_EQ(make(5).level, make(5).level);
+  EXPECT_NE(make(5).condition, make(6).condition);
+}
+
+TEST_F(Batches, NormalisedValuesHaveMeanZeroAndSpreadOne) {
+  lose_nothing();
+  const Batch batch = maker().even_batch(1000, Random(1));
+  ASSERT_GT(batch.windows, 20U);
+  const std::size_t width = layout_.width(), frames = batch.condition.size() / width;
+  for (const std::size_t column : {4U, 5U, 6U, 11U, 12U, 13U}) {  // The rotations' vector parts.
+    double sum = 0, squares = 0;
+    for (std::size_t f = 0; f < frames; ++f) {
+      const double v = batch.condition[f * width + column];
+      sum += v / static_cast<double>(frames);
+      squares += v * v / static_cast<double>(frames);
+    }
+    EXPECT_NEAR(sum, 0, 0.1) << column;
+    EXPECT_NEAR(std::sqrt(squares - sum * sum), 1, 0.1) << column;
+  }
+}
+
+TEST_F(Batches, LabRotationsGetFreshNoiseOfTheGivenSize) {
+  lose_nothing();
+  for (study::Sequence& s : dataset_.sequences) {
+    s.lab = true;
+    for (std::size_t i = 0; i < s.values.size(); ++i) s.values[i] = i % 7 == 3 ? 1.0F : 0.0F;  // Neutral.
+  }
+  normalisation_ = {.mean = std::vector<float>(14, 0.0F), .scale = std::vector<float>(14, 1.0F)};
+  const BatchMaker batches = maker();
+  std::vector<float> once(200 * layout_.width()), again(once.size());
+  Random random(1);
+  batches.encode(0, 0, 200, random, once);
+  batches.encode(0, 0, 200, random, again);
+  EXPECT_NE(once, again);
+  double squares = 0;
+  for (std::size_t f = 0; f < 200; ++f)
+    for (const std::size_t column : {4U, 5U, 6U})
+      squares += std::pow(2.0 * double{once[f * layout_.width() + column]}, 2) / 600;
+  EXPECT_NEAR(std::sqrt(squares), recipe_.lab_noise_rad, 0.1 * recipe_.lab_noise_rad);
+}
+
+TEST_F(Batches, DeviceRotationsAreLeftAlone) {
+  lose_nothing();
+  const BatchMaker batches = maker();
+  std::vector<float> once(200 * layout_.width()), again(once.size());
+  Random random(1);
+  batches.encode(1, 0, 200, random, once);
+  batches.encode(1, 0, 200, random, again);
+  EXPECT_EQ(once, again);
+}
+
+TEST_F(Batches, LostSensorsSaySo) {
+  recipe_.sensor_loss = 1;
+  recipe_.many_lost = 0;
+  const Batch batch = maker().random_batch(4, Random(1));
+  for (const float v : batch.condition) ASSERT_EQ(v, 0.0F);
+  recipe_.sensor_loss = 0;
+  recipe_.acceleration_loss = 1;
+  const Batch turned = maker().random_batch(4, Random(1));
+  const std::size_t width = layout_.width();
+  for (std::size_t at = 0; at < turned.condition.size(); at += width) {
+    EXPECT_EQ(turned.condition[at + 14], 1.0F);  // Rotations are there,
+    EXPECT_EQ(turned.condition[at + 16], 0.0F);  // accelerations are not,
+    EXPECT_EQ(turned.condition[at], 0.0F);       // and stand at their mean.
+  }
+}
+
+TEST_F(Batches, LevelsCoverTheScheduleAndLeanWhereTold) {
+  const auto mean_level = [&] {
+    const Batch batch = maker().random_batch(400, Random(1));
+    double sum = 0;
+    for (const std::int64_t level : batch.level) {
+      EXPECT_GE(level, 0);
+      EXPECT_LT(level, 1000);
+      sum += static_cast<double>(level) / 400;
+    }
+    return sum;
+  };
+  EXPECT_NEAR(mean_level(), 500, 10);
+  recipe_.t_bias = 1;
+  EXPECT_NEAR(mean_level(), 667, 10);
+}
+
+TEST_F(Batches, BadDataAreRefused) {
+  EXPECT_TRUE(check(dataset_));
+  EXPECT_TRUE(check_apart(dataset_, toy_data(3, 1)));
+  EXPECT_FALSE(check_apart(dataset_, toy_data(2, 1)));
+  auto other = toy_data(3, 1);
+  other.sensors[0] = "frontalis_l";
+  EXPECT_FALSE(check_apart(dataset_, other));
+  auto bad = dataset_;
+  bad.sequences[1].values[3] = NAN;
+  EXPECT_FALSE(check(bad));
+  bad = dataset_;
+  bad.sequences[0].present.pop_back();
+  EXPECT_FALSE(check(bad));
+  bad = dataset_;
+  bad.sequences[0].frames += 1;
+  EXPECT_FALSE(check(bad));
+}
+
+}  // namespace
+}  // namespace mien::train

@@ -1,0 +1,58 @@
+#include "mien/train/recipe.h"
+
+#include <gtest/gtest.h>
+
+namespace mien::train {
+namespace {
+
+TEST(Recipe, ReadsWhatItIsGiven) {
+  const auto r = parse_recipe(
+      "seed = 9\n[network]\narchitecture = \"faithful\"\ndropout = 0.2\n[data]\nperformers = 3\nname = "
+      "\"x\"\n"
+      "[optimiser]\nprecision = \"fp32\"\nbatch = 8\n[noise]\nt_bias = 1.5\n[augmentation]\nlab_noise_deg = "
+      "2\n"
+      "[validation]\nscore = \"loss\"\n[sampler]\nsteps = [1, 10]\n[budget]\nseconds = 60\n",
+      "test");
+  ASSERT_TRUE(r) << r.error().message();
+  EXPECT_EQ(r->seed, 9U);
+  EXPECT_EQ(r->architecture.d_model, 512U);
+  EXPECT_FALSE(r->presence_flags);
+  EXPECT_EQ(r->dropout, 0.2);
+  EXPECT_NE(r->data.find("performers = 3"), std::string::npos);
+  EXPECT_FALSE(r->bf16);
+  EXPECT_EQ(r->batch, 8U);
+  EXPECT_EQ(r->t_bias, 1.5);
+  EXPECT_NEAR(r->lab_noise_rad, 0.0349, 1e-4);
+  EXPECT_EQ(r->score, Score::loss);
+  EXPECT_EQ(r->sampler_steps, (std::vector<std::size_t>{1, 10}));
+  EXPECT_EQ(r->seconds, 60);
+}
+
+TEST(Recipe, LightIsTheDefault) {
+  const auto r = parse_recipe("[budget]\nsteps = 1\n", "test");
+  ASSERT_TRUE(r);
+  EXPECT_EQ(r->architecture.name, "light");
+  EXPECT_TRUE(r->presence_flags);
+  EXPECT_TRUE(r->bf16);
+}
+
+TEST(Recipe, RefusesEachWrongThingInOneLine) {
+  const std::string budget = "[budget]\nsteps = 1\n";
+  for (const std::string& text :
+       {std::string("seed = 1\n"), "sead = 1\n" + budget, budget + "[network]\nlayers = 0\n",
+        budget + "[network]\nd_model = 33\n", budget + "[network]\narchitecture = \"heavy\"\n",
+        budget + "[network]\nlayers = \"four\"\n", budget + "[optimiser]\nbatch = -1\n",
+        budget + "[optimiser]\nlearning_rate = nan\n", budget + "[optimiser]\nprecision = \"fp8\"\n",
+        budget + "[noise]\nbias = 1\n", budget + "[sampler]\nsteps = []\n",
+        budget + "[sampler]\nsteps = [0]\n", budget + "[sampler]\nsteps = [1.5]\n",
+        budget + "[sampler]\nsteps = [2000]\n", "network = 3\n" + budget, std::string("[budget\n"),
+        std::string()}) {
+    const auto r = parse_recipe(text, "test");
+    ASSERT_FALSE(r) << text;
+    EXPECT_TRUE(is_bad_input(r.error().code)) << text;
+    EXPECT_EQ(r.error().message().find('\n'), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace mien::train

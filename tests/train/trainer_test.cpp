@@ -1,0 +1,175 @@
+#include "mien/train/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "mien/core/files.h"
+#include "mien/model/model_file.h"
+#include "mien/train/parity.h"
+#include "tests/model/random_network.h"
+#include "tests/train/toy_data.h"
+
+namespace mien::train {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Trainer : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              ("mien_trainer_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Result<TrainReport> run(const std::string& name, std::size_t steps, bool resume = false,
+                          const Progress& progress = no_progress, const std::string& more = "",
+                          bool force = false) const {
+    return train(*parse_recipe(toy_recipe(steps, more), "test"), training_, validation_,
+                 {.out = folder_ / name,
+                  .resume = resume,
+                  .force = force,
+                  .device = "cpu",
+                  .threads = 1,
+                  .rig = "# rig"},
+                 progress);
+  }
+
+  fs::path folder_;
+  study::Dataset training_ = toy_data(0, 4), validation_ = toy_data(10, 2);
+};
+
+TEST_F(Trainer, LearnsAToyAndLeavesNoSeam) {
+  const auto report = run("toy.safetensors", 500);
+  ASSERT_TRUE(report) << report.error().message();
+  EXPECT_TRUE(report->replaced);
+  const auto model = model::read_model(folder_ / "toy.safetensors");
+  ASSERT_TRUE(model) << model.error().message();
+  EXPECT_EQ(model->rig, "# rig");
+  EXPECT_EQ(model->recipe, toy_recipe(500));
+  EXPECT_EQ(model->shapes.size(), 53U);
+  ASSERT_NE(model->ridge_for("lab"), nullptr);
+  ASSERT_NE(model->ridge_for("device"), nullptr);
+  EXPECT_LT(measure_parity(*model)->largest_difference, kParityLimit);
+
+  const auto results = nlohmann::json::parse(model->results);
+  const double mean_pose = results["validation"]["profiles"]["lab"]["mean_pose_mse"];
+  EXPECT_LT(results["validation"]["mse"].get<double>(), 0.15 * mean_pose);
+  EXPECT_LT(results["validation"]["profiles"]["lab"]["ridge_mse"].get<double>(), mean_pose);
+  ASSERT_EQ(results["samplers"].size(), 4U);
+  for (const auto& sampler : results["samplers"])
+    if (sampler["steps"] == model->sampler.steps &&
+        (sampler["hold"] == "clean") == (model->sampler.hold == model::OverlapHold::clean)) {
+      EXPECT_LE(sampler["seam_ratio"].get<double>(), 1.2);
+      EXPECT_LT(sampler["mse"].get<double>(), 0.15 * mean_pose);
+    }
+  EXPECT_FALSE(fs::exists(folder_ / "toy.safetensors.checkpoint"));
+  const auto curve = read_text(folder_ / "toy.csv");
+  ASSERT_TRUE(curve);
+  EXPECT_EQ(std::count(curve->begin(), curve->end(), '\n'), 51);
+}
+
+TEST_F(Trainer, StoppedAndResumedEndsWithTheSameBits) {
+  ASSERT_TRUE(run("straight.safetensors", 30));
+  std::size_t calls = 0;
+  const auto stopped =
+      run("resumed.safetensors", 30, false, [&](double, std::string_view) { return ++calls < 13; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+  EXPECT_FALSE(fs::exists(folder_ / "resumed.safetensors"));
+  ASSERT_FALSE(run("resumed.safetensors", 30)) << "an unfinished run is not dropped in silence";
+  const auto resumed = run("resumed.safetensors", 30, true);
+  ASSERT_TRUE(resumed) << resumed.error().message();
+  EXPECT_EQ(model::read_model(folder_ / "straight.safetensors")->network,
+            model::read_model(folder_ / "resumed.safetensors")->network);
+}
+
+TEST_F(Trainer, KilledAtACheckpointEndsWithTheSameBits) {
+  ASSERT_TRUE(run("straight.safetensors", 30));
+  // A run that is killed leaves the checkpoint of its last validation; take it away while it runs on.
+  const fs::path checkpoint = folder_ / "killed.safetensors.checkpoint", kept = folder_ / "kept";
+  ASSERT_TRUE(run("killed.safetensors", 30, false, [&](double, std::string_view what) {
+    if (what.starts_with("step 27")) fs::copy_file(checkpoint, kept);
+    return true;
+  }));
+  ASSERT_TRUE(fs::exists(kept));
+  fs::remove(folder_ / "killed.safetensors");
+  fs::rename(kept, checkpoint);
+  ASSERT_TRUE(run("killed.safetensors", 30, true));
+  EXPECT_EQ(model::read_model(folder_ / "straight.safetensors")->network,
+            model::read_model(folder_ / "killed.safetensors")->network);
+}
+
+TEST_F(Trainer, ABetterModelStays) {
+  ASSERT_TRUE(run("m.safetensors", 80));
+  const auto before = read_file(folder_ / "m.safetensors");
+  const auto worse = run("m.safetensors", 10);
+  ASSERT_TRUE(worse) << worse.error().message();
+  EXPECT_FALSE(worse->replaced);
+  EXPECT_EQ(*read_file(folder_ / "m.safetensors"), *before);
+  EXPECT_TRUE(fs::exists(folder_ / "m.worse.safetensors"));
+  const auto better = run("m.safetensors", 200);
+  ASSERT_TRUE(better);
+  EXPECT_TRUE(better->replaced);
+  EXPECT_NE(*read_file(folder_ / "m.safetensors"), *before);
+}
+
+TEST_F(Trainer, AModelOfOtherDataIsNotReplaced) {
+  ASSERT_TRUE(run("m.safetensors", 10));
+  validation_ = toy_data(20, 2);
+  const auto other = run("m.safetensors", 10);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::mismatch);
+  EXPECT_TRUE(run("m.safetensors", 10, false, no_progress, "", true)) << "--force replaces it";
+}
+
+TEST_F(Trainer, ACheckpointOfAnotherRunIsRefused) {
+  ASSERT_FALSE(
+      run("m.safetensors", 30, false, [n = 0](double, std::string_view) mutable { return ++n < 5; }));
+  const auto other = run("m.safetensors", 40, true);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::mismatch);
+  // A checkpoint that is cut short is one clear error, and is not trained on.
+  const fs::path path = folder_ / "m.safetensors.checkpoint";
+  fs::resize_file(path, fs::file_size(path) / 2);
+  EXPECT_FALSE(run("m.safetensors", 30, true));
+}
+
+TEST_F(Trainer, AllItsOptionsTrain) {
+  const auto report =
+      run("m.safetensors", 20, false, no_progress,
+          "[noise]\nt_bias = 1\nt_weight = 0.5\nheld_overlap = 0.3\n[augmentation]\nsensor_loss = 0.2\n");
+  ASSERT_TRUE(report) << report.error().message();
+}
+
+TEST_F(Trainer, RefusesWhatCannotBeTrained) {
+  const Recipe recipe = *parse_recipe(toy_recipe(10), "test");
+  const TrainOptions options{.out = folder_ / "m.safetensors", .device = "cpu", .threads = 1, .rig = ""};
+  EXPECT_FALSE(train(recipe, {}, validation_, options, no_progress));
+  EXPECT_FALSE(train(recipe, training_, training_, options, no_progress)) << "the same people on both sides";
+  EXPECT_FALSE(train(recipe, toy_data(0, 2, 39), validation_, options, no_progress))
+      << "no take as long as a window";
+  TrainOptions nowhere = options;
+  nowhere.device = "warp-drive";
+  EXPECT_FALSE(train(recipe, training_, validation_, nowhere, no_progress));
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST(Parity, TheRunTimeAgreesWithLibtorch) {
+  for (const char* name : {"light", "faithful"}) {
+    model::ModelFile model;
+    model.architecture = *model::named_architecture(name, 99);
+    model.network = model::random_network(model.architecture, 5);
+    const auto parity = measure_parity(model);
+    ASSERT_TRUE(parity);
+    EXPECT_LT(parity->largest_difference, kParityLimit) << name;
+    EXPECT_GT(parity->largest_difference, 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace mien::train
