@@ -36,6 +36,14 @@ class Commands {
 /// the work to stop. `title` stands before it.
 [[nodiscard]] Progress terminal_progress(std::string title);
 
+void add_demo_command(Commands& commands);
+void add_evaluate_command(Commands& commands);
+void add_export_command(Commands& commands);
 void add_face_command(Commands& commands);
+void add_perform_command(Commands& commands);
+void add_render_command(Commands& commands);
+void add_solve_command(Commands& commands);
+void add_take_command(Commands& commands);
+void add_train_command(Commands& commands);
 
 }  // namespace mien::app

@@ -11,7 +11,15 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", "mien " MIEN_VERSION);
   program.require_subcommand(1);
   app::Commands commands(program);
+  app::add_demo_command(commands);
+  app::add_perform_command(commands);
+  app::add_train_command(commands);
+  app::add_solve_command(commands);
+  app::add_evaluate_command(commands);
+  app::add_export_command(commands);
+  app::add_render_command(commands);
   app::add_face_command(commands);
+  app::add_take_command(commands);
 
   try {
     program.parse(argc, argv);

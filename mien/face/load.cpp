@@ -1,6 +1,8 @@
 #include "mien/face/load.h"
 
+#include <charconv>
 #include <filesystem>
+#include <string_view>
 
 #include "mien/face/builtin.h"
 #include "mien/face/gltf_import.h"
@@ -11,6 +13,17 @@ namespace fs = std::filesystem;
 
 Result<Face> load_face(const std::string& what, const Progress& progress) {
   if (what == "builtin") return make_builtin();
+  constexpr std::string_view kPerson = "builtin:";
+  if (what.starts_with(kPerson)) {
+    std::uint64_t seed = 0;
+    const char* end = what.data() + what.size();
+    const auto [stop, problem] = std::from_chars(what.data() + kPerson.size(), end, seed);
+    if (problem != std::errc() || stop != end)
+      return fail(ErrorCode::bad_usage, "a person of the built-in family is named by a number", what,
+                  "such as builtin:7");
+    Random random(seed);
+    return make_builtin(random_identity(random));
+  }
   std::error_code code;
   const fs::path path = what;
   if (fs::is_directory(path, code)) {

@@ -8,8 +8,9 @@
 
 namespace mien::face {
 
-/// The face that `--face` names: "builtin", a folder with generic_neutral_mesh.obj (or with FaceXModel in
-/// it), or a .glb, .gltf or .vrm file. Errors: not_found, unsupported, and those of the importers.
+/// The face that `--face` names: "builtin", "builtin:7" (the person whom that seed draws), a folder with
+/// generic_neutral_mesh.obj (or with FaceXModel in it), or a .glb, .gltf or .vrm file. Errors: not_found,
+/// unsupported, and those of the importers.
 [[nodiscard]] Result<Face> load_face(const std::string& what, const Progress& progress = no_progress);
 
 }  // namespace mien::face

@@ -10,7 +10,8 @@ namespace {
 using face::shape;
 using Track = std::vector<face::BlendshapeWeights>;
 
-/// Two vertices and 68 landmarks on the first: jawOpen moves the first by 10 mm down, mouthLeft the second by 4 mm.
+/// Two vertices and 68 landmarks on the first: jawOpen moves the first by 10 mm down, mouthLeft the second by
+/// 4 mm.
 face::Face two_vertex_face() {
   face::Face face;
   face.name = "two";

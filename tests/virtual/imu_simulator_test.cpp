@@ -33,13 +33,16 @@ face::Motion nodding_and_talking(double seconds) {
     face::MotionFrame frame;
     frame.time_s = f / 60.0;
     frame.head = exp_rotation(Vec3(0.35 * std::sin(2 * std::numbers::pi * 0.5 * frame.time_s), 0, 0));
-    frame.weights[face::shape("jawOpen")] = static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * 1.5 * frame.time_s));
+    frame.weights[face::shape("jawOpen")] =
+        static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * 1.5 * frame.time_s));
     motion.frames.push_back(frame);
   }
   return motion;
 }
 
-DeviceFaults perfect() { return {}; }
+DeviceFaults perfect() {
+  return {};
+}
 
 struct Played {
   SkinTrajectory trajectory;
@@ -61,7 +64,9 @@ Played play(const DeviceFaults& faults, const face::Motion& motion, std::uint64_
 Quat truth_at(const Played& played, double true_s) {
   const double at = true_s * kTrajectoryRateHz;
   const auto i = static_cast<std::size_t>(at);
-  const auto pose = [&](std::size_t j) { return played.trajectory.head[j] * played.trajectory.rotation[0][j]; };
+  const auto pose = [&](std::size_t j) {
+    return played.trajectory.head[j] * played.trajectory.rotation[0][j];
+  };
   return interpolate_rotation(pose(i - 1), pose(i), pose(i + 1), pose(i + 2), at - static_cast<double>(i));
 }
 
@@ -70,7 +75,8 @@ TEST(ImuSimulator, PerfectGyroIntegratesToTheSkinsOrientation) {
   ASSERT_GT(played.packets.size(), 200U);
   const double period_s = 1 / kImuRateHz;
   const double start_s = played.clock.true_s(played.packets.front().samples.front().time) - period_s / 2;
-  const Quat mount = truth_at(played, start_s).conjugate() * truth_at(played, start_s);  // Identity: no mounting fault.
+  const Quat mount =
+      truth_at(played, start_s).conjugate() * truth_at(played, start_s);  // Identity: no mounting fault.
   Quat q = truth_at(played, start_s) * mount;
   double t = start_s;
   double worst = 0;
@@ -126,7 +132,8 @@ TEST(ImuSimulator, ClocksRunAtTheirOwnRateAndStart) {
   EXPECT_NEAR(played.clock.true_s(played.clock.device(1.25)), 1.25, 1e-8);
   for (std::size_t p = 1; p < played.packets.size(); ++p) {
     EXPECT_EQ(played.packets[p].samples[0].sequence, played.packets[p - 1].samples[0].sequence + 1);
-    const double step_s = to_seconds(played.packets[p].samples[0].time - played.packets[p - 1].samples[3].time);
+    const double step_s =
+        to_seconds(played.packets[p].samples[0].time - played.packets[p - 1].samples[3].time);
     EXPECT_NEAR(step_s, 1 / kImuRateHz, 1e-8);
   }
 }

@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
 
-sensor::Rig default_rig() { return sensor::read_rig(std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml").value(); }
+sensor::Rig default_rig() {
+  return sensor::read_rig(std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml").value();
+}
 
 const std::vector<SkinSite>& builtin_sites_of_default_rig() {
   static const std::vector<SkinSite> sites = skin_sites(face::make_builtin(), default_rig()).value();
@@ -47,7 +49,8 @@ TEST(SkinSites, NeutralIsNoRotationAndCovarianceIsLinear) {
     weights[face::shape("jawOpen")] = 0.4F;
     weights[face::shape("mouthSmile_L")] = 0.3F;
     const Vec3 moved = site.position(weights) - site.position({});
-    const Vec3 expected = 0.4 * site.shape_shift_m[face::shape("jawOpen")] + 0.3 * site.shape_shift_m[face::shape("mouthSmile_L")];
+    const Vec3 expected = 0.4 * site.shape_shift_m[face::shape("jawOpen")] +
+                          0.3 * site.shape_shift_m[face::shape("mouthSmile_L")];
     EXPECT_LT((moved - expected).norm(), 1e-6);
   }
 }
@@ -105,14 +108,16 @@ TEST(SkinSites, IctMatchesTheMeasuredRotations) {
   const auto sites = skin_sites(*face, default_rig());
   ASSERT_TRUE(sites.has_value());
   const std::map<std::string, double> best_deg = {
-      {"browDown_L", 9.2}, {"browInnerUp_L", 5.0}, {"eyeSquint_L", 3.7}, {"cheekPuff_L", 12.7},
-      {"jawOpen", 17.6},   {"jawForward", 11.4},   {"mouthSmile_L", 33.7},  {"mouthLeft", 25.4},  {"mouthClose", 22.6},
-      {"mouthPucker", 9.3}, {"mouthFunnel", 7.0},  {"mouthShrugLower", 12.2}, {"noseSneer_L", 15.3}, {"mouthFrown_L", 12.1}};
+      {"browDown_L", 9.2},   {"browInnerUp_L", 5.0}, {"eyeSquint_L", 3.7},   {"cheekPuff_L", 12.7},
+      {"jawOpen", 17.6},     {"jawForward", 11.4},   {"mouthSmile_L", 33.7}, {"mouthLeft", 25.4},
+      {"mouthClose", 22.6},  {"mouthPucker", 9.3},   {"mouthFunnel", 7.0},   {"mouthShrugLower", 12.2},
+      {"noseSneer_L", 15.3}, {"mouthFrown_L", 12.1}};
   for (const auto& [name, expected] : best_deg) {
     face::BlendshapeWeights weights;
     weights[face::shape_index(name)] = 1;
     double best = 0;
-    for (const SkinSite& site : *sites) best = std::max(best, log_rotation(site.rotation(weights)).norm() / kDeg);
+    for (const SkinSite& site : *sites)
+      best = std::max(best, log_rotation(site.rotation(weights)).norm() / kDeg);
     EXPECT_NEAR(best, expected, 0.25 * expected) << name;
   }
 }

@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "app/command.h"
+#include "app/film.h"
+#include "app/json_output.h"
+#include "app/model_option.h"
+#include "app/write_motion.h"
+#include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
+#include "mien/face/load.h"
+#include "mien/model/kernels.h"
+#include "mien/study/evaluation_report.h"
+#include "mien/study/solve.h"
+#include "mien/virtual/perform_take.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  std::filesystem::path out = "out/demo";
+  std::uint64_t seed = 2026;
+  double seconds = 12;
+  ModelOption model;
+  bool json = false;
+};
+
+/// The truth of a take as a motion whose time 0 is the first frame of the grid, as the capture's is.
+face::Motion truth_motion(const std::vector<take::TruthFrame>& truth) {
+  face::Motion motion;
+  motion.name = "truth";
+  for (const take::TruthFrame& frame : truth) {
+    face::MotionFrame out;
+    out.time_s = to_seconds(frame.time - truth.front().time);
+    out.weights = frame.weights;
+    out.tongue_out = frame.tongue_out;
+    out.has_face = frame.has_face;
+    motion.frames.push_back(out);
+  }
+  return motion;
+}
+
+/// When the frames that count begin, from the first frame.
+double evaluated_from_s(const std::vector<take::TruthFrame>& truth) {
+  for (const take::TruthFrame& frame : truth)
+    if (frame.evaluated) return to_seconds(frame.time - truth.front().time);
+  return 0;
+}
+
+Result<void> run(Options options) {
+  std::error_code code;
+  std::filesystem::create_directories(options.out, code);
+  if (code)
+    return fail(ErrorCode::io, code.message(), options.out.string(),
+                "choose a folder that can be written with --out");
+  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
+
+  // A person whom the model has never met: identity, style and placement come from a seed that training did
+  // not use.
+  virt::PerformRequest request;
+  request.face = fmt::format("builtin:{}", options.seed);
+  request.seed = options.seed;
+  request.seconds = options.seconds;
+  request.take = options.out / "performance.mien";
+  request.replace = true;
+  request.software = "mien " MIEN_VERSION;
+  MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
+  MIEN_TRY_ASSIGN(const virt::PerformSummary performed,
+                  virt::perform_take(request, terminal_progress("1/4 performing")));
+
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(request.take));
+  MIEN_TRY_ASSIGN(const study::Solution solution,
+                  study::solve_take(take, solver, study::SolveFrom::samples, options.model.settings(solver),
+                                    terminal_progress("2/4 capturing")));
+  MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(take, solution));
+  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
+  face::BlendshapeWeights mean_pose;
+  std::ranges::copy(solver.file().mean_pose, mean_pose.values.begin());
+  MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
+                  study::evaluate(study::Meter(face), {estimates}, mean_pose));
+
+  const Progress writing = terminal_progress("3/4 writing");
+  const face::Motion capture = motion_of(solution.frames);
+  MIEN_TRY(write_motion(capture, request.face, options.out / "capture.csv"));
+  writing(0.3, "capture.glb");
+  MIEN_TRY(write_motion(capture, request.face, options.out / "capture.glb"));
+  writing(1, "capture.csv, capture.glb");
+
+  FilmOptions film;
+  film.width = 400;
+  film.height = 440;
+  film.from_s = evaluated_from_s(estimates.truth);
+  const std::filesystem::path film_path = options.out / "capture.mp4";
+  MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, truth_motion(estimates.truth), capture, 0, film,
+                                                       film_path, terminal_progress("4/4 filming")));
+
+  const study::EvaluationContext context{.face = request.face,
+                                         .model = options.model.path,
+                                         .devices = request.devices,
+                                         .steps = static_cast<int>(options.model.settings(solver).steps)};
+  study::Report report = study::evaluation_report(evaluation, context);
+  report.heading("Truth, capture, and the capture's error as colour");
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> mp4, read_file(film_path));
+  report.film(mp4, "A virtual performer whom the model has never met, captured by twelve simulated IMUs");
+  MIEN_TRY(report.write(options.out / "report.html"));
+
+  if (options.json) {
+    print_json({{"report", (options.out / "report.html").string()},
+                {"film", film_path.string()},
+                {"csv", (options.out / "capture.csv").string()},
+                {"gltf", (options.out / "capture.glb").string()},
+                {"take", request.take.string()},
+                {"frames", solution.frames.size()},
+                {"kernels", model::kernel_name()},
+                {"hash", solution.hash},
+                {"pve_mm", evaluation.model.pve_mm.mean},
+                {"film_frames", made.frames}});
+  } else {
+    fmt::print(
+        "Captured {:.0f} s of a face that the model had never met: vertices within {:.2f} mm on average",
+        performed.duration_s, evaluation.model.pve_mm.mean);
+    if (evaluation.ridge) fmt::print(" (ridge regression: {:.2f} mm)", evaluation.ridge->pve_mm.mean);
+    fmt::print(".\n");
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_demo_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = commands.add("demo",
+                                   "The main job with no hardware: a virtual performer is captured; a "
+                                   "report, a film, a CSV and a glTF come out",
+                                   "mien demo --out out/demo", [options] { return run(*options); });
+  command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
+  command->add_option("--seed", options->seed, "Who performs")->capture_default_str();
+  command->add_option("--seconds", options->seconds, "How long")
+      ->check(CLI::Range(2.0, 600.0))
+      ->capture_default_str();
+  options->model.add_to(command);
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <set>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/model_option.h"
+#include "mien/core/files.h"
+#include "mien/face/load.h"
+#include "mien/study/evaluation_json.h"
+#include "mien/study/evaluation_report.h"
+#include "mien/study/solve.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  std::vector<std::string> takes;
+  ModelOption model;
+  std::string face;
+  std::string report;
+  bool no_adapt = false;
+  bool json = false;
+};
+
+void print_row(const char* name, const study::Metrics& m) {
+  fmt::print("{:<10} {:7.3f} {:7.3f} {:7.3f} {:8.4f} {:8.4f} {:7} {:7}\n", name, m.pve_mm.mean,
+             m.pve_face_mm ? m.pve_face_mm->mean : 0.0, m.lmk_mm ? m.lmk_mm->mean : 0.0, m.mse, m.mse_felt,
+             m.jitter_ratio ? fmt::format("{:.2f}", *m.jitter_ratio) : "-",
+             m.blink_f1 ? fmt::format("{:.2f}", *m.blink_f1) : "-");
+}
+
+Result<void> run(Options options) {
+  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
+  std::vector<study::TakeEstimates> estimates;
+  std::set<std::string> devices;
+  std::string face_name = options.face;
+  for (const std::string& path : options.takes) {
+    MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
+    devices.insert(take.header().devices);
+    if (face_name.empty()) face_name = take.header().face;
+    MIEN_TRY_ASSIGN(const study::Solution solution,
+                    study::solve_take(take, solver, study::SolveFrom::samples, options.model.settings(solver),
+                                      terminal_progress(path)));
+    MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
+  }
+  auto face = face::load_face(face_name);
+  if (!face && options.face.empty()) {  // The take's own face is not on this machine.
+    face_name = "builtin";
+    face = face::load_face(face_name);
+  }
+  if (!face) return std::unexpected(face.error());
+  face::BlendshapeWeights mean_pose;
+  std::ranges::copy(solver.file().mean_pose, mean_pose.values.begin());
+  MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
+                  study::evaluate(study::Meter(*face), estimates, mean_pose));
+  const study::EvaluationContext context{
+      .face = face_name,
+      .model = options.model.path,
+      .devices = devices.size() == 1 ? *devices.begin() : "mixed",
+      .steps = static_cast<int>(options.model.settings(solver).steps),
+  };
+  if (!options.report.empty()) MIEN_TRY(study::evaluation_report(evaluation, context).write(options.report));
+  if (options.json) {
+    const std::string text = study::evaluation_json(evaluation, context) + "\n";
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return {};
+  }
+  fmt::print("{} frames of {} take(s) on {}, {} profile, {} steps\n\n", evaluation.frames, evaluation.takes,
+             face_name, context.devices, context.steps);
+  fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>7} {:>7}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
+             "MSE felt", "jitter", "blink F1");
+  print_row("model", evaluation.model);
+  if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
+  print_row("hold last", evaluation.hold_last);
+  print_row("mean pose", evaluation.mean_pose);
+  if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);
+  return {};
+}
+
+}  // namespace
+
+void add_evaluate_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      commands.add("evaluate", "Measures a model on takes with truth, beside its baselines",
+                   "mien evaluate take.mien --report take.html", [options] { return run(*options); });
+  command->add_option("takes", options->takes, "Takes with a truth track")->required();
+  options->model.add_to(command);
+  command->add_option("--face", options->face,
+                      "Face to measure on (default: the take's own where it is found, else builtin)");
+  command->add_option("--report", options->report, "Write a self-contained HTML page with plots");
+  command->add_flag("--no-adapt", options->no_adapt,
+                    "Do not personalise the model on a take's full prologue first");
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/core/wav.h"
+#include "mien/render/image.h"
+
+namespace mien::app {
+
+/// Where a helper program ("mien-media", "mien-train") stands: beside this program's real path. Errors:
+/// not_found, with what to build or install.
+[[nodiscard]] Result<std::filesystem::path> find_helper(const std::string& name);
+
+/// An MP4 that `mien-media` writes while this program draws. The file appears when finish() succeeds, whole
+/// or not at all. Not thread-safe.
+class FilmWriter {
+ public:
+  /// Sides even, 16 to 8192 pixels; 1 to 240 frames a second. Errors: not_found (no helper), io.
+  [[nodiscard]] static Result<FilmWriter> start(const std::filesystem::path& out, int width, int height,
+                                                double rate_hz, const std::optional<Sound>& sound);
+  FilmWriter(FilmWriter&&) noexcept;
+  FilmWriter& operator=(FilmWriter&&) noexcept;
+  ~FilmWriter();  ///< Without finish() stops the helper, which leaves nothing behind.
+
+  /// Errors: mismatch (another size), and what the helper says when it stops.
+  [[nodiscard]] Result<void> add_frame(const render::Image& frame);
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  struct State;
+  explicit FilmWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// A text read aloud by `mien-media speak`.
+struct HelperSpeech {
+  std::string json;  ///< Times of phonemes and words, as the helper documents them.
+  Sound sound;
+};
+
+/// Errors: not_found (no helper), and what the helper says.
+[[nodiscard]] Result<HelperSpeech> speak_with_helper(const std::string& language, const std::string& text,
+                                                     int words_per_minute = 175);
+
+}  // namespace mien::app

@@ -1,0 +1,94 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "mien/core/files.h"
+#include "mien/virtual/perform_take.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  virt::PerformRequest request;
+  std::string block = "mixed";
+  std::string rig;
+  std::string prologue = "short";
+  std::string pace = "fast";
+  bool json = false;
+};
+
+Result<void> run(Options options) {
+  virt::PerformRequest& request = options.request;
+  MIEN_TRY_ASSIGN(request.block, virt::parse_block(options.block));
+  if (options.prologue == "none") request.prologue = virt::PrologueKind::none;
+  if (options.prologue == "full") request.prologue = virt::PrologueKind::full;
+  request.real_time = options.pace == "real";
+  request.software = "mien " MIEN_VERSION;
+  if (options.rig.empty()) {
+    MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
+  } else {
+    request.rig = options.rig;
+  }
+  if (std::filesystem::is_directory(request.face))  // A take must find it again from elsewhere.
+    request.face = std::filesystem::weakly_canonical(request.face).string();
+  MIEN_TRY_ASSIGN(const virt::PerformSummary summary,
+                  virt::perform_take(request, terminal_progress("perform")));
+  if (options.json) {
+    print_json({{"take", request.take.string()},
+                {"duration_s", summary.duration_s},
+                {"frames", summary.frames},
+                {"packets", summary.packets},
+                {"samples", summary.samples}});
+  } else {
+    fmt::print("{}: {:.1f} s, {} frames, {} packets, {} samples\n", request.take.string(), summary.duration_s,
+               summary.frames, summary.packets, summary.samples);
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_perform_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  virt::PerformRequest& request = options->request;
+  CLI::App* command = commands.add(
+      "perform",
+      "A virtual performer plays a script or a recorded motion through virtual sensors, into a take",
+      "mien perform --motion talk.csv --devices lab --take talk.mien", [options] { return run(*options); });
+  command->add_option("--take", request.take, "The take to write")->required();
+  command->add_option("--motion", request.motion,
+                      "A Live Link Face CSV to perform; without it a script is played");
+  command->add_option("--script", options->block, "What a virtual performer plays")
+      ->check(CLI::IsMember({"mixed", "reading", "expressions", "acted", "range_of_motion", "free"}))
+      ->capture_default_str();
+  command->add_option("--seconds", request.seconds, "Length of the script")
+      ->check(CLI::Range(1.0, 36000.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--face", request.face,
+          "Whose skin: builtin, builtin:SEED (another person), an ICT-FaceKit folder, a .glb or .vrm")
+      ->capture_default_str();
+  command->add_option("--rig", options->rig, "Which sensors sit where (default: rigs/default.toml)");
+  command
+      ->add_option("--devices", request.devices,
+                   "device: real sensors' faults, as the rig states them; lab: skin rotations with 1 degree "
+                   "of noise; or a "
+                   "TOML file of faults")
+      ->capture_default_str();
+  command->add_option("--seed", request.seed, "Everything that is drawn comes from it")
+      ->capture_default_str();
+  command->add_option("--prologue", options->prologue, "The calibration that the take begins with")
+      ->check(CLI::IsMember({"short", "none", "full"}))
+      ->capture_default_str();
+  command->add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
+      ->check(CLI::IsMember({"fast", "real"}))
+      ->capture_default_str();
+  command->add_flag("--force", request.replace, "Replace an existing take");
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,50 @@
+#include "app/performance.h"
+
+#include <cmath>
+
+#include "mien/face/load_motion.h"
+#include "mien/take/take.h"
+
+namespace mien::app {
+namespace {
+
+/// The part of a take's sound that belongs to the motion: silence before it begins, nothing from before the
+/// motion.
+Sound sound_from(const take::Audio& audio, DeviceTime start) {
+  Sound sound{.rate_hz = static_cast<std::uint32_t>(audio.rate_hz), .samples = {}};
+  const auto shift = static_cast<std::int64_t>(std::llround(to_seconds(audio.start - start) * audio.rate_hz));
+  const auto size = static_cast<std::int64_t>(audio.samples.size());
+  for (std::int64_t i = 0; i < shift + size; ++i)
+    sound.samples.push_back(i < shift ? 0.0F : audio.samples[static_cast<std::size_t>(i - shift)]);
+  return sound;
+}
+
+}  // namespace
+
+Result<Performance> load_performance(const std::filesystem::path& path) {
+  Performance performance;
+  if (path.extension() != ".mien") {
+    MIEN_TRY_ASSIGN(performance.motion, face::load_motion(path));
+    return performance;
+  }
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
+  MIEN_TRY_ASSIGN(const auto truth, take.truth());
+  if (truth.empty())
+    return fail(ErrorCode::not_found, "this take holds no truth", path.string(),
+                "solve it first: mien solve TAKE --out FILE.csv");
+  performance.face = take.header().face;
+  performance.motion.name = path.stem().string();
+  for (const take::TruthFrame& frame : truth) {
+    face::MotionFrame out;
+    out.time_s = to_seconds(frame.time - truth.front().time);
+    out.weights = frame.weights;
+    out.tongue_out = frame.tongue_out;
+    out.has_face = frame.has_face;
+    performance.motion.frames.push_back(out);
+  }
+  MIEN_TRY_ASSIGN(const auto audio, take.audio());
+  if (audio && audio->rate_hz > 0) performance.sound = sound_from(*audio, truth.front().time);
+  return performance;
+}
+
+}  // namespace mien::app

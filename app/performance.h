@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/core/wav.h"
+#include "mien/face/motion.h"
+
+namespace mien::app {
+
+/// What a command can show or export: a motion, and what was heard with it.
+struct Performance {
+  face::Motion motion;
+  std::optional<Sound> sound;  ///< From the motion's start.
+  std::string face;            ///< What it was performed on; empty when unknown.
+};
+
+/// Reads a Live Link CSV, or the truth in a take (.mien). Errors: the readers', and not_found for a take
+/// without truth.
+[[nodiscard]] Result<Performance> load_performance(const std::filesystem::path& path);
+
+}  // namespace mien::app

@@ -1,0 +1,38 @@
+#include "app/write_motion.h"
+
+#include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
+#include "mien/face/load.h"
+#include "mien/render/gltf_export.h"
+
+namespace mien::app {
+
+face::Motion motion_of(std::span<const face::OutputFrame> frames) {
+  face::Motion motion;
+  motion.name = "capture";
+  motion.frames.reserve(frames.size());
+  for (const face::OutputFrame& frame : frames) {
+    face::MotionFrame out;
+    out.time_s = to_seconds(frame.time - frames.front().time);
+    out.weights = frame.weights;
+    out.head = frame.head;
+    motion.frames.push_back(out);
+    motion.has_head = motion.has_head || frame.head_confidence > 0;
+  }
+  return motion;
+}
+
+Result<void> write_motion(const face::Motion& motion, const std::string& face,
+                          const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending == ".csv")
+    return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
+  if (ending == ".glb" || ending == ".gltf") {
+    MIEN_TRY_ASSIGN(const face::Face model, face::load_face(face));
+    return render::write_gltf(path, model, &motion);
+  }
+  return fail(ErrorCode::bad_usage, "motions are written as .csv, .glb or .gltf", path.string(),
+              "choose one of these endings");
+}
+
+}  // namespace mien::app

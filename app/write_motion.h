@@ -1,0 +1,21 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/face/motion.h"
+#include "mien/face/output_frame.h"
+
+namespace mien::app {
+
+/// Output frames as a motion, from the first frame's time.
+[[nodiscard]] face::Motion motion_of(std::span<const face::OutputFrame> frames);
+
+/// Writes a motion in the format of the file's ending: .csv (Live Link Face), .glb or .gltf (on the face that
+/// `face` names). Errors: bad_usage for another ending, and the writers'.
+[[nodiscard]] Result<void> write_motion(const face::Motion& motion, const std::string& face,
+                                        const std::filesystem::path& path);
+
+}  // namespace mien::app
