@@ -36,7 +36,7 @@ bool is_soft(const V& v) {
 }
 /// Lids keep to the eyeball: other muscles' pull fades out on them.
 double off_lids(const V& v) {
-  return 1 - smoothstep(0.35, 0.9, std::abs(v.lid));
+  return 1 - smoothstep(0.15, 0.85, std::abs(v.lid));
 }
 
 /// How far a vertex goes with the lower jaw: 1 on chin and lower lip, 0 above the mouth and at the neck's
@@ -68,6 +68,12 @@ Vec3 push(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips lip
   if (lips == Lips::upper) w *= upper(v);
   if (lips == Lips::lower) w *= lower(v);
   return w * off_lids(v) * d;
+}
+
+/// The same on both sides.
+Vec3 push_both(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips which = Lips::both) {
+  const auto flip = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
+  return push(v, centre, r, d, which) + push(v, flip(centre), r, flip(d), which);
 }
 
 /// Elevation of a point about the left eye's lateral axis.
@@ -174,9 +180,9 @@ Vec3 displacement(std::string_view name, const V& v) {
     return push(v, kCorner, {26, 26, 45}, {1.2, -6.6, -1.2}) +
            push(v, {10, -52, 104}, {20, 16, 30}, {0, 1.5, 0.8});
   if (is("mouthFunnel"))
-    return push(v, {0, -27, 113}, {28, 16, 40}, {0, 4.0, 10.0}, Lips::upper) +
-           push(v, {0, -40, 112}, {28, 18, 40}, {0, -5.4, 9.6}, Lips::lower) +
-           push(v, kCorner, {23, 25, 40}, {-11.0, 0, 6.5});
+    return push(v, {0, -27, 113}, {28, 16, 40}, {0, 4.0, 9.4}, Lips::upper) +
+           push(v, {0, -40, 112}, {28, 18, 40}, {0, -5.4, 9.0}, Lips::lower) +
+           push_both(v, kCorner, {23, 25, 40}, {-9.0, 0, 5.5});
   if (is("mouthLeft"))
     return push(v, {2, -34, 108}, {52, 34, 60}, {17, 1.0, 0.0}) +
            push(v, kCorner, {26, 24, 45}, {1.5, 2.5, -6.0});
@@ -186,8 +192,8 @@ Vec3 displacement(std::string_view name, const V& v) {
            push(v, {13, -39, 110}, {20, 10, 40}, {0.3, 1.8, -3.4}, Lips::lower) +
            push(v, kCorner, {18, 18, 40}, {1.4, -0.3, -2.0});
   if (is("mouthPucker"))
-    return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 9.0}) +
-           push(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5});
+    return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 7.5}) +
+           push_both(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5});
   if (is("mouthRollLower")) return roll(v, false);
   if (is("mouthRollUpper")) return roll(v, true);
   if (is("mouthShrugLower"))
@@ -203,7 +209,8 @@ Vec3 displacement(std::string_view name, const V& v) {
            push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});
   if (is("mouthUpperUp"))
     return push(v, {12, -26, 111}, {24, 22, 40}, {1.0, 7.0, 0.6}, Lips::upper) +
-           push(v, {26, -14, 102}, {24, 26, 40}, {1.0, 5.4, 1.4});
+           push(v, {25, -14, 102}, {22, 24, 40}, {0.6, 4.4, 0.4}) +
+           push(v, {37, -5, 94}, {22, 20, 36}, {0.8, 3.6, 3.4});
   return Vec3::Zero();
 }
 
@@ -211,8 +218,9 @@ Vec3 tongue_out(const V& v) {
   // The jaw drops a little, the lips part, the tongue comes out over the lower lip.
   Vec3 d = jaw_turn(v, 7.5 * kDegree);
   if (v.tissue == Tissue::tongue) {
-    const double s = smoothstep(44, 92, v.p.z());
-    d += Vec3(0, 6.0 * s - 9.0 * s * s * s, 30 * s);
+    // Up over the teeth, out over the lip, the tip hanging a little.
+    const double s = std::clamp((v.p.z() - 44) / 48, 0.0, 1.0);
+    d += Vec3(0, 10.5 * smoothstep(0.2, 0.65, s) - 8.0 * smoothstep(0.8, 1.0, s), 37 * s * (0.4 + 0.6 * s));
     d.x() -= 0.12 * v.p.x() * s;
   }
   d += push(v, {0, -27, 113}, {24, 12, 40}, {0, 1.4, 0.6}, Lips::upper) +

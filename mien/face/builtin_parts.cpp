@@ -187,7 +187,7 @@ void add_tongue(Sculpt& half) {
     const double z = mix(44, 92, s);
     const double width = 18 * std::pow(1 - std::pow(s, 3.2), 0.5) * mix(0.85, 1.0, std::min(1.0, 3 * s));
     const double thick = mix(9.0, 2.4, s) * std::pow(1 - std::pow(s, 6), 0.5);
-    const double middle_y = mix(-50, -44.5, s);
+    const double middle_y = mix(-47.5, -40.5, s);
     Ring next;
     for (int i = 0; i <= kAcross; ++i) {
       const double phi = 0.5 * M_PI - M_PI * i / kAcross;

@@ -342,6 +342,20 @@ TEST(BuiltinFace, RightShapesAreMirrorImagesOfLeftOnes) {
   }
 }
 
+TEST(BuiltinFace, ShapesOfTheMiddleAreSymmetric) {
+  const Face& face = default_face();
+  for (const std::string_view name :
+       {"jawForward", "jawOpen", "mouthClose", "mouthFunnel", "mouthPucker", "mouthRollLower",
+        "mouthRollUpper", "mouthShrugLower", "mouthShrugUpper"}) {
+    const auto vertices = moved(face, only({{name, 1.0F}}));
+    for (const auto& [r, l] : {std::pair{31, 35}, {48, 54}, {50, 52}, {58, 56}, {60, 64}, {5, 11}, {7, 9}}) {
+      Vec3f left = vertices[face.landmarks[static_cast<std::size_t>(l)]];
+      left.x() = -left.x();
+      EXPECT_LT((left - vertices[face.landmarks[static_cast<std::size_t>(r)]]).norm(), 1e-5F) << name;
+    }
+  }
+}
+
 TEST(BuiltinFace, ShapesDoWhatTheirNamesSay) {
   const Face& face = default_face();
   const auto goes = [&](std::string_view shape, std::size_t landmark) {
