@@ -11,17 +11,18 @@
 namespace mien::face::builtin {
 namespace {
 
-/// What real skin does: the turn of the patch under a sensor, degrees a unit of weight (rotation vector, frame H), by
-/// shape without side. The first line of a shape is its best site of the default rig, as measured on the ICT model; the
-/// further ones say how the skin around goes along, to a few degrees (docs/builtin_face.md has the source). A site with a
-/// side belongs to it alone; one without stands for the left, and for the right as its mirror image where the shape has
-/// no side.
+/// What real skin does: the turn of the patch under a sensor, degrees a unit of weight (rotation vector,
+/// frame H), by shape without side. The first line of a shape is its best site of the default rig, as
+/// measured on the ICT model; the further ones say how the skin around goes along, to a few degrees
+/// (docs/builtin_face.md has the source). A site with a side belongs to it alone; one without stands for the
+/// left, and for the right as its mirror image where the shape has no side.
 struct Turn {
   std::string_view shape, site;
-  double deg;  ///< How far.
-  Vec3 axis;   ///< About what; of any length.
+  double deg;            ///< How far.
+  Vec3 axis;             ///< About what; of any length.
   double reach_mm = 17;  ///< How far the added turn reaches.
-  double swell_mm = 0;   ///< Pivot this far below the skin's own middle, so that the turned skin swells outward.
+  double swell_mm =
+      0;  ///< Pivot this far below the skin's own middle, so that the turned skin swells outward.
 };
 const Turn kTurns[] = {
     {"browDown", "frontalis", 9.2, {1, -5, -7}},
