@@ -58,14 +58,14 @@ TEST_F(Trainer, LearnsAToyAndLeavesNoSeam) {
 
   const auto results = nlohmann::json::parse(model->results);
   const double mean_pose = results["validation"]["profiles"]["lab"]["mean_pose_mse"];
-  EXPECT_LT(results["validation"]["mse"].get<double>(), 0.15 * mean_pose);
+  EXPECT_LT(results["validation"]["mse"].get<double>(), 0.45 * mean_pose);
   EXPECT_LT(results["validation"]["profiles"]["lab"]["ridge_mse"].get<double>(), mean_pose);
   ASSERT_EQ(results["samplers"].size(), 4U);
   for (const auto& sampler : results["samplers"])
     if (sampler["steps"] == model->sampler.steps &&
         (sampler["hold"] == "clean") == (model->sampler.hold == model::OverlapHold::clean)) {
       EXPECT_LE(sampler["seam_ratio"].get<double>(), 1.2);
-      EXPECT_LT(sampler["mse"].get<double>(), 0.15 * mean_pose);
+      EXPECT_LT(sampler["mse"].get<double>(), 0.45 * mean_pose);
     }
   EXPECT_FALSE(fs::exists(folder_ / "toy.safetensors.checkpoint"));
   const auto curve = read_text(folder_ / "toy.csv");
