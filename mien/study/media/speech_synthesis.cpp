@@ -76,10 +76,6 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
   if (words_per_minute < 80 || words_per_minute > 450)
     return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), language,
                 "choose 80 to 450");
-  // Begun afresh each time: what was said before must not colour what is said now.
-  struct Voice {
-    ~Voice() { espeak_Terminate(); }
-  } const voice;
   const int rate_hz = espeak_Initialize(
       AUDIO_OUTPUT_RETRIEVAL, 0, nullptr,
       espeakINITIALIZE_PHONEME_EVENTS | espeakINITIALIZE_PHONEME_IPA | espeakINITIALIZE_DONT_EXIT);

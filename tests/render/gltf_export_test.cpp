@@ -1,0 +1,178 @@
+#include "mien/render/gltf_export.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "mien/core/bytes.h"
+#include "mien/face/gltf_import.h"
+#include "mien/render/base64.h"
+#include "tests/render/ball_face.h"
+
+namespace mien::render {
+namespace {
+
+using nlohmann::json;
+
+face::Motion nod(double seconds) {
+  face::Motion motion;
+  motion.name = "nod";
+  for (int i = 0; i * 0.05 <= seconds + 1e-9; ++i) {
+    face::MotionFrame frame;
+    frame.time_s = i * 0.05;
+    frame.weights[face::shape("jawOpen")] = static_cast<float>(std::sin(3 * frame.time_s));
+    frame.weights[face::shape("eyeLookUp_R")] = 0.5F;
+    frame.head = exp_rotation(Vec3(0.3 * std::sin(2 * frame.time_s), 0, 0));
+    motion.frames.push_back(frame);
+  }
+  motion.has_head = true;
+  return motion;
+}
+
+struct Glb {
+  json tree;
+  std::vector<std::byte> buffer;
+};
+
+Glb open(const std::vector<std::byte>& content) {
+  Glb glb;
+  ByteReader reader(content);
+  EXPECT_EQ(reader.little<std::uint32_t>(), 0x46546C67U);
+  EXPECT_EQ(reader.little<std::uint32_t>(), 2U);
+  EXPECT_EQ(reader.little<std::uint32_t>(), content.size());
+  const auto text_size = reader.little<std::uint32_t>();
+  EXPECT_EQ(reader.little<std::uint32_t>(), 0x4E4F534AU);
+  const auto text = reader.take(text_size);
+  glb.tree = json::parse(reinterpret_cast<const char*>(text.data()),
+                         reinterpret_cast<const char*>(text.data()) + text.size());
+  const auto size = reader.little<std::uint32_t>();
+  EXPECT_EQ(reader.little<std::uint32_t>(), 0x004E4942U);
+  const auto bytes = reader.take(size);
+  glb.buffer.assign(bytes.begin(), bytes.end());
+  EXPECT_TRUE(reader.ok());
+  EXPECT_EQ(reader.left(), 0U);
+  return glb;
+}
+
+/// The floats of a dense accessor.
+std::vector<float> floats(const Glb& glb, std::size_t accessor) {
+  const json& a = glb.tree["accessors"][accessor];
+  const json& view = glb.tree["bufferViews"][a["bufferView"].get<std::size_t>()];
+  ByteReader reader(
+      std::span(glb.buffer)
+          .subspan(view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>()));
+  std::vector<float> values;
+  while (reader.left() > 0) values.push_back(reader.little<float>());
+  return values;
+}
+
+TEST(Gltf, ComesBackThroughTheImporter) {
+  const face::Face face = ball_face();
+  const auto content = encode_gltf(face, nullptr, GltfKind::binary);
+  ASSERT_TRUE(content.has_value()) << content.error().message();
+  const auto head = face::parse_gltf(*content, "ball.glb");
+  ASSERT_TRUE(head.has_value()) << head.error().message();
+  EXPECT_EQ(head->face.neutral_m.size(), face.neutral_m.size());
+  EXPECT_EQ(head->face.triangles.size(), face.triangles.size());
+  EXPECT_NEAR(peak_displacement_m(head->face, "jawOpen"), peak_displacement_m(face, "jawOpen"), 1e-7);
+  EXPECT_NEAR(peak_displacement_m(head->face, "mouthSmile_L"), peak_displacement_m(face, "mouthSmile_L"),
+              1e-7);
+  EXPECT_EQ(peak_displacement_m(head->face, "mouthPucker"), 0);
+}
+
+TEST(Gltf, PlaysTheMotionAtSixtyFramesASecond) {
+  const face::Face face = ball_face();
+  const face::Motion motion = nod(1.0);
+  const Glb glb = open(encode_gltf(face, &motion, GltfKind::binary).value());
+  const json& animation = glb.tree["animations"][0];
+  EXPECT_EQ(animation["name"], "nod");
+  const auto track = [&](const std::string& node, const std::string& path) -> std::vector<float> {
+    for (const json& channel : animation["channels"])
+      if (glb.tree["nodes"][channel["target"]["node"].get<std::size_t>()]["name"] == node &&
+          channel["target"]["path"] == path)
+        return floats(
+            glb, animation["samplers"][channel["sampler"].get<std::size_t>()]["output"].get<std::size_t>());
+    return {};
+  };
+  const auto times = floats(glb, animation["samplers"][0]["input"].get<std::size_t>());
+  ASSERT_EQ(times.size(), 61U);
+  EXPECT_FLOAT_EQ(times[30], 0.5F);
+
+  const face::MotionCurve curve(motion);
+  const auto weights = track("face", "weights");
+  ASSERT_EQ(weights.size(), 61 * face.shapes.size());
+  EXPECT_FLOAT_EQ(weights[37 * face.shapes.size() + face::shape("jawOpen")],
+                  curve.at(37.0 / 60).weights[face::shape("jawOpen")]);
+  const auto head = track("head", "rotation");
+  ASSERT_EQ(head.size(), 4 * 61U);
+  EXPECT_NEAR(head[4 * 30], std::sin(0.15 * std::sin(1.0)), 1e-3);
+  // Up is a turn about -X; the left eye rests.
+  EXPECT_NEAR(track("eye_R", "rotation")[0], std::sin(-0.5 * 0.611 * 0.5), 1e-6);
+  EXPECT_FLOAT_EQ(track("eye_L", "rotation")[3], 1);
+}
+
+TEST(Gltf, NamesItsTargetsAndBoundsItsPositions) {
+  const face::Face face = ball_face();
+  const Glb glb = open(encode_gltf(face, nullptr, GltfKind::binary).value());
+  const json& mesh = glb.tree["meshes"][0];
+  ASSERT_EQ(mesh["extras"]["targetNames"].size(), face.shapes.size());
+  EXPECT_EQ(mesh["extras"]["targetNames"][face::shape("jawOpen")], "jawOpen");
+  const json& position =
+      glb.tree["accessors"][mesh["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];
+  EXPECT_NEAR(position["min"][1].get<double>(), -0.1, 1e-6);
+  EXPECT_NEAR(position["max"][1].get<double>(), 0.1, 1e-6);
+  EXPECT_FALSE(glb.tree.contains("animations"));
+}
+
+TEST(Gltf, IsTheSameEveryTimeInBothKinds) {
+  const face::Face face = ball_face();
+  const face::Motion motion = nod(0.3);
+  EXPECT_EQ(encode_gltf(face, &motion, GltfKind::binary).value(),
+            encode_gltf(face, &motion, GltfKind::binary).value());
+  const auto text = encode_gltf(face, &motion, GltfKind::text).value();
+  const json tree = json::parse(std::string(reinterpret_cast<const char*>(text.data()), text.size()));
+  const Glb glb = open(encode_gltf(face, &motion, GltfKind::binary).value());
+  EXPECT_EQ(tree["buffers"][0]["uri"], "data:application/octet-stream;base64," + base64(glb.buffer));
+  EXPECT_EQ(tree["accessors"], glb.tree["accessors"]);
+}
+
+TEST(Gltf, RefusesWhatNoReaderCouldShow) {
+  const face::Face good = ball_face();
+  const auto code = [](const face::Face& face, const face::Motion* motion = nullptr) {
+    return encode_gltf(face, motion, GltfKind::binary).error().code;
+  };
+  EXPECT_EQ(code(face::Face{}), ErrorCode::bad_usage);
+  face::Face face = good;
+  face.neutral_m[3].x() = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(code(face), ErrorCode::out_of_range);
+  face = good;
+  face.triangles[2][1] = 1'000'000;
+  EXPECT_EQ(code(face), ErrorCode::malformed);
+  face = good;
+  face.shapes[face::shape("jawOpen")].vertex.back() = 1'000'000;
+  EXPECT_EQ(code(face), ErrorCode::malformed);
+  face = good;
+  face.shapes[face::shape("jawOpen")].delta_m[0].y() = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(code(face), ErrorCode::out_of_range);
+  face = good;
+  face.colour.resize(3);
+  EXPECT_EQ(code(face), ErrorCode::malformed);
+  const face::Motion empty;
+  EXPECT_EQ(code(good, &empty), ErrorCode::bad_usage);
+  EXPECT_EQ(write_gltf("face.obj", good, nullptr).error().code, ErrorCode::bad_usage);
+}
+
+TEST(Base64, KeepsToTheStandard) {
+  const auto of = [](std::string_view text) { return base64(std::as_bytes(std::span(text))); };
+  EXPECT_EQ(of(""), "");
+  EXPECT_EQ(of("f"), "Zg==");
+  EXPECT_EQ(of("fo"), "Zm8=");
+  EXPECT_EQ(of("foobar"), "Zm9vYmFy");
+}
+
+}  // namespace
+}  // namespace mien::render

@@ -1,0 +1,149 @@
+#include "mien/render/renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "mien/render/comparison.h"
+#include "mien/render/error_colours.h"
+#include "tests/render/ball_face.h"
+
+namespace mien::render {
+namespace {
+
+std::vector<Vec3f> posed(const face::Face& face, std::size_t shape, float weight) {
+  face::BlendshapeWeights w;
+  w[shape] = weight;
+  std::vector<Vec3f> vertices_m(face.neutral_m.size());
+  face::evaluate(face, w, 0, vertices_m);
+  face::turn_eyes(face, w, vertices_m);
+  return vertices_m;
+}
+
+Camera camera_of(const face::Face& face, int side = 96) {
+  return portrait_camera(face, View::front, side, side);
+}
+
+/// Mean of the red bytes in columns [from, until).
+double brightness(const Image& picture, int from, int until) {
+  double sum = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = from; x < until; ++x) sum += picture.pixel(x, y)[0];
+  return sum / (static_cast<double>(until - from) * picture.height);
+}
+
+TEST(Renderer, DoesNotDependOnTheNumberOfThreads) {
+  const face::Face face = ball_face();
+  const auto pose = posed(face, face::shape("jawOpen"), 1);
+  Renderer one(face, Quality::still, 1), three(face, Quality::still, 3);
+  EXPECT_EQ(one.still(pose, camera_of(face), Look::dark()), three.still(pose, camera_of(face), Look::dark()));
+}
+
+TEST(Renderer, RefittingGivesWhatBuildingAfreshGives) {
+  const face::Face face = ball_face();
+  const auto smile = posed(face, face::shape("mouthSmile_L"), 1);
+  Renderer used(face, Quality::video, 2), fresh(face, Quality::video, 2);
+  for (int i = 0; i < 5; ++i)
+    (void)used.still(posed(face, face::shape("jawOpen"), 0.2F * static_cast<float>(i)), camera_of(face),
+                     Look::dark());
+  EXPECT_EQ(used.still(smile, camera_of(face), Look::dark()),
+            fresh.still(smile, camera_of(face), Look::dark()));
+}
+
+TEST(Renderer, ShowsTheFaceInTheMiddleAndTheBackgroundAround) {
+  const face::Face face = ball_face();
+  Renderer renderer(face, Quality::video, 2);
+  const Image picture = renderer.still(face.neutral_m, camera_of(face), Look::light());
+  // The upper corner is the backdrop, in the middle is skin: red before blue.
+  EXPECT_NEAR(picture.pixel(1, 1)[0], picture.pixel(1, 1)[2], 12);
+  EXPECT_GT(picture.pixel(1, 1)[0], 150);
+  EXPECT_GT(picture.pixel(48, 40)[0], picture.pixel(48, 40)[2] + 20);
+}
+
+TEST(Renderer, LightComesFromWhereItStands) {
+  const face::Face face = ball_face();
+  Renderer renderer(face, Quality::video, 2);
+  Look look;
+  look.key = {Vec3f(-1, 0, 0.3F).normalized(), Vec3f::Constant(2), 0.2F};
+  const Image picture = renderer.still(face.neutral_m, camera_of(face), look);
+  EXPECT_GT(brightness(picture, 0, 48), 2 * brightness(picture, 48, 96));
+  EXPECT_EQ(brightness(renderer.still(face.neutral_m, camera_of(face), Look()), 0, 96), 0)
+      << "without light, black";
+}
+
+TEST(Renderer, EyesCatchTheLightAndFollow) {
+  const face::Face face = ball_face();
+  Camera camera = camera_of(face, 160);
+  camera.target_m = face.eyes[0].centre_m;
+  camera.field_of_view_rad *= 0.3F;
+  Renderer renderer(face, Quality::video, 2);
+  const Image ahead = renderer.still(face.neutral_m, camera, Look::dark());
+  const Image aside = renderer.still(posed(face, face::shape("eyeLookOut_L"), 1), camera, Look::dark());
+  // The dark pupil moves to the performer's left, which is the picture's right.
+  const auto darkest_column = [](const Image& picture) {
+    int best = 0, value = 255 * 4;
+    for (int x = 20; x < picture.width - 20; ++x) {
+      int sum = 0;
+      for (int dx = -1; dx <= 2; ++dx) sum += picture.pixel(x + dx, picture.height / 2 + 4)[0];
+      if (sum < value) {
+        value = sum;
+        best = x;
+      }
+    }
+    return best;
+  };
+  EXPECT_GT(darkest_column(aside), darkest_column(ahead) + 8);
+}
+
+TEST(Renderer, ErrorColoursPaintTheFaceAndLeaveTheBackground) {
+  const face::Face face = ball_face();
+  Renderer renderer(face, Quality::video, 2);
+  const std::vector<float> none(face.neutral_m.size(), 0.0F), large(face.neutral_m.size(), 1.0F);
+  const ErrorColours clean{none, 5e-3F}, wrong{large, 5e-3F};
+  const Image pale = renderer.still(face.neutral_m, camera_of(face), Look::dark(), &clean);
+  const Image dark = renderer.still(face.neutral_m, camera_of(face), Look::dark(), &wrong);
+  EXPECT_GT(pale.pixel(48, 40)[1], 2 * dark.pixel(48, 40)[1]);
+  for (int c = 0; c < 3; ++c) EXPECT_EQ(pale.pixel(1, 1)[c], dark.pixel(1, 1)[c]);
+}
+
+TEST(Renderer, TakesFacesWithoutPartsColoursOrLandmarks) {
+  face::Face face;
+  add_ball(face, "all", face::Material::skin, Vec3f::Zero(), 0.1F, 6);
+  face.parts.clear();
+  Renderer renderer(face, Quality::video, 2);
+  EXPECT_GT(brightness(renderer.still(face.neutral_m, camera_of(face, 32), Look::dark()), 8, 24), 20);
+}
+
+TEST(Comparison, IsThreeViewsAndSaysZeroWhereThereIsNoError) {
+  const face::Face face = ball_face();
+  Renderer renderer(face, Quality::video, 2);
+  const Camera camera = camera_of(face, 80);
+  const Image same = comparison(renderer, face.neutral_m, face.neutral_m, camera, Look::dark(), {});
+  ASSERT_EQ(same.width, 240);
+  ASSERT_EQ(same.height, 80);
+  const Image wrong =
+      comparison(renderer, posed(face, face::shape("jawOpen"), 1), face.neutral_m, camera, Look::dark(), {});
+  // The lower half moved by up to 20 mm, the upper not at all.
+  EXPECT_GT(same.pixel(200, 50)[1], 1.5 * wrong.pixel(200, 50)[1]);
+  EXPECT_EQ(same.pixel(200, 25)[1], wrong.pixel(200, 25)[1]);
+}
+
+TEST(Camera, HoldsTheFaceFromEverySide) {
+  const face::Face face = ball_face();
+  for (const char* name : {"front", "three-quarter", "side"}) {
+    const auto view = view_from_name(name);
+    ASSERT_TRUE(view.has_value());
+    const Camera camera = portrait_camera(face, *view, 64, 64);
+    const float half = std::tan(0.5F * camera.field_of_view_rad);
+    const Vec3f forward = (camera.target_m - camera.position_m).normalized();
+    for (const Vec3f& p : face.neutral_m) {
+      const Vec3f d = p - camera.position_m;
+      const float depth = d.dot(forward);
+      EXPECT_LT((d - depth * forward).norm(), 1.42F * half * depth);
+    }
+  }
+  EXPECT_FALSE(view_from_name("behind").has_value());
+}
+
+}  // namespace
+}  // namespace mien::render
