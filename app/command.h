@@ -40,9 +40,11 @@ void add_demo_command(Commands& commands);
 void add_evaluate_command(Commands& commands);
 void add_export_command(Commands& commands);
 void add_face_command(Commands& commands);
+void add_import_command(Commands& commands);
 void add_perform_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_solve_command(Commands& commands);
+void add_study_command(Commands& commands);
 void add_take_command(Commands& commands);
 void add_train_command(Commands& commands);
 

@@ -17,6 +17,8 @@ int main(int argc, char** argv) {
   app::add_solve_command(commands);
   app::add_evaluate_command(commands);
   app::add_export_command(commands);
+  app::add_import_command(commands);
+  app::add_study_command(commands);
   app::add_render_command(commands);
   app::add_face_command(commands);
   app::add_take_command(commands);
