@@ -63,4 +63,10 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
   return lip_line_y(x) - 9.3 * std::pow(1 - s * s, 0.72);
 }
 
+/// Height of the brow's middle at x.
+[[nodiscard]] inline double brow_y(double x) {
+  return 54.0 + 5.6 * std::sin(M_PI * std::clamp((x - 8) / 66, 0.0, 1.0)) -
+         0.0042 * std::max(0.0, x - 34) * (x - 34) * 2.6;
+}
+
 }  // namespace mien::face::builtin

@@ -148,11 +148,11 @@ Vec3 displacement(std::string_view name, const V& v) {
   if (is("browOuterUp")) return push(v, {42, 59, 88}, {32, 36, 45}, {1.2, 8.0, -1.2});
   // Lids.
   if (is("eyeBlink")) return lids(v, 1, 1) + push(v, {34, 22, 92}, {24, 16, 30}, {-0.4, 0.6, 0});
-  if (is("eyeLookDown")) return lids(v, 0.67, -0.65);
+  if (is("eyeLookDown")) return lids(v, 0.62, -0.65);
   if (is("eyeLookUp")) return lids(v, -0.29, 0.62);
   if (is("eyeLookIn")) return lids(v, 0.03, 0.0, -0.13);
   if (is("eyeLookOut")) return lids(v, 0.03, 0.0, 0.13);
-  if (is("eyeSquint")) return lids(v, 0.12, 1.3) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.6, 2.2, 0.8});
+  if (is("eyeSquint")) return lids(v, 0.14, 1.5) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.6, 2.2, 0.8});
   if (is("eyeWide")) return lids(v, -0.24, -0.40) + push(v, {30, 52, 96}, {24, 16, 30}, {0, 0.7, 0});
   // Cheeks.
   if (is("cheekPuff"))

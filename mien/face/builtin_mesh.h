@@ -89,12 +89,39 @@ struct Sculpt {
   }
 };
 
+using Ring = std::vector<std::uint32_t>;
+
+/// A vertex that grows where it stands.
+[[nodiscard]] inline SculptVertex vertex(const Vec3& p, Tissue tissue, double lip_side = 0) {
+  SculptVertex v;
+  v.p = v.anchor = p;
+  v.tissue = tissue;
+  v.lip_side = lip_side;
+  return v;
+}
+
+/// Sews two rings of equal size; seen from outside, `a` to `b` goes up while the index goes right. `closed`
+/// joins last to first.
+inline void sew(Sculpt& half, Piece piece, const Ring& a, const Ring& b, bool closed) {
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < a.size(); ++i) {
+    const std::size_t j = (i + 1) % a.size();
+    half.quad(piece, a[i], a[j], b[j], b[i]);
+  }
+}
+
 /// The left half of the outer skin with lids and mouth: a grid of columns and rows, and rings of edges about
 /// eye and mouth.
 void add_skin(Sculpt& half);
 
-/// Ear, teeth, gums, tongue, lashes, brows, hair: left halves, after add_skin.
-void add_parts(Sculpt& half);
+/// An outer ear on its own plane, turned out from the head: rim, ridge, bowl, tragus and lobe as relief on a
+/// disc.
+void add_ear(Sculpt& half);
+
+/// Teeth, gums and tongue.
+void add_mouth_parts(Sculpt& half);
+
+/// Lashes, brow, and a cap of short hair.
+void add_hairs(Sculpt& half);
 
 /// Both halves from the left one; vertices on the midline are shared. Eyeballs come last and whole.
 [[nodiscard]] Sculpt mirrored(const Sculpt& half);

@@ -43,12 +43,9 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
           c = blend(c, flush * 0.8F, smoothstep(0.75, 1.0, std::abs(v.lid)) * 0.5);
           c = blend(c, Vec3f(0.10F, 0.03F, 0.02F),
                     1.25 * spot(p, 7.2, -7.8, 2.8, 2.6) * smoothstep(100, 104, p.z()));
+          const double x = std::abs(p.x());
           c = blend(c, hair,
-                    0.55 *
-                        gauss((p.y() - (54 + 5.0 * std::sin(M_PI * std::clamp((std::abs(p.x()) - 8) / 66, 0.0,
-                                                                              1.0)))) /
-                              4.2) *
-                        smoothstep(9, 15, std::abs(p.x())) * smoothstep(56, 44, std::abs(p.x())));
+                    0.55 * gauss((p.y() - brow_y(x)) / 4.2) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
         }
         v.colour = c;
         break;

@@ -57,27 +57,13 @@ struct Block {
 constexpr Block kEyeBlock{kFaceRow + 29, kFaceRow + 40, 5, 25};   // y 18 to 51
 constexpr Block kMouthBlock{kFaceRow + 1, kFaceRow + 15, 0, 14};  // y -57 to -15
 
-/// Sews two rings of equal size; `outer` lies around `inner`, both counter-clockwise from the front.
-void sew(Sculpt& half, Piece piece, const std::vector<std::uint32_t>& outer,
-         const std::vector<std::uint32_t>& inner, bool closed) {
-  const std::size_t n = outer.size();
-  for (std::size_t i = 0; i + (closed ? 0 : 1) < n; ++i) {
-    const std::size_t j = (i + 1) % n;
-    half.quad(piece, outer[i], outer[j], inner[j], inner[i]);
-  }
-}
-
 double lip_side_at(double x, double y) {
   const double width = 4.0 + 2.7 * std::max(0.0, x - kMouthCornerX + 1);
   return std::clamp((y - lip_line_y(x)) / width, -1.0, 1.0);
 }
 
 std::uint32_t add_skin_vertex(Sculpt& half, const Vec3& p, Tissue tissue = Tissue::skin) {
-  SculptVertex v;
-  v.p = v.anchor = p;
-  v.tissue = tissue;
-  v.lip_side = lip_side_at(p.x(), p.y());
-  return half.add(v);
+  return half.add(vertex(p, tissue, lip_side_at(p.x(), p.y())));
 }
 
 using Grid = std::vector<std::vector<std::uint32_t>>;
@@ -86,7 +72,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
   // The block's border, counter-clockwise from the middle of its nasal side.
   const Block b = kEyeBlock;
   const std::size_t middle = (b.row0 + b.row1) / 2;
-  std::vector<std::uint32_t> ring;
+  Ring ring;
   for (std::size_t r = middle; r > b.row0; --r) ring.push_back(grid[r][b.column0]);
   for (std::size_t c = b.column0; c < b.column1; ++c) ring.push_back(grid[b.row0][c]);
   for (std::size_t r = b.row0; r < middle; ++r) ring.push_back(grid[r][b.column1]);
@@ -113,7 +99,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
   constexpr int kRings = 9;
   for (int k = 1; k <= kRings; ++k) {
     const double f = 1 - std::pow(1 - static_cast<double>(k) / kRings, 1.45);
-    std::vector<std::uint32_t> next(n);
+    Ring next(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Eigen::Vector2d at = (1 - f) * border[i] + f * margin[i];
       Vec3 p = head_point_at(at.x(), at.y());
@@ -135,7 +121,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
   };
   for (const Inner inner :
        {Inner{kEyeRadius + 0.35, 0.3}, Inner{kEyeRadius + 0.3, 4.0}, Inner{kEyeRadius + 0.6, 11.0}}) {
-    std::vector<std::uint32_t> next(n);
+    Ring next(n);
     for (std::size_t i = 0; i < n; ++i) {
       Vec3 out = half.vertices[ring[i]].p - kEyeCentre;
       out.z() -= inner.back;
@@ -150,7 +136,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
 void add_mouth(Sculpt& half, const Grid& grid) {
   const Block b = kMouthBlock;
   const std::size_t corner_row = kFaceRow + 9;  // y -33
-  std::vector<std::uint32_t> ring;
+  Ring ring;
   for (std::size_t c = 0; c < b.column1; ++c) ring.push_back(grid[b.row0][c]);
   for (std::size_t r = b.row0; r < corner_row; ++r) ring.push_back(grid[r][b.column1]);
   const std::size_t corner = ring.size();
@@ -181,7 +167,7 @@ void add_mouth(Sculpt& half, const Grid& grid) {
   }
   constexpr int kOuter = 8, kRed = 6;
   for (int k = 1; k <= kOuter + kRed; ++k) {
-    std::vector<std::uint32_t> next(n);
+    Ring next(n);
     const bool outside = k <= kOuter;
     const double f = outside ? 1 - std::pow(1 - static_cast<double>(k) / kOuter, 1.25)
                              : std::pow(static_cast<double>(k - kOuter) / kRed, 0.85);
@@ -208,7 +194,7 @@ void add_mouth(Sculpt& half, const Grid& grid) {
                              {8.4, 9.0, 1.12}, {13, 13, 1.17},   {22, 14, 1.2},
                              {38, 14, 1.16},   {58, 12, 0.95},   {70, 8, 0.6}};
   for (const Step step : kSteps) {
-    std::vector<std::uint32_t> next(n);
+    Ring next(n);
     for (std::size_t i = 0; i < n; ++i) {
       const double s = std::min(edge[i].x() / kMouthCornerX, 1.0);
       const double upward = side[i] * std::sqrt(std::max(0.0, 1 - 0.85 * s * s));
