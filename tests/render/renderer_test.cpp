@@ -117,15 +117,15 @@ TEST(Renderer, TakesFacesWithoutPartsColoursOrLandmarks) {
 TEST(Comparison, IsThreeViewsAndSaysZeroWhereThereIsNoError) {
   const face::Face face = ball_face();
   Renderer renderer(face, Quality::video, 2);
-  const Camera camera = camera_of(face, 80);
+  const Camera camera = camera_of(face, 160);
   const Image same = comparison(renderer, face.neutral_m, face.neutral_m, camera, Look::dark(), {});
-  ASSERT_EQ(same.width, 240);
-  ASSERT_EQ(same.height, 80);
+  ASSERT_EQ(same.width, 480);
+  ASSERT_EQ(same.height, 160);
   const Image wrong =
       comparison(renderer, posed(face, face::shape("jawOpen"), 1), face.neutral_m, camera, Look::dark(), {});
   // The lower half moved by up to 20 mm, the upper not at all.
-  EXPECT_GT(same.pixel(200, 50)[1], 1.5 * wrong.pixel(200, 50)[1]);
-  EXPECT_EQ(same.pixel(200, 25)[1], wrong.pixel(200, 25)[1]);
+  EXPECT_GT(same.pixel(400, 115)[1], 1.5 * wrong.pixel(400, 115)[1]);
+  EXPECT_EQ(same.pixel(400, 50)[1], wrong.pixel(400, 50)[1]);
 }
 
 TEST(Camera, HoldsTheFaceFromEverySide) {
