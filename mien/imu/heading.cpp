@@ -107,7 +107,9 @@ double HeadingTracker::sigma_rad() const {
 void HeadingTracker::predict(double dt_s) {
   heading_ = wrap(heading_ + rate_ * dt_s);
   Eigen::Matrix2d step;
-  step << 1, dt_s, 0, 1;
+  const double keep = std::exp(-dt_s / settings_.rate_tau_s);
+  step << 1, dt_s, 0, keep;
+  rate_ *= keep;
   cov_ = (step * cov_ * step.transpose()).eval();
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
   cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
@@ -136,6 +138,13 @@ void HeadingTracker::measure(double error_rad, double sigma_rad) {
   rate_ -= kalman.y() * error_rad;
   const Eigen::RowVector2d row = cov_.row(0);
   cov_ = (cov_ - kalman * row).eval();
+}
+
+void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad) {
+  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0) return;
+  const double skin2 = settings_.neutral_sigma_rad * settings_.neutral_sigma_rad;
+  if (turn_rad * turn_rad > settings_.neutral_gate * settings_.neutral_gate * (cov_(0, 0) + skin2)) return;
+  measure(turn_rad, std::sqrt(skin2 * settings_.neutral_every_s / dt_s));
 }
 
 void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,

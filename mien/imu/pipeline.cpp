@@ -335,6 +335,8 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     if (s.settings.track_heading && !s.settings.magnetometer) {
       s.trackers[i].add(dt_s, relative, ear->orientation, relative * sensor->rate_rad_s - ear->rate_rad_s,
                         ear->rate_rad_s);
+      const Vec3 skin = log_rotation(relative * calibration.sensors[i].neutral.conjugate());
+      s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(world_to_ear * Vec3::UnitY()));
       relative = world_to_ear * s.turn_of(i) * sensor->orientation;
     }
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);

@@ -9,10 +9,7 @@
 #include <sstream>
 
 #include "mien/core/files.h"
-
-// The only file that sees toml++: it is large, and the rest of the room builds faster without it.
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
+#include "mien/core/toml.h"
 
 namespace mien::sensor {
 namespace {
@@ -130,11 +127,86 @@ bool finite_numbers(const toml::node& node, int depth) {
   return true;
 }
 
+/// The line of the first byte beyond ASCII that stands outside of quotes and comments, 0 when there is none.
+/// TOML allows none there, and the library's search for exotic blanks runs off its own table on them.
+std::size_t stray_letter_line(std::string_view toml_text) {
+  std::size_t line_number = 1;
+  std::size_t i = toml_text.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  while (i < toml_text.size()) {
+    const char c = toml_text[i];
+    if (c == '#') {
+      while (i < toml_text.size() && toml_text[i] != '\n') ++i;
+    } else if (c == '"' || c == '\'') {
+      const std::string three(3, c);
+      const bool many_lines = toml_text.substr(i, 3) == three;
+      const std::string end = many_lines ? three : std::string(1, c);
+      i += end.size();
+      while (i < toml_text.size() && toml_text.substr(i, end.size()) != end) {
+        if (toml_text[i] == '\n') {
+          if (!many_lines) return 0;  // A string that does not end: the parser stops here too, and says so.
+          ++line_number;
+        }
+        i += toml_text[i] == '\\' && c == '"' ? 2 : 1;
+      }
+      i += end.size();
+    } else {
+      if (static_cast<unsigned char>(c) >= 0x80) return line_number;
+      if (c == '\n') ++line_number;
+      ++i;
+    }
+  }
+  return 0;
+}
+
+/// One value on one line, tables in braces. (The library's own formatter computes with an indent of -1 for
+/// arrays, which the sanitizers refuse.)
+void write_value(std::ostringstream& out, const toml::node& node) {
+  if (const toml::array* array = node.as_array()) {
+    out << '[';
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      if (i > 0) out << ", ";
+      write_value(out, (*array)[i]);
+    }
+    out << ']';
+  } else if (const toml::table* table = node.as_table()) {
+    out << '{';
+    bool first = true;
+    for (const auto& [key, value] : *table) {
+      out << (first ? " " : ", ") << toml::value<std::string>(key.str()) << " = ";
+      write_value(out, value);
+      first = false;
+    }
+    out << " }";
+  } else {
+    node.visit([&out](const auto& value) {
+      if constexpr (toml::is_value<decltype(value)>) out << value;
+    });
+  }
+}
+
+/// The entries of a table, one a line.
+void write_entries(std::ostringstream& out, const toml::table& table) {
+  for (const auto& [key, value] : table) {
+    const std::string name(key.str());
+    const bool bare = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+             c == '-';
+    });
+    if (bare)
+      out << name;
+    else
+      out << toml::value<std::string>(name);
+    out << " = ";
+    write_value(out, value);
+    out << '\n';
+  }
+}
+
 template <class T>
 void line(std::ostringstream& out, std::string_view key, const T& value) {
   toml::table one;
   one.insert(key, value);
-  out << one << '\n';
+  write_entries(out, one);
 }
 
 toml::array numbers(const Vec3& v) {
@@ -165,6 +237,9 @@ std::optional<std::uint16_t> Rig::head_sensor() const {
 Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
   if (toml_text.size() > kMaxRigBytes)
     return fail(ErrorCode::out_of_range, "a rig of more than 1 MiB", where);
+  if (const std::size_t at = stray_letter_line(toml_text))
+    return fail(ErrorCode::malformed, "a letter beyond ASCII outside of quotes",
+                fmt::format("{}, line {}", where, at), "put names into quotes");
   const toml::parse_result parsed = toml::parse(toml_text);
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
@@ -207,7 +282,7 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
       return fail(ErrorCode::out_of_range, "'faults' holds a number that is not finite",
                   place(where, *faults));
     std::ostringstream out;
-    out << *faults->as_table();
+    write_entries(out, *faults->as_table());
     rig.faults_toml = out.str();
   }
   return rig;
@@ -235,13 +310,8 @@ std::string write_rig(const Rig& rig) {
     if (mount.outward) line(out, "outward", numbers(*mount.outward));
   }
   if (!rig.faults_toml.empty()) {
-    // Parsed and put back whole, so that tables inside it get their full names.
-    const toml::parse_result faults = toml::parse(rig.faults_toml);
-    if (faults) {
-      toml::table outer;
-      outer.insert("faults", faults.table());
-      out << '\n' << outer << '\n';
-    }
+    // Its own tables stand in braces, so that the text needs no other heading.
+    out << "\n[faults]\n" << rig.faults_toml;
   }
   return out.str();
 }

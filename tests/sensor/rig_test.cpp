@@ -119,6 +119,28 @@ TEST(Rig, RefusesNoSensorsAndTooMany) {
   EXPECT_FALSE(parse_rig(many, "t"));
 }
 
+TEST(Rig, RefusesWhatTheTomlLibraryOnlyAsserts) {
+  EXPECT_FALSE(parse_rig("name = \"a\"\n[# no key\nx = 1\n", "t"));
+  EXPECT_FALSE(parse_rig("[", "t"));
+  EXPECT_FALSE(parse_rig("[[", "t"));
+  EXPECT_FALSE(parse_rig("[+]\n", "t"));
+  const auto stray = parse_rig(with("[faults]", "n\xC3\xA4me = 1\n[faults]"), "t");
+  ASSERT_FALSE(stray);
+  EXPECT_EQ(stray.error().where, "t, line 17");
+  // In quotes and comments every letter may stand.
+  EXPECT_TRUE(parse_rig(with("\"small\"", "\"m\xC3\xA4\\\"x\" # \xC3\xBC"), "t"));
+  EXPECT_TRUE(parse_rig(with("\"small\"", "\'\'\'m\xC3\xA4\'\'\'"), "t"));
+}
+
+TEST(Rig, KeepsNestedFaults) {
+  const auto rig = parse_rig(kSmall + "[faults.deep]\n\"odd key\" = [1, [2.5, 'x']]\n", "t");
+  ASSERT_TRUE(rig) << rig.error().message();
+  const auto again = parse_rig(write_rig(*rig), "again");
+  ASSERT_TRUE(again) << again.error().message() << rig->faults_toml;
+  EXPECT_EQ(rig->faults_toml, again->faults_toml);
+  EXPECT_NE(rig->faults_toml.find("odd key"), std::string::npos);
+}
+
 TEST(Rig, NamesTheLine) {
   const auto rig = parse_rig(with("side = \"M\"", "side = \"M\"\ncolour = 1"), "r.toml");
   ASSERT_FALSE(rig);
