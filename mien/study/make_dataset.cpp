@@ -2,14 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <map>
 #include <mutex>
+#include <numbers>
 #include <optional>
 #include <thread>
 
+#include "mien/core/toml.h"
 #include "mien/face/builtin.h"
 #include "mien/face/load.h"
 #include "mien/study/trace_features.h"
@@ -125,52 +127,64 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
 }  // namespace
 
 Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& where) {
-  toml::table table;
-  try {
-    table = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::malformed, std::string(error.description()),
-                fmt::format("{}, [data] line {}", where, error.source().begin.line));
-  }
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed)
+    return fail(ErrorCode::malformed, std::string(parsed.error().description()),
+                fmt::format("{}, [data] line {}", where, parsed.error().source().begin.line));
   DataRecipe recipe;
-  for (const auto& [name, node] : table) {
+  const auto wrong = [&](std::string_view key, std::string_view should) {
+    return fail(ErrorCode::out_of_range, fmt::format("[data] {} must be {}", key, should), where);
+  };
+  constexpr std::int64_t kMostPeople = 1'000'000;
+  constexpr double kMostSeconds = 86'400;  // A day.
+  double kinematics_deg = recipe.kinematics.direction_rad * 180 / std::numbers::pi;
+  const std::map<std::string_view, std::pair<int*, std::int64_t>> counts = {
+      {"performers", {&recipe.performers, 1}}, {"validation_performers", {&recipe.validation_performers, 1}}};
+  const std::map<std::string_view, std::pair<double*, double>> sizes = {
+      {"device_share", {&recipe.device_share, 1}},
+      {"placement_mm", {&recipe.placement_mm, 50}},
+      {"kinematics_gain", {&recipe.kinematics.gain, 10}},
+      {"kinematics_deg", {&kinematics_deg, 180}}};
+  const std::map<std::string_view, double*> lengths = {{"seconds", &recipe.seconds},
+                                                       {"device_seconds", &recipe.device_seconds}};
+  for (const auto& [name, node] : parsed.table()) {
     const std::string_view key = name.str();
-    const auto number = node.value<double>();
-    const auto is_count = [&] { return node.is_integer() && *number >= 0 && *number <= 1e6; };
-    const auto is_size = [&] { return number && std::isfinite(*number) && *number >= 0 && *number <= 1e6; };
-    bool good = true;
+    const std::optional<double> number = node.is_number() ? node.value<double>() : std::nullopt;
     if (key == "identities") {
-      good = node.is_boolean();
-      if (good) recipe.identities = *node.value<bool>();
-    } else if (key == "seed" || key == "performers" || key == "validation_performers") {
-      good = is_count();
-      if (good && key == "seed") recipe.seed = static_cast<std::uint64_t>(*number);
-      if (good && key == "performers") recipe.performers = static_cast<int>(*number);
-      if (good && key == "validation_performers") recipe.validation_performers = static_cast<int>(*number);
-    } else if (key == "seconds" || key == "device_seconds" || key == "placement_mm" ||
-               key == "kinematics_gain" || key == "kinematics_deg" || key == "device_share") {
-      good = is_size();
-      if (good && key == "seconds") recipe.seconds = *number;
-      if (good && key == "device_seconds") recipe.device_seconds = *number;
-      if (good && key == "device_share") recipe.device_share = std::min(1.0, *number);
-      if (good && key == "placement_mm") recipe.placement_mm = *number;
-      if (good && key == "kinematics_gain") recipe.kinematics.gain = *number;
-      if (good && key == "kinematics_deg") recipe.kinematics.direction_rad = *number * M_PI / 180;
+      if (!node.is_boolean()) return wrong(key, "true or false");
+      recipe.identities = *node.value<bool>();
+    } else if (key == "seed") {
+      if (!node.is_integer() || *node.value<std::int64_t>() < 0)
+        return wrong(key, "a whole number, 0 or more");
+      recipe.seed = static_cast<std::uint64_t>(*node.value<std::int64_t>());
+    } else if (const auto count = counts.find(key); count != counts.end()) {
+      const auto& [value, least] = count->second;
+      if (!node.is_integer() || *node.value<std::int64_t>() < least ||
+          *node.value<std::int64_t>() > kMostPeople)
+        return wrong(key, fmt::format("a whole number from {} to {}", least, kMostPeople));
+      *value = static_cast<int>(*node.value<std::int64_t>());
+    } else if (const auto size = sizes.find(key); size != sizes.end()) {
+      const auto& [value, most] = size->second;
+      if (!number || !(*number >= 0 && *number <= most))
+        return wrong(key, fmt::format("a number from 0 to {}", most));
+      *value = *number;
+    } else if (const auto length = lengths.find(key); length != lengths.end()) {
+      if (!number || !(*number == 0 || (*number >= 1 && *number <= kMostSeconds)))
+        return wrong(key, fmt::format("0 or a number from 1 to {}", kMostSeconds));
+      *length->second = *number;
     } else {
       return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", key), where);
     }
-    if (!good)
-      return fail(ErrorCode::out_of_range, fmt::format("[data] {} is not what it should be", key), where);
   }
-  if (recipe.performers < 1)
-    return fail(ErrorCode::out_of_range, "[data] needs at least one performer", where);
-  if (recipe.validation_performers < 1)
-    return fail(ErrorCode::out_of_range, "[data] needs at least one validation performer", where);
+  if (parsed.table().contains("kinematics_deg"))
+    recipe.kinematics.direction_rad = kinematics_deg * std::numbers::pi / 180;
+  if (recipe.seconds == 0 && (recipe.device_seconds == 0 || recipe.device_share == 0))
+    return fail(ErrorCode::out_of_range, "[data] seconds and device_seconds leave nothing to perform", where);
   return recipe;
 }
 
 Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face_name,
-                                  const sensor::Rig& rig, const Progress& progress) {
+                                  const sensor::Rig& rig, const Progress& progress, unsigned threads) {
   MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
   MIEN_TRY_ASSIGN(const FaceSource faces, open_faces(face_name, progress));
   const auto count = static_cast<std::size_t>(recipe.performers + recipe.validation_performers);
@@ -194,9 +208,9 @@ Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& f
     }
   };
   {
-    std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
-      threads.emplace_back(work);
+    std::vector<std::jthread> workers;
+    if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
+    for (unsigned i = 0; i < threads; ++i) workers.emplace_back(work);
     while (done < count && !stop) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       if (!progress(static_cast<double>(done) / static_cast<double>(count),

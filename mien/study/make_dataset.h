@@ -37,7 +37,7 @@ struct DataRecipe {
   }
 };
 
-/// Reads the table's text. Errors: malformed, out_of_range, unknown keys.
+/// Reads the table's text. Errors, which name the key: malformed, out_of_range, unknown keys.
 [[nodiscard]] Result<DataRecipe> parse_data_recipe(std::string_view toml, const std::string& where);
 
 struct TrainingData {
@@ -47,10 +47,10 @@ struct TrainingData {
 
 /// Lets virtual performers perform. `face` as face::load_face takes it; "builtin" draws identities of the
 /// built-in family, an ICT folder those of ICT. The same recipe, face and rig give the same bits on any
-/// number of threads. Cost: about a minute of one core an hour of lab performance, three times that an hour
-/// of device performance.
+/// number of threads; 0 threads: one a core. Errors: those of the face and the faults; cancelled. Cost: about
+/// a minute of one core an hour of lab performance, three times that an hour of device performance.
 [[nodiscard]] Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& face,
                                                 const sensor::Rig& rig,
-                                                const Progress& progress = no_progress);
+                                                const Progress& progress = no_progress, unsigned threads = 0);
 
 }  // namespace mien::study

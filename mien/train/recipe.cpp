@@ -1,7 +1,6 @@
 #include "mien/train/recipe.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <cmath>
 #include <limits>
@@ -9,6 +8,8 @@
 #include <optional>
 #include <set>
 #include <sstream>
+
+#include "mien/core/toml.h"
 
 namespace mien::train {
 namespace {
@@ -96,18 +97,15 @@ class Section {
 
 Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) {
   const std::string where(where_view);
-  toml::table root;
-  try {
-    root = toml::parse(text, where);
-  } catch (const toml::parse_error& error) {
+  const toml::parse_result parsed = toml::parse(text, where);
+  if (!parsed)
     return fail(ErrorCode::malformed,
-                fmt::format("line {}: {}", error.source().begin.line, error.description()), where);
-  }
+                fmt::format("line {}: {}", parsed.error().source().begin.line, parsed.error().description()), where);
   constexpr std::int64_t kMany = 1'000'000'000;
   Recipe r;
   r.text = text;
 
-  Section top(root, "", where);
+  Section top(parsed.table(), "", where);
   top.whole("seed", r.seed, 0, std::numeric_limits<std::int64_t>::max());
   const toml::table network = top.inner("network"), optimiser = top.inner("optimiser"),
                     noise = top.inner("noise"), augmentation = top.inner("augmentation"),

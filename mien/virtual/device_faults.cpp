@@ -2,20 +2,28 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <cmath>
 #include <map>
 
+#include "mien/core/toml.h"
+
 namespace mien::virt {
+namespace {
+
+/// Beyond this no fault means anything in its unit, and times would leave what a packet can say.
+constexpr double kMost = 1e6;
+constexpr double kMostDriftPpm = 1e4;  // A hundredth: clocks must run forwards.
+/// Full scale of the chip that the packets are made for.
+constexpr double kMostGyroRangeDps = 1024;
+constexpr double kMostAccelRangeG = 16;
+
+}  // namespace
 
 Result<DeviceFaults> parse_faults(std::string_view text, const std::string& where) {
-  toml::table table;
-  try {
-    table = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    return fail(ErrorCode::malformed, std::string(error.description()),
-                fmt::format("{}, [faults] line {}", where, error.source().begin.line));
-  }
+  const toml::parse_result parsed = toml::parse(text);
+  if (!parsed)
+    return fail(ErrorCode::malformed, std::string(parsed.error().description()),
+                fmt::format("{}, [faults] line {}", where, parsed.error().source().begin.line));
   DeviceFaults faults;
   const std::map<std::string_view, double*> numbers = {
       {"mount_rotation_deg", &faults.mount_rotation_deg},
@@ -46,9 +54,11 @@ Result<DeviceFaults> parse_faults(std::string_view text, const std::string& wher
     if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
     if (!std::isfinite(*value) || *value < 0)
       return fail(ErrorCode::out_of_range, fmt::format("{} must be finite and not negative", key), where);
+    if (*value > kMost)
+      return fail(ErrorCode::out_of_range, fmt::format("{} must be at most {:.0f}", key, kMost), where);
     return *value;
   };
-  for (const auto& [name, node] : table) {
+  for (const auto& [name, node] : parsed.table()) {
     const std::string_view key = name.str();
     if (const auto found = numbers.find(key); found != numbers.end()) {
       MIEN_TRY_ASSIGN(*found->second, number(node, key));
@@ -71,8 +81,15 @@ Result<DeviceFaults> parse_faults(std::string_view text, const std::string& wher
   }
   if (faults.packet_loss > 1)
     return fail(ErrorCode::out_of_range, "packet_loss is a share between 0 and 1", where);
-  if (faults.gyro_range_dps <= 0 || faults.accel_range_g <= 0)
-    return fail(ErrorCode::out_of_range, "a sensor's range must be positive", where);
+  if (faults.clock_drift_ppm > kMostDriftPpm)
+    return fail(ErrorCode::out_of_range, fmt::format("clock_drift_ppm must be at most {:.0f}", kMostDriftPpm),
+                where);
+  if (faults.gyro_range_dps < 1 || faults.gyro_range_dps > kMostGyroRangeDps)
+    return fail(ErrorCode::out_of_range, fmt::format("gyro_range_dps must be 1 to {:.0f}", kMostGyroRangeDps),
+                where);
+  if (faults.accel_range_g < 1 || faults.accel_range_g > kMostAccelRangeG)
+    return fail(ErrorCode::out_of_range, fmt::format("accel_range_g must be 1 to {:.0f}", kMostAccelRangeG),
+                where);
   return faults;
 }
 

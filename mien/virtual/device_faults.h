@@ -41,8 +41,9 @@ struct DeviceFaults {
   bool operator==(const DeviceFaults&) const = default;
 };
 
-/// Errors: malformed TOML, unknown keys, non-finite or negative numbers. `where` names the source in
-/// messages.
+/// Errors: malformed TOML, unknown keys; out_of_range: a number that is not finite, negative or above 1e6, a
+/// share above 1, drift above 1e4 ppm, ranges outside 1 to 1024 deg/s and 1 to 16 g. `where` names the source
+/// in messages.
 [[nodiscard]] Result<DeviceFaults> parse_faults(std::string_view toml, const std::string& where);
 
 }  // namespace mien::virt

@@ -1,0 +1,19 @@
+#pragma once
+
+// toml++ as this project uses it: within headers and without exceptions. Include it only from sources, and only through
+// this file: two configurations in one program would be two definitions of the same things.
+//
+// Its release build tells the compiler to assume what its debug build asserts, and some of that does not hold for hostile
+// input ("[#" where a table begins): neither is wanted, since its own checks behind them give a proper error.
+#ifdef NDEBUG
+#define MIEN_NDEBUG
+#undef NDEBUG
+#endif
+#define TOML_HEADER_ONLY 1
+#define TOML_EXCEPTIONS 0
+#define TOML_ASSERT(expression) static_assert(true)
+#include <toml++/toml.h>
+#ifdef MIEN_NDEBUG
+#undef MIEN_NDEBUG
+#define NDEBUG
+#endif
