@@ -27,13 +27,13 @@ Image comparison(Renderer& renderer, std::span<const Vec3f> truth_m, std::span<c
 
   const Rgb ink = look.background_top[0] > 128 ? Rgb{40, 42, 48} : Rgb{226, 229, 236};
   const float size = std::max(12.0F, 0.042F * static_cast<float>(camera.height));
-  const auto middle = [&](int column) {
-    return (static_cast<float>(column) + 0.5F) * static_cast<float>(camera.width);
+  const auto left = [&](int column) {
+    return static_cast<float>(column) * static_cast<float>(camera.width) + 0.6F * size;
   };
-  draw_text(picture, captions.truth, middle(0), 1.6F * size, size, ink, Align::centre);
-  draw_text(picture, captions.capture, middle(1), 1.6F * size, size, ink, Align::centre);
-  draw_text(picture, captions.error, middle(2), 1.6F * size, size, ink, Align::centre);
-  draw_text(picture, captions.footer, static_cast<float>(picture.width) - 0.7F * size, 1.6F * size,
+  draw_text(picture, captions.truth, left(0), 1.3F * size, size, ink);
+  draw_text(picture, captions.capture, left(1), 1.3F * size, size, ink);
+  draw_text(picture, captions.error, left(2), 1.3F * size, size, ink);
+  draw_text(picture, captions.footer, static_cast<float>(picture.width) - 0.6F * size, 1.3F * size,
             0.7F * size, ink, Align::right);
   return picture;
 }

@@ -50,6 +50,14 @@ void draw_error_legend(Image& picture, float full_scale_m, Rgb ink) {
   const int width = std::min(picture.width * 6 / 10, 420);
   const int left = (picture.width - width) / 2;
   const int top = picture.height - bar_height - static_cast<int>(2.3F * text);
+  // A plate behind it, of the ink's opposite: a pale shoulder may stand there.
+  const int margin = static_cast<int>(1.6F * text);
+  for (int y = std::max(0, top - margin / 2); y < picture.height; ++y)
+    for (int x = std::max(0, left - margin); x < std::min(picture.width, left + width + 2 * margin); ++x)
+      for (std::size_t c = 0; c < 3; ++c) {
+        std::uint8_t& value = picture.pixel(x, y)[c];
+        value = static_cast<std::uint8_t>((value + 3 * (ink[c] > 128 ? 18 : 242)) / 4);
+      }
   for (int x = 0; x < width && width > 1; ++x) {
     const Rgb colour = to_srgb(error_colour(static_cast<float>(x) / static_cast<float>(width - 1)));
     for (int y = std::max(0, top); y < std::min(picture.height, top + bar_height); ++y)
