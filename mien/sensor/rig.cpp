@@ -26,7 +26,7 @@ std::string place(const std::string& where, const toml::node& node) {
 }
 
 bool printable(std::string_view text) {
-  return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+  return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
 }
 
 Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
@@ -115,47 +115,64 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   return mount;
 }
 
-bool finite_numbers(const toml::node& node, int depth) {
+/// Numbers finite, texts and keys printable, not too deep.
+bool plain_data(const toml::node& node, int depth) {
   if (depth > 16) return false;
+  if (const auto* text_node = node.as_string()) return printable(text_node->get());
   if (const auto* number = node.as_floating_point()) return std::isfinite(number->get());
   if (const auto* array = node.as_array())
     return std::all_of(array->begin(), array->end(),
-                       [depth](const toml::node& n) { return finite_numbers(n, depth + 1); });
+                       [depth](const toml::node& n) { return plain_data(n, depth + 1); });
   if (const auto* table = node.as_table())
-    return std::all_of(table->begin(), table->end(),
-                       [depth](const auto& entry) { return finite_numbers(entry.second, depth + 1); });
+    return std::all_of(table->begin(), table->end(), [depth](const auto& entry) {
+      return printable(entry.first.str()) && plain_data(entry.second, depth + 1);
+    });
   return true;
 }
 
-/// The line of the first byte beyond ASCII that stands outside of quotes and comments, 0 when there is none.
-/// TOML allows none there, and the library's search for exotic blanks runs off its own table on them.
-std::size_t stray_letter_line(std::string_view toml_text) {
+/// The text with question marks for bytes beyond ASCII in comments; an error with the line where one stands
+/// elsewhere. The library's search for exotic blanks runs off its own table on them, so it gets to see none.
+Result<std::string> plain_text(std::string_view toml_text, const std::string& where) {
+  std::string out(toml_text);
   std::size_t line_number = 1;
-  std::size_t i = toml_text.starts_with("\xEF\xBB\xBF") ? 3 : 0;
-  while (i < toml_text.size()) {
-    const char c = toml_text[i];
-    if (c == '#') {
-      while (i < toml_text.size() && toml_text[i] != '\n') ++i;
-    } else if (c == '"' || c == '\'') {
-      const std::string three(3, c);
-      const bool many_lines = toml_text.substr(i, 3) == three;
-      const std::string end = many_lines ? three : std::string(1, c);
-      i += end.size();
-      while (i < toml_text.size() && toml_text.substr(i, end.size()) != end) {
-        if (toml_text[i] == '\n') {
-          if (!many_lines) return 0;  // A string that does not end: the parser stops here too, and says so.
-          ++line_number;
-        }
-        i += toml_text[i] == '\\' && c == '"' ? 2 : 1;
-      }
-      i += end.size();
-    } else {
-      if (static_cast<unsigned char>(c) >= 0x80) return line_number;
-      if (c == '\n') ++line_number;
-      ++i;
-    }
+  std::size_t i = 0;
+  if (toml_text.starts_with("\xEF\xBB\xBF")) {
+    out.replace(0, 3, "   ");  // A byte order mark.
+    i = 3;
   }
-  return 0;
+  bool comment = false;
+  std::string end;  // Of the string that we are in.
+  while (i < out.size()) {
+    const char c = out[i];
+    if (static_cast<unsigned char>(c) >= 0x80) {
+      if (!comment)
+        return fail(ErrorCode::malformed, "a letter beyond ASCII outside of a comment",
+                    fmt::format("{}, line {}", where, line_number), "use plain letters");
+      out[i] = '?';
+    }
+    if (c == '\n') {
+      ++line_number;
+      comment = false;
+      if (end.size() == 1) end.clear();
+    }
+    std::size_t step = 1;
+    if (!comment && !end.empty()) {
+      if (out.compare(i, end.size(), end) == 0) {
+        step = end.size();
+        end.clear();
+      } else if (c == '\\' && end[0] == '"' && i + 1 < out.size() &&
+                 static_cast<unsigned char>(out[i + 1]) < 0x80 && out[i + 1] != '\n') {
+        step = 2;
+      }
+    } else if (!comment && (c == '"' || c == '\'')) {
+      end = out.compare(i, 3, std::string(3, c)) == 0 ? std::string(3, c) : std::string(1, c);
+      step = end.size();
+    } else if (c == '#') {
+      comment = true;
+    }
+    i += step;
+  }
+  return out;
 }
 
 /// One value on one line, tables in braces. (The library's own formatter computes with an indent of -1 for
@@ -237,10 +254,8 @@ std::optional<std::uint16_t> Rig::head_sensor() const {
 Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
   if (toml_text.size() > kMaxRigBytes)
     return fail(ErrorCode::out_of_range, "a rig of more than 1 MiB", where);
-  if (const std::size_t at = stray_letter_line(toml_text))
-    return fail(ErrorCode::malformed, "a letter beyond ASCII outside of quotes",
-                fmt::format("{}, line {}", where, at), "put names into quotes");
-  const toml::parse_result parsed = toml::parse(toml_text);
+  MIEN_TRY_ASSIGN(const std::string plain, plain_text(toml_text, where));
+  const toml::parse_result parsed = toml::parse(plain);
   if (!parsed) {
     const toml::parse_error& error = parsed.error();
     return fail(ErrorCode::malformed, std::string(error.description()),
@@ -278,8 +293,9 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
   if (const toml::node* faults = root.get("faults")) {
     if (!faults->is_table())
       return fail(ErrorCode::malformed, "'faults' is not a table", place(where, *faults));
-    if (!finite_numbers(*faults, 0))
-      return fail(ErrorCode::out_of_range, "'faults' holds a number that is not finite",
+    if (!plain_data(*faults, 0))
+      return fail(ErrorCode::out_of_range,
+                  "'faults' holds a number that is not finite, or text that is not printable",
                   place(where, *faults));
     std::ostringstream out;
     write_entries(out, *faults->as_table());

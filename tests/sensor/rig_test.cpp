@@ -127,9 +127,12 @@ TEST(Rig, RefusesWhatTheTomlLibraryOnlyAsserts) {
   const auto stray = parse_rig(with("[faults]", "n\xC3\xA4me = 1\n[faults]"), "t");
   ASSERT_FALSE(stray);
   EXPECT_EQ(stray.error().where, "t, line 17");
-  // In quotes and comments every letter may stand.
-  EXPECT_TRUE(parse_rig(with("\"small\"", "\"m\xC3\xA4\\\"x\" # \xC3\xBC"), "t"));
-  EXPECT_TRUE(parse_rig(with("\"small\"", "\'\'\'m\xC3\xA4\'\'\'"), "t"));
+  EXPECT_FALSE(parse_rig(with("\"small\"", "\"m\xC3\xA4\""), "t"));
+  EXPECT_FALSE(parse_rig(with("\"small\"", "\"m\\u00e4\""), "t"));
+  // In comments every letter may stand; a hash in quotes begins none.
+  EXPECT_TRUE(parse_rig(with("\"small\"", "\"sm # \\\" all\" # \xC3\xBC"), "t"));
+  EXPECT_TRUE(parse_rig("\xEF\xBB\xBF" + kSmall, "t"));
+  EXPECT_FALSE(parse_rig(with("\"small\"", "\"sm # \xC3\xBC\""), "t"));
 }
 
 TEST(Rig, KeepsNestedFaults) {
