@@ -53,7 +53,8 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
   out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : Json(nullptr);
-  return out.dump(2);
+  // A path may be any bytes: what is no UTF-8 is replaced.
+  return out.dump(2, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace mien::study

@@ -30,8 +30,8 @@ struct Solution {
 /// the eyes' (u8).
 [[nodiscard]] std::string hash_frames(std::span<const face::OutputFrame> frames);
 
-/// Features of a take, one frame a tick. Errors: the take's, and those of packets that do not parse
-/// (malformed).
+/// Features of a take, one frame a tick. A packet that does not parse is passed over, as the session did.
+/// Errors: the take's; not_found (no ticks).
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from);
 
 /// Solves a whole take with the window network.

@@ -75,7 +75,8 @@ std::vector<take::CalibrationVersion> calibrations_of(const sensor::Rig& rig, co
 }  // namespace
 
 Result<PerformSummary> perform_take(const PerformRequest& request, const Progress& progress) {
-  if (!request.replace && std::filesystem::exists(request.take))
+  std::error_code code;
+  if (!request.replace && std::filesystem::exists(request.take, code))
     return fail(ErrorCode::bad_usage, "the take exists already", request.take.string(),
                 "give another name, or --force");
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
@@ -116,17 +117,22 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.created_utc = now_utc();
   MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(request.take, header, request.replace));
   for (const take::Event& event : session.events) writer.add_event(event);
-  for (const take::CalibrationVersion& version : calibrations_of(rig, session))
-    writer.add_calibration(version);
+  std::vector<take::CalibrationVersion> calibrations;  // In lab it is the identity.
+  if (!lab) calibrations = calibrations_of(rig, session);
 
   const auto start = std::chrono::steady_clock::now();
   std::size_t next_sample = 0;
   std::size_t next_tick = 0;
+  std::size_t next_calibration = 0;
   bool stopped = false;
   const auto write_ticks = [&](std::int64_t known) {
     for (; next_tick < session.ticks.size() && session.ticks[next_tick].after_entry <= known; ++next_tick) {
       writer.add_tick(session.ticks[next_tick]);
       writer.add_truth(session.truth[next_tick]);
+      for (; next_calibration < calibrations.size() &&
+             calibrations[next_calibration].made <= session.ticks[next_tick].frame;
+           ++next_calibration)
+        writer.add_calibration(calibrations[next_calibration]);
     }
   };
   for (const take::LogEntry& entry : session.entries) {
@@ -136,17 +142,19 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
     for (; next_sample < session.samples.size() && session.samples[next_sample].entry == entry.id;
          ++next_sample)
       writer.add_sample(id, entry.arrival, session.samples[next_sample].sample);
-    if (entry.id % 512 == 0 &&
-        !progress(0.5 + 0.5 * static_cast<double>(entry.id) / static_cast<double>(session.entries.size()),
+    if (entry.id % 512 != 0) continue;
+    if (!writer.status()) break;  // The disk is full, say: finish() tells.
+    if (!progress(0.5 + 0.5 * static_cast<double>(entry.id) / static_cast<double>(session.entries.size()),
                   "writing")) {
       stopped = true;
       break;
     }
   }
   if (!stopped) write_ticks(static_cast<std::int64_t>(session.entries.size()));
-  MIEN_TRY(writer.finish());
+  const Result<void> finished = writer.finish();
+  if ((stopped || !finished) && !request.real_time) std::filesystem::remove(request.take, code);
+  if (!finished) return std::unexpected(finished.error());
   if (stopped) {
-    if (!request.real_time) std::filesystem::remove(request.take);
     return fail(ErrorCode::cancelled, "stopped", request.take.string(),
                 request.real_time ? "what was performed until then is kept" : "nothing was kept");
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "mien/imu/packet.h"
 #include "mien/sensor/ticks.h"
@@ -15,7 +14,8 @@ namespace {
 
 /// The skin is traced a little beyond both ends, so that filters and differences have something to stand on.
 constexpr double kMarginS = 0.25;
-constexpr double kRadPerDeg = std::numbers::pi / 180;
+/// Frames stand on whole nanoseconds, a motion's own times do not: nearer than this they are one moment.
+constexpr double kSameMomentS = 1e-6;
 
 /// Device ids of virtual nodes: "MIEN" and the sensor's number in the rig.
 std::uint64_t device_id(std::size_t sensor) {
@@ -59,7 +59,7 @@ take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double 
   truth.weights = moment.weights;
   truth.tongue_out = moment.tongue_out;
   truth.has_face = moment.has_face;
-  truth.evaluated = true_s >= motion_start_s && true_s <= curve.duration_s();
+  truth.evaluated = true_s >= motion_start_s - kSameMomentS && true_s <= curve.duration_s() + kSameMomentS;
   return truth;
 }
 
@@ -136,7 +136,8 @@ Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<
   VirtualSession session;
   const VirtualClock host;  // All clocks are one.
   add_events(motion.times, host, session.events);
-  const auto frames = static_cast<std::int64_t>(std::floor(curve.duration_s() * kFrameRateHz)) + 1;
+  const auto frames =
+      static_cast<std::int64_t>(std::floor((curve.duration_s() + kSameMomentS) * kFrameRateHz)) + 1;
   for (std::int64_t f = 0; f < frames; ++f) {
     const Duration at = frame_offset(f);
     const face::MotionFrame moment = curve.at(to_seconds(at));

@@ -233,7 +233,7 @@ Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::R
                 face.name, "use the built-in face, an ICT-FaceKit folder, or a head with 68 landmarks");
   const std::vector<std::uint32_t> triangles = skin_triangles(face);
   Eigen::Affine3d from_builtin = Eigen::Affine3d::Identity();
-  if (!is_ict && !is_builtin) from_builtin = align_landmarks(default_builtin(), face);
+  if (!is_builtin && face.has_landmarks) from_builtin = align_landmarks(default_builtin(), face);
   std::vector<SkinSite> sites;
   for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
     const sensor::Mount& mount = rig.sensors[s];
