@@ -1,10 +1,11 @@
 #pragma once
 
-// toml++ as this project uses it: within headers and without exceptions. Include it only from sources, and only through
-// this file: two configurations in one program would be two definitions of the same things.
+// toml++ as this project uses it: within headers and without exceptions. Include it only from sources, and
+// only through this file: two configurations in one program would be two definitions of the same things.
 //
-// Its release build tells the compiler to assume what its debug build asserts, and some of that does not hold for hostile
-// input ("[#" where a table begins): neither is wanted, since its own checks behind them give a proper error.
+// Its release build tells the compiler to assume what its debug build asserts, and some of that does not hold
+// for hostile input ("[#" where a table begins): neither is wanted, since its own checks behind them give a
+// proper error.
 #ifdef NDEBUG
 #define MIEN_NDEBUG
 #undef NDEBUG
@@ -17,3 +18,16 @@
 #undef MIEN_NDEBUG
 #define NDEBUG
 #endif
+
+#include <string>
+#include <string_view>
+
+#include "mien/core/error.h"
+
+namespace mien {
+
+/// Parses TOML that nobody vouches for. Plain ASCII but for comments: the library's search for exotic blanks
+/// runs off its own table. Errors: malformed, with the line. `where` names the source in messages.
+[[nodiscard]] Result<toml::table> parse_toml(std::string_view text, const std::string& where);
+
+}  // namespace mien

@@ -127,10 +127,7 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
 }  // namespace
 
 Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& where) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed)
-    return fail(ErrorCode::malformed, std::string(parsed.error().description()),
-                fmt::format("{}, [data] line {}", where, parsed.error().source().begin.line));
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
   DataRecipe recipe;
   const auto wrong = [&](std::string_view key, std::string_view should) {
     return fail(ErrorCode::out_of_range, fmt::format("[data] {} must be {}", key, should), where);
@@ -147,7 +144,7 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
       {"kinematics_deg", {&kinematics_deg, 180}}};
   const std::map<std::string_view, double*> lengths = {{"seconds", &recipe.seconds},
                                                        {"device_seconds", &recipe.device_seconds}};
-  for (const auto& [name, node] : parsed.table()) {
+  for (const auto& [name, node] : table) {
     const std::string_view key = name.str();
     const std::optional<double> number = node.is_number() ? node.value<double>() : std::nullopt;
     if (key == "identities") {
@@ -176,7 +173,7 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
       return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", key), where);
     }
   }
-  if (parsed.table().contains("kinematics_deg"))
+  if (table.contains("kinematics_deg"))
     recipe.kinematics.direction_rad = kinematics_deg * std::numbers::pi / 180;
   if (recipe.seconds == 0 && (recipe.device_seconds == 0 || recipe.device_share == 0))
     return fail(ErrorCode::out_of_range, "[data] seconds and device_seconds leave nothing to perform", where);

@@ -97,15 +97,12 @@ class Section {
 
 Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) {
   const std::string where(where_view);
-  const toml::parse_result parsed = toml::parse(text, where);
-  if (!parsed)
-    return fail(ErrorCode::malformed,
-                fmt::format("line {}: {}", parsed.error().source().begin.line, parsed.error().description()), where);
+  MIEN_TRY_ASSIGN(const toml::table root, parse_toml(text, where));
   constexpr std::int64_t kMany = 1'000'000'000;
   Recipe r;
   r.text = text;
 
-  Section top(parsed.table(), "", where);
+  Section top(root, "", where);
   top.whole("seed", r.seed, 0, std::numeric_limits<std::int64_t>::max());
   const toml::table network = top.inner("network"), optimiser = top.inner("optimiser"),
                     noise = top.inner("noise"), augmentation = top.inner("augmentation"),

@@ -20,10 +20,7 @@ constexpr double kMostAccelRangeG = 16;
 }  // namespace
 
 Result<DeviceFaults> parse_faults(std::string_view text, const std::string& where) {
-  const toml::parse_result parsed = toml::parse(text);
-  if (!parsed)
-    return fail(ErrorCode::malformed, std::string(parsed.error().description()),
-                fmt::format("{}, [faults] line {}", where, parsed.error().source().begin.line));
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [faults]"));
   DeviceFaults faults;
   const std::map<std::string_view, double*> numbers = {
       {"mount_rotation_deg", &faults.mount_rotation_deg},
@@ -58,7 +55,7 @@ Result<DeviceFaults> parse_faults(std::string_view text, const std::string& wher
       return fail(ErrorCode::out_of_range, fmt::format("{} must be at most {:.0f}", key, kMost), where);
     return *value;
   };
-  for (const auto& [name, node] : parsed.table()) {
+  for (const auto& [name, node] : table) {
     const std::string_view key = name.str();
     if (const auto found = numbers.find(key); found != numbers.end()) {
       MIEN_TRY_ASSIGN(*found->second, number(node, key));

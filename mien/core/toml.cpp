@@ -1,0 +1,66 @@
+#include "mien/core/toml.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+namespace mien {
+namespace {
+
+/// The text with question marks for bytes beyond ASCII in comments; an error with the line where one stands
+/// elsewhere. The library's search for exotic blanks runs off its own table on them, so it gets to see none.
+Result<std::string> plain_text(std::string_view toml_text, const std::string& where) {
+  std::string out(toml_text);
+  std::size_t line_number = 1;
+  std::size_t i = 0;
+  if (toml_text.starts_with("\xEF\xBB\xBF")) {
+    out.replace(0, 3, "   ");  // A byte order mark.
+    i = 3;
+  }
+  bool comment = false;
+  std::string end;  // Of the string that we are in.
+  while (i < out.size()) {
+    const char c = out[i];
+    if (static_cast<unsigned char>(c) >= 0x80) {
+      if (!comment)
+        return fail(ErrorCode::malformed, "a letter beyond ASCII outside of a comment",
+                    fmt::format("{}, line {}", where, line_number), "use plain letters");
+      out[i] = '?';
+    }
+    if (c == '\n') {
+      ++line_number;
+      comment = false;
+      if (end.size() == 1) end.clear();
+    }
+    std::size_t step = 1;
+    if (!comment && !end.empty()) {
+      if (out.compare(i, end.size(), end) == 0) {
+        step = end.size();
+        end.clear();
+      } else if (c == '\\' && end[0] == '"' && i + 1 < out.size() &&
+                 static_cast<unsigned char>(out[i + 1]) < 0x80 && out[i + 1] != '\n') {
+        step = 2;
+      }
+    } else if (!comment && (c == '"' || c == '\'')) {
+      end = out.compare(i, 3, std::string(3, c)) == 0 ? std::string(3, c) : std::string(1, c);
+      step = end.size();
+    } else if (c == '#') {
+      comment = true;
+    }
+    i += step;
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<toml::table> parse_toml(std::string_view text, const std::string& where) {
+  MIEN_TRY_ASSIGN(const std::string plain, plain_text(text, where));
+  toml::parse_result parsed = toml::parse(plain);
+  if (!parsed)
+    return fail(ErrorCode::malformed, std::string(parsed.error().description()),
+                fmt::format("{}, line {}", where, parsed.error().source().begin.line));
+  return std::move(parsed).table();
+}
+
+}  // namespace mien
