@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "mien/core/bytes.h"
 
@@ -180,8 +181,7 @@ Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::stri
     if (!count || *count > data.size() || *count * element != end - begin)
       return fail(ErrorCode::malformed, name + " has a shape that does not fit its bytes", where);
   }
-  std::stable_sort(content.declared.begin(), content.declared.end(),
-                   [](const Declared& a, const Declared& b) { return a.offsets < b.offsets; });
+  std::ranges::sort(content.declared, {}, [](const Declared& d) { return std::tie(d.offsets, d.name); });
   std::uint64_t covered = 0;
   for (const Declared& declared : content.declared) {
     if (declared.offsets[0] != covered)

@@ -106,8 +106,7 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
 
   std::vector<std::size_t> order(face::kShapeCount);
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(
-      order, [&](std::size_t a, std::size_t b) { return m.per_shape[a].mae > m.per_shape[b].mae; });
+  std::ranges::sort(order, {}, [&](std::size_t k) { return std::pair(-m.per_shape[k].mae, k); });
   Table shapes;
   shapes.caption = "Every shape, worst first";
   shapes.columns = {"shape", "mean absolute error", "correlation", "ridge's error", "felt by skin"};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "mien/imu/packet.h"
 #include "mien/sensor/ticks.h"
@@ -76,6 +77,7 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   struct Sent {
     HostTime arrival;
     std::uint16_t sensor = 0;
+    std::uint32_t sequence = 0;
     std::vector<std::byte> bytes;
   };
   std::vector<Sent> sent;
@@ -90,10 +92,11 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
       packet.gyro_range = range_code(faults.gyro_range_dps, 16, 6);
       packet.accel_range = range_code(faults.accel_range_g, 2, 3);
       MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
-      sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
+      sent.push_back(
+          {virtual_packet.arrival, static_cast<std::uint16_t>(s), packet.sequence, std::move(bytes)});
     }
   }
-  std::ranges::stable_sort(sent, {}, &Sent::arrival);
+  std::ranges::sort(sent, {}, [](const Sent& p) { return std::tuple(p.arrival, p.sensor, p.sequence); });
 
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   VirtualSession session;

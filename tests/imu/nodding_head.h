@@ -163,8 +163,8 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
       if (!random.chance(k * faults.packet_loss)) out.entries.push_back(std::move(entry));
     }
   }
-  std::stable_sort(out.entries.begin(), out.entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.arrival < b.arrival; });
+  std::ranges::sort(out.entries, {},
+                    [](const Entry& e) { return std::pair(e.arrival, e.samples[0].sensor); });
   return out;
 }
 

@@ -54,8 +54,7 @@ std::vector<Entry> play(std::size_t sensors, double seconds, std::uint64_t seed,
       entries.push_back(entry);
     }
   }
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.arrival < b.arrival; });
+  std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.arrival, e.samples[0].sensor); });
   return entries;
 }
 
@@ -94,8 +93,7 @@ TEST(Ticks, DoNotWaitLongerThanEightMilliseconds) {
   for (Entry& entry : entries)
     if (entry.samples[0].sensor == 1 && entry.arrival.time_since_epoch() > std::chrono::seconds(3))
       entry.arrival += 300 * kMs;
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry& a, const Entry& b) { return a.arrival < b.arrival; });
+  std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.arrival, e.samples[0].sensor); });
   TickRule rule(rig_of(2));
   std::vector<FrameTick> ticks;
   Duration worst{};
