@@ -25,7 +25,6 @@ constexpr double kGestureRest_s = 0.5;  // and a moment of rest after each.
 constexpr double kCycles = 2;
 constexpr double kEase_s = 0.5;
 constexpr double kAnchor_s = 2.4;
-constexpr double kRange_s = 60;
 constexpr double kRangePrompt_s = 2.0;
 constexpr double kDegree = std::numbers::pi / 180;
 
