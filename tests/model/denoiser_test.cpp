@@ -134,7 +134,7 @@ double largest_difference(const Architecture& a, std::size_t frames, std::size_t
   return difference;
 }
 
-constexpr Architecture kSmall{.name = {},
+const Architecture kSmall{.name = {},
                               .layers = 2,
                               .d_model = 64,
                               .heads = 2,

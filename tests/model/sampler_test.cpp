@@ -9,7 +9,7 @@
 namespace mien::model {
 namespace {
 
-constexpr Architecture kSmall{.name = {},
+const Architecture kSmall{.name = {},
                               .layers = 1,
                               .d_model = 32,
                               .heads = 1,
