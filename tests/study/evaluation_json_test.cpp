@@ -1,0 +1,82 @@
+#include "mien/study/evaluation_json.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace mien::study {
+namespace {
+
+Evaluation some_evaluation() {
+  Evaluation evaluation;
+  evaluation.frames = 120;
+  evaluation.takes = 2;
+  evaluation.model.mse = 0.25;
+  evaluation.model.mse_felt = 0.125;
+  evaluation.model.pve_mm = {0.75, 0.5};
+  evaluation.model.pve_face_mm = MeanStd{1.5, 1};
+  evaluation.model.lmk_mm = MeanStd{2.5, 2};
+  evaluation.model.jitter_ratio = 1.25;
+  evaluation.model.blink_f1 = 0.875;
+  evaluation.model.per_shape[face::shape("jawOpen")] = {0.0625, 0.5};
+  evaluation.mean_pose.mse = 1;
+  evaluation.hold_last.mse = 2;
+  evaluation.ridge = Metrics{};
+  evaluation.ridge->mse = 3;
+  return evaluation;
+}
+
+EvaluationContext some_context() {
+  return {.face = "builtin", .model = "m.safetensors", .devices = "lab", .steps = 4};
+}
+
+TEST(EvaluationJson, HasWhatTheContractNames) {
+  const auto json = nlohmann::json::parse(evaluation_json(some_evaluation(), some_context()));
+  EXPECT_EQ(json["frames"], 120);
+  EXPECT_EQ(json["takes"], 2);
+  EXPECT_EQ(json["face"], "builtin");
+  EXPECT_EQ(json["devices"], "lab");
+  EXPECT_EQ(json["steps"], 4);
+  EXPECT_EQ(json["adapted"], false);
+  const auto& model = json["model"];
+  EXPECT_EQ(model["mse"], 0.25);
+  EXPECT_EQ(model["mse_felt"], 0.125);
+  EXPECT_EQ(model["pve_mm"], (nlohmann::json{{"mean", 0.75}, {"std", 0.5}}));
+  EXPECT_EQ(model["pve_face_mm"]["mean"], 1.5);
+  EXPECT_EQ(model["lmk_mm"]["std"], 2);
+  EXPECT_EQ(model["jitter_ratio"], 1.25);
+  EXPECT_EQ(model["blink_f1"], 0.875);
+  EXPECT_EQ(model["per_shape"].size(), face::kShapeCount);
+  EXPECT_EQ(model["per_shape"]["jawOpen"], (nlohmann::json{{"mae", 0.0625}, {"pearson", 0.5}}));
+  EXPECT_EQ(json["baselines"]["mean_pose"]["mse"], 1);
+  EXPECT_EQ(json["baselines"]["hold_last"]["mse"], 2);
+  EXPECT_EQ(json["baselines"]["ridge"]["mse"], 3);
+}
+
+TEST(EvaluationJson, WhatTheDataLackIsNull) {
+  Evaluation evaluation = some_evaluation();
+  evaluation.ridge.reset();
+  evaluation.model.lmk_mm.reset();
+  evaluation.model.pve_face_mm.reset();
+  evaluation.model.jitter_ratio.reset();
+  evaluation.model.blink_f1.reset();
+  const auto json = nlohmann::json::parse(evaluation_json(evaluation, some_context()));
+  EXPECT_TRUE(json["baselines"]["ridge"].is_null());
+  for (const char* key : {"lmk_mm", "pve_face_mm", "jitter_ratio", "blink_f1"}) {
+    ASSERT_TRUE(json["model"].contains(key)) << key;
+    EXPECT_TRUE(json["model"][key].is_null()) << key;
+  }
+  EXPECT_TRUE(json["model"]["per_shape"]["mouthLeft"]["pearson"].is_null());
+}
+
+TEST(EvaluationJson, APathOfAnyBytesDoesNotBreakIt) {
+  EvaluationContext context = some_context();
+  context.model = "mod\xE9le.safetensors";
+  context.face = "a\"b\\c";
+  const auto json = nlohmann::json::parse(evaluation_json(some_evaluation(), context));
+  EXPECT_EQ(json["face"], "a\"b\\c");
+  EXPECT_EQ(json["model_file"], "mod\xEF\xBF\xBDle.safetensors");
+}
+
+}  // namespace
+}  // namespace mien::study

@@ -1,0 +1,64 @@
+#include "mien/study/evaluation_report.h"
+
+#include <gmock/gmock.h>
+
+namespace mien::study {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Evaluation some_evaluation() {
+  Evaluation evaluation;
+  evaluation.frames = 5;
+  evaluation.takes = 1;
+  evaluation.model.frames = 5;
+  evaluation.model.pve_mm = {0.75, 0.5};
+  evaluation.model.lmk_mm = MeanStd{2.5, 2};
+  evaluation.model.mse = 0.0625;
+  evaluation.model.mse_curve = {0.1F, 0.2F, 0.3F, 0.2F, 0.1F};
+  evaluation.model.pve_mm_curve = {1, 2, 3, 2, 1};
+  evaluation.model.per_shape[face::shape("noseSneer_R")].mae = 0.9;
+  evaluation.model.per_shape[face::shape("jawOpen")].mae = 0.5;
+  evaluation.mean_pose.pve_mm_curve = {2, 2, 2, 2, 2};
+  return evaluation;
+}
+
+EvaluationContext some_context() {
+  return {.face = "<img src=x>", .model = "m.safetensors", .devices = "lab", .steps = 4};
+}
+
+TEST(EvaluationReport, SaysWhatWasMeasured) {
+  const std::string html = evaluation_report(some_evaluation(), some_context()).html();
+  EXPECT_THAT(html, HasSubstr("5 frames of 1 take on the face"));
+  EXPECT_THAT(html, HasSubstr("4 denoising steps"));
+  EXPECT_THAT(html, HasSubstr("0.750 mm"));
+  EXPECT_THAT(html, HasSubstr("2.500 ± 2.000"));
+  EXPECT_THAT(html, HasSubstr("0.0625"));
+  EXPECT_THAT(html, HasSubstr("mean pose"));
+  for (const std::string_view shape : face::kShapeNames) EXPECT_THAT(html, HasSubstr(std::string(shape)));
+  // Worst first.
+  EXPECT_LT(html.find("noseSneer_R"), html.find("jawOpen"));
+  EXPECT_LT(html.find("jawOpen"), html.find("browDown_L"));
+}
+
+TEST(EvaluationReport, NamesRidgeOnlyWhereThereIsOne) {
+  Evaluation evaluation = some_evaluation();
+  EXPECT_THAT(evaluation_report(evaluation, some_context()).html(), Not(HasSubstr("ridge, one frame")));
+  evaluation.ridge = Metrics{};
+  evaluation.ridge->pve_mm.mean = 1.5;
+  const std::string html = evaluation_report(evaluation, some_context()).html();
+  EXPECT_THAT(html, HasSubstr("ridge, one frame"));
+  EXPECT_THAT(html, HasSubstr("0.50 of ridge"));
+}
+
+TEST(EvaluationReport, NothingInANameIsMarkup) {
+  EXPECT_THAT(evaluation_report(some_evaluation(), some_context()).html(), Not(HasSubstr("<img src=x>")));
+}
+
+TEST(EvaluationReport, AnEvaluationWithoutAnythingIsStillAPage) {
+  EXPECT_THAT(evaluation_report(Evaluation{}, EvaluationContext{}).html(), HasSubstr("</html>"));
+}
+
+}  // namespace
+}  // namespace mien::study

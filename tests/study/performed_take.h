@@ -1,0 +1,76 @@
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <string>
+
+#include "mien/take/take.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::study::test {
+
+/// A folder that is gone after the test.
+class Folder {
+ public:
+  Folder() {
+    // In memory where there is such a place: every commit of a take waits for its disk.
+    const std::filesystem::path memory = "/dev/shm";
+    const bool use_memory = std::filesystem::is_directory(memory);
+    std::string name =
+        ((use_memory ? memory : std::filesystem::temp_directory_path()) / "mien-study-test-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
+    path_ = name;
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() {
+    std::error_code code;
+    std::filesystem::remove_all(path_, code);
+  }
+  [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A second of a nodding, talking performer on hand-made sites, after a short prologue.
+inline virt::VirtualSession device_session() {
+  const virt::PrologueMotion motion =
+      virt::with_prologue(virt::test::talking(60), virt::PrologueKind::brief, Random(3));
+  return virt::play_devices(motion, virt::test::three_sites(), virt::test::three_sensors(),
+                            virt::test::mild_faults(), Random(11))
+      .value();
+}
+inline virt::VirtualSession lab_session(double noise_rad = virt::kLabNoiseRad) {
+  const virt::PrologueMotion motion =
+      virt::with_prologue(virt::test::talking(60, false), virt::PrologueKind::brief, Random(3), false);
+  return virt::play_lab(motion, virt::test::three_sites(), virt::test::three_sensors(), Random(11), noise_rad)
+      .value();
+}
+
+/// Stores a session as mien perform does, and opens it.
+inline take::Take stored(const virt::VirtualSession& session, const std::filesystem::path& path,
+                         const std::string& devices) {
+  take::Header header;
+  header.software = "mien test";
+  header.devices = devices;
+  header.face = "builtin";
+  header.rig_toml = virt::test::kRig;
+  auto writer = take::TakeWriter::create(path, header, true).value();
+  for (const take::Event& event : session.events) writer.add_event(event);
+  std::size_t next = 0;
+  for (const take::LogEntry& entry : session.entries) {
+    const std::int64_t id = writer.add_entry(entry.arrival, entry.source, entry.bytes);
+    for (; next < session.samples.size() && session.samples[next].entry == entry.id; ++next)
+      writer.add_sample(id, entry.arrival, session.samples[next].sample);
+  }
+  for (const take::Tick& tick : session.ticks) writer.add_tick(tick);
+  for (const take::TruthFrame& truth : session.truth) writer.add_truth(truth);
+  const auto done = writer.finish();
+  EXPECT_TRUE(done) << done.error().message();
+  return take::Take::open(path).value();
+}
+
+}  // namespace mien::study::test

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "mien/face/motion.h"
+#include "mien/sensor/rig.h"
+#include "mien/virtual/device_faults.h"
+#include "mien/virtual/session.h"
+#include "mien/virtual/skin_site.h"
+
+namespace mien::virt::test {
+
+/// Two sensors on the face and one behind the ear, with the default rig's names.
+inline constexpr const char* kRig =
+    "name = \"three\"\nreference = \"mastoid_L\"\n"
+    "[[sensor]]\nname = \"mentalis\"\nkind = \"imu\"\nsite = \"mentalis\"\nside = \"M\"\nrole = \"face\"\n"
+    "[[sensor]]\nname = \"buccinator_L\"\nkind = \"imu\"\nsite = \"buccinator\"\nside = \"L\"\nrole = "
+    "\"face\"\n"
+    "[[sensor]]\nname = \"mastoid_L\"\nkind = \"imu\"\nsite = \"mastoid\"\nside = \"L\"\nrole = \"head\"\n";
+
+inline sensor::Rig three_sensors() {
+  return sensor::parse_rig(kRig, "three").value();
+}
+
+/// A patch of skin that one shape turns: the points (x, y, 0) of the patch move by (0, 0, slope y), which is
+/// a turn about +X.
+inline SkinSite site_turned_by(std::size_t shape, double slope) {
+  SkinSite site;
+  site.position_m = Vec3(0, 0, 0.12);
+  site.covariance = Vec3(1e-5, 1e-5, 1e-7).asDiagonal();
+  for (auto& c : site.shape_covariance) c.setZero();
+  for (auto& d : site.shape_shift_m) d.setZero();
+  if (shape < face::kShapeCount) site.shape_covariance[shape](1, 2) = slope * 1e-5;
+  return site;
+}
+
+/// Sites for three_sensors(): jawOpen turns the chin, mouthSmile_L the cheek, nothing the ear.
+inline std::vector<SkinSite> three_sites() {
+  return {site_turned_by(face::shape("jawOpen"), 0.3), site_turned_by(face::shape("mouthSmile_L"), 0.5),
+          site_turned_by(face::kShapeCount, 0)};
+}
+
+/// `frames` at 60 Hz: the jaw opens and closes, a smile comes and goes, the head nods.
+inline face::Motion talking(int frames, bool moves_head = true) {
+  face::Motion motion;
+  motion.name = "talking";
+  motion.has_head = moves_head;
+  for (int f = 0; f < frames; ++f) {
+    face::MotionFrame frame;
+    frame.time_s = f / 60.0;
+    const double turn = 2 * std::numbers::pi * frame.time_s;
+    frame.weights[face::shape("jawOpen")] = static_cast<float>(0.5 - 0.5 * std::cos(1.5 * turn));
+    frame.weights[face::shape("mouthSmile_L")] = static_cast<float>(0.5 - 0.5 * std::cos(0.7 * turn));
+    if (moves_head) frame.head = exp_rotation(Vec3(0.3 * std::sin(0.5 * turn), 0, 0));
+    motion.frames.push_back(frame);
+  }
+  return motion;
+}
+
+/// Small faults of every kind but lost packets.
+inline DeviceFaults mild_faults() {
+  DeviceFaults faults;
+  faults.mount_rotation_deg = 180;
+  faults.gyro_noise_dps_sqrt_hz = 0.015;
+  faults.gyro_bias_dps = 1;
+  faults.accel_noise_ug_sqrt_hz = 200;
+  faults.clock_offset_s = {1, 50};
+  faults.clock_drift_ppm = 20;
+  faults.radio_delay_min_ms = 1;
+  faults.radio_delay_ms = 3;
+  return faults;
+}
+
+}  // namespace mien::virt::test
