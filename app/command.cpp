@@ -47,7 +47,7 @@ Progress terminal_progress(std::string title) {
   struct Shown {
     std::string title;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    std::chrono::steady_clock::time_point last{};
+    std::chrono::steady_clock::time_point last = start;  // Work that fails at once says only why.
   };
   auto shown = std::make_shared<Shown>();
   shown->title = std::move(title);

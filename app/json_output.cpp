@@ -6,7 +6,9 @@
 namespace mien::app {
 
 void print_json(const nlohmann::ordered_json& object) {
-  const std::string text = object.dump(2) + "\n";
+  // A path may be any bytes: what is no UTF-8 is replaced.
+  const std::string text =
+      object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   std::fwrite(text.data(), 1, text.size(), stdout);
 }
 

@@ -22,17 +22,20 @@ face::Motion motion_of(std::span<const face::OutputFrame> frames) {
   return motion;
 }
 
-Result<void> write_motion(const face::Motion& motion, const std::string& face,
-                          const std::filesystem::path& path) {
+Result<void> check_motion_ending(const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
-  if (ending == ".csv")
-    return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
-  if (ending == ".glb" || ending == ".gltf") {
-    MIEN_TRY_ASSIGN(const face::Face model, face::load_face(face));
-    return render::write_gltf(path, model, &motion);
-  }
+  if (ending == ".csv" || ending == ".glb" || ending == ".gltf") return {};
   return fail(ErrorCode::bad_usage, "motions are written as .csv, .glb or .gltf", path.string(),
               "choose one of these endings");
+}
+
+Result<void> write_motion(const face::Motion& motion, const std::string& face,
+                          const std::filesystem::path& path) {
+  MIEN_TRY(check_motion_ending(path));
+  if (path.extension() == ".csv")
+    return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
+  MIEN_TRY_ASSIGN(const face::Face model, face::load_face(face));
+  return render::write_gltf(path, model, &motion);
 }
 
 }  // namespace mien::app
