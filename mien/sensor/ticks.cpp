@@ -37,6 +37,7 @@ void TickRule::begin() {
 void TickRule::add(HostTime arrival, const Sample& sample) {
   if (sample.sensor >= heard_.size()) return;
   lines_.add(arrival, sample);
+  newest_arrival_ = std::max(newest_arrival_, arrival);
   Heard& heard = heard_[sample.sensor];
   // A board that began anew counts from its new time on.
   const bool anew = heard.ever && heard.newest - sample.time > std::chrono::seconds(1);
@@ -93,7 +94,8 @@ std::optional<FrameTick> TickRule::due(HostTime now) {
   const HostTime limit = *deadline();
   const bool complete = all_have(frame, now);
   if (!complete && now < limit) return std::nullopt;
-  const FrameTick tick{*next_, frame, std::min(now, limit), complete};
+  // An arrival may move the deadline before itself; the frame then fires with it, not before.
+  const FrameTick tick{*next_, frame, std::max(std::min(now, limit), newest_arrival_), complete};
   ++*next_;
   return tick;
 }

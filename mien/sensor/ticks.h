@@ -14,7 +14,8 @@ namespace mien::sensor {
 struct FrameTick {
   std::int64_t index = 0;  ///< Of the grid: frame == frame_offset(index) on the reference's line.
   DeviceTime frame;        ///< On the reference's line.
-  HostTime fired;          ///< Arrival that completed it, or the deadline that it did not wait beyond.
+  HostTime fired;          ///< Arrival that completed it, or the deadline that it did not wait beyond; never
+                           ///< before the newest arrival that it knows of.
   bool complete = false;   ///< Every sensor heard lately had a sample at or after the frame.
   bool operator==(const FrameTick&) const = default;
 };
@@ -54,6 +55,7 @@ class TickRule {
   TimeLines lines_;
   std::optional<std::uint16_t> reference_;
   std::vector<Heard> heard_;
+  HostTime newest_arrival_ = HostTime::min();
   std::optional<std::int64_t> next_;
   // The reference sends samples in packets; a sample in the middle of one comes with its end.
   std::optional<std::uint32_t> packet_;

@@ -1,0 +1,168 @@
+// The main job from the command line: perform, look, solve, evaluate, export.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "mien/face/livelink_csv.h"
+#include "mien/model/model_file.h"
+#include "tests/app/program.h"
+#include "tests/tracker/tiny_model.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::app::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A rig, a motion and a model in a folder.
+class MainJob : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write(folder_ / "rig.toml", virt::test::kRig);
+    write(folder_ / "talking.csv",
+          face::format_livelink_csv(face::livelink_from_motion(virt::test::talking(90, false))));
+    ASSERT_TRUE(model::write_model(folder_ / "tiny.safetensors",
+                                   tracker::test::tiny_model({"mentalis", "buccinator_L"})));
+    ASSERT_TRUE(model::write_model(folder_ / "strangers.safetensors",
+                                   tracker::test::tiny_model({"frontalis_L", "frontalis_R"})));
+  }
+
+  /// Runs to success; stdout is one JSON object and nothing else.
+  static nlohmann::json json_of(std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    SCOPED_TRACE(joined(arguments));
+    const Outcome done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    const auto json = nlohmann::json::parse(done.out, nullptr, false);
+    EXPECT_TRUE(json.is_object()) << done.out;
+    return json;
+  }
+  std::vector<std::string> perform(const std::string& take) {
+    return {"perform",
+            "--motion",
+            folder_ / "talking.csv",
+            "--rig",
+            folder_ / "rig.toml",
+            "--devices",
+            "lab",
+            "--take",
+            folder_ / take,
+            "--seed",
+            "3"};
+  }
+
+  Folder folder_;
+  std::string model_ = folder_ / "tiny.safetensors";
+};
+
+TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
+  const std::string take = folder_ / "a.mien";
+  const auto performed = json_of(perform("a.mien"));
+  EXPECT_EQ(performed["take"], take);
+  const int frames = performed["frames"];
+  EXPECT_GT(frames, 90 + 180);
+  EXPECT_EQ(performed["packets"], 2 * frames);
+
+  const auto info = json_of({"take", "info", take});
+  EXPECT_EQ(info["finished"], true);
+  EXPECT_EQ(info["devices"], "lab");
+  EXPECT_EQ(info["ticks"], frames);
+  EXPECT_EQ(info["log"]["entries"], 2 * frames);
+  EXPECT_EQ(info["truth"]["evaluated"], 90);
+  EXPECT_EQ(json_of({"take", "check", take})["sound"], true);
+
+  const auto solved = json_of({"solve", take, "--model", model_});
+  EXPECT_EQ(solved["frames"], frames);
+  EXPECT_THAT(solved["hash"].get<std::string>(), ::testing::SizeIs(64));
+  EXPECT_FALSE(solved["kernels"].get<std::string>().empty());
+  EXPECT_EQ(json_of({"solve", take, "--model", model_, "--from-log"})["hash"], solved["hash"]);
+  EXPECT_NE(json_of({"solve", take, "--model", model_, "--steps", "3"})["hash"], solved["hash"]);
+
+  const auto evaluated = json_of({"evaluate", take, "--model", model_, "--report", folder_ / "a.html"});
+  EXPECT_EQ(evaluated["frames"], 90);
+  EXPECT_EQ(evaluated["takes"], 1);
+  EXPECT_EQ(evaluated["face"], "builtin");
+  EXPECT_EQ(evaluated["adapted"], false);
+  for (const auto& part : {evaluated["model"], evaluated["baselines"]["mean_pose"],
+                           evaluated["baselines"]["hold_last"], evaluated["baselines"]["ridge"]}) {
+    EXPECT_GT(part["mse"], 0.0);
+    EXPECT_GT(part["pve_mm"]["mean"], 0.0);
+    EXPECT_GT(part["lmk_mm"]["mean"], 0.0);
+  }
+  EXPECT_THAT(content(folder_ / "a.html"), HasSubstr("</html>"));
+
+  // The capture as a CSV: as many frames as the take has ticks.
+  json_of({"solve", take, "--model", model_, "--out", folder_ / "capture.csv"});
+  const auto capture = face::parse_livelink_csv(content(folder_ / "capture.csv"), "capture.csv");
+  ASSERT_TRUE(capture) << capture.error().message();
+  EXPECT_EQ(face::motion_from_livelink(*capture, "capture").motion.frames.size(), static_cast<std::size_t>(frames));
+  // The truth comes back as it was performed.
+  json_of({"export", "--motion", take, "--out", folder_ / "truth.csv"});
+  const auto truth = face::parse_livelink_csv(content(folder_ / "truth.csv"), "truth.csv");
+  ASSERT_TRUE(truth) << truth.error().message();
+  const face::Motion back = face::motion_from_livelink(*truth, "truth").motion;
+  const face::Motion given = virt::test::talking(90, false);
+  ASSERT_GE(back.frames.size(), given.frames.size());
+  for (std::size_t f = 0; f < given.frames.size(); ++f)
+    for (const std::size_t k :
+         {face::shape("jawOpen"), face::shape("mouthSmile_L"), face::shape("browDown_R")})
+      ASSERT_NEAR(back.frames[back.frames.size() - given.frames.size() + f].weights[k],
+                  given.frames[f].weights[k], 2e-3)
+          << f;
+  json_of({"export", "--motion", folder_ / "talking.csv", "--out", folder_ / "talking.glb"});
+  EXPECT_TRUE(content(folder_ / "talking.glb").starts_with("glTF"));
+}
+
+TEST_F(MainJob, PeopleReadItToo) {
+  Outcome done = run(perform("a.mien"));
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("frames"));
+  const std::string take = folder_ / "a.mien";
+  done = run({"take", "info", take});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("mentalis"));
+  done = run({"solve", take, "--model", model_});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("hash"));
+  done = run({"evaluate", take, "--model", model_});
+  EXPECT_EQ(done.status, 0) << done.err;
+  for (const char* row : {"model", "ridge", "hold last", "mean pose"}) EXPECT_THAT(done.out, HasSubstr(row));
+}
+
+TEST_F(MainJob, ReplacesATakeOnlyWhenToldTo) {
+  EXPECT_EQ(run(perform("a.mien")).status, 0);
+  const std::string before = content(folder_ / "a.mien");
+  Outcome again = run(perform("a.mien"));
+  EXPECT_EQ(again.status, 2);
+  EXPECT_EQ(content(folder_ / "a.mien"), before);
+  std::vector<std::string> forced = perform("a.mien");
+  forced.emplace_back("--force");
+  EXPECT_EQ(run(forced).status, 0);
+}
+
+TEST_F(MainJob, RefusesModelsAndTakesThatDoNotBelongTogether) {
+  ASSERT_EQ(run(perform("a.mien")).status, 0);
+  const auto before = folder_.files();
+  Outcome refused = run({"solve", folder_ / "a.mien", "--model", folder_ / "strangers.safetensors", "--out",
+                     folder_ / "new.csv"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("none of the model's sensors"));
+  EXPECT_EQ(std::ranges::count(refused.err, '\n'), 1) << refused.err;
+  refused = run({"evaluate", folder_ / "a.mien", "--model", model_, "--face", "nobody", "--report",
+                 folder_ / "new.html"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("nobody"));
+  refused = run({"export", "--motion", folder_ / "a.mien", "--out", folder_ / "new.txt"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("new.txt"));
+  EXPECT_EQ(folder_.files(), before);
+}
+
+TEST_F(MainJob, APathOfAnyBytesIsNoDefect) {
+  const auto performed = json_of(perform("caf\xE9.mien"));
+  EXPECT_THAT(performed["take"].get<std::string>(), HasSubstr("caf"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "caf\xE9.mien"));
+}
+
+}  // namespace
+}  // namespace mien::app::test
