@@ -6,7 +6,9 @@
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
+#include "app/media_helper.h"
 #include "app/model_option.h"
+#include "app/performance.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
@@ -22,25 +24,10 @@ namespace {
 struct Options {
   std::filesystem::path out = "out/demo";
   std::uint64_t seed = 2026;
-  double seconds = 12;
+  double seconds = 8;
   ModelOption model;
   bool json = false;
 };
-
-/// The truth of a take as a motion whose time 0 is the first frame of the grid, as the capture's is.
-face::Motion truth_motion(const std::vector<take::TruthFrame>& truth) {
-  face::Motion motion;
-  motion.name = "truth";
-  for (const take::TruthFrame& frame : truth) {
-    face::MotionFrame out;
-    out.time_s = to_seconds(frame.time - truth.front().time);
-    out.weights = frame.weights;
-    out.tongue_out = frame.tongue_out;
-    out.has_face = frame.has_face;
-    motion.frames.push_back(out);
-  }
-  return motion;
-}
 
 /// When the frames that count begin, from the first frame.
 double evaluated_from_s(const std::vector<take::TruthFrame>& truth) {
@@ -50,18 +37,21 @@ double evaluated_from_s(const std::vector<take::TruthFrame>& truth) {
 }
 
 Result<void> run(Options options) {
+  // What it needs at its end is looked for before its beginning.
+  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
+  MIEN_TRY(find_helper("mien-media"));
   std::error_code code;
   std::filesystem::create_directories(options.out, code);
   if (code)
     return fail(ErrorCode::io, code.message(), options.out.string(),
                 "choose a folder that can be written with --out");
-  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
 
   // A person whom the model has never met: identity, style and placement come from a seed that training did
   // not use.
   virt::PerformRequest request;
   request.face = fmt::format("builtin:{}", options.seed);
   request.seed = options.seed;
+  request.block = virt::Block::range_of_motion;  // The liveliest to look at.
   request.seconds = options.seconds;
   request.take = options.out / "performance.mien";
   request.replace = true;
@@ -88,13 +78,15 @@ Result<void> run(Options options) {
   MIEN_TRY(write_motion(capture, request.face, options.out / "capture.glb"));
   writing(1, "capture.csv, capture.glb");
 
+  MIEN_TRY_ASSIGN(const Performance truth, load_performance(request.take));
   FilmOptions film;
-  film.width = 400;
-  film.height = 440;
+  film.width = 272;
+  film.height = 304;
+  film.rate_hz = 20;
   film.from_s = evaluated_from_s(estimates.truth);
   const std::filesystem::path film_path = options.out / "capture.mp4";
-  MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, truth_motion(estimates.truth), capture, 0, film,
-                                                       film_path, terminal_progress("4/4 filming")));
+  MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, truth.motion, capture, 0, film, film_path,
+                                                       terminal_progress("4/4 filming")));
 
   const study::EvaluationContext context{.face = request.face,
                                          .model = options.model.path,

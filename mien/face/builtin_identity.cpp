@@ -43,7 +43,7 @@ IdentityWarp::IdentityWarp(const BuiltinParameters& parameters) : q_(parameters)
   if (q_.asymmetry_seed != 0 && q_.asymmetry > 0) {
     Random random(q_.asymmetry_seed);
     for (int i = 0; i < 10; ++i) {
-      const Vec3 centre(random.uniform(-60, 60), random.uniform(-75, 70), random.uniform(70, 105));
+      const Vec3 centre{random.uniform(-60, 60), random.uniform(-75, 70), random.uniform(70, 105)};
       const double radius = random.uniform(38, 60);
       // Statements apart: the order of draws is part of the result.
       Vec3 d;

@@ -20,7 +20,7 @@ constexpr double kSmallestScale = 1e-3;
 /// Turns a rotation (w, x, y, z) by a random vector of `sigma` radians an axis, in the frame that it is given
 /// in.
 void disturb(float* wxyz, double sigma, Random& random) {
-  const Vec3 turn(random.normal(0, sigma), random.normal(0, sigma), random.normal(0, sigma));
+  const Vec3 turn{random.normal(0, sigma), random.normal(0, sigma), random.normal(0, sigma)};
   const Quat q = canonical(exp_rotation(turn) * Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]));
   wxyz[0] = static_cast<float>(q.w());
   wxyz[1] = static_cast<float>(q.x());

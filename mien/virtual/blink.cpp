@@ -53,7 +53,8 @@ std::vector<Blink> draw_blinks(double duration_s, double rate_per_min, std::span
   const double mean_s = 60 / rate_per_min;
   const double centre = std::log(mean_s) - 0.5 * kSpread * kSpread;
   // The first interval is under way when the performance begins.
-  double next_s = random.uniform() * std::exp(random.normal(centre, kSpread));
+  const double started = random.uniform();  // Somewhere between two blinks.
+  double next_s = started * std::exp(random.normal(centre, kSpread));
   double free_s = 0;
   while (next_s < duration_s) {
     double begin_s = next_s;

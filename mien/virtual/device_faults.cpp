@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "mien/core/toml.h"
 
@@ -47,7 +48,8 @@ Result<DeviceFaults> parse_faults(std::string_view text, const std::string& wher
   const std::map<std::string_view, std::array<double, 2>*> ranges = {
       {"adhesive_lag_ms", &faults.adhesive_lag_ms}, {"clock_offset_s", &faults.clock_offset_s}};
   const auto number = [&](const toml::node& node, std::string_view key) -> Result<double> {
-    const auto value = node.value<double>();
+    // value() alone would take true for a number.
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
     if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
     if (!std::isfinite(*value) || *value < 0)
       return fail(ErrorCode::out_of_range, fmt::format("{} must be finite and not negative", key), where);
@@ -69,9 +71,8 @@ Result<DeviceFaults> parse_faults(std::string_view text, const std::string& wher
       if ((*range->second)[1] < (*range->second)[0])
         return fail(ErrorCode::out_of_range, fmt::format("{}: the most is less than the least", key), where);
     } else if (key == "magnetometer") {
-      const auto value = node.value<bool>();
-      if (!value) return fail(ErrorCode::malformed, "magnetometer must be true or false", where);
-      faults.magnetometer = *value;
+      if (!node.is_boolean()) return fail(ErrorCode::malformed, "magnetometer must be true or false", where);
+      faults.magnetometer = *node.value<bool>();
     } else {
       return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", key), where);
     }

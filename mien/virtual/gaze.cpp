@@ -57,9 +57,12 @@ class Eyes {
     do write(at_, vergence_);
     while (time_s() < end && written() < frame_count_);
   }
+  /// Eyes turn no further than this; heads turn for the rest.
+  static Eigen::Vector2d within_reach(const Eigen::Vector2d& to) {
+    return {std::clamp(to.x(), -32 * kDegree, 32 * kDegree), std::clamp(to.y(), -28 * kDegree, 24 * kDegree)};
+  }
   void jump(Eigen::Vector2d to) {
-    to.x() = std::clamp(to.x(), -32 * kDegree, 32 * kDegree);
-    to.y() = std::clamp(to.y(), -28 * kDegree, 24 * kDegree);
+    to = within_reach(to);
     const double size = (to - at_).norm();
     if (size > kLargeShift_rad) track_.shifts_s.push_back(time_s());
     const double seconds = 0.021 + 0.0022 * size / kDegree;
@@ -84,7 +87,7 @@ class Eyes {
     while (written() < frame_count_ && time_s() - begin < seconds) {
       const double u = (time_s() - begin) / seconds;
       const double sway = std::sin(2 * std::numbers::pi * cycles * u) * std::min(1.0, 6 * u);
-      at_ = start + amplitude * sway * axis;
+      at_ = within_reach(start + amplitude * sway * axis);
       write(at_, vergence_);
     }
   }
@@ -96,17 +99,17 @@ class Eyes {
   void step(GazeTask task) {
     switch (task) {
       case GazeTask::still:
-        jump(rest_ + 0.4 * kDegree * Eigen::Vector2d(random_.normal(), random_.normal()));
+        jump(rest_ + 0.4 * kDegree * Eigen::Vector2d{random_.normal(), random_.normal()});
         fixate(random_.uniform(0.4, 1.5));
         break;
       case GazeTask::conversation: {
         // Two fixations of three on the partner, the rest aside or down.
         if (random_.chance(0.65)) {
-          jump(rest_ + range_ * kDegree * Eigen::Vector2d(2.0 * random_.normal(), 1.5 * random_.normal()));
+          jump(rest_ + range_ * kDegree * Eigen::Vector2d{2.0 * random_.normal(), 1.5 * random_.normal()});
           fixate(std::clamp(0.9 * random_.log_normal(0.7), 0.2, 5.0));
         } else {
           jump(rest_ +
-               range_ * kDegree * Eigen::Vector2d(11.0 * random_.normal(), 6.0 * random_.normal() - 2));
+               range_ * kDegree * Eigen::Vector2d{11.0 * random_.normal(), 6.0 * random_.normal() - 2});
           fixate(std::clamp(0.5 * random_.log_normal(0.6), 0.15, 2.5));
         }
         break;
@@ -118,7 +121,7 @@ class Eyes {
         if (random_.chance(0.15)) {
           pursue();
         } else {
-          jump(rest_ + range_ * kDegree * Eigen::Vector2d(13.0 * random_.normal(), 8.0 * random_.normal()));
+          jump(rest_ + range_ * kDegree * Eigen::Vector2d{13.0 * random_.normal(), 8.0 * random_.normal()});
           fixate(std::clamp(0.45 * random_.log_normal(0.9), 0.12, 5.0));
         }
         break;

@@ -64,10 +64,10 @@ void turn(const Stage& stage, Random& random) {
       const double size = random.uniform(6, 20) * kDegree;
       const double which = random.uniform();
       const double sign = random.chance(0.5) ? 1 : -1;
-      to = which < 0.55 ? Vec3(0.2 * random.normal() * size, sign * size, 0.15 * random.normal() * size)
+      to = which < 0.55 ? Vec3{0.2 * random.normal() * size, sign * size, 0.15 * random.normal() * size}
            : which < 0.8
-               ? Vec3(sign * size, 0.2 * random.normal() * size, 0.1 * random.normal() * size)
-               : Vec3(0.1 * random.normal() * size, 0.2 * random.normal() * size, 0.7 * sign * size);
+               ? Vec3{sign * size, 0.2 * random.normal() * size, 0.1 * random.normal() * size}
+               : Vec3{0.1 * random.normal() * size, 0.2 * random.normal() * size, 0.7 * sign * size};
     }
     to = to.cwiseMax(-kLargest_rad).cwiseMin(kLargest_rad);
     const double move_s = random.uniform(0.35, 1.4);

@@ -213,9 +213,9 @@ void chatter(Canvas& canvas, const Regime& regime, Random& random) {
     const Envelope open{t, rise_s, 0, fall_s};
     canvas.add(shape("jawOpen"), open, opening);
     if (random.chance(0.25)) canvas.add(shape("mouthClose"), open, opening * random.uniform(0.3, 1.0));
-    canvas.add(sounds[random.below(sounds.size())],
-               {t + random.uniform(0, 0.4) * syllable_s, rise_s, 0, fall_s},
-               regime.strength * random.uniform(0.2, 0.9));
+    const Pose& sound = sounds[random.below(sounds.size())];
+    const double late_s = random.uniform(0, 0.4) * syllable_s;
+    canvas.add(sound, {t + late_s, rise_s, 0, fall_s}, regime.strength * random.uniform(0.2, 0.9));
     t += syllable_s;
     if (random.chance(0.08)) t += random.uniform(0.2, 1.2);
   }

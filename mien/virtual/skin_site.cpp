@@ -266,7 +266,7 @@ std::vector<SkinSite> draw_kinematics(const std::vector<SkinSite>& sites, const 
       const double gain = std::max(0.1, 1 + spread.gain * random.normal());
       // Where the skin goes: the displacement field's direction.
       const Mat3 direction = exp_rotation(spread.direction_rad / std::sqrt(3.0) *
-                                          Vec3(random.normal(), random.normal(), random.normal()))
+                                          Vec3{random.normal(), random.normal(), random.normal()})
                                  .toRotationMatrix();
       // Which way the fold lies: the whole field turned about the normal.
       const Mat3 about =

@@ -340,7 +340,7 @@ void add_prosody(Canvas& canvas, const std::vector<Sound>& sounds, const Manner&
       if (which > 0.85) canvas.add(frown, envelope, manner.prosody * random.uniform(0.05, 0.25));
       if (random.chance(0.6)) {
         const Vec3 gesture = manner.prosody * kDegree *
-                             Vec3(random.uniform(1, 4.5), 1.2 * random.normal(), 0.8 * random.normal());
+                             Vec3{random.uniform(1, 4.5), 1.2 * random.normal(), 0.8 * random.normal()};
         const auto first =
             static_cast<std::size_t>(std::max(0.0, std::ceil(envelope.begin_s * kFrameRateHz)));
         for (std::size_t i = first; i < canvas.frame_count(); ++i) {

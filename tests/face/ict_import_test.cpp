@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +42,7 @@ std::string mesh_text(std::size_t moved = kNone, const char* to = "", bool faces
 class IctFolder : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder() = fs::path(::testing::TempDir()) / "mien_ict_import_test";
+    folder() = fs::path(::testing::TempDir()) / ("mien_ict_import_test_" + std::to_string(::getpid()));
     fs::remove_all(folder());
     fs::create_directories(model());
     put("generic_neutral_mesh.obj", mesh_text(kNone, "", true));

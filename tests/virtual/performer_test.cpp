@@ -116,7 +116,7 @@ TEST(Performer, EmptyScriptGivesOneFrame) {
 
 TEST(Performer, FreeMotionReachesEveryShapeAndBeyondOne) {
   face::BlendshapeWeights largest;
-  for (std::uint64_t seed = 0; seed < 10; ++seed)
+  for (std::uint64_t seed = 0; seed < 20; ++seed)
     for (const auto& frame : play(Block::free, 60, seed).frames)
       for (std::size_t k = 0; k < kShapeCount; ++k) largest[k] = std::max(largest[k], frame.weights[k]);
   std::size_t beyond = 0;
