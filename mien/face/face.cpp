@@ -15,7 +15,8 @@ const Shape* Face::find_shape(std::string_view shape_name) const {
   return found == shapes.end() ? nullptr : &*found;
 }
 
-void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out, std::span<Vec3f> vertices_m) {
+void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out,
+              std::span<Vec3f> vertices_m) {
   eigen_assert(vertices_m.size() == face.neutral_m.size());
   std::ranges::copy(face.neutral_m, vertices_m.begin());
   for (std::size_t k = 0; k < face.shapes.size(); ++k) {

@@ -20,7 +20,21 @@ struct Shape {
 };
 
 /// What a part of the mesh is made of; renderers choose the shading by it.
-enum class Material : std::uint8_t { skin, lips, sclera, iris, pupil, cornea, teeth, gums, tongue, hair, lash, mouth_inside, other };
+enum class Material : std::uint8_t {
+  skin,
+  lips,
+  sclera,
+  iris,
+  pupil,
+  cornea,
+  teeth,
+  gums,
+  tongue,
+  hair,
+  lash,
+  mouth_inside,
+  other
+};
 
 /// A part of the mesh with one material.
 struct Part {
@@ -43,26 +57,30 @@ struct Region {
   std::vector<std::uint32_t> vertex;  ///< Ascending.
 };
 
-/// A blendshape model, M(w) = B0 + sum_k w_k B_k. Metres; +X the performer's left, +Y up, +Z forward (frame H).
+/// A blendshape model, M(w) = B0 + sum_k w_k B_k. Metres; +X the performer's left, +Y up, +Z forward (frame
+/// H).
 struct Face {
-  std::string name;                  ///< "builtin", "ict", or the file's stem.
-  std::vector<Vec3f> neutral_m;      ///< B0.
+  std::string name;              ///< "builtin", "ict", or the file's stem.
+  std::vector<Vec3f> neutral_m;  ///< B0.
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<Part> parts;           ///< Cover all triangles in order; may be one part.
-  std::vector<Eigen::Vector2f> uv;   ///< Empty, or beside neutral_m.
-  std::vector<Vec3f> colour;         ///< Empty, or beside neutral_m: linear RGB albedo, 0 to 1.
-  std::vector<Shape> shapes;         ///< Exactly one a name; in ICT order, missing ones with no vertices; tongueOut last if any.
-  std::array<std::uint32_t, 68> landmarks{};  ///< Multi-PIE 68, vertex indices; 0 is on the performer's right.
+  std::vector<Part> parts;          ///< Cover all triangles in order; may be one part.
+  std::vector<Eigen::Vector2f> uv;  ///< Empty, or beside neutral_m.
+  std::vector<Vec3f> colour;        ///< Empty, or beside neutral_m: linear RGB albedo, 0 to 1.
+  std::vector<Shape>
+      shapes;  ///< Exactly one a name; in ICT order, missing ones with no vertices; tongueOut last if any.
+  std::array<std::uint32_t, 68>
+      landmarks{};  ///< Multi-PIE 68, vertex indices; 0 is on the performer's right.
   bool has_landmarks = false;
-  std::vector<Region> regions;       ///< At least "skin": the vertices that pve_face_mm averages over.
-  std::array<Eyeball, 2> eyes;       ///< Left, right; vertex_count 0 when unknown.
+  std::vector<Region> regions;  ///< At least "skin": the vertices that pve_face_mm averages over.
+  std::array<Eyeball, 2> eyes;  ///< Left, right; vertex_count 0 when unknown.
 
   [[nodiscard]] const Region* region(std::string_view region_name) const;
   [[nodiscard]] const Shape* find_shape(std::string_view shape_name) const;
 };
 
 /// Writes M(w) into `vertices_m` (size of neutral_m). No allocation. Eyeballs do not turn here.
-void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out, std::span<Vec3f> vertices_m);
+void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out,
+              std::span<Vec3f> vertices_m);
 
 /// Turns the eyeballs in place as the eyeLook weights say: 0.611 rad a unit (facts 1.1).
 void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m);

@@ -14,8 +14,8 @@ enum class Provenance : std::uint8_t { measured, interpolated, predicted, held, 
 
 /// One moment of the answer: what trackers give and sinks send.
 struct OutputFrame {
-  DeviceTime time;            ///< Frame time on the reference sensor's clock.
-  BlendshapeWeights weights;  ///< 0 to 1.
+  DeviceTime time;                              ///< Frame time on the reference sensor's clock.
+  BlendshapeWeights weights;                    ///< 0 to 1.
   std::array<float, kShapeCount> confidence{};  ///< 0 to 1, a shape.
   std::array<Provenance, kShapeCount> provenance{};
 
@@ -23,7 +23,8 @@ struct OutputFrame {
   float head_confidence = 0;
   Provenance head_provenance = Provenance::neutral;
 
-  /// Eye directions in the head frame: yaw to the performer's left and pitch upwards, rad; left eye, right eye.
+  /// Eye directions in the head frame: yaw to the performer's left and pitch upwards, rad; left eye, right
+  /// eye.
   std::array<Eigen::Vector2f, 2> eyes_rad = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()};
   float eyes_confidence = 0;
   Provenance eyes_provenance = Provenance::neutral;

@@ -14,18 +14,20 @@ inline constexpr std::size_t kShapeCount = 53;
 
 /// The inner profile: ICT-FaceKit's order and names. Left and right are the performer's own.
 inline constexpr std::array<std::string_view, kShapeCount> kShapeNames = {
-    "browDown_L",      "browDown_R",      "browInnerUp_L",  "browInnerUp_R",  "browOuterUp_L", "browOuterUp_R",
-    "cheekPuff_L",     "cheekPuff_R",     "cheekSquint_L",  "cheekSquint_R",  "eyeBlink_L",    "eyeBlink_R",
-    "eyeLookDown_L",   "eyeLookDown_R",   "eyeLookIn_L",    "eyeLookIn_R",    "eyeLookOut_L",  "eyeLookOut_R",
-    "eyeLookUp_L",     "eyeLookUp_R",     "eyeSquint_L",    "eyeSquint_R",    "eyeWide_L",     "eyeWide_R",
-    "jawForward",      "jawLeft",         "jawOpen",        "jawRight",       "mouthClose",    "mouthDimple_L",
-    "mouthDimple_R",   "mouthFrown_L",    "mouthFrown_R",   "mouthFunnel",    "mouthLeft",     "mouthLowerDown_L",
-    "mouthLowerDown_R", "mouthPress_L",   "mouthPress_R",   "mouthPucker",    "mouthRight",    "mouthRollLower",
-    "mouthRollUpper",  "mouthShrugLower", "mouthShrugUpper", "mouthSmile_L",  "mouthSmile_R",  "mouthStretch_L",
-    "mouthStretch_R",  "mouthUpperUp_L",  "mouthUpperUp_R", "noseSneer_L",    "noseSneer_R"};
+    "browDown_L",       "browDown_R",       "browInnerUp_L",  "browInnerUp_R",   "browOuterUp_L",
+    "browOuterUp_R",    "cheekPuff_L",      "cheekPuff_R",    "cheekSquint_L",   "cheekSquint_R",
+    "eyeBlink_L",       "eyeBlink_R",       "eyeLookDown_L",  "eyeLookDown_R",   "eyeLookIn_L",
+    "eyeLookIn_R",      "eyeLookOut_L",     "eyeLookOut_R",   "eyeLookUp_L",     "eyeLookUp_R",
+    "eyeSquint_L",      "eyeSquint_R",      "eyeWide_L",      "eyeWide_R",       "jawForward",
+    "jawLeft",          "jawOpen",          "jawRight",       "mouthClose",      "mouthDimple_L",
+    "mouthDimple_R",    "mouthFrown_L",     "mouthFrown_R",   "mouthFunnel",     "mouthLeft",
+    "mouthLowerDown_L", "mouthLowerDown_R", "mouthPress_L",   "mouthPress_R",    "mouthPucker",
+    "mouthRight",       "mouthRollLower",   "mouthRollUpper", "mouthShrugLower", "mouthShrugUpper",
+    "mouthSmile_L",     "mouthSmile_R",     "mouthStretch_L", "mouthStretch_R",  "mouthUpperUp_L",
+    "mouthUpperUp_R",   "noseSneer_L",      "noseSneer_R"};
 
-/// Index of a shape in the inner profile; kShapeCount when there is none. `constexpr` so that code can name shapes:
-/// `weights[shape("jawOpen")]`.
+/// Index of a shape in the inner profile; kShapeCount when there is none. `constexpr` so that code can name
+/// shapes: `weights[shape("jawOpen")]`.
 [[nodiscard]] constexpr std::size_t shape_index(std::string_view name) {
   std::size_t i = 0;
   while (i < kShapeCount && kShapeNames[i] != name) ++i;
@@ -55,11 +57,11 @@ struct Profile {
 
 /// The orders in which ARKit's 52 names are met (facts: "five orders").
 enum class ArkitOrder {
-  live_link_udp,          ///< Apple's documentation topics; Live Link Face UDP.
-  live_link_csv,          ///< jawRight before jawLeft, mouthRight before mouthLeft.
-  live_link_csv_right,    ///< The newer CSV: right side first.
-  alphabetical,           ///< SDK header, Unity.
-  vts,                    ///< VTube Studio: UDP order with jawRight before jawLeft.
+  live_link_udp,        ///< Apple's documentation topics; Live Link Face UDP.
+  live_link_csv,        ///< jawRight before jawLeft, mouthRight before mouthLeft.
+  live_link_csv_right,  ///< The newer CSV: right side first.
+  alphabetical,         ///< SDK header, Unity.
+  vts,                  ///< VTube Studio: UDP order with jawRight before jawLeft.
 };
 
 [[nodiscard]] const Profile& ict53();
@@ -73,13 +75,15 @@ struct ArkitWeights {
   std::array<float, 52> values{};  ///< In ArkitOrder::live_link_udp.
 };
 
-/// Index of an ARKit name in live_link_udp order, case-insensitive, `_L`/`_R` suffixes accepted; 52 when unknown.
+/// Index of an ARKit name in live_link_udp order, case-insensitive, `_L`/`_R` suffixes accepted; 52 when
+/// unknown.
 [[nodiscard]] std::size_t arkit_index(std::string_view name);
 
 /// ARKit to ICT: browInnerUp and cheekPuff go to both sides; tongueOut has no shape and is returned beside.
 [[nodiscard]] BlendshapeWeights ict_from_arkit(const ArkitWeights& arkit, float* tongue_out = nullptr);
 /// ICT to ARKit: browInnerUp and cheekPuff are the mean of both sides; mouthClose is held to <= jawOpen when
 /// `clamp_mouth_close` (it is a corrective of jawOpen, and receivers break otherwise).
-[[nodiscard]] ArkitWeights arkit_from_ict(const BlendshapeWeights& ict, float tongue_out, bool clamp_mouth_close);
+[[nodiscard]] ArkitWeights arkit_from_ict(const BlendshapeWeights& ict, float tongue_out,
+                                          bool clamp_mouth_close);
 
 }  // namespace mien::face

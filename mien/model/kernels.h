@@ -76,8 +76,8 @@ void normalise_rows(std::size_t rows, std::size_t columns, const float* gain, co
 /// The variant that this CPU runs: "AVX3", "AVX2", "NEON" and so on.
 [[nodiscard]] std::string_view kernel_name();
 
-/// Names of all variants that this CPU can run, best first (while none is forced); and a way to run a given one, for tests. An empty
-/// name goes back to the best. Not thread-safe against running kernels.
+/// Names of all variants that this CPU can run, best first (while none is forced); and a way to run a given
+/// one, for tests. An empty name goes back to the best. Not thread-safe against running kernels.
 [[nodiscard]] std::vector<std::string_view> available_kernels();
 void force_kernel(std::string_view name);
 

@@ -95,7 +95,8 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
   json_of({"solve", take, "--model", model_, "--out", folder_ / "capture.csv"});
   const auto capture = face::parse_livelink_csv(content(folder_ / "capture.csv"), "capture.csv");
   ASSERT_TRUE(capture) << capture.error().message();
-  EXPECT_EQ(face::motion_from_livelink(*capture, "capture").motion.frames.size(), static_cast<std::size_t>(frames));
+  EXPECT_EQ(face::motion_from_livelink(*capture, "capture").motion.frames.size(),
+            static_cast<std::size_t>(frames));
   // The truth comes back as it was performed.
   json_of({"export", "--motion", take, "--out", folder_ / "truth.csv"});
   const auto truth = face::parse_livelink_csv(content(folder_ / "truth.csv"), "truth.csv");
@@ -144,7 +145,7 @@ TEST_F(MainJob, RefusesModelsAndTakesThatDoNotBelongTogether) {
   ASSERT_EQ(run(perform("a.mien")).status, 0);
   const auto before = folder_.files();
   Outcome refused = run({"solve", folder_ / "a.mien", "--model", folder_ / "strangers.safetensors", "--out",
-                     folder_ / "new.csv"});
+                         folder_ / "new.csv"});
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.err, HasSubstr("none of the model's sensors"));
   EXPECT_EQ(std::ranges::count(refused.err, '\n'), 1) << refused.err;

@@ -135,14 +135,14 @@ double largest_difference(const Architecture& a, std::size_t frames, std::size_t
 }
 
 const Architecture kSmall{.name = {},
-                              .layers = 2,
-                              .d_model = 64,
-                              .heads = 2,
-                              .d_head = 32,
-                              .ffn = 96,
-                              .window = 40,
-                              .condition = 18,
-                              .outputs = 53};
+                          .layers = 2,
+                          .d_model = 64,
+                          .heads = 2,
+                          .d_head = 32,
+                          .ffn = 96,
+                          .window = 40,
+                          .condition = 18,
+                          .outputs = 53};
 
 TEST(Denoiser, AgreesWithThePapersInDoublePrecision) {
   for (const std::size_t level : {0U, 1U, 499U, 999U})

@@ -10,14 +10,14 @@ namespace mien::model {
 namespace {
 
 const Architecture kSmall{.name = {},
-                              .layers = 1,
-                              .d_model = 32,
-                              .heads = 1,
-                              .d_head = 32,
-                              .ffn = 32,
-                              .window = 20,
-                              .condition = 5,
-                              .outputs = 4};
+                          .layers = 1,
+                          .d_model = 32,
+                          .heads = 1,
+                          .d_head = 32,
+                          .ffn = 32,
+                          .window = 20,
+                          .condition = 5,
+                          .outputs = 4};
 
 std::vector<float> smooth_condition(std::size_t frames) {
   std::vector<float> condition;
@@ -37,7 +37,8 @@ TEST(Schedule, SignalFallsFromAlmostOneToAlmostZero) {
   const auto signal = cosine_signal({});
   ASSERT_EQ(signal.size(), 1000U);
   EXPECT_NEAR(signal.front(), 0.99996, 1e-5);
-  EXPECT_NEAR(signal[499], 0.49384, 1e-4);  // cos^2 of (0.5 + 0.008) / 1.008 of a right angle, over its start.
+  EXPECT_NEAR(signal[499], 0.49384,
+              1e-4);  // cos^2 of (0.5 + 0.008) / 1.008 of a right angle, over its start.
   EXPECT_LT(signal.back(), 1e-5);
   for (std::size_t t = 1; t < signal.size(); ++t) ASSERT_LT(signal[t], signal[t - 1]);
 }
