@@ -1,0 +1,215 @@
+#include "mien/virtual/perform_take.h"
+
+#include <gmock/gmock.h>
+#include <stdlib.h>
+
+#include <filesystem>
+
+#include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
+#include "mien/imu/calibration.h"
+#include "mien/take/take.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::virt {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// A folder with a rig and a short motion in it.
+class PerformTake : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "mien-perform-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    ASSERT_TRUE(write_file(folder_ / "rig.toml", test::kRig));
+    ASSERT_TRUE(write_file(folder_ / "talking.csv",
+                           face::format_livelink_csv(face::livelink_from_motion(test::talking(45)))));
+    request_.rig = folder_ / "rig.toml";
+    request_.motion = folder_ / "talking.csv";
+    request_.take = folder_ / "a.mien";
+    request_.devices = "lab";
+    request_.seed = 5;
+    request_.software = "mien test";
+  }
+  void TearDown() override {
+    std::error_code code;
+    fs::remove_all(folder_, code);
+  }
+
+  /// Expects the request to be refused with one line that has `words`, and no file to be left.
+  void expect_refused(const std::string& words) {
+    const auto done = perform_take(request_, no_progress);
+    ASSERT_FALSE(done);
+    EXPECT_THAT(done.error().message(), HasSubstr(words));
+    EXPECT_EQ(done.error().message().find('\n'), std::string::npos);
+    for (const fs::directory_entry& file : fs::directory_iterator(folder_))
+      EXPECT_FALSE(file.path().filename().string().starts_with("a.mien")) << file.path();
+  }
+
+  fs::path folder_;
+  PerformRequest request_;
+};
+
+TEST_F(PerformTake, SaysInTheHeaderWhatWasPerformed) {
+  const PerformSummary summary = perform_take(request_, no_progress).value();
+  const take::Take take = take::Take::open(request_.take).value();
+  EXPECT_TRUE(take.finished());
+  EXPECT_TRUE(take.check());
+  EXPECT_EQ(take.header().software, "mien test");
+  EXPECT_EQ(take.header().performer, "virtual:5");
+  EXPECT_EQ(take.header().script, "talking.csv");
+  EXPECT_EQ(take.header().devices, "lab");
+  EXPECT_EQ(take.header().face, "builtin");
+  EXPECT_EQ(take.header().prologue, "short");
+  EXPECT_EQ(take.header().seed, 5U);
+  EXPECT_EQ(take.header().rig_toml, test::kRig);
+  EXPECT_EQ(take.entries().value().size(), summary.packets);
+  EXPECT_EQ(take.samples().value().size(), summary.samples);
+  EXPECT_EQ(take.ticks().value().size(), summary.frames);
+  EXPECT_EQ(take.truth().value().size(), summary.frames);
+  EXPECT_TRUE(take.calibrations().value().empty());  // In lab it is the identity.
+}
+
+TEST_F(PerformTake, TheDeviceProfileLeavesItsCalibration) {
+  request_.devices = "device";
+  ASSERT_TRUE(perform_take(request_, no_progress));
+  const take::Take take = take::Take::open(request_.take).value();
+  const auto calibrations = take.calibrations().value();
+  ASSERT_FALSE(calibrations.empty());
+  DeviceTime nod_end;
+  const auto events = take.events().value();
+  for (const take::Event& event : events)
+    if (event.kind == "nod") nod_end = event.end;
+  const auto& last = calibrations.back();
+  EXPECT_EQ(last.modality, "imu");
+  EXPECT_GE(last.made, nod_end);
+  const imu::Calibration calibration = imu::parse_calibration(last.json, "take").value();
+  EXPECT_TRUE(calibration.complete);
+  ASSERT_EQ(calibration.sensors.size(), 2U);
+  EXPECT_TRUE(calibration.sensors[0].valid && calibration.sensors[1].valid);
+}
+
+TEST_F(PerformTake, TheSeedDecidesEverythingButTheDate) {
+  const auto content = [&](std::uint64_t seed) {
+    request_.seed = seed;
+    request_.replace = true;
+    EXPECT_TRUE(perform_take(request_, no_progress));
+    std::vector<std::vector<std::byte>> bytes;
+    const take::Take take = take::Take::open(request_.take).value();
+    auto entries = take.entries().value();
+    for (take::LogEntry& entry : entries) bytes.push_back(std::move(entry.bytes));
+    return bytes;
+  };
+  const auto one = content(5);
+  EXPECT_EQ(one, content(5));
+  EXPECT_NE(one, content(6));
+}
+
+TEST_F(PerformTake, AFileOfFaultsIsAProfile) {
+  ASSERT_TRUE(write_file(folder_ / "lossy.toml", "packet_loss = 0.5\n"));
+  request_.prologue = PrologueKind::none;
+  request_.devices = "device";
+  const auto all = perform_take(request_, no_progress).value().packets;
+  request_.replace = true;
+  request_.devices = (folder_ / "lossy.toml").string();
+  const auto heard = perform_take(request_, no_progress).value().packets;
+  EXPECT_GT(heard, all / 4);
+  EXPECT_LT(heard, 3 * all / 4);
+  EXPECT_EQ(take::Take::open(request_.take).value().header().devices, request_.devices);
+}
+
+TEST_F(PerformTake, LeavesAnExistingTakeAlone) {
+  ASSERT_TRUE(write_file(request_.take, "somebody's work"));
+  const auto done = perform_take(request_, no_progress);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::bad_usage);
+  EXPECT_THAT(done.error().message(), HasSubstr("--force"));
+  EXPECT_EQ(read_text(request_.take).value(), "somebody's work");
+  request_.replace = true;
+  EXPECT_TRUE(perform_take(request_, no_progress));
+  EXPECT_TRUE(take::Take::open(request_.take));
+}
+
+TEST_F(PerformTake, StoppedAtAnyPointItLeavesNothing) {
+  for (const double at : {0.0, 0.1, 0.5}) {
+    const auto done =
+        perform_take(request_, [at](double fraction, std::string_view) { return fraction < at; });
+    ASSERT_FALSE(done) << at;
+    EXPECT_EQ(done.error().code, ErrorCode::cancelled);
+    EXPECT_FALSE(fs::exists(request_.take)) << at;
+  }
+}
+
+TEST_F(PerformTake, ProgressOnlyRises) {
+  double last = 0;
+  ASSERT_TRUE(perform_take(request_, [&](double fraction, std::string_view) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    return true;
+  }));
+  EXPECT_EQ(last, 1);
+}
+
+TEST_F(PerformTake, RefusesARigThatIsNotThere) {
+  request_.rig = folder_ / "none.toml";
+  expect_refused("none.toml");
+}
+
+TEST_F(PerformTake, RefusesARigWithASiteThatNobodyKnows) {
+  ASSERT_TRUE(
+      write_file(folder_ / "rig.toml",
+                 "name = \"odd\"\nreference = \"elbow\"\n[[sensor]]\nname = \"elbow\"\nkind = \"imu\"\n"
+                 "site = \"elbow\"\nside = \"L\"\nrole = \"face\"\n"));
+  expect_refused("elbow");
+}
+
+TEST_F(PerformTake, RefusesAMotionThatIsNone) {
+  ASSERT_TRUE(write_file(folder_ / "talking.csv", "this,is\nno,motion\n"));
+  expect_refused("talking.csv");
+  request_.motion = folder_ / "none.csv";
+  expect_refused("none.csv");
+}
+
+TEST_F(PerformTake, RefusesAFaceThatIsNotThere) {
+  request_.face = "nobody.glb";
+  expect_refused("nobody.glb");
+}
+
+TEST_F(PerformTake, RefusesFaultsThatAreNone) {
+  request_.devices = (folder_ / "faults.toml").string();
+  expect_refused("faults.toml");
+  for (const auto& [text, words] :
+       std::vector<std::pair<std::string, std::string>>{{"packet_loss = 1.5\n", "packet_loss"},
+                                                        {"packet_loss = -0.1\n", "packet_loss"},
+                                                        {"packet_loss = nan\n", "packet_loss"},
+                                                        {"packet_loss = \"some\"\n", "packet_loss"},
+                                                        {"clock_offset_s = [0, 1e12]\n", "clock_offset_s"},
+                                                        {"clock_offset_s = [2, 1]\n", "clock_offset_s"},
+                                                        {"clock_offset_s = 5\n", "clock_offset_s"},
+                                                        {"clock_drift_ppm = 500000\n", "clock_drift_ppm"},
+                                                        {"gyro_range_dps = 0\n", "gyro_range_dps"},
+                                                        {"gyro_range_dps = 4000\n", "gyro_range_dps"},
+                                                        {"accel_range_g = 100\n", "accel_range_g"},
+                                                        {"radio_delay_ms = inf\n", "radio_delay_ms"},
+                                                        {"magnetometer = 1\n", "magnetometer"},
+                                                        {"gyro_temperature = 1\n", "gyro_temperature"},
+                                                        {"packet_loss =\n", "line 1"}}) {
+    ASSERT_TRUE(write_file(request_.devices, text));
+    SCOPED_TRACE(text);
+    expect_refused(words);
+  }
+}
+
+TEST_F(PerformTake, RefusesAFolderThatIsNotThere) {
+  request_.take = folder_ / "nowhere" / "a.mien";
+  const auto done = perform_take(request_, no_progress);
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().message(), HasSubstr("nowhere"));
+  EXPECT_FALSE(fs::exists(folder_ / "nowhere"));
+}
+
+}  // namespace
+}  // namespace mien::virt
