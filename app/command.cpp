@@ -13,6 +13,7 @@ namespace mien::app {
 namespace {
 
 std::atomic<bool> interrupted = false;
+std::atomic<bool> line_is_open = false;  // Progress stands on the terminal's last line.
 
 std::string clock_text(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
@@ -42,6 +43,19 @@ Result<void> Commands::run() const {
   return fail(ErrorCode::bad_usage, "no command was given", "mien", "see mien --help");
 }
 
+CLI::Validator number_between(double least, double most) {
+  const auto check = [least, most](std::string& text) -> std::string {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return {};
+    return fmt::format("{} is no number from {} to {}", text, least, most);
+  };
+  return {check, fmt::format("{} to {}", least, most), "number_between"};
+}
+
+void clear_progress() {
+  if (line_is_open.exchange(false)) fmt::print(stderr, "\r\x1b[K");
+}
+
 Progress terminal_progress(std::string title) {
   std::signal(SIGINT, [](int) { interrupted = true; });
   struct Shown {
@@ -62,6 +76,7 @@ Progress terminal_progress(std::string title) {
       const std::string left = end               ? "took " + clock_text(spent_s)
                                : fraction > 0.01 ? clock_text(spent_s * (1 - fraction) / fraction) + " left"
                                                  : "";
+      if (terminal) line_is_open = !end;
       if (terminal)
         fmt::print(stderr, "\r\x1b[K{}: {:3.0f} %  {}  {}{}", shown->title, 100 * fraction, what, left,
                    end ? "\n" : "");

@@ -130,7 +130,7 @@ void add_demo_command(Commands& commands) {
   command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
   command->add_option("--seed", options->seed, "Who performs")->capture_default_str();
   command->add_option("--seconds", options->seconds, "How long")
-      ->check(CLI::Range(2.0, 600.0))
+      ->check(number_between(2.0, 600.0))
       ->capture_default_str();
   options->model.add_to(command);
   command->add_flag("--json", options->json, "Print one JSON object");

@@ -9,7 +9,7 @@ int main(int argc, char** argv) {
   using namespace mien;
   CLI::App program("Mien: facial performance capture without a camera looking at the face", "mien");
   program.set_version_flag("--version", "mien " MIEN_VERSION);
-  program.require_subcommand(1);
+  program.require_subcommand(0, 1);
   app::Commands commands(program);
   app::add_demo_command(commands);
   app::add_perform_command(commands);
@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
 
   try {
     if (const auto done = commands.run(); !done) {
+      app::clear_progress();
       fmt::print(stderr, "mien: {}\n", done.error().message());
       return is_bad_input(done.error().code) ? 2 : 1;
     }

@@ -65,7 +65,7 @@ void add_perform_command(Commands& commands) {
       ->check(CLI::IsMember({"mixed", "reading", "expressions", "acted", "range_of_motion", "free"}))
       ->capture_default_str();
   command->add_option("--seconds", request.seconds, "Length of the script")
-      ->check(CLI::Range(1.0, 36000.0))
+      ->check(number_between(1.0, 36000.0))
       ->capture_default_str();
   command
       ->add_option(

@@ -149,7 +149,7 @@ void add_render_command(Commands& commands) {
       ->check(CLI::IsMember({"front", "three-quarter", "side"}))
       ->capture_default_str();
   command->add_option("--closeness", options->closeness, "1 the head, 2 half of that")
-      ->check(CLI::Range(0.2, 20.0))
+      ->check(number_between(0.2, 20.0))
       ->capture_default_str();
   command->add_option("--size", options->size,
                       "Pixels, of one view: 640x640 for a still, 480x480 for a film unless told");
@@ -163,10 +163,10 @@ void add_render_command(Commands& commands) {
   command->add_option("--capture", options->capture, "What was captured");
   command->add_option("--delay", options->delay_s, "Seconds from the truth's start to the capture's");
   command->add_option("--full-scale", options->full_scale_mm, "The error that is painted darkest, mm")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(number_between(0.01, 1000.0))
       ->capture_default_str();
   command->add_option("--fps", options->rate_hz, "Frames a second of a film")
-      ->check(CLI::Range(1.0, 240.0))
+      ->check(number_between(1.0, 240.0))
       ->capture_default_str();
   command->add_option("--from", options->from_s, "Where a film begins, seconds")
       ->check(CLI::NonNegativeNumber);

@@ -68,7 +68,7 @@ Result<void> run_bound(BoundOptions options) {
 void add_study_command(Commands& commands) {
   CLI::App* study =
       commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
-  study->require_subcommand(1);
+  study->require_subcommand(0, 1);
   auto bound = std::make_shared<BoundOptions>();
   CLI::App* command = commands.add_under(study, "bound", "What a rig can see at best on a face, by theory",
                                          "mien study bound --face FaceXModel --noise 1",
@@ -76,10 +76,10 @@ void add_study_command(Commands& commands) {
   command->add_option("--face", bound->face, "As mien face takes it")->capture_default_str();
   command->add_option("--rig", bound->rig, "Rig file (default: rigs/default.toml)");
   command->add_option("--prior", bound->prior, "Standard deviation of each weight beforehand")
-      ->check(CLI::Range(1e-3, 10.0))
+      ->check(number_between(1e-3, 10.0))
       ->capture_default_str();
   command->add_option("--noise", bound->noise_deg, "Noise of each orientation, degrees an axis")
-      ->check(CLI::Range(1e-3, 90.0))
+      ->check(number_between(1e-3, 90.0))
       ->capture_default_str();
   command->add_option("--seed", bound->seed, "Of the draws that turn weight errors into millimetres")
       ->capture_default_str();

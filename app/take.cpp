@@ -142,7 +142,7 @@ Result<void> check(const std::string& file, bool json) {
 
 void add_take_command(Commands& commands) {
   CLI::App* parent = commands.add("take", "Looks into takes", "mien take info a.mien", {});
-  parent->require_subcommand(1);
+  parent->require_subcommand(0, 1);
   struct Options {
     std::string file;
     bool json = false;

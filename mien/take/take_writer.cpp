@@ -424,6 +424,9 @@ Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header
   if (path.empty() || (fs::exists(status) && !fs::is_regular_file(status)))
     return fail(ErrorCode::bad_usage, "a take is a file, not a folder or a device", where,
                 "name a file such as take.mien");
+  if (path.has_parent_path() && !fs::is_directory(path.parent_path(), code))
+    return fail(ErrorCode::not_found, "there is no such folder", path.parent_path().string(),
+                "make it first");
   if (fs::exists(fs::symlink_status(path, code)) && !replace)
     return fail(ErrorCode::bad_usage, "the file exists already", where,
                 "choose another name, or replace it with --force");

@@ -1,0 +1,200 @@
+// What is typed wrong, and what asks for help: one clear line, and nothing left behind.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+#include "mien/model/model_file.h"
+#include "tests/app/program.h"
+#include "tests/tracker/tiny_model.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::app::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+
+TEST(Program, SaysItsVersion) {
+  const Outcome version = run({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.out, MatchesRegex("mien [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_EQ(version.err, "");
+}
+
+/// The commands that a help text lists.
+std::vector<std::string> commands_in(const std::string& help) {
+  std::vector<std::string> commands;
+  std::istringstream lines(help.substr(std::min(help.size(), help.find("Subcommands:"))));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    if (!line.starts_with("  ")) break;
+    if (line[2] != ' ') commands.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return commands;
+}
+
+void expect_help(const std::vector<std::string>& command) {
+  std::vector<std::string> arguments = command;
+  arguments.emplace_back("--help");
+  const Outcome help = run(arguments);
+  SCOPED_TRACE(joined(arguments));
+  if (command == std::vector<std::string>{"train"} && help.status == 2) {
+    // The helper answers; where it was not built, that is what is said.
+    EXPECT_THAT(help.err, HasSubstr("mien-train"));
+    return;
+  }
+  EXPECT_EQ(help.status, 0);
+  EXPECT_EQ(help.err, "");
+  EXPECT_THAT(help.out, HasSubstr("Example:"));
+  EXPECT_THAT(help.out, HasSubstr("  " + joined(command)));
+  for (const std::string& part : commands_in(help.out)) {
+    std::vector<std::string> deeper = command;
+    deeper.push_back(part);
+    expect_help(deeper);
+  }
+}
+
+TEST(Program, EveryCommandExplainsItselfWithAnExample) {
+  const Outcome help = run({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_EQ(help.err, "");
+  const std::vector<std::string> commands = commands_in(help.out);
+  for (const char* command :
+       {"demo", "perform", "train", "solve", "evaluate", "export", "render", "face", "take"})
+    EXPECT_THAT(commands, ::testing::Contains(command));
+  for (const std::string& command : commands) expect_help({command});
+}
+
+/// One wrong command line, and what its one line must name.
+struct Wrong {
+  std::vector<std::string> arguments;  ///< "@x" stands for the file x in the test's folder.
+  std::string names;
+};
+
+/// A folder with something wrong of every kind, and a little that is right.
+class WrongInput : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write(folder_ / "empty.mien", "");
+    write(folder_ / "garbage.mien", "SQLite format 3" + std::string(3000, '\x5A'));
+    write(folder_ / "kept.mien", "somebody's work");
+    write(folder_ / "empty.csv", "");
+    write(folder_ / "garbage.csv", "Timecode,BlendshapeCount\nyes,\xFF\xFE,no\n");
+    write(folder_ / "broken.toml", "name = \"rig\"\n[[sensor]\n");
+    write(folder_ / "wrong.toml", "gyro_smell = 3\n");
+    write(folder_ / "rig.toml", virt::test::kRig);
+    write(folder_ / "garbage.glb", "glTF" + std::string(40, '\x7F'));
+    write(folder_ / "garbage.safetensors", std::string(64, '\xFF'));
+    ASSERT_TRUE(model::write_model(folder_ / "tiny.safetensors",
+                                   tracker::test::tiny_model({"mentalis", "buccinator_L"})));
+  }
+
+  void expect_refused(const std::vector<Wrong>& cases) {
+    const auto before = folder_.files();
+    for (const Wrong& wrong : cases) {
+      std::vector<std::string> arguments = wrong.arguments;
+      for (std::string& argument : arguments)
+        if (argument.starts_with('@')) argument = folder_ / argument.substr(1);
+      SCOPED_TRACE(joined(arguments));
+      const Outcome refused = run(arguments);
+      EXPECT_EQ(refused.status, 2);
+      EXPECT_EQ(refused.out, "");
+      EXPECT_TRUE(refused.err.starts_with("mien: ")) << refused.err;
+      EXPECT_EQ(std::ranges::count(refused.err, '\n'), 1) << refused.err;
+      EXPECT_TRUE(refused.err.ends_with('\n'));
+      EXPECT_THAT(refused.err, HasSubstr(wrong.names));
+      EXPECT_EQ(folder_.files(), before);
+    }
+    EXPECT_EQ(content(folder_ / "kept.mien"), "somebody's work");
+  }
+
+  Folder folder_;
+};
+
+TEST_F(WrongInput, CommandsThatDoNotExist) {
+  expect_refused({{{}, "subcommand"},
+                  {{"dance"}, "dance"},
+                  {{"take"}, "subcommand"},
+                  {{"take", "eat", "@kept.mien"}, "eat"},
+                  {{"take", "info"}, "take"},
+                  {{"perform"}, "--take"},
+                  {{"solve", "@kept.mien", "--quickly"}, "--quickly"}});
+}
+
+TEST_F(WrongInput, TakesThatAreNone) {
+  std::vector<Wrong> cases;
+  for (const char* take : {"none.mien", "empty.mien", "garbage.mien", "kept.mien"})
+    for (const std::vector<std::string>& command :
+         std::vector<std::vector<std::string>>{{"take", "info"},
+                                               {"take", "check"},
+                                               {"solve", "--model", "@tiny.safetensors"},
+                                               {"evaluate", "--json", "--model", "@tiny.safetensors"}}) {
+      cases.push_back({command, take});
+      cases.back().arguments.push_back("@" + std::string(take));
+    }
+  expect_refused(cases);
+}
+
+TEST_F(WrongInput, Performances) {
+  const auto perform = [](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"perform",   "--rig", "@rig.toml", "--devices", "lab",
+                                          "--seconds", "1",     "--take",    "@new.mien"};
+    // What comes later counts for options that are given twice.
+    for (std::size_t i = 0; i + 1 < more.size(); i += 2) {
+      const auto found = std::ranges::find(arguments, more[i]);
+      if (found != arguments.end())
+        *(found + 1) = more[i + 1];
+      else
+        arguments.insert(arguments.end(), {more[i], more[i + 1]});
+    }
+    return arguments;
+  };
+  expect_refused({{perform({"--motion", "@none.csv"}), "none.csv"},
+                  {perform({"--motion", "@empty.csv"}), "empty.csv"},
+                  {perform({"--motion", "@garbage.csv"}), "garbage.csv"},
+                  {perform({"--rig", "@none.toml"}), "none.toml"},
+                  {perform({"--rig", "@broken.toml"}), "broken.toml"},
+                  {perform({"--rig", "@garbage.mien"}), "garbage.mien"},
+                  {perform({"--face", "nobody"}), "nobody"},
+                  {perform({"--face", "builtin:many"}), "builtin:many"},
+                  {perform({"--face", "@garbage.glb"}), "garbage.glb"},
+                  {perform({"--devices", "@none.toml"}), "none.toml"},
+                  {perform({"--devices", "@wrong.toml"}), "gyro_smell"},
+                  {perform({"--script", "opera"}), "opera"},
+                  {perform({"--seconds", "0"}), "--seconds"},
+                  {perform({"--seconds", "nan"}), "--seconds"},
+                  {perform({"--prologue", "long"}), "long"},
+                  {perform({"--pace", "slow"}), "slow"},
+                  {perform({"--seed", "x"}), "--seed"},
+                  {perform({"--take", "@kept.mien"}), "--force"},
+                  {perform({"--take", "@nowhere/new.mien"}), "nowhere"}});
+}
+
+TEST_F(WrongInput, ModelsFacesAndMotions) {
+  expect_refused({{{"solve", "@kept.mien", "--model", "@none.safetensors"}, ".mien"},
+                  {{"evaluate", "@kept.mien", "--model", "@none.safetensors"}, "none.safetensors"},
+                  {{"evaluate", "@kept.mien", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
+                  {{"solve", "@kept.mien", "--model", "@tiny.safetensors", "--out", "@new.txt"}, "new.txt"},
+                  {{"solve", "@kept.mien", "--steps", "0"}, "--steps"},
+                  {{"face", "--face", "nobody"}, "nobody"},
+                  {{"face", "export", "--out", "@new.txt"}, "new.txt"},
+                  {{"export", "--motion", "@garbage.csv", "--out", "@new.glb"}, "garbage.csv"},
+                  {{"export", "--motion", "@none.mien", "--out", "@new.csv"}, "none.mien"},
+                  {{"render", "--weights", "jawOpen=1,beak=1", "--out", "@new.png"}, "beak"},
+                  {{"render", "--weights", "jawOpen=wide", "--out", "@new.png"}, "jawOpen"},
+                  {{"render", "--face", "nobody", "--out", "@new.png"}, "nobody"},
+                  {{"render", "--motion", "@garbage.csv", "--out", "@new.mp4"}, "garbage.csv"},
+                  {{"render", "--out", "@new.gif"}, "new.gif"}});
+}
+
+TEST_F(WrongInput, ADemoThatCannotEndDoesNotBegin) {
+  expect_refused({{{"demo", "--out", "@demo", "--model", "@none.safetensors"}, "none.safetensors"},
+                  {{"demo", "--out", "@demo", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
+                  {{"demo", "--out", "@demo", "--seconds", "0"}, "--seconds"}});
+}
+
+}  // namespace
+}  // namespace mien::app::test
