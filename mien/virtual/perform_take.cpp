@@ -79,6 +79,9 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   if (!request.replace && std::filesystem::exists(request.take, code))
     return fail(ErrorCode::bad_usage, "the take exists already", request.take.string(),
                 "give another name, or --force");
+  if (request.take.has_parent_path() && !std::filesystem::is_directory(request.take.parent_path(), code))
+    return fail(ErrorCode::not_found, "there is no such folder", request.take.parent_path().string(),
+                "make it first");
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
   MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig.string()));
@@ -115,10 +118,11 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.seed = request.seed;
   header.rig_toml = rig_toml;
   header.created_utc = now_utc();
-  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(request.take, header, request.replace));
-  for (const take::Event& event : session.events) writer.add_event(event);
+  // Before the file is there: a recording begins when its take does.
   std::vector<take::CalibrationVersion> calibrations;  // In lab it is the identity.
   if (!lab) calibrations = calibrations_of(rig, session);
+  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(request.take, header, request.replace));
+  for (const take::Event& event : session.events) writer.add_event(event);
 
   const auto start = std::chrono::steady_clock::now();
   std::size_t next_sample = 0;

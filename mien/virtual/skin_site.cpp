@@ -227,7 +227,9 @@ Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::R
   if (!offset_m.empty() && offset_m.size() != rig.sensors.size())
     return fail(ErrorCode::mismatch, "there must be one placement offset a sensor", rig.name);
   const bool is_ict = face.neutral_m.size() == kIctVertexCount;
-  const bool is_builtin = face.name == "builtin";
+  // By size too: a file of that name is not the head whose vertices we know.
+  const bool is_builtin =
+      face.name == "builtin" && face.neutral_m.size() == default_builtin().neutral_m.size();
   if (!is_ict && !is_builtin && !face.has_landmarks)
     return fail(ErrorCode::not_found, "the face has no landmarks, so the rig's sites cannot be found on it",
                 face.name, "use the built-in face, an ICT-FaceKit folder, or a head with 68 landmarks");
