@@ -57,8 +57,7 @@ Result<void> run(Options options) {
   request.replace = true;
   request.software = "mien " MIEN_VERSION;
   MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
-  MIEN_TRY_ASSIGN(const virt::PerformSummary performed,
-                  virt::perform_take(request, terminal_progress("1/4 performing")));
+  MIEN_TRY(virt::perform_take(request, terminal_progress("1/4 performing")));
 
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const study::Solution solution,
@@ -82,7 +81,7 @@ Result<void> run(Options options) {
   FilmOptions film;
   film.width = 272;
   film.height = 304;
-  film.rate_hz = 20;
+  film.rate_hz = 15;
   film.from_s = evaluated_from_s(estimates.truth);
   const std::filesystem::path film_path = options.out / "capture.mp4";
   MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, truth.motion, capture, 0, film, film_path,
@@ -112,7 +111,7 @@ Result<void> run(Options options) {
   } else {
     fmt::print(
         "Captured {:.0f} s of a face that the model had never met: vertices within {:.2f} mm on average",
-        performed.duration_s, evaluation.model.pve_mm.mean);
+        static_cast<double>(evaluation.frames) / kFrameRateHz, evaluation.model.pve_mm.mean);
     if (evaluation.ridge) fmt::print(" (ridge regression: {:.2f} mm)", evaluation.ridge->pve_mm.mean);
     fmt::print(".\n");
   }
