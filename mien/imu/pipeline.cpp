@@ -90,6 +90,13 @@ void put_rotation(const Quat& q, model::SensorFeature& feature) {
 
 }  // namespace
 
+std::optional<Phase> phase_of(std::string_view event_kind) {
+  if (event_kind == "neutral") return Phase::neutral;
+  if (event_kind == "nod") return Phase::nod;
+  if (event_kind == "shake") return Phase::shake;
+  return std::nullopt;
+}
+
 struct Pipeline::State {
   State(const sensor::Rig& rig, const PipelineSettings& s)
       : settings(s),

@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string_view>
 
 #include "mien/core/time.h"
 #include "mien/imu/calibration.h"
@@ -19,6 +21,9 @@ enum class Phase : std::uint8_t {
   nod,      ///< Face still, the head nods; begins downwards.
   shake,    ///< Face still, the head shakes about the vertical.
 };
+
+/// The step that a take's event of this kind marks ("neutral", "nod", "shake"); none for any other.
+[[nodiscard]] std::optional<Phase> phase_of(std::string_view event_kind);
 
 struct PipelineSettings {
   FusionSettings fusion;

@@ -52,11 +52,8 @@ std::string now_utc() {
 /// The calibration that the prologue gave, as the pipeline of a live session would have made it.
 std::vector<take::CalibrationVersion> calibrations_of(const sensor::Rig& rig, const VirtualSession& session) {
   imu::Pipeline pipeline(rig);
-  for (const take::Event& event : session.events) {
-    if (event.kind == "neutral") pipeline.mark(imu::Phase::neutral, event.begin, event.end);
-    if (event.kind == "nod") pipeline.mark(imu::Phase::nod, event.begin, event.end);
-    if (event.kind == "shake") pipeline.mark(imu::Phase::shake, event.begin, event.end);
-  }
+  for (const take::Event& event : session.events)
+    if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   std::vector<take::CalibrationVersion> versions;
   model::FeatureFrame frame;
   int seen = 0;
