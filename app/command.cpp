@@ -57,7 +57,7 @@ void clear_progress() {
 }
 
 Progress terminal_progress(std::string title) {
-  std::signal(SIGINT, [](int) { interrupted = true; });
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { interrupted = true; });
   struct Shown {
     std::string title;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();

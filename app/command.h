@@ -35,8 +35,8 @@ class Commands {
 /// Checks that an option is a number from `least` to `most`. (CLI::Range takes "nan" for one.)
 [[nodiscard]] CLI::Validator number_between(double least, double most);
 
-/// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C asks
-/// the work to stop. `title` stands before it.
+/// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C
+/// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it.
 [[nodiscard]] Progress terminal_progress(std::string title);
 
 /// Clears the line on which terminal_progress() stands, for what is printed next.

@@ -51,8 +51,9 @@ Result<void> run(Options options) {
   virt::PerformRequest request;
   request.face = fmt::format("builtin:{}", options.seed);
   request.seed = options.seed;
-  request.block = virt::Block::range_of_motion;  // The liveliest to look at.
-  request.seconds = options.seconds;
+  constexpr virt::Block kLiveliest = virt::Block::range_of_motion;
+  request.script = virt::default_script(kLiveliest, options.seconds);
+  request.script_name = virt::block_name(kLiveliest);
   request.take = options.out / "performance.mien";
   request.replace = true;
   request.software = "mien " MIEN_VERSION;
@@ -61,8 +62,7 @@ Result<void> run(Options options) {
 
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const study::Solution solution,
-                  study::solve_take(take, solver, study::SolveFrom::samples, options.model.settings(solver),
-                                    terminal_progress("2/4 capturing")));
+                  options.model.solve(take, solver, study::SolveFrom::samples, "2/4 capturing"));
   MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(take, solution));
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
   face::BlendshapeWeights mean_pose;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "app/command.h"
@@ -25,36 +26,59 @@ struct Options {
 };
 
 void print_row(const char* name, const study::Metrics& m) {
-  fmt::print("{:<10} {:7.3f} {:7.3f} {:7.3f} {:8.4f} {:8.4f} {:7} {:7}\n", name, m.pve_mm.mean,
-             m.pve_face_mm ? m.pve_face_mm->mean : 0.0, m.lmk_mm ? m.lmk_mm->mean : 0.0, m.mse, m.mse_felt,
-             m.jitter_ratio ? fmt::format("{:.2f}", *m.jitter_ratio) : "-",
-             m.blink_f1 ? fmt::format("{:.2f}", *m.blink_f1) : "-");
+  const auto mean = [](const std::optional<study::MeanStd>& value) {
+    return value ? fmt::format("{:.3f}", value->mean) : "-";
+  };
+  const auto ratio = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.2f}", *value) : "-";
+  };
+  fmt::print("{:<10} {:7.3f} {:>7} {:>7} {:8.4f} {:8.4f} {:>7} {:>7}\n", name, m.pve_mm.mean,
+             mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_felt, ratio(m.jitter_ratio),
+             ratio(m.blink_f1));
+}
+
+/// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
+/// the built-in one where that is not on this machine. `name` becomes the one that it is.
+Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on, std::string& name) {
+  if (!name.empty()) return face::load_face(name);
+  if (performed_on.size() > 1)
+    return fail(
+        ErrorCode::bad_usage,
+        fmt::format("the takes were performed on different faces ({})", fmt::join(performed_on, ", ")),
+        "evaluate", "evaluate them apart, or name one face for all with --face");
+  name = *performed_on.begin();
+  auto face = face::load_face(name);
+  if (face || face.error().code != ErrorCode::not_found) return face;
+  fmt::print(stderr,
+             "mien: the take's face {} is not here: measured on the built-in one; --face names another\n",
+             name);
+  name = "builtin";
+  return face::load_face(name);
 }
 
 Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
-  std::vector<study::TakeEstimates> estimates;
+  std::vector<take::Take> takes;
   std::set<std::string> devices;
-  std::string face_name = options.face;
+  std::set<std::string> performed_on;
   for (const std::string& path : options.takes) {
-    MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
+    MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
     devices.insert(take.header().devices);
-    if (face_name.empty()) face_name = take.header().face;
+    performed_on.insert(take.header().face);
+    takes.push_back(std::move(take));
+  }
+  std::string face_name = options.face;
+  MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
+  std::vector<study::TakeEstimates> estimates;
+  for (const take::Take& take : takes) {
     MIEN_TRY_ASSIGN(const study::Solution solution,
-                    study::solve_take(take, solver, study::SolveFrom::samples, options.model.settings(solver),
-                                      terminal_progress(path)));
+                    options.model.solve(take, solver, study::SolveFrom::samples, take.path().string()));
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
   }
-  auto face = face::load_face(face_name);
-  if (!face && options.face.empty()) {  // The take's own face is not on this machine.
-    face_name = "builtin";
-    face = face::load_face(face_name);
-  }
-  if (!face) return std::unexpected(face.error());
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(solver.file().mean_pose, mean_pose.values.begin());
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
-                  study::evaluate(study::Meter(*face), estimates, mean_pose));
+                  study::evaluate(study::Meter(face), estimates, mean_pose));
   const study::EvaluationContext context{
       .face = face_name,
       .model = options.model.path,

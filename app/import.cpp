@@ -37,9 +37,13 @@ Result<void> run(const Options& options) {
   header.face = "builtin";
   header.prologue = "none";
   header.created_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(options.take, header, options.force));
-  std::size_t lost = 0;
+  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(options.take, header, options.force,
+                                                                    take::Appears::when_finished));
+  const Progress progress = terminal_progress("import");
+  std::size_t lost = 0, written = 0;
   for (const face::MotionFrame& frame : motion.frames) {
+    if (!progress(static_cast<double>(written++) / static_cast<double>(motion.frames.size()), "writing"))
+      return fail(ErrorCode::cancelled, "stopped", options.take, "nothing was kept");
     take::TruthFrame truth;
     truth.time = DeviceTime(from_seconds(frame.time_s));
     truth.weights = frame.weights;
@@ -48,10 +52,8 @@ Result<void> run(const Options& options) {
     lost += frame.has_face ? 0 : 1;
     writer.add_truth(truth);
   }
-  if (const auto done = writer.finish(); !done) {
-    std::filesystem::remove(options.take);
-    return std::unexpected(done.error());
-  }
+  MIEN_TRY(writer.finish());
+  progress(1, "written");
   if (options.json) {
     print_json({{"take", options.take},
                 {"frames", motion.frames.size()},

@@ -1,5 +1,10 @@
 #include "app/model_option.h"
 
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/command.h"
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
 
@@ -29,6 +34,23 @@ model::SamplerSettings ModelOption::settings(const tracker::WindowSolver& solver
         settings.steps == solver.file().schedule.levels ? model::SamplerKind::ddpm : model::SamplerKind::ddim;
   }
   return settings;
+}
+
+Result<study::Solution> ModelOption::solve(const take::Take& take, const tracker::WindowSolver& solver,
+                                           study::SolveFrom from, const std::string& title) const {
+  constexpr double kFew = 0.5;
+  MIEN_TRY_ASSIGN(study::Solution solution,
+                  study::solve_take(take, solver, from, settings(solver), terminal_progress(title)));
+  if (solution.felt == 0)
+    fmt::print(
+        stderr,
+        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (neutral, nod, "
+        "shake) to be calibrated by\n",
+        take.path().string());
+  else if (solution.felt < kFew)
+    fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
+               take.path().string(), 100 * solution.felt);
+  return solution;
 }
 
 }  // namespace mien::app

@@ -4,6 +4,8 @@
 #include <string>
 
 #include "mien/core/error.h"
+#include "mien/study/solve.h"
+#include "mien/take/take.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::app {
@@ -18,6 +20,10 @@ struct ModelOption {
   [[nodiscard]] Result<tracker::WindowSolver> open();
   /// The model's own settings with this command line's.
   [[nodiscard]] model::SamplerSettings settings(const tracker::WindowSolver& solver) const;
+  /// Solves a take with them, showing progress under `title`; says on stderr where the answer stands on few
+  /// of the sensors or on none.
+  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, const tracker::WindowSolver& solver,
+                                              study::SolveFrom from, const std::string& title) const;
 };
 
 }  // namespace mien::app

@@ -5,6 +5,8 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/performance.h"
+#include "app/read_aloud.h"
 #include "mien/core/files.h"
 #include "mien/virtual/perform_take.h"
 
@@ -13,7 +15,10 @@ namespace {
 
 struct Options {
   virt::PerformRequest request;
+  std::string motion;
   std::string block = "mixed";
+  double seconds = 60;
+  std::string voice;
   std::string rig;
   std::string prologue = "short";
   std::string pace = "fast";
@@ -22,7 +27,20 @@ struct Options {
 
 Result<void> run(Options options) {
   virt::PerformRequest& request = options.request;
-  MIEN_TRY_ASSIGN(request.block, virt::parse_block(options.block));
+  MIEN_TRY_ASSIGN(const virt::Block block, virt::parse_block(options.block));
+  if (!options.motion.empty()) {
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motion));
+    request.motion = std::move(performance.motion);
+    request.sound = std::move(performance.sound);
+    request.script_name = std::filesystem::path(options.motion).filename().string();
+  } else {
+    request.script = virt::default_script(block, options.seconds);
+    request.script_name = options.block;
+    if (options.voice.empty()) options.voice = block == virt::Block::reading ? "espeak" : "babble";
+    if (options.voice == "espeak") {
+      MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, terminal_progress("reading aloud")));
+    }
+  }
   if (options.prologue == "none") request.prologue = virt::PrologueKind::none;
   if (options.prologue == "full") request.prologue = virt::PrologueKind::full;
   request.real_time = options.pace == "real";
@@ -32,8 +50,11 @@ Result<void> run(Options options) {
   } else {
     request.rig = options.rig;
   }
-  if (std::filesystem::is_directory(request.face))  // A take must find it again from elsewhere.
-    request.face = std::filesystem::weakly_canonical(request.face).string();
+  std::error_code code;
+  if (!request.face.starts_with("builtin") && std::filesystem::exists(request.face, code)) {
+    const auto whole = std::filesystem::weakly_canonical(request.face, code);
+    if (!code) request.face = whole.string();  // A take must find it again from elsewhere.
+  }
   MIEN_TRY_ASSIGN(const virt::PerformSummary summary,
                   virt::perform_take(request, terminal_progress("perform")));
   if (options.json) {
@@ -59,14 +80,24 @@ void add_perform_command(Commands& commands) {
       "A virtual performer plays a script or a recorded motion through virtual sensors, into a take",
       "mien perform --motion talk.csv --devices lab --take talk.mien", [options] { return run(*options); });
   command->add_option("--take", request.take, "The take to write")->required();
-  command->add_option("--motion", request.motion,
-                      "A Live Link Face CSV to perform; without it a script is played");
+  CLI::Option* motion = command->add_option(
+      "--motion", options->motion,
+      "A Live Link Face CSV, or a take whose truth to perform; without it a script is played");
   command->add_option("--script", options->block, "What a virtual performer plays")
+      ->excludes(motion)
       ->check(CLI::IsMember({"mixed", "reading", "expressions", "acted", "range_of_motion", "free"}))
       ->capture_default_str();
-  command->add_option("--seconds", request.seconds, "Length of the script")
-      ->check(number_between(1.0, 36000.0))
+  command->add_option("--seconds", options->seconds, "Length of the script")
+      ->excludes(motion)
+      ->check(number_between(1.0, virt::kLongestPerformanceS))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--voice", options->voice,
+          "Who speaks the script's lines: espeak (espeak-ng: its phonemes, timing and sound, in four "
+          "languages) or babble (the sounds of six languages, unheard). Default: espeak when reading")
+      ->excludes(motion)
+      ->check(CLI::IsMember({"espeak", "babble"}));
   command
       ->add_option(
           "--face", request.face,

@@ -9,8 +9,9 @@ namespace mien::app {
 namespace {
 
 /// The part of a take's sound that belongs to the motion: silence before it begins, nothing from before the
-/// motion.
-Sound sound_from(const take::Audio& audio, DeviceTime start) {
+/// motion, nothing where it begins after it.
+std::optional<Sound> sound_from(const take::Audio& audio, DeviceTime start, DeviceTime end) {
+  if (audio.start >= end) return std::nullopt;
   Sound sound{.rate_hz = static_cast<std::uint32_t>(audio.rate_hz), .samples = {}};
   const auto shift = static_cast<std::int64_t>(std::llround(to_seconds(audio.start - start) * audio.rate_hz));
   const auto size = static_cast<std::int64_t>(audio.samples.size());
@@ -43,7 +44,8 @@ Result<Performance> load_performance(const std::filesystem::path& path) {
     performance.motion.frames.push_back(out);
   }
   MIEN_TRY_ASSIGN(const auto audio, take.audio());
-  if (audio && audio->rate_hz > 0) performance.sound = sound_from(*audio, truth.front().time);
+  if (audio && audio->rate_hz > 0)
+    performance.sound = sound_from(*audio, truth.front().time, truth.back().time);
   return performance;
 }
 

@@ -29,8 +29,8 @@ Result<void> run(Options options) {
   const auto start = std::chrono::steady_clock::now();
   MIEN_TRY_ASSIGN(
       const study::Solution solution,
-      study::solve_take(take, solver, options.from_log ? study::SolveFrom::log : study::SolveFrom::samples,
-                        options.model.settings(solver), terminal_progress("solve")));
+      options.model.solve(take, solver, options.from_log ? study::SolveFrom::log : study::SolveFrom::samples,
+                          "solve"));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.out.empty())
     MIEN_TRY(write_motion(motion_of(solution.frames),
@@ -39,6 +39,7 @@ Result<void> run(Options options) {
     print_json({{"take", options.take},
                 {"model", options.model.path},
                 {"frames", solution.frames.size()},
+                {"felt", solution.felt},
                 {"kernels", model::kernel_name()},
                 {"hash", solution.hash},
                 {"seconds", seconds},

@@ -51,7 +51,7 @@ Result<void> become_trainer(std::vector<std::string> arguments) {
 void add_train_command(Commands& commands) {
   auto command = std::make_shared<CLI::App*>(nullptr);
   *command = commands.add("train", "Trains a model by a recipe (starts the helper mien-train)",
-                          "mien train models/recipes/light.toml --out light.safetensors",
+                          "mien train models/recipes/default.toml --out mine.safetensors",
                           [command] { return become_trainer((*command)->remaining()); });
   // Everything behind `train`, --help as well, is the helper's.
   (*command)->set_help_flag();

@@ -21,7 +21,7 @@ std::vector<mien::virt::VirtualPacket> play(const mien::virt::DeviceFaults& faul
   for (std::size_t f = 0; f < still.frames.size(); ++f)
     still.frames[f].time_s = static_cast<double>(f) / kFrameRateHz;
   const face::MotionCurve curve(still);
-  return virt::ImuSimulator(faults, 0, Random(1)).play(virt::trace_skin(curve, sites, 0, 0.05), sites);
+  return virt::ImuSimulator(faults, 0, Random(1)).play(virt::trace_skin(curve, sites, 0, 0.05));
 }
 
 }  // namespace

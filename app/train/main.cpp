@@ -126,7 +126,7 @@ int main(int argc, char** argv) {
 
   TrainArguments train;
   CLI::App* train_command = commands.add("train", "Makes data by a recipe, trains on them and writes a model",
-                                         "mien train models/recipes/light.toml --out light.safetensors",
+                                         "mien train models/recipes/default.toml --out mine.safetensors",
                                          [&] { return run_train(train); });
   train_command->add_option("recipe", train.recipe, "The recipe, a TOML file")->required();
   train_command->add_option("--out", train.out, "The model to write")->required();

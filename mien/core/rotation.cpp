@@ -43,19 +43,31 @@ Quat twist_about(const Quat& q, const Vec3& axis) {
   return twist;
 }
 
-Vec3 interpolate_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u) {
-  const Vec3 slope_b = 0.5 * (c - a);
-  const Vec3 slope_c = 0.5 * (d - b);
+/// An interval this much longer than its neighbour is a gap: 1 / kGap times.
+constexpr double kGap = 0.1;
+
+Vec3 interpolate_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u,
+                       const KnotSpacing& spacing) {
+  const auto& [before, after] = spacing;
+  Vec3 slope_b = ((b - a) / before + before * (c - b)) / (1 + before);
+  Vec3 slope_c = ((d - c) / after + after * (c - b)) / (1 + after);
+  if (std::min(before, after) < kGap) {
+    const double steepest = 3 * (c - b).norm();
+    for (Vec3* slope : {&slope_b, &slope_c})
+      if (const double norm = slope->norm(); norm > steepest) *slope *= steepest / norm;
+  }
   const double u2 = u * u;
   const double u3 = u2 * u;
   return (2 * u3 - 3 * u2 + 1) * b + (u3 - 2 * u2 + u) * slope_b + (3 * u2 - 2 * u3) * c +
          (u3 - u2) * slope_c;
 }
 
-Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Quat& d, double u) {
+Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Quat& d, double u,
+                          const KnotSpacing& spacing) {
   const Quat inverse = b.conjugate();
-  return b * exp_rotation(interpolate_point(log_rotation(inverse * a), Vec3::Zero(),
-                                            log_rotation(inverse * c), log_rotation(inverse * d), u));
+  return b *
+         exp_rotation(interpolate_point(log_rotation(inverse * a), Vec3::Zero(), log_rotation(inverse * c),
+                                        log_rotation(inverse * d), u, spacing));
 }
 
 Quat fit_rotation(const Mat3& covariance_from_to) {

@@ -27,12 +27,22 @@ using Quat = Eigen::Quaterniond;
 /// The part of q that turns about the unit vector `axis`; q = swing * twist.
 [[nodiscard]] Quat twist_about(const Quat& q, const Vec3& axis);
 
-/// Between `b` (u = 0) and `c` (u = 1) along a Catmull-Rom cubic through four evenly timed orientations,
-/// taken in the tangent space at b: angular velocity has no steps at the samples, as slerp's has. Neighbours
-/// within half a turn.
-[[nodiscard]] Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Quat& d, double u);
+/// How long the outer two of three neighbouring intervals are, the middle one being 1; above 0.
+struct KnotSpacing {
+  double before = 1;  ///< From a to b.
+  double after = 1;   ///< From c to d.
+};
+
+/// Between `b` (u = 0) and `c` (u = 1) along a cubic through four orientations (Catmull-Rom's where they are
+/// evenly timed; else with the slopes of parabolas through three, and across a gap, ten times its neighbour,
+/// with none steeper than three times the way from b to c: a quick movement before it must not swing through
+/// all of it), taken in the tangent space at b: angular velocity has no steps at the samples, as slerp's has,
+/// but at a gap's ends. Neighbours within half a turn.
+[[nodiscard]] Quat interpolate_rotation(const Quat& a, const Quat& b, const Quat& c, const Quat& d, double u,
+                                        const KnotSpacing& spacing = {});
 /// The same for points.
-[[nodiscard]] Vec3 interpolate_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u);
+[[nodiscard]] Vec3 interpolate_point(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double u,
+                                     const KnotSpacing& spacing = {});
 
 /// The rotation R that minimises sum |R (from_i - mean from) - (to_i - mean to)|^2 (Kabsch), never a mirror.
 /// Shape: both of equal size, at least 3 points that are not all on one line.

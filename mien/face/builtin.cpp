@@ -80,6 +80,7 @@ Face make_builtin(const BuiltinParameters& parameters) {
   paint(sculpt, parameters.skin_tone, parameters.hair_tone);
   Face face;
   face.name = "builtin";
+  face.origin = Origin::builtin;
   const std::size_t n = sculpt.vertices.size();
   face.neutral_m.reserve(n);
   face.colour.reserve(n);

@@ -57,10 +57,18 @@ struct Region {
   std::vector<std::uint32_t> vertex;  ///< Ascending.
 };
 
+/// Whose mesh it is: what is known by vertex or by place on one of these is not known on another.
+enum class Origin : std::uint8_t {
+  builtin,  ///< Ours, of any identity, as make_builtin generates it: its sites are known by name.
+  ict,      ///< ICT-FaceKit's 26,719 vertices in its order: rigs name sites by vertex.
+  other,
+};
+
 /// A blendshape model, M(w) = B0 + sum_k w_k B_k. Metres; +X the performer's left, +Y up, +Z forward (frame
 /// H).
 struct Face {
-  std::string name;              ///< "builtin", "ict", or the file's stem.
+  std::string name;  ///< "builtin", "ict", or the file's stem.
+  Origin origin = Origin::other;
   std::vector<Vec3f> neutral_m;  ///< B0.
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Part> parts;          ///< Cover all triangles in order; may be one part.

@@ -172,6 +172,7 @@ std::optional<IctModel> decode_cache(std::span<const std::byte> bytes, std::stri
   IctModel model;
   Face& face = model.face;
   face.name = take_text(in);
+  face.origin = Origin::ict;
   take_all(in, face.neutral_m);
   take_all(in, face.triangles);
   for (auto left = in.little<std::uint32_t>(); left > 0 && in.ok(); --left) {

@@ -346,6 +346,7 @@ Result<IctModel> read_model(const fs::path& folder, const IctOptions& options, c
   IctModel model;
   Face& face = model.face;
   face.name = "ict";
+  face.origin = Origin::ict;
   MIEN_TRY(read_indices(folder / "vertex_indices.json", face));
   MIEN_TRY_ASSIGN(ObjMesh neutral,
                   read_mesh(folder / fmt::format("{}.obj", kNeutral), ObjContent::positions_and_faces));

@@ -13,6 +13,8 @@ MotionCurve::MotionCurve(const Motion& motion) {
       time_s_.push_back(frame.time_s);
       frames_.push_back(frame);
     }
+    if (frame.has_face || motion.head_without_face)
+      heads_.push_back({frame.time_s, frame.head, frame.head_position_m});
   }
   for (std::size_t i = 0; i < motion.frames.size(); ++i) {
     if (motion.frames[i].has_face) continue;
@@ -34,6 +36,28 @@ MotionCurve::MotionCurve(const Motion& motion) {
   }
   for (std::size_t i = 0; i < n; ++i) value[i] = frames_[i].tongue_out;
   monotone_slopes(time_s_, value, tongue_slope_);
+}
+
+void MotionCurve::put_head(double time_s, MotionFrame& out) const {
+  const auto after = std::ranges::upper_bound(heads_, time_s, {}, &Head::time_s);
+  if (after == heads_.begin() || after == heads_.end()) {
+    const Head& end = after == heads_.begin() ? heads_.front() : heads_.back();
+    out.head = end.orientation;
+    out.head_position_m = end.position_m;
+    return;
+  }
+  const auto d = after + 1 < heads_.end() ? after + 1 : after;
+  const auto b = after - 1;
+  const auto a = b > heads_.begin() ? b - 1 : b;
+  const double span_s = after->time_s - b->time_s;
+  // At the ends there is no fourth point: the third stands twice, at an even distance.
+  const KnotSpacing spacing{.before = a < b ? (b->time_s - a->time_s) / span_s : 1.0,
+                            .after = d > after ? (d->time_s - after->time_s) / span_s : 1.0};
+  const double u = (time_s - b->time_s) / span_s;
+  out.head =
+      interpolate_rotation(a->orientation, b->orientation, after->orientation, d->orientation, u, spacing);
+  out.head_position_m =
+      interpolate_point(a->position_m, b->position_m, after->position_m, d->position_m, u, spacing);
 }
 
 MotionFrame MotionCurve::at(double time_s) const {
@@ -58,13 +82,8 @@ MotionFrame MotionCurve::at(double time_s) const {
           hermite(t0, frames_[a].weights[k], slope_[a][k], t1, frames_[b].weights[k], slope_[b][k], time_s);
     out.tongue_out = hermite(t0, frames_[a].tongue_out, tongue_slope_[a], t1, frames_[b].tongue_out,
                              tongue_slope_[b], time_s);
-    const double u = (time_s - t0) / (t1 - t0);
-    const MotionFrame& before = frames_[a > 0 ? a - 1 : a];
-    const MotionFrame& beyond = frames_[b + 1 < frames_.size() ? b + 1 : b];
-    out.head = interpolate_rotation(before.head, frames_[a].head, frames_[b].head, beyond.head, u);
-    out.head_position_m = interpolate_point(before.head_position_m, frames_[a].head_position_m,
-                                            frames_[b].head_position_m, beyond.head_position_m, u);
   }
+  put_head(time_s, out);
   out.time_s = time_s;
   out.has_face = std::ranges::none_of(
       lost_s_, [&](const auto& gap) { return time_s > gap.first && time_s < gap.second; });

@@ -23,13 +23,15 @@ struct Motion {
   std::string name;
   std::vector<MotionFrame> frames;  ///< time_s strictly increasing.
   bool has_head = false;            ///< False when the source's head columns are all zero.
+  bool head_without_face =
+      false;  ///< The head is known in frames without a face too: it did not come from a camera.
 
   [[nodiscard]] double duration_s() const { return frames.empty() ? 0 : frames.back().time_s; }
 };
 
 /// Plays a motion at any time: weights by monotone cubic on its own time code, the head by a cubic without
 /// steps in its speed; before the start and after the end it holds. A gap without a face is bridged, and
-/// has_face says so.
+/// has_face says so; a head that is known there goes on.
 class MotionCurve {
  public:
   explicit MotionCurve(const Motion& motion);
@@ -37,8 +39,16 @@ class MotionCurve {
   [[nodiscard]] double duration_s() const { return time_s_.empty() ? 0 : time_s_.back(); }
 
  private:
+  struct Head {
+    double time_s = 0;
+    Quat orientation;
+    Vec3 position_m;
+  };
+  void put_head(double time_s, MotionFrame& out) const;
+
   std::vector<double> time_s_;            // Frames with a face only.
   std::vector<MotionFrame> frames_;       // The same.
+  std::vector<Head> heads_;               // Frames with a head.
   std::vector<BlendshapeWeights> slope_;  // Per second.
   std::vector<float> tongue_slope_;
   std::vector<std::pair<double, double>> lost_s_;  // Open intervals without a face.

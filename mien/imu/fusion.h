@@ -64,6 +64,10 @@ struct FusionSettings {
   double mag_max_rejection_s = 60.0;
   double mag_rejection_factor = 2.0;
 
+  /// A rate at the end of its sensor's range hides how fast the turn was; by this share of the range it may
+  /// have been faster. Raising lets other readings put the heading right sooner.
+  double clip_excess = 0.5;
+
   /// A gap between samples longer than this restarts the inclination correction, s: the held rate cannot be
   /// trusted.
   double max_gap_s = 0.25;
@@ -131,7 +135,8 @@ class Fusion {
   /// Standard deviation of the bias, the largest of any direction, about.
   [[nodiscard]] double bias_sigma_rad_s() const;
   [[nodiscard]] bool at_rest() const { return at_rest_; }
-  /// Standard deviation that gaps have added to the orientation and that has not been corrected since, rad.
+  /// Standard deviation that gaps and clipped rates have added to the orientation and that has not been
+  /// corrected since, rad.
   [[nodiscard]] double gap_sigma_rad() const { return gap_sigma_; }
   /// The magnetic field is not that of before; the heading is held by the gyroscope.
   [[nodiscard]] bool mag_disturbed() const { return mag_.disturbed; }
@@ -175,6 +180,7 @@ class Fusion {
   Vec3 bias_ = Vec3::Zero();
   Mat3 bias_cov_;
   double gap_sigma_ = 0;
+  double clipped_rad_ = 0;  // What the running stretch of clipped rates may have hidden.
   MagState mag_;
 };
 

@@ -69,12 +69,11 @@ struct HeadingSettings {
   /// The rate's time constant, s: it dies away as the motion that made it does.
   double rate_tau_s = 30;
   /// Slow re-centring. Skin comes back to neutral: a turn about the vertical that is small against what the
-  /// heading may be off is taken as a reading of the heading, of this standard deviation, rad (2 deg; 0
+  /// heading may be off is taken as a reading of the heading, of this standard deviation, rad (4 deg; 0
   /// switches it off), once in this time, s. Lowering either holds drift tighter, and bends held expressions
-  /// towards neutral sooner. Chosen on virtual performers, whose skin's error over two minutes falls from 6.2
-  /// to 2.2 deg RMS; but the two real takes had been looked at before, and pointed the same way.
-  double neutral_sigma_rad = 0.035;
-  double neutral_every_s = 1;
+  /// towards neutral sooner. Chosen by `mien study drift` (docs/fusion.md).
+  double neutral_sigma_rad = 0.07;
+  double neutral_every_s = 4;
   /// Beyond this many sigmas (heading's and skin's together) it is an expression and says nothing.
   double neutral_gate = 2;
   /// How the heading itself wanders, rad per root s (0.03 deg).

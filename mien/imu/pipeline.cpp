@@ -302,7 +302,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
   const bool head_known = ear && calibration.complete && !s.channels[*s.head].began_anew;
   const Quat& c = calibration.q_head_ear;
   Vec3 head_rate = Vec3::Zero();
-  Vec3 head_turn = Vec3::Zero();  // Angular acceleration, frame H.
+  std::optional<Vec3> head_turn;  // Angular acceleration, frame H; known from the second frame on.
   if (head_known) {
     out.head = canonical(heading_turn(-calibration.neutral_heading_rad) * ear->orientation * c.conjugate());
     out.has_head = true;
@@ -348,9 +348,10 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     }
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
 
+    // Without the arm, what is left of the head's own acceleration would be taken for the skin's.
+    if (!s.lever_m[i] || !head_turn) continue;
     Vec3 accel = c * (world_to_ear * (s.turn_of(i) * sensor->force_world_m_s2 - ear->force_world_m_s2));
-    if (s.lever_m[i])
-      accel -= head_turn.cross(*s.lever_m[i]) + head_rate.cross(head_rate.cross(*s.lever_m[i]));
+    accel -= head_turn->cross(*s.lever_m[i]) + head_rate.cross(head_rate.cross(*s.lever_m[i]));
     feature.accel_m_s2 = (accel - calibration.sensors[i].neutral_accel_m_s2).cast<float>();
     feature.has_accel = true;
   }

@@ -52,6 +52,8 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
     return fail(ErrorCode::out_of_range, "the noise schedule is outside its range", where);
   if (m.sampler.steps < 1 || m.sampler.steps > m.schedule.levels)
     return fail(ErrorCode::out_of_range, "the number of sampler steps is outside its range", where);
+  if (!(m.sampler.first_noise >= 0 && m.sampler.first_noise <= 1))
+    return fail(ErrorCode::out_of_range, "the sampler's first noise is outside its range", where);
   std::set<std::string> profiles;
   for (const RidgeBaseline& ridge : m.ridge) {
     if (!profiles.insert(ridge.profile).second) return differ("two ridges are for one profile");
@@ -101,6 +103,7 @@ void read_metadata(const TensorFile& file, ModelFile& m) {
       sampler.at("hold").get<std::string>() == "clean" ? OverlapHold::clean : OverlapHold::noised;
   m.sampler.steps = sampler.at("steps").is_number_unsigned() ? sampler.at("steps").get<std::size_t>() : 0;
   m.sampler.seed = sampler.at("seed").get<std::uint64_t>();
+  m.sampler.first_noise = sampler.value("first_noise", 1.0);
   const auto text = [&](const char* name) {
     const auto it = file.metadata.find(name);
     return it == file.metadata.end() ? std::string() : it->second;
@@ -202,6 +205,7 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
       {"sampler", Json{{"kind", m.sampler.kind == SamplerKind::ddpm ? "ddpm" : "ddim"},
                        {"steps", m.sampler.steps},
                        {"seed", m.sampler.seed},
+                       {"first_noise", m.sampler.first_noise},
                        {"hold", m.sampler.hold == OverlapHold::clean ? "clean" : "noised"}}
                       .dump()},
       {"ridge", ridges.dump()},

@@ -23,8 +23,9 @@ class WindowSampler {
         noisy_(denoiser.architecture().window * denoiser.architecture().outputs),
         clean_(noisy_.size()) {}
 
-  /// `noise`: [frames x outputs] of unit noise. `held`: what the first frames are held at, as many as it has.
-  /// Gives the clean window, also over the held frames as the network itself sees them.
+  /// `noise`: [frames x outputs], unit noise times the settings' first_noise. `held`: what the first frames
+  /// are held at, as many as it has. Gives the clean window, also over the held frames as the network itself
+  /// sees them.
   std::span<const float> run(std::span<const float> condition, std::span<const float> noise,
                              std::span<const float> held, Random random) {
     const std::span x = std::span(noisy_).first(noise.size());
@@ -100,13 +101,17 @@ Result<std::vector<float>> solve_windows(const Denoiser& denoiser, const Schedul
   if (settings.steps < 1 || settings.steps > schedule.levels)
     return fail(ErrorCode::bad_usage,
                 fmt::format("{} sampler steps are not between 1 and {}", settings.steps, schedule.levels));
+  if (!(settings.first_noise >= 0 && settings.first_noise <= 1))
+    return fail(ErrorCode::bad_usage,
+                fmt::format("a first noise of {} is not within 0 to 1", settings.first_noise));
   if (!std::all_of(condition.begin(), condition.end(), [](float v) { return std::isfinite(v); }))
     return fail(ErrorCode::out_of_range, "a feature is not a finite number");
 
   const Random root(settings.seed);
   Random first = root.fork("first noise");
   std::vector<float> noise(frames * width), result(frames * width);
-  for (float& value : noise) value = static_cast<float>(first.normal());
+  const double size = settings.kind == SamplerKind::ddpm ? 1.0 : settings.first_noise;
+  for (float& value : noise) value = static_cast<float>(size * first.normal());
 
   WindowSampler sampler(denoiser, schedule, settings);
   const std::vector<std::size_t> starts = window_starts(frames, a.window);

@@ -27,7 +27,7 @@ enum class SamplerKind {
 /// What the frames that a window shares with the one before it are held at while it is denoised.
 enum class OverlapHold {
   clean,   ///< The previous window's result itself.
-  noised,  ///< The same with noise of the step's level.
+  noised,  ///< The same, mixed to the step's level with the first noise.
 };
 
 /// How weights are drawn from the network.
@@ -38,6 +38,9 @@ struct SamplerSettings {
   std::size_t steps = 4;
   std::uint64_t seed = 1;  ///< The same seed gives the same weights.
   OverlapHold hold = OverlapHold::noised;
+  /// Size of the first noise, 0 to 1: 1 as trained; 0 begins at the middle of all beginnings, for ddim with
+  /// few steps, whose answer would else tremble with the noise. ddpm takes 1.
+  double first_noise = 1;
   bool operator==(const SamplerSettings&) const = default;
 };
 

@@ -200,6 +200,12 @@ std::vector<std::uint16_t> Rig::face_sensors() const {
   return indices;
 }
 
+std::vector<std::string> Rig::face_sensor_names() const {
+  std::vector<std::string> names;
+  for (const std::uint16_t s : face_sensors()) names.push_back(sensors[s].name);
+  return names;
+}
+
 std::optional<std::uint16_t> Rig::head_sensor() const {
   for (std::size_t i = 0; i < sensors.size(); ++i)
     if (sensors[i].role == "head") return static_cast<std::uint16_t>(i);

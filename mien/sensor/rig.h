@@ -21,8 +21,8 @@ struct Mount {
   std::string role;     ///< "face", or "head" for the sensor that carries the head's rotation.
   std::string device;   ///< Binding to a device: "id[/channel]"; empty when bound later.
   int ict_vertex = -1;  ///< Site on the ICT mesh; -1 when not given.
-  std::optional<Vec3>
-      position_m;  ///< Site on the built-in face's neutral, head frame, when it differs from the mapped one.
+  /// Site on the built-in face's neutral, frame H. Without it acceleration against the head is unknown.
+  std::optional<Vec3> position_m;
   std::optional<Vec3> outward;  ///< Outward axis in the sensor's own frame (unit), if the sensor has one.
 };
 
@@ -36,6 +36,7 @@ struct Rig {
   [[nodiscard]] std::optional<std::uint16_t> find(std::string_view sensor_name) const;
   /// Indices of the sensors with role "face", in order: the sensors that features are made of.
   [[nodiscard]] std::vector<std::uint16_t> face_sensors() const;
+  [[nodiscard]] std::vector<std::string> face_sensor_names() const;  ///< Of the same.
   [[nodiscard]] std::optional<std::uint16_t> head_sensor() const;
 };
 

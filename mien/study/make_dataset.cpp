@@ -3,19 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <numbers>
 #include <optional>
-#include <thread>
 
 #include "mien/core/toml.h"
 #include "mien/face/builtin.h"
 #include "mien/face/load.h"
+#include "mien/study/performers.h"
 #include "mien/study/trace_features.h"
 #include "mien/virtual/device_faults.h"
+#include "mien/virtual/head_motion.h"
 #include "mien/virtual/performer.h"
 #include "mien/virtual/script.h"
 #include "mien/virtual/session.h"
@@ -23,6 +22,9 @@
 
 namespace mien::study {
 namespace {
+
+/// How much longer a long device session is.
+constexpr double kLong = 2.5;
 
 /// Where people come from.
 struct FaceSource {
@@ -69,14 +71,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
                                           std::uint32_t performer) {
   const Random root = Random(recipe.seed).fork("performer", performer);
   const face::Face face = draw_face(faces, recipe.identities, root.fork("identity"));
-  Random placement = root.fork("placement");
-  std::vector<Vec3> offsets_m(rig.sensors.size());
-  for (Vec3& offset : offsets_m) {
-    const double x = placement.normal();
-    const double y = placement.normal();
-    const double z = placement.normal();
-    offset = 1e-3 * recipe.placement_mm * Vec3(x, y, z);
-  }
+  const std::vector<Vec3> offsets_m =
+      virt::draw_placement(rig, 1e-3 * recipe.placement_mm, root.fork("placement"));
   MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> mesh_sites, virt::skin_sites(face, rig, offsets_m));
   const std::vector<virt::SkinSite> sites =
       virt::draw_kinematics(mesh_sites, recipe.kinematics, root.fork("kinematics"));
@@ -107,8 +103,15 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
   }
   const bool held_out = performer >= static_cast<std::uint32_t>(recipe.performers);
   if (recipe.device_seconds > 0 && (held_out || root.fork("device share").uniform() < recipe.device_share)) {
-    const virt::Script script = virt::random_script(recipe.device_seconds, script_random);
-    const face::Motion motion = virt::perform(script, style, root.fork("device motion"));
+    // Some sessions are long, since headings drift, and in half of them the head moves as people wear such
+    // things: nodding, turning, walking, whatever the face does.
+    Random session_random = root.fork("device session");
+    const double seconds =
+        recipe.device_seconds * (session_random.chance(recipe.device_long_share) ? kLong : 1);
+    const virt::Script script = virt::random_script(seconds, script_random);
+    face::Motion motion = virt::perform(script, style, root.fork("device motion"));
+    if (session_random.chance(recipe.device_moving_share))
+      motion = virt::with_head_motion(motion, root.fork("head"));
     const virt::PrologueMotion begun =
         virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
     MIEN_TRY_ASSIGN(const virt::VirtualSession session,
@@ -139,6 +142,8 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
       {"performers", {&recipe.performers, 1}}, {"validation_performers", {&recipe.validation_performers, 1}}};
   const std::map<std::string_view, std::pair<double*, double>> sizes = {
       {"device_share", {&recipe.device_share, 1}},
+      {"device_long_share", {&recipe.device_long_share, 1}},
+      {"device_moving_share", {&recipe.device_moving_share, 1}},
       {"placement_mm", {&recipe.placement_mm, 50}},
       {"kinematics_gain", {&recipe.kinematics.gain, 10}},
       {"kinematics_deg", {&kinematics_deg, 180}}};
@@ -186,41 +191,13 @@ Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& f
   MIEN_TRY_ASSIGN(const FaceSource faces, open_faces(face_name, progress));
   const auto count = static_cast<std::size_t>(recipe.performers + recipe.validation_performers);
   std::vector<std::vector<Sequence>> performed(count);
-  std::atomic<std::size_t> next = 0;
-  std::atomic<std::size_t> done = 0;
-  std::atomic<bool> stop = false;
-  std::optional<Error> error;
-  std::mutex error_mutex;
-  const auto work = [&] {
-    for (std::size_t p = next++; p < count && !stop; p = next++) {
-      auto one = perform_one(recipe, faces, rig, faults, static_cast<std::uint32_t>(p));
-      if (one) {
-        performed[p] = std::move(*one);
-        ++done;
-        continue;
-      }
-      const std::scoped_lock lock(error_mutex);
-      error = one.error();
-      stop = true;
-    }
-  };
-  {
-    std::vector<std::jthread> workers;
-    if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
-    for (unsigned i = 0; i < threads; ++i) workers.emplace_back(work);
-    while (done < count && !stop) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      if (!progress(static_cast<double>(done) / static_cast<double>(count),
-                    fmt::format("{} of {} performers", done.load(), count)))
-        stop = true;
-    }
-  }
-  if (error) return std::unexpected(*error);
-  if (done < count)
-    return fail(ErrorCode::cancelled, "stopped before all performers had performed", face_name);
+  MIEN_TRY(for_each_performer(count, threads, progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(performed[p], perform_one(recipe, faces, rig, faults, static_cast<std::uint32_t>(p)));
+    return {};
+  }));
 
   TrainingData data;
-  for (const std::uint16_t s : rig.face_sensors()) data.train.sensors.push_back(rig.sensors[s].name);
+  data.train.sensors = rig.face_sensor_names();
   data.validation.sensors = data.train.sensors;
   for (std::size_t p = 0; p < count; ++p)
     for (Sequence& sequence : performed[p])

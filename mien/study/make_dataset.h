@@ -23,6 +23,11 @@ struct DataRecipe {
   /// fused.
   double device_seconds = 30;
   double device_share = 1;  ///< Share of the performers that are simulated so.
+  double device_long_share =
+      0.2;  ///< Share of those whose session is 2.5 times as long, since headings drift.
+  /// Share of those whose head moves as people wear such things, nodding, turning and walking whatever the
+  /// face does; the others move it as suits what they perform.
+  double device_moving_share = 0.5;
   /// Different people: the built-in family's identities, or ICT's.
   bool identities = true;
   double placement_mm = 3;            ///< Placement error along the skin, one sigma an axis.
@@ -31,6 +36,7 @@ struct DataRecipe {
     return seed == other.seed && performers == other.performers &&
            validation_performers == other.validation_performers && seconds == other.seconds &&
            device_seconds == other.device_seconds && device_share == other.device_share &&
+           device_long_share == other.device_long_share && device_moving_share == other.device_moving_share &&
            identities == other.identities && placement_mm == other.placement_mm &&
            kinematics.gain == other.kinematics.gain &&
            kinematics.direction_rad == other.kinematics.direction_rad;

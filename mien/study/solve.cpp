@@ -38,12 +38,6 @@ Result<std::vector<take::StoredSample>> decode_log(const std::vector<take::LogEn
   return out;
 }
 
-std::vector<std::string> face_sensor_names(const sensor::Rig& rig) {
-  std::vector<std::string> names;
-  for (const std::uint16_t s : rig.face_sensors()) names.push_back(rig.sensors[s].name);
-  return names;
-}
-
 }  // namespace
 
 std::string hash_frames(std::span<const face::OutputFrame> frames) {
@@ -81,8 +75,15 @@ Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, S
 Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver, SolveFrom from,
                             const model::SamplerSettings& settings, const Progress& progress) {
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
-  const std::vector<std::string> sensors = face_sensor_names(take.rig());
+  const std::vector<std::string> sensors = take.rig().face_sensor_names();
   Solution out;
+  std::size_t felt = 0, all = 0;
+  for (const model::FeatureFrame& frame : features)
+    for (const model::SensorFeature& sensor : frame.sensors) {
+      felt += sensor.has_rotation ? 1 : 0;
+      ++all;
+    }
+  out.felt = all > 0 ? static_cast<double>(felt) / static_cast<double>(all) : 0;
   MIEN_TRY_ASSIGN(out.frames, solver.solve(features, sensors, settings, progress));
   out.ridge = solver.ridge(features, sensors, take.header().devices == "lab" ? "lab" : "device");
   out.hash = hash_frames(out.frames);

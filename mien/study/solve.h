@@ -22,6 +22,7 @@ struct Solution {
   std::vector<face::OutputFrame> frames;  ///< One a tick.
   std::vector<face::BlendshapeWeights>
       ridge;         ///< One a tick; empty when the model file has none for the profile.
+  double felt = 0;   ///< Share of the sensors' rotations that were there; the rest was guessed without them.
   std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 

@@ -7,8 +7,9 @@ namespace mien::study {
 std::vector<model::FeatureFrame> trace_features(const sensor::Rig& rig, std::span<const take::Event> events,
                                                 std::span<const take::StoredSample> samples,
                                                 std::span<const take::Tick> ticks,
+                                                const imu::PipelineSettings& settings,
                                                 imu::Calibration* calibration) {
-  imu::Pipeline pipeline(rig);
+  imu::Pipeline pipeline(rig, settings);
   for (const take::Event& event : events)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   std::vector<model::FeatureFrame> frames;

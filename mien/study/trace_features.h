@@ -17,6 +17,7 @@ namespace mien::study {
                                                               std::span<const take::Event> events,
                                                               std::span<const take::StoredSample> samples,
                                                               std::span<const take::Tick> ticks,
+                                                              const imu::PipelineSettings& settings = {},
                                                               imu::Calibration* calibration = nullptr);
 
 }  // namespace mien::study

@@ -94,6 +94,13 @@ struct Note {
   std::string value;
 };
 
+/// When a take that is being written can be seen under its name.
+enum class Appears {
+  at_once,        ///< A recording: whatever happens, what came until then is there.
+  when_finished,  ///< Something made: finish() puts it in place, whole; without it nothing is left and an
+                  ///< older file stands.
+};
+
 /// Writes a take while it is recorded. Append-only, and what is stored is always a prefix of what was added:
 /// a writer thread commits at least every half second, so a kill loses at most that.
 ///
@@ -104,13 +111,14 @@ struct Note {
 /// under way.
 class TakeWriter {
  public:
-  /// The file appears at `path`, whole, when this returns; an older one is replaced by then and not before.
-  /// Errors: bad_usage when the file exists and not `replace`; io; a header whose rig does not parse.
+  /// The file appears at `path`, with its header whole, when this returns, or when finish() does; an older
+  /// one is replaced then and not before. Errors: bad_usage when the file exists and not `replace`; io; a
+  /// header whose rig does not parse.
   [[nodiscard]] static Result<TakeWriter> create(const std::filesystem::path& path, const Header& header,
-                                                 bool replace);
+                                                 bool replace, Appears appears = Appears::at_once);
   TakeWriter(TakeWriter&&) noexcept;
   TakeWriter& operator=(TakeWriter&&) noexcept;
-  ~TakeWriter();  ///< As finish(), its error lost.
+  ~TakeWriter();  ///< As finish(), its error lost; one that has not appeared yet never does.
 
   /// Returns the entry's id. `arrival` never runs backwards; up to 16 MiB an entry.
   std::int64_t add_entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes);

@@ -38,7 +38,7 @@ constexpr int kBusyTimeoutMs = 60'000;
 /// moment there is no take, the old one, or the new one.
 class NewFile {
  public:
-  explicit NewFile(const fs::path& path) : path_(path), name_(path.string() + ".XXXXXX") {}
+  explicit NewFile(fs::path path) : path_(std::move(path)), name_(path_.string() + ".XXXXXX") {}
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
   ~NewFile() {
@@ -64,8 +64,13 @@ class NewFile {
   }
 
   Result<void> put_in_place(bool replace) {
-    // What an older take left beside itself would be rolled back into the new one.
-    ::unlink((path_.string() + "-journal").c_str());
+    if (!replace && fs::exists(fs::symlink_status(path_)))
+      return fail(ErrorCode::bad_usage, "a file of this name has appeared meanwhile", path_.string(),
+                  "choose another name, or replace it with --force");
+    // What an older take left beside itself would be rolled back into the new one; should this fail, it is
+    // the older one's again.
+    const std::string journal = path_.string() + "-journal", aside = name_ + "-older-journal";
+    const bool set_aside = ::rename(journal.c_str(), aside.c_str()) == 0;
     int done = -1;
     if (replace) {
       done = ::rename(name_.c_str(), path_.c_str());
@@ -74,7 +79,12 @@ class NewFile {
       // Some file systems cannot; the check at the start stands for it there.
       if (done != 0 && (errno == EINVAL || errno == ENOSYS)) done = ::rename(name_.c_str(), path_.c_str());
     }
-    if (done != 0) return fail(ErrorCode::io, std::strerror(errno), path_.string());
+    if (done != 0) {
+      const int problem = errno;
+      if (set_aside) ::rename(aside.c_str(), journal.c_str());
+      return fail(ErrorCode::io, std::strerror(problem), path_.string());
+    }
+    if (set_aside) ::unlink(aside.c_str());
     made_ = false;
     const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
     const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -88,7 +98,7 @@ class NewFile {
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:
-  const fs::path& path_;
+  fs::path path_;
   std::string name_;
   bool made_ = false;
 };
@@ -330,6 +340,10 @@ struct TakeWriter::State {
   bool stop = false;
   std::optional<Error> error;
 
+  // Where the take does not appear before it is whole: goes with the writer unless finish() puts it in place.
+  std::unique_ptr<NewFile> unfinished;
+  bool replace = false;
+
   // The writer thread's.
   Database database;
   std::thread thread;
@@ -407,17 +421,18 @@ TakeWriter::TakeWriter(TakeWriter&&) noexcept = default;
 
 TakeWriter& TakeWriter::operator=(TakeWriter&& other) noexcept {
   if (this != &other) {
-    if (state_) static_cast<void>(finish());
+    if (state_ && !state_->unfinished) static_cast<void>(finish());
     state_ = std::move(other.state_);
   }
   return *this;
 }
 
 TakeWriter::~TakeWriter() {
-  if (state_) static_cast<void>(finish());
+  if (state_ && !state_->unfinished) static_cast<void>(finish());
 }
 
-Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header, bool replace) {
+Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header, bool replace,
+                                      Appears appears) {
   const std::string where = path.string();
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
@@ -440,16 +455,22 @@ Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header
                               is_utf8(*text) ? text->substr(0, 40) : "?", kMaxTextBytes),
                   where, "rename the file that it names, or shorten it");
 
-  NewFile file(path);
-  MIEN_TRY(file.make());
+  auto file = std::make_unique<NewFile>(path);
+  MIEN_TRY(file->make());
   {
-    MIEN_TRY_ASSIGN(Database fresh, open_for_writing(file.name(), where));
+    MIEN_TRY_ASSIGN(Database fresh, open_for_writing(file->name(), where));
     MIEN_TRY(write_header(fresh, header));
     MIEN_TRY(fresh.close());
   }
-  MIEN_TRY(file.put_in_place(replace));
   auto state = std::make_unique<State>(path, rig.sensors.size());
-  MIEN_TRY_ASSIGN(state->database, open_for_writing(path.string(), where));
+  if (appears == Appears::at_once) {
+    MIEN_TRY(file->put_in_place(replace));
+    MIEN_TRY_ASSIGN(state->database, open_for_writing(path.string(), where));
+  } else {
+    MIEN_TRY_ASSIGN(state->database, open_for_writing(file->name(), where));
+    state->unfinished = std::move(file);
+    state->replace = replace;
+  }
   state->thread = std::thread([owner = state.get()] { owner->run(); });
   return TakeWriter(std::move(state));
 }
@@ -630,6 +651,10 @@ Result<void> TakeWriter::finish() {
   s.thread.join();
   const auto closed = s.database.close();
   s.finished = s.error ? Result<void>(std::unexpected(*s.error)) : closed;
+  if (s.unfinished) {
+    if (*s.finished) s.finished = s.unfinished->put_in_place(s.replace);
+    s.unfinished.reset();
+  }
   return *s.finished;
 }
 

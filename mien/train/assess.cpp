@@ -168,17 +168,21 @@ Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training, cons
   MIEN_TRY_ASSIGN(const model::Denoiser denoiser, model::Denoiser::create(model.architecture, model.network));
   const Trial trial(denoiser, model.schedule);
   const std::vector<Frames> takes = sampler_takes(recipe, validation, model.architecture.condition);
-  const std::size_t trials = 2 * recipe.sampler_steps.size();
+  std::vector<model::SamplerSettings> candidates;
   for (const std::size_t steps : recipe.sampler_steps)
-    for (const model::OverlapHold hold : {model::OverlapHold::noised, model::OverlapHold::clean}) {
-      if (!progress(static_cast<double>(assessment.samplers.size()) / static_cast<double>(trials),
-                    "choosing the sampler"))
-        return fail(ErrorCode::cancelled, "stopped while choosing the sampler");
-      MIEN_TRY_ASSIGN(
-          auto candidate,
-          trial.run(takes, {.kind = model::SamplerKind::ddim, .steps = steps, .seed = 1, .hold = hold}));
-      assessment.samplers.push_back(candidate);
-    }
+    for (const double first_noise : {1.0, 0.0})
+      for (const model::OverlapHold hold : {model::OverlapHold::noised, model::OverlapHold::clean})
+        candidates.push_back({.kind = model::SamplerKind::ddim,
+                              .steps = steps,
+                              .seed = 1,
+                              .hold = hold,
+                              .first_noise = first_noise});
+  for (const model::SamplerSettings& settings : candidates) {
+    if (!progress(static_cast<double>(assessment.samplers.size()) / static_cast<double>(candidates.size()),
+                  "choosing the sampler"))
+      return fail(ErrorCode::cancelled, "stopped while choosing the sampler");
+    MIEN_TRY_ASSIGN(assessment.samplers.emplace_back(), trial.run(takes, settings));
+  }
   const auto better = [](const Assessment::Candidate& a, const Assessment::Candidate& b) {
     const bool a_smooth = a.seam_ratio <= kSeamLimit, b_smooth = b.seam_ratio <= kSeamLimit;
     return a_smooth != b_smooth ? a_smooth : a.mse < b.mse;

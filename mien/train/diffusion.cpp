@@ -39,7 +39,8 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
 }
 
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
-  const torch::Tensor error = (predicted - batch.clean).abs();
+  const torch::Tensor difference = predicted - batch.clean;
+  const torch::Tensor error = recipe.loss == LossKind::l1 ? difference.abs() : difference.square();
   if (recipe.t_weight == 0) return error.mean();
   const torch::Tensor weight =
       ((batch.level.to(torch::kFloat) + 1) / static_cast<double>(recipe.schedule.levels))

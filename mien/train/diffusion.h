@@ -27,7 +27,7 @@ class NoiseMixer {
   torch::Tensor keep_, add_;  ///< One number a level.
 };
 
-/// The training loss: mean absolute error of the clean windows, weighted by noise level where the recipe says
+/// The training loss: mean error of the clean windows, weighted by noise level where the recipe says
 /// so.
 [[nodiscard]] torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted,
                                     const DeviceBatch& batch);

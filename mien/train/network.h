@@ -12,9 +12,11 @@ namespace mien::train {
 using Parameters = std::vector<torch::Tensor>;
 
 /// Fresh weights: uniform in +-1/sqrt(inputs) as libtorch's own linear layers, normalisations the identity.
-/// The same seed gives the same weights everywhere.
+/// The same seed gives the same weights everywhere. With `near_first`, query and key of each head begin as
+/// the same few quick position waves, so that a frame looks at its neighbours; else a network must first
+/// learn where they are.
 [[nodiscard]] Parameters fresh_parameters(const model::Architecture& architecture, std::uint64_t seed,
-                                          const torch::Device& device);
+                                          bool near_first, const torch::Device& device);
 
 /// To and from a model file's tensors. Sizes must be the architecture's.
 [[nodiscard]] std::vector<model::Tensor> to_tensors(const model::Architecture& architecture,

@@ -125,6 +125,7 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   n.whole("window", r.architecture.window, 2, 1024);
   n.flag("presence_flags", r.presence_flags);
   n.number("dropout", r.dropout, 0, 0.9);
+  n.flag("near_first", r.near_first);
   MIEN_TRY(n.finish());
   if (const auto ok = model::check(r.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
 
@@ -137,6 +138,7 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   o.number("ema", r.ema, 0, 0.99999);
   o.whole("ema_every", r.ema_every, 1, 100000);
   if (const auto precision = o.choice("precision", {"bf16", "fp32"})) r.bf16 = *precision == "bf16";
+  if (const auto loss = o.choice("loss", {"l1", "l2"})) r.loss = *loss == "l1" ? LossKind::l1 : LossKind::l2;
   MIEN_TRY(o.finish());
 
   Section s(noise, "noise.", where);

@@ -14,7 +14,13 @@ namespace mien::train {
 /// What a validation score is compared by.
 enum class Score {
   mse,   ///< Squared error of the weights that the network gives when asked once, from pure noise.
-  loss,  ///< The training loss, over a few noise levels.
+  loss,  ///< Mean absolute error over a few noise levels, whatever loss training makes small.
+};
+
+/// What training makes small: of the clean windows' errors in [-1, 1].
+enum class LossKind {
+  l1,  ///< Mean absolute error: the network answers with medians, as the published one does.
+  l2,  ///< Mean squared error: it answers with means, which is what an error in squares asks for.
 };
 
 /// How a model is made, from data to budget: a TOML file (docs/model.md lists its keys). Defaults are the
@@ -27,6 +33,8 @@ struct Recipe {
   model::Architecture architecture;  ///< `condition` is filled in from the data's sensors.
   bool presence_flags = true;        ///< Off in the faithful variant.
   double dropout = 0.1;              ///< 0 to 0.9. Raise it when training loss runs away from validation.
+  /// Attention begins by looking at near frames, each head more closely than the one before; else anywhere.
+  bool near_first = false;
 
   // [data]: the table as TOML text, unread, for whoever makes the data.
   std::string data;
@@ -40,6 +48,7 @@ struct Recipe {
   double ema = 0.999;               ///< The averaged weights keep this share at each averaging.
   std::size_t ema_every = 1;        ///< Steps between averagings.
   bool bf16 = true;                 ///< Products in bf16.
+  LossKind loss = LossKind::l1;
 
   // [noise]
   model::ScheduleSettings schedule;

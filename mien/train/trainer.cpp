@@ -186,7 +186,7 @@ class Training {
   }
 
   Result<void> start() {
-    weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, *device_);
+    weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, recipe_.near_first, *device_);
     adam_.emplace(weights_);
     average_.emplace(weights_);
     state_.run = run_;
@@ -331,6 +331,7 @@ class Training {
       profiles[p.name] = {{"ridge_mse", p.ridge_mse}, {"mean_pose_mse", p.mean_pose_mse}};
     for (const auto& c : assessment.samplers)
       samplers.push_back({{"steps", c.settings.steps},
+                          {"first_noise", c.settings.first_noise},
                           {"hold", c.settings.hold == model::OverlapHold::clean ? "clean" : "noised"},
                           {"mse", c.mse},
                           {"jitter_ratio", c.jitter_ratio},
@@ -410,7 +411,7 @@ Result<double> measure_speed(const Recipe& given, std::size_t sensors, std::size
     batch.clean.push_back(static_cast<float>(random.uniform(-1, 1)));
   for (std::size_t i = 0; i < recipe.batch; ++i)
     batch.level.push_back(static_cast<std::int64_t>(random.below(recipe.schedule.levels)));
-  Parameters weights = fresh_parameters(a, 1, device);
+  Parameters weights = fresh_parameters(a, 1, recipe.near_first, device);
   Adam adam(weights);
   MovingAverage average(weights);
   const NoiseMixer mixer(recipe.schedule, device);

@@ -38,7 +38,6 @@ Result<DeviceFaults> parse_faults(std::string_view text, const std::string& wher
       {"accel_range_g", &faults.accel_range_g},
       {"mag_noise_ut", &faults.mag_noise_ut},
       {"mag_hard_iron_ut", &faults.mag_hard_iron_ut},
-      {"heading_deg", &faults.heading_deg},
       {"clock_drift_ppm", &faults.clock_drift_ppm},
       {"radio_delay_ms", &faults.radio_delay_ms},
       {"radio_delay_min_ms", &faults.radio_delay_min_ms},

@@ -13,7 +13,7 @@ namespace mien::virt {
 struct DeviceFaults {
   double mount_rotation_deg =
       0;  ///< Sensor's axes against the skin: uniform angle up to this about any axis; 180: any turn.
-  double mount_position_mm = 0;      ///< Off the site, along the skin.
+  double mount_position_mm = 0;      ///< Off the site, along the skin (draw_placement).
   double slip_deg_per_sqrt_min = 0;  ///< Random walk of the mounting.
   std::array<double, 2>
       adhesive_lag_ms{};  ///< First-order lag between skin and sensor, uniform between these.
@@ -29,8 +29,6 @@ struct DeviceFaults {
   bool magnetometer = false;
   double mag_noise_ut = 0;
   double mag_hard_iron_ut = 0;
-  double heading_deg =
-      0;  ///< Reserved for nodes that fuse: heading their fusion starts at, uniform up to this.
   std::array<double, 2> clock_offset_s{};  ///< Device clock at the session's start, uniform.
   double clock_drift_ppm = 0;
   double radio_delay_ms = 0;  ///< Mean of the exponential part of the arrival delay.

@@ -273,6 +273,7 @@ face::Motion with_head_motion(const face::Motion& motion, Random random) {
     frame.head_position_m = (1 - u) * track.position_m[i] + u * track.position_m[i + 1];
   }
   out.has_head = true;
+  out.head_without_face = true;
   return out;
 }
 

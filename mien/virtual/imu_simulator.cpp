@@ -38,7 +38,6 @@ ImuSimulator::ImuSimulator(const DeviceFaults& faults, std::uint16_t site, Rando
   mount_ = faults.mount_rotation_deg >= 180
                ? mount.rotation()
                : exp_rotation(mount.direction() * mount.uniform(0, faults.mount_rotation_deg) * kRadPerDeg);
-  offset_tangent_ = normal_vector(mount, 1e-3 * faults.mount_position_mm);
   Random adhesive = random.fork("adhesive");
   lag_s_ = 1e-3 * adhesive.uniform(faults.adhesive_lag_ms[0], faults.adhesive_lag_ms[1]);
   Random chip = random.fork("chip");
@@ -49,12 +48,9 @@ ImuSimulator::ImuSimulator(const DeviceFaults& faults, std::uint16_t site, Rando
   hard_iron_t_ = normal_vector(chip, faults.mag_hard_iron_ut * kTeslaPerMicrotesla);
 }
 
-std::vector<VirtualPacket> ImuSimulator::play(const SkinTrajectory& trajectory,
-                                              const std::vector<SkinSite>& sites) {
-  const SkinSite& site = sites[site_];
+std::vector<VirtualPacket> ImuSimulator::play(const SkinTrajectory& trajectory) {
   const std::size_t points = trajectory.points;
   const double grid_s = 1 / kTrajectoryRateHz;
-  const Vec3 offset_m = offset_tangent_ - site.normal * site.normal.dot(offset_tangent_);
 
   // The sensor on the trajectory's grid: the skin, through the adhesive, slipping.
   std::vector<Quat> orientation(points);
@@ -71,7 +67,7 @@ std::vector<VirtualPacket> ImuSimulator::play(const SkinTrajectory& trajectory,
     moved += follow * (trajectory.position_m[site_][i] - moved);
     slip_rad += normal_vector(slip_random, slip_step_rad);
     orientation[i] = trajectory.head[i] * turned * exp_rotation(slip_rad) * mount_;
-    position_m[i] = trajectory.head_position_m[i] + trajectory.head[i] * (moved + turned * offset_m);
+    position_m[i] = trajectory.head_position_m[i] + trajectory.head[i] * moved;
   }
 
   // The sensor's own grid: samples at k / rate of its clock, orientation and position half a period before

@@ -42,16 +42,14 @@ class ImuSimulator {
   [[nodiscard]] const VirtualClock& clock() const { return clock_; }
 
   /// The packets of the whole trajectory that arrive, in the order in which they were sent.
-  [[nodiscard]] std::vector<VirtualPacket> play(const SkinTrajectory& trajectory,
-                                                const std::vector<SkinSite>& sites);
+  [[nodiscard]] std::vector<VirtualPacket> play(const SkinTrajectory& trajectory);
 
  private:
   DeviceFaults faults_;
   std::uint16_t site_;
   Random random_;
   VirtualClock clock_;
-  Quat mount_;           // q_skin_sensor.
-  Vec3 offset_tangent_;  // Off the site, metres; projected to the skin when played.
+  Quat mount_;  // q_skin_sensor.
   double lag_s_ = 0;
   Vec3 gyro_bias_rad_s_ = Vec3::Zero();
   Vec3 gyro_scale_ = Vec3::Ones();

@@ -5,11 +5,11 @@
 
 #include <chrono>
 #include <ctime>
+#include <span>
 #include <thread>
 
 #include "mien/core/files.h"
 #include "mien/face/load.h"
-#include "mien/face/load_motion.h"
 #include "mien/imu/pipeline.h"
 #include "mien/take/session_log.h"
 #include "mien/take/take.h"
@@ -35,11 +35,11 @@ std::string_view prologue_name(PrologueKind kind) {
   return "none";
 }
 
-Result<face::Motion> motion_of(const PerformRequest& request, const Random& root) {
-  if (!request.motion.empty()) return face::load_motion(request.motion);
+face::Motion motion_of(const PerformRequest& request, const Random& root) {
+  if (request.motion) return *request.motion;
   Random style_random = root.fork("style");
   const Style style = draw_style(style_random);
-  Script script = default_script(request.block, request.seconds);
+  Script script = request.script;
   script.moves_head = request.devices != "lab";
   return perform(script, style, root.fork("motion"));
 }
@@ -91,10 +91,18 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
     MIEN_TRY_ASSIGN(faults, parse_faults(text, request.devices));
   }
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
-  MIEN_TRY_ASSIGN(const std::vector<SkinSite> sites, skin_sites(face, rig));
-
   const Random root(request.seed);
-  MIEN_TRY_ASSIGN(face::Motion motion, motion_of(request, root));
+  const std::vector<Vec3> placement_m =
+      draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"));
+  MIEN_TRY_ASSIGN(const std::vector<SkinSite> sites, skin_sites(face, rig, placement_m));
+
+  const double seconds = request.motion ? request.motion->duration_s() : request.script.duration_s();
+  if (!(seconds <= kLongestPerformanceS))
+    return fail(
+        ErrorCode::out_of_range,
+        fmt::format("the performance is {:.0f} s long, more than {:.0f}", seconds, kLongestPerformanceS),
+        request.script_name, "perform it in parts; a time code may jump");
+  face::Motion motion = motion_of(request, root);
   if (!motion.has_head && !lab) motion = with_head_motion(motion, root.fork("head"));
   const PrologueMotion begun = with_prologue(motion, request.prologue, root.fork("prologue"), !lab);
 
@@ -107,8 +115,7 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   take::Header header;
   header.software = request.software;
   header.performer = fmt::format("virtual:{}", request.seed);
-  header.script = request.motion.empty() ? std::string(block_name(request.block))
-                                         : std::filesystem::path(request.motion).filename().string();
+  header.script = request.script_name;
   header.devices = request.devices;
   header.face = request.face;
   header.prologue = prologue_name(request.prologue);
@@ -118,18 +125,36 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   // Before the file is there: a recording begins when its take does.
   std::vector<take::CalibrationVersion> calibrations;  // In lab it is the identity.
   if (!lab) calibrations = calibrations_of(rig, session);
-  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(request.take, header, request.replace));
+  MIEN_TRY_ASSIGN(
+      take::TakeWriter writer,
+      take::TakeWriter::create(request.take, header, request.replace,
+                               request.real_time ? take::Appears::at_once : take::Appears::when_finished));
   for (const take::Event& event : session.events) writer.add_event(event);
 
   const auto start = std::chrono::steady_clock::now();
   std::size_t next_sample = 0;
   std::size_t next_tick = 0;
   std::size_t next_calibration = 0;
+  std::size_t sound_written = 0;
   bool stopped = false;
+  // Sound goes in as it is heard, in pieces of half a second and what is left at the end.
+  const auto write_sound = [&](DeviceTime heard, bool last) {
+    if (!request.sound) return;
+    const Sound& sound = *request.sound;
+    const double at = std::max(0.0, to_seconds(heard - session.motion_start)) * sound.rate_hz;
+    const std::size_t end =
+        last ? sound.samples.size() : std::min(sound.samples.size(), static_cast<std::size_t>(at));
+    if (end <= sound_written || (!last && end - sound_written < sound.rate_hz / 2)) return;
+    const double from_s = static_cast<double>(sound_written) / sound.rate_hz;
+    writer.add_audio(static_cast<int>(sound.rate_hz), session.motion_start + from_seconds(from_s),
+                     std::span(sound.samples).subspan(sound_written, end - sound_written));
+    sound_written = end;
+  };
   const auto write_ticks = [&](std::int64_t known) {
     for (; next_tick < session.ticks.size() && session.ticks[next_tick].after_entry <= known; ++next_tick) {
       writer.add_tick(session.ticks[next_tick]);
       writer.add_truth(session.truth[next_tick]);
+      write_sound(session.ticks[next_tick].frame, false);
       for (; next_calibration < calibrations.size() &&
              calibrations[next_calibration].made <= session.ticks[next_tick].frame;
            ++next_calibration)
@@ -151,14 +176,16 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
       break;
     }
   }
-  if (!stopped) write_ticks(static_cast<std::int64_t>(session.entries.size()));
-  const Result<void> finished = writer.finish();
-  if ((stopped || !finished) && !request.real_time) std::filesystem::remove(request.take, code);
-  if (!finished) return std::unexpected(finished.error());
-  if (stopped) {
-    return fail(ErrorCode::cancelled, "stopped", request.take.string(),
-                request.real_time ? "what was performed until then is kept" : "nothing was kept");
+  if (stopped && !request.real_time)
+    return fail(ErrorCode::cancelled, "stopped", request.take.string(), "nothing was kept");
+  if (!stopped) {
+    write_ticks(static_cast<std::int64_t>(session.entries.size()));
+    write_sound({}, true);
   }
+  MIEN_TRY(writer.finish());
+  if (stopped)
+    return fail(ErrorCode::cancelled, "stopped", request.take.string(),
+                "what was performed until then is kept");
   progress(1, "written");
   return PerformSummary{begun.motion.duration_s(), session.ticks.size(), session.entries.size(),
                         session.samples.size()};

@@ -142,6 +142,7 @@ class Prologue {
     face::Motion out;
     out.name = motion.name;
     out.has_head = motion.has_head || gestures_;
+    out.head_without_face = motion.head_without_face;
     const auto frame_count = static_cast<std::size_t>(std::round(times.motion_start_s * kFrameRateHz));
     out.frames.reserve(frame_count + motion.frames.size());
 

@@ -85,7 +85,7 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   for (std::size_t s = 0; s < sites.size(); ++s) {
     ImuSimulator simulator(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
     clocks.push_back(simulator.clock());
-    for (const VirtualPacket& virtual_packet : simulator.play(trajectory, sites)) {
+    for (const VirtualPacket& virtual_packet : simulator.play(trajectory)) {
       MIEN_TRY_ASSIGN(imu::Packet packet, imu::make_packet(virtual_packet.samples));
       packet.device = device_id(s);
       packet.sequence = virtual_packet.samples.front().sequence;
@@ -101,6 +101,7 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   VirtualSession session;
   add_events(motion.times, clocks[reference], session.events);
+  session.motion_start = clocks[reference].device(motion.times.motion_start_s);
   sensor::TickRule rule(rig);
   std::vector<sensor::Sample> decoded;
   const auto fire = [&](HostTime now) {
@@ -139,6 +140,7 @@ Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<
   VirtualSession session;
   const VirtualClock host;  // All clocks are one.
   add_events(motion.times, host, session.events);
+  session.motion_start = host.device(motion.times.motion_start_s);
   const auto frames =
       static_cast<std::int64_t>(std::floor((curve.duration_s() + kSameMomentS) * kFrameRateHz)) + 1;
   for (std::int64_t f = 0; f < frames; ++f) {

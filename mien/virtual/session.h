@@ -18,6 +18,7 @@ struct VirtualSession {
   std::vector<take::StoredSample> samples;  ///< By entry.
   std::vector<take::Tick> ticks;
   std::vector<take::TruthFrame> truth;  ///< One a tick.
+  DeviceTime motion_start;              ///< The motion's time 0, after the prologue.
   std::vector<take::Event> events;      ///< "neutral", "nod", "shake", "ease", "prompt".
 };
 

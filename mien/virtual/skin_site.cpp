@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,10 +14,11 @@
 namespace mien::virt {
 namespace {
 
-constexpr std::size_t kIctVertexCount = 26719;
 /// A mesh with at least this many vertices in a patch is as fine as ICT's; a coarser one is sampled.
 constexpr std::size_t kFinePatch = 12;
 constexpr int kPatchSamples = 64;
+/// Half a millimetre, as a standard deviation.
+constexpr double kThinnestPatchM = 0.0005;
 
 /// A point of the surface: a triangle and its barycentric weights. A vertex is one with weights (1, 0, 0).
 struct SurfacePoint {
@@ -132,7 +134,8 @@ std::vector<SurfacePoint> patch_points(const face::Face& face, std::span<const s
   return points;
 }
 
-SkinSite make_site(const face::Face& face, std::span<const std::uint32_t> triangles, const Vec3& target) {
+Result<SkinSite> make_site(const face::Face& face, std::span<const std::uint32_t> triangles,
+                           const Vec3& target) {
   const std::vector<std::uint32_t> around = triangles_near(face, triangles, target, 0.04);
   const Nearest centre = nearest_on_skin(face, around.empty() ? triangles : around, target);
   const Vec3 centre_m = at(face, centre.point);
@@ -153,6 +156,13 @@ SkinSite make_site(const face::Face& face, std::span<const std::uint32_t> triang
     from[i] = at(face, points[i]) - mean;
     site.covariance += from[i] * from[i].transpose();
   }
+  // Its two widths: a patch that is a point or a line has no orientation.
+  const Vec3 spread = Eigen::SelfAdjointEigenSolver<Mat3>(
+                          site.covariance / static_cast<double>(points.size()), Eigen::EigenvaluesOnly)
+                          .eigenvalues();
+  if (!(spread[1] > kThinnestPatchM * kThinnestPatchM))
+    return fail(ErrorCode::unsupported, "there is no skin wide enough for a sensor at its site", face.name,
+                "use a face with a closed skin there");
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     const face::Shape& shape = face.shapes[k];
     const auto delta = [&](std::uint32_t vertex) -> Vec3 {
@@ -226,10 +236,8 @@ Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::R
                                          std::span<const Vec3> offset_m) {
   if (!offset_m.empty() && offset_m.size() != rig.sensors.size())
     return fail(ErrorCode::mismatch, "there must be one placement offset a sensor", rig.name);
-  const bool is_ict = face.neutral_m.size() == kIctVertexCount;
-  // By size too: a file of that name is not the head whose vertices we know.
-  const bool is_builtin =
-      face.name == "builtin" && face.neutral_m.size() == default_builtin().neutral_m.size();
+  const bool is_ict = face.origin == face::Origin::ict;
+  const bool is_builtin = face.origin == face::Origin::builtin;
   if (!is_ict && !is_builtin && !face.has_landmarks)
     return fail(ErrorCode::not_found, "the face has no landmarks, so the rig's sites cannot be found on it",
                 face.name, "use the built-in face, an ICT-FaceKit folder, or a head with 68 landmarks");
@@ -254,10 +262,21 @@ Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::R
       target = is_builtin ? carry_to_identity(*site, face) : Vec3(from_builtin * *site);
     }
     if (!offset_m.empty()) target += offset_m[s];
-    sites.push_back(make_site(face, triangles, target));
+    MIEN_TRY_ASSIGN(sites.emplace_back(), make_site(face, triangles, target));
     sites.back().sensor = mount.name;
   }
   return sites;
+}
+
+std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random random) {
+  std::vector<Vec3> offsets_m(rig.sensors.size());
+  for (Vec3& offset : offsets_m) {
+    const double x = random.normal();
+    const double y = random.normal();
+    const double z = random.normal();
+    offset = sigma_m * Vec3(x, y, z);
+  }
+  return offsets_m;
 }
 
 std::vector<SkinSite> draw_kinematics(const std::vector<SkinSite>& sites, const KinematicsSpread& spread,

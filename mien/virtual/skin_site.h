@@ -40,6 +40,9 @@ struct SkinSite {
 [[nodiscard]] Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::Rig& rig,
                                                        std::span<const Vec3> offset_m = {});
 
+/// Placement error for skin_sites: one offset a sensor, normal with `sigma_m` an axis.
+[[nodiscard]] std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random random);
+
 /// How much a drawn performer's skin differs from the mesh's own (facts: what the training face's sites do
 /// decides more than the network does).
 struct KinematicsSpread {

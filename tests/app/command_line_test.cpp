@@ -115,9 +115,9 @@ class WrongInput : public ::testing::Test {
 };
 
 TEST_F(WrongInput, CommandsThatDoNotExist) {
-  expect_refused({{{}, "subcommand"},
+  expect_refused({{{}, "no command was given"},
                   {{"dance"}, "dance"},
-                  {{"take"}, "subcommand"},
+                  {{"take"}, "no command was given"},
                   {{"take", "eat", "@kept.mien"}, "eat"},
                   {{"take", "info"}, "take"},
                   {{"perform"}, "--take"},
@@ -140,8 +140,8 @@ TEST_F(WrongInput, TakesThatAreNone) {
 
 TEST_F(WrongInput, Performances) {
   const auto perform = [](std::vector<std::string> more) {
-    std::vector<std::string> arguments = {"perform",   "--rig", "@rig.toml", "--devices", "lab",
-                                          "--seconds", "1",     "--take",    "@new.mien"};
+    std::vector<std::string> arguments = {"perform", "--rig",  "@rig.toml", "--devices",
+                                          "lab",     "--take", "@new.mien"};
     // What comes later counts for options that are given twice.
     for (std::size_t i = 0; i + 1 < more.size(); i += 2) {
       const auto found = std::ranges::find(arguments, more[i]);
@@ -153,6 +153,10 @@ TEST_F(WrongInput, Performances) {
     return arguments;
   };
   expect_refused({{perform({"--motion", "@none.csv"}), "none.csv"},
+                  {perform({"--motion", "@none.csv", "--seconds", "2"}), "--seconds"},
+                  {perform({"--motion", "@none.csv", "--voice", "babble"}), "--voice"},
+                  {perform({"--motion", "@kept.mien"}), "kept.mien"},
+                  {perform({"--script", "free", "--voice", "espeak"}), "babble"},
                   {perform({"--motion", "@empty.csv"}), "empty.csv"},
                   {perform({"--motion", "@garbage.csv"}), "garbage.csv"},
                   {perform({"--rig", "@none.toml"}), "none.toml"},

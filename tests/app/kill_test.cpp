@@ -1,15 +1,18 @@
-// `mien perform --take --pace real`, killed at random moments: the take opens again and has lost a second at
-// most. MIEN_KILLS sets how many (default 12).
+// Killed at random moments: a take that `mien perform --pace real` writes opens again and has lost a second
+// at most; a training goes on from its last checkpoint and ends with the bits of one that nobody killed.
+// MIEN_KILLS sets how many (default 12).
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
 
 #include "mien/core/random.h"
 #include "mien/face/livelink_csv.h"
+#include "mien/model/model_file.h"
 #include "mien/take/take.h"
 #include "tests/app/program.h"
 #include "tests/virtual/three_sensors.h"
@@ -110,6 +113,68 @@ TEST(Killed, ATakeLosesASecondAtMost) {
   RecordProperty("worst_loss_ms", static_cast<int>(1000 * worst_s));
   std::printf("%d kills: mean loss %.3f s, worst %.3f s\n", killed, total_s / killed, worst_s);
   EXPECT_EQ(killed, kills_wanted());
+}
+
+constexpr const char* kToyRecipe =
+    "seed = 3\n"
+    "[network]\nlayers = 1\nd_model = 32\nheads = 1\nd_head = 32\nffn = 64\nwindow = 40\n"
+    "[data]\nseed = 3\nperformers = 2\nvalidation_performers = 1\nseconds = 4\ndevice_seconds = 2\n"
+    "[optimiser]\nbatch = 8\nwarm_up_steps = 10\nprecision = \"fp32\"\n"
+    "[validation]\nwindows = 8\nevery_steps = 10\n[sampler]\nsteps = [1]\nframes = 120\n[budget]\nsteps = "
+    "400\n";
+
+/// Rows of the curve that a training keeps beside its model.
+std::size_t rows(const std::string& curve) {
+  return static_cast<std::size_t>(std::ranges::count(content(curve), '\n'));
+}
+
+TEST(Killed, ATrainingGoesOnFromItsLastCheckpoint) {
+  if (!std::filesystem::exists(std::filesystem::path(MIEN_PROGRAM).parent_path() / "mien-train"))
+    GTEST_SKIP() << "no mien-train is built beside mien";
+  const Folder folder;
+  write(folder / "rig.toml", virt::test::kRig);
+  write(folder / "toy.toml", kToyRecipe);
+  const auto arguments = [&](const std::string& name) {
+    return std::vector<std::string>{
+        "train", folder / "toy.toml", "--rig",   folder / "rig.toml", "--threads", "1",
+        "--out", folder / name,       "--resume"};
+  };
+  const Clock::time_point begun = Clock::now();
+  const Outcome whole = run(arguments("whole.safetensors"));
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  const double whole_s = std::chrono::duration<double>(Clock::now() - begun).count();
+
+  Random random(20'27);
+  int killed = 0;
+  std::size_t reached = 0;
+  while (killed < kills_wanted()) {
+    const pid_t process = start(arguments("m.safetensors"), folder / "out", folder / "err");
+    ASSERT_GT(process, 0);
+    std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0, whole_s)));
+    ::kill(process, SIGKILL);
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    if (WIFEXITED(status)) {  // It was quicker: once more from the start.
+      ASSERT_EQ(WEXITSTATUS(status), 0) << content(folder / "err");
+      for (const char* file : {"m.safetensors", "m.csv"}) std::filesystem::remove(folder / file);
+      reached = 0;
+      continue;
+    }
+    ++killed;
+    const std::size_t now = rows(folder / "m.csv");
+    EXPECT_GE(now, reached) << "a checkpoint was lost";
+    reached = now;
+  }
+  const Outcome last = run(arguments("m.safetensors"));
+  ASSERT_EQ(last.status, 0) << last.err;
+  const auto uncut = model::read_model(folder / "whole.safetensors"),
+             cut = model::read_model(folder / "m.safetensors");
+  ASSERT_TRUE(uncut) << uncut.error().message();
+  ASSERT_TRUE(cut) << cut.error().message();
+  ASSERT_EQ(cut->network.size(), uncut->network.size());
+  for (std::size_t i = 0; i < cut->network.size(); ++i)
+    EXPECT_EQ(cut->network[i].values, uncut->network[i].values) << cut->network[i].name;
+  std::printf("%d kills of a training of %.1f s\n", killed, whole_s);
 }
 
 }  // namespace

@@ -13,42 +13,18 @@
 #include <string>
 #include <vector>
 
+#include "tests/folder.h"
+
 extern char** environ;
 
 namespace mien::app::test {
 
-/// A folder that is gone after the test.
-class Folder {
- public:
-  Folder() {
-    // In memory where there is such a folder: a kill needs no real disk, and a busy one is not ours to answer
-    // for.
-    const std::filesystem::path memory = "/dev/shm";
-    std::string name =
-        ((std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) /
-         "mien-app-test-XXXXXX")
-            .string();
-    if (::mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
-    path_ = name;
+/// In memory: a kill needs no real disk.
+struct Folder : mien::test::Folder {
+  Folder() : mien::test::Folder(On::memory) {}
+  [[nodiscard]] std::string operator/(const std::string& name) const {
+    return mien::test::Folder::operator/(name).string();
   }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code code;
-    std::filesystem::remove_all(path_, code);
-  }
-  [[nodiscard]] std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  /// Every file in it, sorted.
-  [[nodiscard]] std::vector<std::string> files() const {
-    std::vector<std::string> names;
-    for (const auto& file : std::filesystem::recursive_directory_iterator(path_))
-      names.push_back(file.path().string());
-    std::ranges::sort(names);
-    return names;
-  }
-
- private:
-  std::filesystem::path path_;
 };
 
 inline std::string content(const std::string& path) {

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/folder.h"
+
 namespace mien {
 namespace {
 
@@ -15,18 +17,12 @@ namespace fs = std::filesystem;
 
 class Files : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "mien-files-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   [[nodiscard]] std::size_t entries() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
 
-  fs::path folder_;
+  test::Folder folder_;
 };
 
 TEST_F(Files, WrittenIsRead) {
@@ -60,8 +56,8 @@ TEST_F(Files, TooLargeIsRefused) {
 
 TEST_F(Files, MissingAndFolderAreTold) {
   EXPECT_EQ(read_file(folder_ / "none").error().code, ErrorCode::not_found);
-  EXPECT_EQ(read_file(folder_).error().code, ErrorCode::bad_usage);
-  EXPECT_EQ(write_file(folder_, std::string_view("x")).error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(read_file(folder_.path()).error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(write_file(folder_.path(), std::string_view("x")).error().code, ErrorCode::bad_usage);
   EXPECT_EQ(write_file(folder_ / "none" / "a", std::string_view("x")).error().code, ErrorCode::not_found);
   EXPECT_EQ(entries(), 0U);
 }

@@ -103,6 +103,22 @@ TEST(Rotation, InterpolationOfPointsIsExactOnAParabola) {
   EXPECT_LT((interpolate_point(at(-1), at(0), at(1), at(2), 0.3) - at(0.3)).norm(), 1e-12);
 }
 
+TEST(Rotation, InterpolationBetweenUnevenSamplesHasNoStepsInItsSpeed) {
+  const auto at = [](double t) { return Vec3(t, t * t, 1 - t); };
+  EXPECT_LT((interpolate_point(at(-3), at(0), at(1), at(1.4), 0.3, {3, 0.4}) - at(0.3)).norm(), 1e-12);
+  // Speed before and after the third of five samples whose intervals are 0.1, 0.5, 0.02 and 0.1 s.
+  const auto turn = [](double t) { return exp_rotation({0.1 * t, 0.2 * std::sin(t), 0.05 * t * t}); };
+  const std::array<double, 5> t = {0, 0.1, 0.6, 0.62, 0.72};
+  const double e = 1e-4;
+  const Quat before = interpolate_rotation(turn(t[0]), turn(t[1]), turn(t[2]), turn(t[3]), 1 - e / 0.5,
+                                           {.before = 0.1 / 0.5, .after = 0.02 / 0.5});
+  const Quat after = interpolate_rotation(turn(t[1]), turn(t[2]), turn(t[3]), turn(t[4]), e / 0.02,
+                                          {.before = 0.5 / 0.02, .after = 0.1 / 0.02});
+  const Vec3 speed_before = log_rotation(before.conjugate() * turn(t[2])) / e;
+  const Vec3 speed_after = log_rotation(turn(t[2]).conjugate() * after) / e;
+  EXPECT_LT((speed_before - speed_after).norm(), 0.02 * speed_before.norm());
+}
+
 TEST(Rotation, FitFindsTheRotation) {
   Random random(4);
   for (int i = 0; i < 100; ++i) {
@@ -127,7 +143,7 @@ TEST(Rotation, FitOfAFlatPatchIsNeverAMirror) {
     std::vector<Vec3> from;
     std::vector<Vec3> to;
     for (int k = 0; k < 6; ++k) {
-      from.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1), 0);
+      from.push_back(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 0});
       to.push_back(truth * from.back());
     }
     expect_same_rotation(fit_rotation(from, to), truth, 1e-7);

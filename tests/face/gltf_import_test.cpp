@@ -14,6 +14,7 @@
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/face/load.h"
+#include "tests/folder.h"
 
 namespace mien::face {
 namespace {
@@ -400,8 +401,7 @@ TEST(Gltf, ANodeThatIsItsOwnChildIsTakenOnce) {
 }
 
 TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
-  const fs::path folder = fs::path(::testing::TempDir()) / "mien_gltf_import_test";
-  fs::remove_all(folder);
+  const test::Folder folder;
   fs::create_directories(folder / "inside");
   const auto glb = Head{}.glb();
   // Taken apart: the JSON with its buffer named, and the binary chunk beside it.
@@ -421,7 +421,6 @@ TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
     EXPECT_EQ(load_face((folder / "inside" / "head.gltf").string()).has_value(), works) << uri;
   }
   EXPECT_EQ(import_gltf(folder / "nothing.glb").error().code, ErrorCode::not_found);
-  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "mien/core/files.h"
 #include "mien/core/random.h"
 #include "mien/face/load_motion.h"
+#include "tests/folder.h"
 
 namespace mien::face {
 namespace {
@@ -258,7 +259,7 @@ TEST(LiveLinkMotion, HasAHeadOnlyWhereItsColumnsAreNotAllZero) {
 TEST(LiveLinkHead, AnglesAndQuaternionsAreInverse) {
   Random random(5);
   for (int i = 0; i < 200; ++i) {
-    const Vec3 angles(random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(-3, 3));
+    const Vec3 angles{random.uniform(-3, 3), random.uniform(-1.5, 1.5), random.uniform(-3, 3)};
     EXPECT_TRUE(livelink_from_head(head_from_livelink(angles)).isApprox(angles, 1e-9)) << angles.transpose();
   }
   for (const double pitch : {-std::numbers::pi / 2, std::numbers::pi / 2}) {
@@ -356,7 +357,8 @@ INSTANTIATE_TEST_SUITE_P(LiveLinkCsv, RealPerformance,
 
 TEST(LoadMotion, TellsWhatIsWrongInOneLine) {
   EXPECT_EQ(load_motion("/nowhere/take.csv").error().code, ErrorCode::not_found);
-  const auto file = std::filesystem::path(::testing::TempDir()) / "mien_load_motion.csv";
+  const test::Folder folder;
+  const auto file = folder / "mien_load_motion.csv";
   ASSERT_TRUE(write_file(file, take({"00:00:00:00.000,0", "00:00:00:02.000,0"})));
   EXPECT_EQ(load_motion(file).error().code, ErrorCode::not_found) << "a face in no row";
   ASSERT_TRUE(write_file(file, take({"00:00:00:00.000", "00:00:00:00.000"})));
@@ -365,7 +367,6 @@ TEST(LoadMotion, TellsWhatIsWrongInOneLine) {
   ASSERT_TRUE(motion);
   EXPECT_EQ(motion->name, "mien_load_motion");
   EXPECT_EQ(warnings.size(), 1U);
-  std::filesystem::remove(file);
 }
 
 }  // namespace

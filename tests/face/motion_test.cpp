@@ -94,6 +94,20 @@ TEST(MotionCurve, BridgesAGapAndSaysThatItIsOne) {
   EXPECT_NEAR(curve.at(0.45).weights[kJaw], 0.45F, 1e-5);
 }
 
+TEST(MotionCurve, AHeadThatIsKnownGoesOnWhereTheFaceIsLost) {
+  Motion motion;
+  for (int i = 0; i < 10; ++i) {
+    MotionFrame& frame = motion.frames.emplace_back();
+    frame.time_s = 0.1 * i;
+    frame.has_face = i < 3 || i > 6;
+    frame.head_position_m = Vec3(0, i == 4 || i == 5 ? 1 : 0, 0);
+  }
+  // A camera that lost the face lost the head; virtual performers' heads are always known.
+  EXPECT_EQ(MotionCurve(motion).at(0.45).head_position_m.y(), 0);
+  motion.head_without_face = true;
+  EXPECT_GE(MotionCurve(motion).at(0.45).head_position_m.y(), 1);
+}
+
 TEST(MotionCurve, AFaceThatIsLostAtTheEndsIsLostThere) {
   Motion motion;
   for (int i = 0; i < 6; ++i) {

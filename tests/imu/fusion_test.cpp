@@ -40,11 +40,11 @@ struct Motion {
     return log_rotation(at(t - 5e-5).conjugate() * at(t + 5e-5)) / 1e-4;
   }
   [[nodiscard]] Vec3 gyro(double t, Random& random) const {
-    return rate(t) + bias + gyro_noise * Vec3(random.normal(), random.normal(), random.normal());
+    return rate(t) + bias + gyro_noise * Vec3{random.normal(), random.normal(), random.normal()};
   }
   [[nodiscard]] Vec3 accel(double t, Random& random) const {
     return at(t).conjugate() * Vec3(0, kGravity, 0) +
-           accel_noise * Vec3(random.normal(), random.normal(), random.normal());
+           accel_noise * Vec3{random.normal(), random.normal(), random.normal()};
   }
 };
 
@@ -102,7 +102,7 @@ TEST(Fusion, LearnsTheBiasInMotion) {
   for (int i = 0; i < 240 * 120; ++i) {
     const double t = i / 240.0;
     const Vec3 rate = log_rotation(at(t - 5e-5).conjugate() * at(t + 5e-5)) / 1e-4;
-    const Vec3 noise(random.normal(), random.normal(), random.normal());
+    const Vec3 noise{random.normal(), random.normal(), random.normal()};
     fusion.add(1 / 240.0, rate + bias + 0.16 * kDeg * noise, at(t).conjugate() * Vec3(0, kGravity, 0));
     EXPECT_FALSE(fusion.at_rest());
   }
@@ -255,6 +255,24 @@ INSTANTIATE_TEST_SUITE_P(Fusion, Broad,
                                          Trial{"06_undisturbed_fast_rotation_A.csv", 1.14},
                                          Trial{"10_undisturbed_slow_translation_A.csv", 1.61},
                                          Trial{"24_disturbed_tapping_A.csv", 1.09}));
+
+TEST(Fusion, ARateAtTheEndOfItsRangeMakesTheOrientationUnsure) {
+  const Vec3 still(0, kGravity, 0);
+  const double end = 1024 * kDeg * 32767 / 32768;  // What a register of 16 bits shows at most.
+  const auto sigma_after = [&](double rate_rad_s, int clipped) {
+    Fusion fusion;
+    for (int i = 0; i < 100; ++i) {
+      const bool fast = i >= 50 && i < 50 + clipped;
+      fusion.add(1 / 240.0, fast ? Vec3(0, rate_rad_s, 0) : Vec3::Zero(), still);
+    }
+    return fusion.gap_sigma_rad();
+  };
+  EXPECT_EQ(sigma_after(0.99 * end, 10), 0);
+  const double one = sigma_after(end, 1), ten = sigma_after(end, 10);
+  EXPECT_NEAR(one, 0.5 * 1024 * kDeg / 240, 1e-3);
+  EXPECT_NEAR(ten, 10 * one, 1e-6) << "what samples in a row hide adds up";
+  EXPECT_NEAR(sigma_after(-end, 1), one, 1e-9);
+}
 
 }  // namespace
 }  // namespace mien::imu

@@ -51,7 +51,7 @@ TEST(HeadingSums, NoiseIsSaid) {
   HeadingSums sums;
   for (int i = 0; i < 120; ++i) {
     const Quat head = about(Vec3::UnitX(), 10 * kDeg * std::sin(0.1 * i));
-    const Quat noise = exp_rotation(1.0 * kDeg * Vec3(random.normal(), random.normal(), random.normal()));
+    const Quat noise = exp_rotation(1.0 * kDeg * Vec3{random.normal(), random.normal(), random.normal()});
     sums.add(head, heading_turn(-0.5) * head * noise);
   }
   const auto best = sums.find();

@@ -120,7 +120,7 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
     const Vec3 accel_scale = Vec3::Ones() + draw(k * faults.accel_scale);
     // From the neck.
     const Vec3 arm =
-        ear ? Vec3(0.08, 0.11, 0.02) : Vec3(random.uniform(-0.06, 0.06), random.uniform(0.04, 0.18), 0.13);
+        ear ? Vec3(0.08, 0.11, 0.02) : Vec3{random.uniform(-0.06, 0.06), random.uniform(0.04, 0.18), 0.13};
     if (positions) site.position_m = arm;
     out.rig.sensors.push_back(site);
     const double gyro_sigma = k * faults.gyro_noise_dps_sqrt_hz * kDeg * std::sqrt(120.0);

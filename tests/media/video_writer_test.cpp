@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mien/core/files.h"
+#include "tests/folder.h"
 
 namespace mien::media {
 namespace {
@@ -16,14 +17,6 @@ namespace fs = std::filesystem;
 
 class VideoWriterTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              ("mien_video_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    fs::remove_all(folder_);
-    fs::create_directory(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static std::vector<std::uint8_t> frame(int i) {
     std::vector<std::uint8_t> rgb(64 * 48 * 3);
     for (std::size_t k = 0; k < rgb.size(); ++k)
@@ -52,9 +45,10 @@ class VideoWriterTest : public testing::Test {
     return read_file(folder_ / name).value();
   }
   [[nodiscard]] std::size_t files() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
-  fs::path folder_;
+  test::Folder folder_;
 };
 
 /// Where a four-letter box stands in an MP4; npos when it lacks it.

@@ -49,6 +49,7 @@ TEST(ModelFile, RefusesModelsThatDoNotHoldTogether) {
   refused("ridge twice", [](ModelFile& m) { m.ridge.push_back(m.ridge[0]); });
   refused("ridge size", [](ModelFile& m) { m.ridge[0].matrix.pop_back(); });
   refused("steps", [](ModelFile& m) { m.sampler.steps = 1001; });
+  refused("noise", [](ModelFile& m) { m.sampler.first_noise = -0.1; });
   refused("tensor missing", [](ModelFile& m) { m.network.pop_back(); });
   refused("tensor order", [](ModelFile& m) { std::swap(m.network[0], m.network[2]); });
   refused("tensor shape", [](ModelFile& m) { std::swap(m.network[0].shape[0], m.network[0].shape[1]); });

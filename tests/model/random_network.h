@@ -49,7 +49,8 @@ inline ModelFile small_model(std::uint64_t seed = 1) {
   ridge.condition = 18;
   ridge.outputs = 3;
   ridge.matrix.assign(3 * 19, 0.01F);
-  model.sampler = {.kind = SamplerKind::ddim, .steps = 5, .seed = 7, .hold = OverlapHold::clean};
+  model.sampler = {
+      .kind = SamplerKind::ddim, .steps = 5, .seed = 7, .hold = OverlapHold::clean, .first_noise = 0.5};
   model.recipe = "seed = 1\n";
   model.results = R"({"validation":{"loss":0.5}})";
   model.network = random_network(model.architecture, seed);

@@ -89,6 +89,20 @@ TEST_F(Sampler, OneStepIsTheNetworksOwnAnswer) {
   for (std::size_t i = 0; i < clean.size(); ++i) EXPECT_EQ((*solved)[i], from_network(clean[i]));
 }
 
+TEST_F(Sampler, WithoutFirstNoiseTheSeedDoesNotMatter) {
+  const auto condition = smooth_condition(53);
+  SamplerSettings settings{.steps = 2, .seed = 3, .first_noise = 0};
+  const auto one = solve_windows(denoiser_, schedule_, condition, settings, no_progress);
+  settings.seed = 4;
+  EXPECT_EQ(*one, *solve_windows(denoiser_, schedule_, condition, settings, no_progress));
+  settings.first_noise = 1;
+  EXPECT_NE(*one, *solve_windows(denoiser_, schedule_, condition, settings, no_progress));
+  settings.kind = SamplerKind::ddpm;
+  const auto published = solve_windows(denoiser_, schedule_, condition, settings, no_progress);
+  settings.first_noise = 0;
+  EXPECT_EQ(*published, *solve_windows(denoiser_, schedule_, condition, settings, no_progress));
+}
+
 TEST_F(Sampler, ShortTakesWork) {
   for (const std::size_t frames : {1U, 2U, 19U, 21U})
     EXPECT_TRUE(solve_windows(denoiser_, schedule_, smooth_condition(frames), {.steps = 3}, no_progress))
@@ -103,6 +117,8 @@ TEST_F(Sampler, ARefusalIsOneLine) {
   };
   EXPECT_EQ(code({.steps = 0}), ErrorCode::bad_usage);
   EXPECT_EQ(code({.steps = 51}), ErrorCode::bad_usage);
+  EXPECT_EQ(code({.first_noise = 2}), ErrorCode::bad_usage);
+  EXPECT_EQ(code({.first_noise = NAN}), ErrorCode::bad_usage);
   condition[7] = NAN;
   EXPECT_EQ(code({}), ErrorCode::out_of_range);
   condition.resize(7);

@@ -7,6 +7,7 @@
 
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
+#include "tests/folder.h"
 
 namespace mien::render {
 namespace {
@@ -51,10 +52,10 @@ TEST(Png, RefusesPicturesThatAreNone) {
 }
 
 TEST(Png, IsWrittenWholeOrNotAtAll) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "mien_image_test.png";
+  const test::Folder folder;
+  const auto path = folder / "image.png";
   ASSERT_TRUE(write_png(path, Image(8, 8)).has_value());
   EXPECT_EQ(read_file(path).value(), encode_png(Image(8, 8)).value());
-  std::filesystem::remove(path);
   EXPECT_FALSE(write_png("/nowhere/at/all.png", Image(8, 8)).has_value());
 }
 

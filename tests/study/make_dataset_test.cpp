@@ -19,6 +19,7 @@ DataRecipe small_recipe() {
   recipe.validation_performers = 1;
   recipe.seconds = 2;
   recipe.device_seconds = 1;
+  recipe.device_long_share = 0;
   return recipe;
 }
 

@@ -7,32 +7,13 @@
 #include <string>
 
 #include "mien/take/take.h"
+#include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::study::test {
 
-/// A folder that is gone after the test.
-class Folder {
- public:
-  Folder() {
-    // In memory where there is such a place: every commit of a take waits for its disk.
-    const std::filesystem::path memory = "/dev/shm";
-    const bool use_memory = std::filesystem::is_directory(memory);
-    std::string name =
-        ((use_memory ? memory : std::filesystem::temp_directory_path()) / "mien-study-test-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
-    path_ = name;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code code;
-    std::filesystem::remove_all(path_, code);
-  }
-  [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
+struct Folder : mien::test::Folder {
+  Folder() : mien::test::Folder(On::memory) {}
 };
 
 /// A second of a nodding, talking performer on hand-made sites, after a short prologue.

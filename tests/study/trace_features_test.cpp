@@ -12,7 +12,7 @@ namespace {
 
 std::vector<model::FeatureFrame> trace(const virt::VirtualSession& session,
                                        imu::Calibration* calibration = nullptr) {
-  return trace_features(virt::test::three_sensors(), session.events, session.samples, session.ticks,
+  return trace_features(virt::test::three_sensors(), session.events, session.samples, session.ticks, {},
                         calibration);
 }
 

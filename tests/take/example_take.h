@@ -12,30 +12,11 @@
 #include <vector>
 
 #include "mien/take/take.h"
+#include "tests/folder.h"
 
 namespace mien::take::test {
 
-/// A folder that is gone after the test.
-class Folder {
- public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "mien-take-test-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
-    path_ = name;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() {
-    std::error_code code;
-    std::filesystem::permissions(path_, std::filesystem::perms::owner_all, code);
-    std::filesystem::remove_all(path_, code);
-  }
-  [[nodiscard]] std::filesystem::path operator/(const char* name) const { return path_ / name; }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using mien::test::Folder;
 
 inline constexpr const char* kRig =
     "name = \"pair\"\nreference = \"b\"\n"

@@ -257,12 +257,45 @@ TEST(TakeWriter, LeavesAnExistingFileAloneUnlessTold) {
       << "something is left beside it";
 }
 
+TEST(TakeWriter, AppearsWholeWhenToldTo) {
+  const test::Folder folder;
+  const auto path = folder / "a.mien";
+  test::write_raw(path, "precious");
+  const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path()), {}); };
+  {
+    auto writer = TakeWriter::create(path, test::example_header(), true, Appears::when_finished);
+    ASSERT_TRUE(writer);
+    writer->add_event({"tap", DeviceTime{}, DeviceTime{}, ""});
+    EXPECT_EQ(test::read_raw(path), "precious");
+  }
+  EXPECT_EQ(test::read_raw(path), "precious") << "it was not finished";
+  EXPECT_EQ(files(), 1);
+  {
+    auto writer = TakeWriter::create(path, test::example_header(), true, Appears::when_finished);
+    ASSERT_TRUE(writer);
+    writer->add_event({"tap", DeviceTime{}, DeviceTime{}, ""});
+    ASSERT_TRUE(writer->finish());
+  }
+  EXPECT_EQ(files(), 1);
+  const auto take = Take::open(path);
+  ASSERT_TRUE(take) << take.error().message();
+  EXPECT_TRUE(take->finished());
+  EXPECT_EQ(take->events()->size(), 1U);
+  // Nor does it take a name that was given away meanwhile.
+  auto late = TakeWriter::create(folder / "b.mien", test::example_header(), false, Appears::when_finished);
+  ASSERT_TRUE(late);
+  test::write_raw(folder / "b.mien", "somebody was quicker");
+  EXPECT_FALSE(late->finish());
+  EXPECT_EQ(test::read_raw(folder / "b.mien"), "somebody was quicker");
+  EXPECT_EQ(files(), 2);
+}
+
 TEST(TakeWriter, NamesFoldersThatAreNotThere) {
   const test::Folder folder;
   const auto missing = TakeWriter::create(folder / "no/such/a.mien", test::example_header(), false);
   ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::io);
-  EXPECT_THAT(missing.error().message(), HasSubstr("no/such/a.mien: No such file"));
+  EXPECT_EQ(missing.error().code, ErrorCode::not_found);
+  EXPECT_THAT(missing.error().message(), HasSubstr("no/such: there is no such folder"));
   EXPECT_EQ(TakeWriter::create(folder.path(), test::example_header(), true).error().code,
             ErrorCode::bad_usage);
   EXPECT_EQ(TakeWriter::create("/dev/null", test::example_header(), true).error().code, ErrorCode::bad_usage);

@@ -7,9 +7,11 @@ namespace {
 
 TEST(Recipe, ReadsWhatItIsGiven) {
   const auto r = parse_recipe(
-      "seed = 9\n[network]\narchitecture = \"faithful\"\ndropout = 0.2\n[data]\nperformers = 3\nname = "
+      "seed = 9\n[network]\narchitecture = \"faithful\"\ndropout = 0.2\nnear_first = "
+      "true\n[data]\nperformers = 3\nname = "
       "\"x\"\n"
-      "[optimiser]\nprecision = \"fp32\"\nbatch = 8\n[noise]\nt_bias = 1.5\n[augmentation]\nlab_noise_deg = "
+      "[optimiser]\nprecision = \"fp32\"\nloss = \"l2\"\nbatch = 8\n[noise]\nt_bias = "
+      "1.5\n[augmentation]\nlab_noise_deg = "
       "2\n"
       "[validation]\nscore = \"loss\"\n[sampler]\nsteps = [1, 10]\n[budget]\nseconds = 60\n",
       "test");
@@ -19,7 +21,9 @@ TEST(Recipe, ReadsWhatItIsGiven) {
   EXPECT_FALSE(r->presence_flags);
   EXPECT_EQ(r->dropout, 0.2);
   EXPECT_NE(r->data.find("performers = 3"), std::string::npos);
+  EXPECT_TRUE(r->near_first);
   EXPECT_FALSE(r->bf16);
+  EXPECT_EQ(r->loss, LossKind::l2);
   EXPECT_EQ(r->batch, 8U);
   EXPECT_EQ(r->t_bias, 1.5);
   EXPECT_NEAR(r->lab_noise_rad, 0.0349, 1e-4);
@@ -34,6 +38,8 @@ TEST(Recipe, LightIsTheDefault) {
   EXPECT_EQ(r->architecture.name, "light");
   EXPECT_TRUE(r->presence_flags);
   EXPECT_TRUE(r->bf16);
+  EXPECT_FALSE(r->near_first);
+  EXPECT_EQ(r->loss, LossKind::l1) << "as published";
 }
 
 TEST(Recipe, RefusesEachWrongThingInOneLine) {
@@ -43,10 +49,10 @@ TEST(Recipe, RefusesEachWrongThingInOneLine) {
         budget + "[network]\nd_model = 33\n", budget + "[network]\narchitecture = \"heavy\"\n",
         budget + "[network]\nlayers = \"four\"\n", budget + "[optimiser]\nbatch = -1\n",
         budget + "[optimiser]\nlearning_rate = nan\n", budget + "[optimiser]\nprecision = \"fp8\"\n",
-        budget + "[noise]\nbias = 1\n", budget + "[sampler]\nsteps = []\n",
-        budget + "[sampler]\nsteps = [0]\n", budget + "[sampler]\nsteps = [1.5]\n",
-        budget + "[sampler]\nsteps = [2000]\n", "network = 3\n" + budget, std::string("[budget\n"),
-        std::string()}) {
+        budget + "[optimiser]\nloss = \"l3\"\n", budget + "[noise]\nbias = 1\n",
+        budget + "[sampler]\nsteps = []\n", budget + "[sampler]\nsteps = [0]\n",
+        budget + "[sampler]\nsteps = [1.5]\n", budget + "[sampler]\nsteps = [2000]\n",
+        "network = 3\n" + budget, std::string("[budget\n"), std::string()}) {
     const auto r = parse_recipe(text, "test");
     ASSERT_FALSE(r) << text;
     EXPECT_TRUE(is_bad_input(r.error().code)) << text;

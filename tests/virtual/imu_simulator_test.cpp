@@ -57,7 +57,7 @@ Played play(const DeviceFaults& faults, const face::Motion& motion, std::uint64_
   out.trajectory = trace_skin(face::MotionCurve(motion), out.sites, 0, motion.duration_s());
   ImuSimulator simulator(faults, 0, Random(seed));
   out.clock = simulator.clock();
-  out.packets = simulator.play(out.trajectory, out.sites);
+  out.packets = simulator.play(out.trajectory);
   return out;
 }
 

@@ -1,14 +1,15 @@
 #include "mien/virtual/perform_take.h"
 
 #include <gmock/gmock.h>
-#include <stdlib.h>
 
 #include <filesystem>
 
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
+#include "mien/face/load_motion.h"
 #include "mien/imu/calibration.h"
 #include "mien/take/take.h"
+#include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::virt {
@@ -21,22 +22,16 @@ using ::testing::HasSubstr;
 class PerformTake : public ::testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "mien-perform-test-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
     ASSERT_TRUE(write_file(folder_ / "rig.toml", test::kRig));
     ASSERT_TRUE(write_file(folder_ / "talking.csv",
                            face::format_livelink_csv(face::livelink_from_motion(test::talking(45)))));
     request_.rig = folder_ / "rig.toml";
-    request_.motion = folder_ / "talking.csv";
+    request_.motion = face::load_motion(folder_ / "talking.csv").value();
+    request_.script_name = "talking.csv";
     request_.take = folder_ / "a.mien";
     request_.devices = "lab";
     request_.seed = 5;
     request_.software = "mien test";
-  }
-  void TearDown() override {
-    std::error_code code;
-    fs::remove_all(folder_, code);
   }
 
   /// Expects the request to be refused with one line that has `words`, and no file to be left.
@@ -45,11 +40,11 @@ class PerformTake : public ::testing::Test {
     ASSERT_FALSE(done);
     EXPECT_THAT(done.error().message(), HasSubstr(words));
     EXPECT_EQ(done.error().message().find('\n'), std::string::npos);
-    for (const fs::directory_entry& file : fs::directory_iterator(folder_))
+    for (const fs::directory_entry& file : fs::directory_iterator(folder_.path()))
       EXPECT_FALSE(file.path().filename().string().starts_with("a.mien")) << file.path();
   }
 
-  fs::path folder_;
+  mien::test::Folder folder_;
   PerformRequest request_;
 };
 
@@ -134,13 +129,36 @@ TEST_F(PerformTake, LeavesAnExistingTakeAlone) {
 }
 
 TEST_F(PerformTake, StoppedAtAnyPointItLeavesNothing) {
-  for (const double at : {0.0, 0.1, 0.5}) {
+  request_.motion = test::talking(600);  // Long enough to be stopped in the midst of its writing.
+  const std::vector<std::string> before = folder_.files();
+  for (const double at : {0.0, 0.1, 0.5, 0.75}) {
     const auto done =
         perform_take(request_, [at](double fraction, std::string_view) { return fraction < at; });
     ASSERT_FALSE(done) << at;
     EXPECT_EQ(done.error().code, ErrorCode::cancelled);
-    EXPECT_FALSE(fs::exists(request_.take)) << at;
+    EXPECT_EQ(folder_.files(), before) << at;
   }
+}
+
+TEST_F(PerformTake, AMisplacedSensorFeelsAnotherPatchOfSkin) {
+  request_.devices = (folder_ / "faults.toml").string();
+  request_.replace = true;
+  const auto samples = [&](const std::string& faults) {
+    EXPECT_TRUE(write_file(request_.devices, faults));
+    EXPECT_TRUE(perform_take(request_, no_progress));
+    std::vector<float> all;
+    for (const take::StoredSample& stored : take::Take::open(request_.take).value().samples().value())
+      all.insert(all.end(), stored.sample.values.begin(), stored.sample.values.begin() + 3);
+    return all;
+  };
+  const auto placed = samples("mount_position_mm = 0\n");
+  EXPECT_EQ(samples("mount_position_mm = 0\n"), placed);
+  EXPECT_NE(samples("mount_position_mm = 5\n"), placed);
+}
+
+TEST_F(PerformTake, RefusesAPerformanceOfDays) {
+  request_.motion->frames.back().time_s = 3 * 86'400;
+  expect_refused("talking.csv");
 }
 
 TEST_F(PerformTake, ProgressOnlyRises) {
@@ -166,11 +184,26 @@ TEST_F(PerformTake, RefusesARigWithASiteThatNobodyKnows) {
   expect_refused("elbow");
 }
 
-TEST_F(PerformTake, RefusesAMotionThatIsNone) {
-  ASSERT_TRUE(write_file(folder_ / "talking.csv", "this,is\nno,motion\n"));
-  expect_refused("talking.csv");
-  request_.motion = folder_ / "none.csv";
-  expect_refused("none.csv");
+TEST_F(PerformTake, HoldsTheSoundFromTheMotionsStart) {
+  request_.sound = Sound{.rate_hz = 16000, .samples = std::vector<float>(20000)};
+  for (std::size_t i = 0; i < request_.sound->samples.size(); ++i)
+    request_.sound->samples[i] = 0.5F * static_cast<float>(i % 100) / 100;
+  for (const char* devices : {"lab", "device"}) {
+    request_.devices = devices;
+    request_.replace = true;
+    ASSERT_TRUE(perform_take(request_, no_progress));
+    const take::Take take = take::Take::open(request_.take).value();
+    const auto audio = take.audio().value();
+    ASSERT_TRUE(audio);
+    EXPECT_EQ(audio->rate_hz, 16000);
+    EXPECT_EQ(audio->samples, request_.sound->samples);
+    // The first frame that counts is the motion's first, to a frame.
+    for (const take::TruthFrame& frame : take.truth().value())
+      if (frame.evaluated) {
+        EXPECT_NEAR(to_seconds(frame.time - audio->start), 0, 1.0 / 60);
+        break;
+      }
+  }
 }
 
 TEST_F(PerformTake, RefusesAFaceThatIsNotThere) {

@@ -7,6 +7,7 @@
 
 #include "mien/core/time.h"
 #include "mien/virtual/performer.h"
+#include "tests/virtual/three_sensors.h"
 
 namespace mien::virt {
 namespace {
@@ -181,6 +182,13 @@ TEST(Prologue, FullDiffersFromPersonToPerson) {
 TEST(Prologue, EmptyMotionIsOnlyPrologue) {
   const auto with = with_prologue(face::Motion{}, PrologueKind::brief, Random(1));
   EXPECT_EQ(with.motion.frames.size(), 12.5 * 60);
+}
+
+TEST(Prologue, AHeadThatGoesOnWithoutAFaceStaysSo) {
+  face::Motion motion = test::talking(30);
+  EXPECT_FALSE(with_prologue(motion, PrologueKind::brief, Random(1)).motion.head_without_face);
+  motion.head_without_face = true;
+  EXPECT_TRUE(with_prologue(motion, PrologueKind::brief, Random(1)).motion.head_without_face);
 }
 
 }  // namespace

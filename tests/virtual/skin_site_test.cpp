@@ -90,9 +90,29 @@ TEST(DrawKinematics, SpreadIsAroundTheMesh) {
             draw_kinematics(sites, {}, Random(2))[site].rotation(jaw).coeffs());
 }
 
+TEST(SkinSites, TheRigsPlacesAreTheBuiltInHeads) {
+  const sensor::Rig rig = default_rig();
+  for (const face::BuiltinSite& site : face::builtin_sites()) {
+    const auto sensor = rig.find(site.name);
+    ASSERT_TRUE(sensor) << site.name;
+    ASSERT_TRUE(rig.sensors[*sensor].position_m) << site.name;
+    EXPECT_LT((*rig.sensors[*sensor].position_m - site.position_m).norm(), 1e-6) << site.name;
+  }
+}
+
+TEST(SkinSites, ASkinTooThinForASensorIsRefused) {
+  face::Face face = face::make_builtin();
+  face.origin = face::Origin::other;
+  for (Vec3f& vertex : face.neutral_m) vertex = 1e-3F * vertex;  // A head of a fifth of a millimetre.
+  const auto refused = skin_sites(face, default_rig());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
+}
+
 TEST(SkinSites, ForeignFaceWithoutLandmarksIsRefused) {
   face::Face face = face::make_builtin();
   face.name = "visitor";
+  face.origin = face::Origin::other;
   EXPECT_TRUE(skin_sites(face, default_rig()).has_value());
   face.has_landmarks = false;
   EXPECT_EQ(skin_sites(face, default_rig()).error().code, ErrorCode::not_found);

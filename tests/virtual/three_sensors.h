@@ -17,9 +17,11 @@ namespace mien::virt::test {
 inline constexpr const char* kRig =
     "name = \"three\"\nreference = \"mastoid_L\"\n"
     "[[sensor]]\nname = \"mentalis\"\nkind = \"imu\"\nsite = \"mentalis\"\nside = \"M\"\nrole = \"face\"\n"
+    "position_m = [0, -0.0684, 0.1087]\n"
     "[[sensor]]\nname = \"buccinator_L\"\nkind = \"imu\"\nsite = \"buccinator\"\nside = \"L\"\nrole = "
-    "\"face\"\n"
-    "[[sensor]]\nname = \"mastoid_L\"\nkind = \"imu\"\nsite = \"mastoid\"\nside = \"L\"\nrole = \"head\"\n";
+    "\"face\"\nposition_m = [0.0393, -0.0363, 0.0902]\n"
+    "[[sensor]]\nname = \"mastoid_L\"\nkind = \"imu\"\nsite = \"mastoid\"\nside = \"L\"\nrole = \"head\"\n"
+    "position_m = [0.06, -0.0076, -0.0164]\n";
 
 inline sensor::Rig three_sensors() {
   return sensor::parse_rig(kRig, "three").value();

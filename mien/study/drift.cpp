@@ -1,0 +1,120 @@
+#include "mien/study/drift.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mien/face/builtin.h"
+#include "mien/study/performers.h"
+#include "mien/study/trace_features.h"
+#include "mien/virtual/device_faults.h"
+#include "mien/virtual/head_motion.h"
+#include "mien/virtual/performer.h"
+#include "mien/virtual/script.h"
+#include "mien/virtual/session.h"
+#include "mien/virtual/skin_site.h"
+#include "mien/virtual/style.h"
+
+namespace mien::study {
+namespace {
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+/// Squared errors of one performer under one setting, rad^2.
+struct Sums {
+  double squares = 0, vertical = 0, count = 0, missing = 0;
+
+  Sums& operator+=(const Sums& other) {
+    squares += other.squares;
+    vertical += other.vertical;
+    count += other.count;
+    missing += other.missing;
+    return *this;
+  }
+};
+
+double rms_deg(double squares, double count) {
+  return count > 0 ? kDegPerRad * std::sqrt(squares / count) : 0;
+}
+
+Sums compare(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites,
+             const virt::VirtualSession& session, const imu::HeadingSettings& heading) {
+  imu::PipelineSettings settings;
+  settings.heading = heading;
+  const std::vector<model::FeatureFrame> frames =
+      trace_features(rig, session.events, session.samples, session.ticks, settings);
+  const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+  Sums sums;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    if (!session.truth[f].evaluated) continue;
+    for (std::size_t i = 0; i < face_sensors.size(); ++i) {
+      const model::SensorFeature& sensor = frames[f].sensors[i];
+      if (!sensor.has_rotation) {
+        ++sums.missing;
+        continue;
+      }
+      const auto& [w, x, y, z] = sensor.rotation;
+      const Quat truth = sites[face_sensors[i]].rotation(session.truth[f].weights);
+      const Vec3 error = log_rotation(Quat(w, x, y, z) * truth.conjugate());
+      sums.squares += error.squaredNorm();
+      sums.vertical += error.y() * error.y();
+      ++sums.count;
+    }
+  }
+  return sums;
+}
+
+Result<std::vector<Sums>> perform_one(const DriftRequest& request, const sensor::Rig& rig,
+                                      const virt::DeviceFaults& faults,
+                                      std::span<const imu::HeadingSettings> settings, std::size_t performer) {
+  const Random root = Random(request.seed).fork("drift", performer);
+  Random identity = root.fork("identity"), style_random = root.fork("style"),
+         script_random = root.fork("script");
+  const face::Face face = face::make_builtin(face::random_identity(identity));
+  const std::vector<Vec3> placement_m =
+      virt::draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"));
+  MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> sites, virt::skin_sites(face, rig, placement_m));
+  const virt::Style style = virt::draw_style(style_random);
+  const virt::Script script = virt::random_script(request.seconds, script_random);
+  const face::Motion motion =
+      virt::with_head_motion(virt::perform(script, style, root.fork("motion")), root.fork("head"));
+  const virt::PrologueMotion begun =
+      virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
+  MIEN_TRY_ASSIGN(const virt::VirtualSession session,
+                  virt::play_devices(begun, sites, rig, faults, root.fork("devices")));
+  std::vector<Sums> sums;
+  for (const imu::HeadingSettings& heading : settings) sums.push_back(compare(rig, sites, session, heading));
+  return sums;
+}
+
+}  // namespace
+
+Result<std::vector<Drift>> study_drift(const DriftRequest& request, const sensor::Rig& rig,
+                                       std::span<const imu::HeadingSettings> settings,
+                                       const Progress& progress) {
+  MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
+  const auto count = static_cast<std::size_t>(std::max(request.performers, 1));
+  std::vector<std::vector<Sums>> sums(count);
+  MIEN_TRY(for_each_performer(count, request.threads, progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(sums[p], perform_one(request, rig, faults, settings, p));
+    return {};
+  }));
+
+  std::vector<Drift> drifts;
+  for (std::size_t i = 0; i < settings.size(); ++i) {
+    Sums all;
+    Drift drift{.settings = settings[i]};
+    for (const std::vector<Sums>& one : sums) {
+      all += one[i];
+      drift.performer_rms_deg.push_back(rms_deg(one[i].squares, one[i].count));
+    }
+    std::ranges::sort(drift.performer_rms_deg);
+    drift.rms_deg = rms_deg(all.squares, all.count);
+    drift.vertical_rms_deg = rms_deg(all.vertical, all.count);
+    drift.missing = all.missing / std::max(1.0, all.missing + all.count);
+    drifts.push_back(drift);
+  }
+  return drifts;
+}
+
+}  // namespace mien::study
