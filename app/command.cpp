@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -40,7 +41,7 @@ Result<void> Commands::run() const {
   // The deepest command that was named does the work.
   for (auto it = runs_.rbegin(); it != runs_.rend(); ++it)
     if (it->first->parsed() && it->second) return it->second();
-  return fail(ErrorCode::bad_usage, "no command was given", "mien", "see mien --help");
+  return fail(ErrorCode::bad_usage, "no command was given", {}, "see mien --help");
 }
 
 CLI::Validator number_between(double least, double most) {
@@ -50,6 +51,18 @@ CLI::Validator number_between(double least, double most) {
     return fmt::format("{} is no number from {} to {}", text, least, most);
   };
   return {check, fmt::format("{} to {}", least, most), "number_between"};
+}
+
+Result<void> check_output(const std::filesystem::path& path,
+                          std::initializer_list<std::string_view> endings) {
+  if (std::ranges::find(endings, path.extension().string()) == endings.end())
+    return fail(ErrorCode::bad_usage, fmt::format("its name does not end with {}", fmt::join(endings, ", ")),
+                path.string(), "name it so, lest something else be replaced");
+  std::error_code code;
+  if (path.has_parent_path() && !std::filesystem::is_directory(path.parent_path(), code))
+    return fail(ErrorCode::not_found, "there is no such folder", path.parent_path().string(),
+                "make it first");
+  return {};
 }
 
 void clear_progress() {

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,6 +37,11 @@ class Commands {
 
 /// Checks that an option is a number from `least` to `most`. (CLI::Range takes "nan" for one.)
 [[nodiscard]] CLI::Validator number_between(double least, double most);
+
+/// Whether a file of this name may be written: it has one of the endings, and its folder is there. To be
+/// asked before long work. Errors: bad_usage, not_found.
+[[nodiscard]] Result<void> check_output(const std::filesystem::path& path,
+                                        std::initializer_list<std::string_view> endings);
 
 /// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C
 /// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it.

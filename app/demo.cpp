@@ -113,7 +113,8 @@ Result<void> run(Options options) {
         "Captured {:.0f} s of a face that the model had never met: vertices within {:.2f} mm on average",
         static_cast<double>(evaluation.frames) / kFrameRateHz, evaluation.model.pve_mm.mean);
     if (evaluation.ridge) fmt::print(" (ridge regression: {:.2f} mm)", evaluation.ridge->pve_mm.mean);
-    fmt::print(".\n");
+    fmt::print(".\nIn {}: report.html, capture.mp4, capture.csv, capture.glb, performance.mien\n",
+               options.out.string());
   }
   return {};
 }

@@ -57,6 +57,7 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
 }
 
 Result<void> run(Options options) {
+  if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
   MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
   std::vector<take::Take> takes;
   std::set<std::string> devices;
@@ -91,8 +92,9 @@ Result<void> run(Options options) {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return {};
   }
-  fmt::print("{} frames of {} take(s) on {}, {} profile, {} steps\n\n", evaluation.frames, evaluation.takes,
-             face_name, context.devices, context.steps);
+  fmt::print("{} frames of {} take{} on {}, {} profile, {} step{}\n\n", evaluation.frames, evaluation.takes,
+             evaluation.takes == 1 ? "" : "s", face_name, context.devices, context.steps,
+             context.steps == 1 ? "" : "s");
   fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>7} {:>7}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
              "MSE felt", "jitter", "blink F1");
   print_row("model", evaluation.model);

@@ -21,6 +21,7 @@ struct Options {
 };
 
 Result<void> run(const Options& options) {
+  MIEN_TRY(check_output(options.take, {".mien"}));
   std::vector<std::string> warnings;
   MIEN_TRY_ASSIGN(const face::Motion motion, face::load_motion(options.motion, &warnings));
   for (const std::string& warning : warnings) fmt::print(stderr, "mien: {}: {}\n", options.motion, warning);

@@ -27,6 +27,8 @@ struct Options {
 
 Result<void> run(Options options) {
   virt::PerformRequest& request = options.request;
+  MIEN_TRY(check_output(request.take, {".mien"}));
+  MIEN_TRY(virt::check_take_is_new(request));
   MIEN_TRY_ASSIGN(const virt::Block block, virt::parse_block(options.block));
   if (!options.motion.empty()) {
     MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motion));

@@ -23,7 +23,7 @@ struct Options {
 };
 
 Result<void> run(Options options) {
-  if (!options.out.empty()) MIEN_TRY(check_motion_ending(options.out));
+  if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
   const auto start = std::chrono::steady_clock::now();

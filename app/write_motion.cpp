@@ -1,5 +1,6 @@
 #include "app/write_motion.h"
 
+#include "app/command.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/face/load.h"
@@ -22,16 +23,13 @@ face::Motion motion_of(std::span<const face::OutputFrame> frames) {
   return motion;
 }
 
-Result<void> check_motion_ending(const std::filesystem::path& path) {
-  const std::string ending = path.extension().string();
-  if (ending == ".csv" || ending == ".glb" || ending == ".gltf") return {};
-  return fail(ErrorCode::bad_usage, "motions are written as .csv, .glb or .gltf", path.string(),
-              "choose one of these endings");
+Result<void> check_motion_output(const std::filesystem::path& path) {
+  return check_output(path, {".csv", ".glb", ".gltf"});
 }
 
 Result<void> write_motion(const face::Motion& motion, const std::string& face,
                           const std::filesystem::path& path) {
-  MIEN_TRY(check_motion_ending(path));
+  MIEN_TRY(check_motion_output(path));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
   MIEN_TRY_ASSIGN(const face::Face model, face::load_face(face));

@@ -13,8 +13,8 @@ namespace mien::app {
 /// Output frames as a motion, from the first frame's time.
 [[nodiscard]] face::Motion motion_of(std::span<const face::OutputFrame> frames);
 
-/// Whether write_motion() knows the file's ending: to be asked before long work. Errors: bad_usage.
-[[nodiscard]] Result<void> check_motion_ending(const std::filesystem::path& path);
+/// Whether write_motion() can write there (check_output): to be asked before long work.
+[[nodiscard]] Result<void> check_motion_output(const std::filesystem::path& path);
 
 /// Writes a motion in the format of the file's ending: .csv (Live Link Face), .glb or .gltf (on the face that
 /// `face` names). Errors: bad_usage for another ending, and the writers'.

@@ -151,8 +151,7 @@ Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::stri
   if (!reader.ok())
     return fail(ErrorCode::truncated, "the file is shorter than a safetensors file can be", where);
   if (header_size > kMaxHeaderBytes)
-    return fail(ErrorCode::malformed, fmt::format("the header claims {} bytes", header_size), where,
-                "this is no safetensors file");
+    return fail(ErrorCode::malformed, "this is no safetensors file", where, "models are made by mien train");
   const auto header = reader.take(header_size);
   if (!reader.ok()) return fail(ErrorCode::truncated, "the file ends inside its header", where);
   const auto data = bytes.last(reader.left());

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 
 #include "mien/core/sha256.h"
@@ -78,11 +79,11 @@ Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver&
   const std::vector<std::string> sensors = take.rig().face_sensor_names();
   Solution out;
   std::size_t felt = 0, all = 0;
-  for (const model::FeatureFrame& frame : features)
-    for (const model::SensorFeature& sensor : frame.sensors) {
-      felt += sensor.has_rotation ? 1 : 0;
-      ++all;
-    }
+  for (const model::FeatureFrame& frame : features) {
+    const auto there = std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation);
+    felt += static_cast<std::size_t>(there);
+    if (felt > 0) all += frame.sensors.size();
+  }
   out.felt = all > 0 ? static_cast<double>(felt) / static_cast<double>(all) : 0;
   MIEN_TRY_ASSIGN(out.frames, solver.solve(features, sensors, settings, progress));
   out.ridge = solver.ridge(features, sensors, take.header().devices == "lab" ? "lab" : "device");

@@ -21,8 +21,10 @@ enum class SolveFrom {
 struct Solution {
   std::vector<face::OutputFrame> frames;  ///< One a tick.
   std::vector<face::BlendshapeWeights>
-      ridge;         ///< One a tick; empty when the model file has none for the profile.
-  double felt = 0;   ///< Share of the sensors' rotations that were there; the rest was guessed without them.
+      ridge;  ///< One a tick; empty when the model file has none for the profile.
+  /// Share of the sensors' rotations that were there from the first on (before it they are calibrated); the
+  /// rest was guessed without them. 0: there was none.
+  double felt = 0;
   std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 

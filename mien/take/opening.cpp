@@ -48,7 +48,7 @@ Result<void> check_first_bytes(const fs::path& path, const std::string& where) {
   if (count == 0) return fail(ErrorCode::bad_usage, "the file is empty", where, "name a take");
   if (count < kMagic.size() || std::memcmp(first.data(), kMagic.data(), kMagic.size()) != 0)
     return fail(ErrorCode::malformed, "this is not a take", where,
-                "takes are made by mien perform, record or import");
+                "takes are made by mien perform or import");
   if (count < kHeaderBytes)
     return fail(ErrorCode::truncated, "the file ends inside its header", where, "use a copy of it");
   const std::span<const std::byte> bytes = first;
@@ -56,7 +56,7 @@ Result<void> check_first_bytes(const fs::path& path, const std::string& where) {
   ByteReader at_application{bytes.subspan(68, 4)};
   if (at_application.big<std::uint32_t>() != kApplicationId)
     return fail(ErrorCode::malformed, "this is a SQLite file of another program, not a take", where,
-                "takes are made by mien perform, record or import");
+                "takes are made by mien perform or import");
   if (const auto version = at_version.big<std::uint32_t>(); version != kUserVersion)
     return fail(ErrorCode::unsupported,
                 fmt::format("the take's layout is version {}, and this program knows version {}", version,

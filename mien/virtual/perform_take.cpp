@@ -71,11 +71,17 @@ std::vector<take::CalibrationVersion> calibrations_of(const sensor::Rig& rig, co
 
 }  // namespace
 
-Result<PerformSummary> perform_take(const PerformRequest& request, const Progress& progress) {
+Result<void> check_take_is_new(const PerformRequest& request) {
   std::error_code code;
   if (!request.replace && std::filesystem::exists(request.take, code))
     return fail(ErrorCode::bad_usage, "the take exists already", request.take.string(),
                 "give another name, or --force");
+  return {};
+}
+
+Result<PerformSummary> perform_take(const PerformRequest& request, const Progress& progress) {
+  std::error_code code;
+  MIEN_TRY(check_take_is_new(request));
   if (request.take.has_parent_path() && !std::filesystem::is_directory(request.take.parent_path(), code))
     return fail(ErrorCode::not_found, "there is no such folder", request.take.parent_path().string(),
                 "make it first");
@@ -87,6 +93,9 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   if (request.devices == "device") {
     MIEN_TRY_ASSIGN(faults, parse_faults(rig.faults_toml, request.rig.string()));
   } else if (!lab) {
+    if (!std::filesystem::exists(request.devices, code))
+      return fail(ErrorCode::not_found, "there are no such devices", request.devices,
+                  "name device, lab, or a TOML file of faults");
     MIEN_TRY_ASSIGN(const std::string text, read_text(request.devices));
     MIEN_TRY_ASSIGN(faults, parse_faults(text, request.devices));
   }

@@ -42,6 +42,10 @@ struct PerformSummary {
   std::size_t samples = 0;
 };
 
+/// Whether the take may be written, to be asked before long work. Errors: bad_usage (it exists, and is not to
+/// be replaced).
+[[nodiscard]] Result<void> check_take_is_new(const PerformRequest& request);
+
 /// Performs into a take. A cancelled or failed run at full speed leaves no file; at real pace the take stays
 /// as far as it came. Errors: those of the readers; bad_usage (the take exists); out_of_range (too long); io;
 /// cancelled.
