@@ -9,6 +9,7 @@
 #include "app/media_helper.h"
 #include "app/model_option.h"
 #include "app/performance.h"
+#include "app/read_aloud.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
@@ -51,9 +52,11 @@ Result<void> run(Options options) {
   virt::PerformRequest request;
   request.face = fmt::format("builtin:{}", options.seed);
   request.seed = options.seed;
-  constexpr virt::Block kLiveliest = virt::Block::range_of_motion;
-  request.script = virt::default_script(kLiveliest, options.seconds);
-  request.script_name = virt::block_name(kLiveliest);
+  constexpr virt::Block kSaid =
+      virt::Block::acted;  // A face that speaks and feels says more than one that exercises.
+  request.script = virt::default_script(kSaid, options.seconds);
+  request.script_name = virt::block_name(kSaid);
+  MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, no_progress));
   request.take = options.out / "performance.mien";
   request.replace = true;
   request.software = "mien " MIEN_VERSION;
@@ -82,6 +85,7 @@ Result<void> run(Options options) {
   film.width = 272;
   film.height = 304;
   film.rate_hz = 15;
+  film.sound = truth.sound;
   film.from_s = evaluated_from_s(estimates.truth);
   const std::filesystem::path film_path = options.out / "capture.mp4";
   MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, truth.motion, capture, 0, film, film_path,
