@@ -270,12 +270,7 @@ Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::R
 
 std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random random) {
   std::vector<Vec3> offsets_m(rig.sensors.size());
-  for (Vec3& offset : offsets_m) {
-    const double x = random.normal();
-    const double y = random.normal();
-    const double z = random.normal();
-    offset = sigma_m * Vec3(x, y, z);
-  }
+  for (Vec3& offset : offsets_m) offset = sigma_m * Vec3{random.normal(), random.normal(), random.normal()};
   return offsets_m;
 }
 
