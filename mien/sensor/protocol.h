@@ -1,0 +1,99 @@
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/sensor/sample.h"
+
+namespace mien::sensor {
+
+/// One sensor of one device, as the wire names it.
+struct DeviceKey {
+  std::uint64_t device = 0;  ///< A MAC in the low 48 bits, first octet highest.
+  std::uint8_t channel = 0;  ///< Which sensor of the board.
+  auto operator<=>(const DeviceKey&) const = default;
+};
+
+/// "02:4D:49:45:4E:07", and with a channel above 0 "02:4D:49:45:4E:07/1": what rigs bind sensors by.
+[[nodiscard]] std::string format_device(const DeviceKey& key);
+/// Takes both forms, and a channel 0 written out, in either case. Errors: malformed.
+[[nodiscard]] Result<DeviceKey> parse_device(std::string_view text);
+
+/// A decoded sample, before it is known which sensor of the rig its device is.
+struct Reading {
+  DeviceKey from;
+  Sample sample;           ///< `sensor` is not set.
+  bool saturated = false;  ///< Some axis stood at the end of its range.
+};
+
+/// What a device tells about itself, when it begins.
+struct Announcement {
+  DeviceKey from;
+  std::string site;      ///< The rig's sensor that it sits at, if it knows: "zygomaticus_upper_L".
+  std::string firmware;  ///< For people; may be empty.
+};
+
+/// What one datagram brought. Reused from datagram to datagram, so that the live path allocates nothing.
+struct Inbox {
+  struct Battery {
+    DeviceKey from;
+    std::uint8_t percent = 0;
+  };
+  /// A pulse on the wire that all nodes share: the same moment on every node's own clock.
+  struct Pulse {
+    DeviceKey from;
+    std::uint32_t index = 0;
+    DeviceTime edge;
+  };
+  std::vector<Reading> readings;
+  std::vector<Announcement> announcements;
+  std::vector<Battery> batteries;
+  std::vector<Pulse> pulses;
+  std::optional<DeviceKey> alive;  ///< A device that said nothing but that it is there.
+  std::vector<std::byte> reply;    ///< One datagram for the sender; empty: none.
+
+  void clear();
+};
+
+/// What became of a datagram.
+enum class Verdict : std::uint8_t {
+  taken,
+  ignored,    ///< Well formed, and nothing that we need (a temperature).
+  malformed,  ///< Breaks its protocol's rules.
+  refused,    ///< Not authenticated, or played again.
+};
+
+/// Where a datagram came from; small numbers that the session gives out, the same in live and replay.
+using Peer = std::uint32_t;
+
+/// A language that devices speak: datagrams in, readings out, and what must be said back. What receive() puts
+/// into the inbox's readings, announcements, batteries and pulses is a pure function of the datagrams
+/// received so far and their arrivals: live and replay decode alike. Thread: one at a time.
+class Protocol {
+ public:
+  virtual ~Protocol() = default;
+  /// "mien", "slimevr": for people.
+  [[nodiscard]] virtual std::string_view name() const = 0;
+  /// Whether the content is of this language; says nothing of its being well formed.
+  [[nodiscard]] virtual bool recognises(std::span<const std::byte> datagram) const = 0;
+  /// Decodes one datagram. Appends to `inbox`. No allocation but for a device's first words.
+  virtual Verdict receive(HostTime arrival, Peer peer, std::span<const std::byte> datagram, Inbox& inbox) = 0;
+
+  struct Outgoing {
+    Peer peer = 0;
+    std::vector<std::byte> datagram;
+  };
+  /// What is due to be said unasked (heartbeats); to be asked about ten times a second. Changes nothing that
+  /// receive() depends on.
+  virtual void say(HostTime now, std::vector<Outgoing>& out) = 0;
+};
+
+}  // namespace mien::sensor
