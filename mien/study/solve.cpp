@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "mien/core/sha256.h"
+#include "mien/face/frame_hash.h"
 #include "mien/imu/packet.h"
 #include "mien/study/trace_features.h"
 
@@ -42,20 +42,8 @@ Result<std::vector<take::StoredSample>> decode_log(const std::vector<take::LogEn
 }  // namespace
 
 std::string hash_frames(std::span<const face::OutputFrame> frames) {
-  Sha256 hash;
-  for (const face::OutputFrame& frame : frames) {
-    hash.add_value(static_cast<std::int64_t>(frame.time.time_since_epoch().count()));
-    for (const float w : frame.weights.values) hash.add_value(w);
-    for (const double h : {frame.head.w(), frame.head.x(), frame.head.y(), frame.head.z()})
-      hash.add_value(static_cast<float>(h));
-    for (const Eigen::Vector2f& eye : frame.eyes_rad) {
-      hash.add_value(eye.x());
-      hash.add_value(eye.y());
-    }
-    for (const face::Provenance p : frame.provenance) hash.add_value(static_cast<std::uint8_t>(p));
-    hash.add_value(static_cast<std::uint8_t>(frame.head_provenance));
-    hash.add_value(static_cast<std::uint8_t>(frame.eyes_provenance));
-  }
+  face::FrameHash hash;
+  for (const face::OutputFrame& frame : frames) hash.add(frame);
   return hash.hex();
 }
 

@@ -28,9 +28,7 @@ struct Solution {
   std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 
-/// SHA-256 of output frames as the contract has it: for each frame its device time (i64 ns), 53 weights
-/// (f32), head w,x,y,z (f32), eyes yaw and pitch left then right (f32), the 53 provenances, the head's and
-/// the eyes' (u8).
+/// As face::FrameHash has it.
 [[nodiscard]] std::string hash_frames(std::span<const face::OutputFrame> frames);
 
 /// Features of a take, one frame a tick. A packet that does not parse is passed over, as the session did.

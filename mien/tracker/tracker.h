@@ -35,6 +35,12 @@ struct CalibrationState {
   std::string_view hint;   ///< Why the last try did not do; empty when it did. A text that lives for ever.
 };
 
+/// When a step of the calibration in force was performed, on the reference's time line.
+struct PerformedStep {
+  Step step;
+  DeviceTime begin, end;
+};
+
 /// One modality's way from samples to output frames; the only face that the live session sees of it. A pure
 /// function of the calls, in their order: live and replay give the same bits. Thread: one at a time. No
 /// allocation in add and tick after start-up, but where a calibration is made.
@@ -62,6 +68,8 @@ class Tracker {
   [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
   /// Counts calibrations: one more each time calibration() changes by more than drift.
   [[nodiscard]] virtual int calibration_count() const = 0;
+  /// The steps that the tracker found of its own accord; guided ones are known to who guided.
+  [[nodiscard]] virtual std::vector<PerformedStep> found_steps() const = 0;
   /// Puts an earlier one in force. Errors: malformed, mismatch (another rig's).
   [[nodiscard]] virtual Result<void> restore(std::string_view json) = 0;
 
