@@ -17,6 +17,7 @@ class ImuTracker final : public tracker::Tracker {
   /// The live session's settings: calibrates itself.
   [[nodiscard]] static PipelineSettings watching();
 
+  [[nodiscard]] std::string_view modality() const override { return "imu"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   bool tick(DeviceTime frame, face::OutputFrame& out) override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;

@@ -47,6 +47,8 @@ struct PerformedStep {
 class Tracker {
  public:
   virtual ~Tracker() = default;
+  /// "imu": what its calibrations are called in a take.
+  [[nodiscard]] virtual std::string_view modality() const = 0;
 
   /// A decoded sample as it arrives; `sample.sensor` is bound. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
