@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "mien/sink/arkit_frame.h"
+#include "mien/sink/datagrams.h"
+
+namespace mien::sink {
+
+/// Unreal's Live Link Face listens here unless told otherwise.
+inline constexpr std::uint16_t kLiveLinkPort = 11111;
+/// Longest device id and subject name, bytes: receivers refuse longer packets than these make (facts 1.1).
+inline constexpr std::size_t kMaxLiveLinkName = 255;
+
+/// Who a receiver takes the packets to be from; it keys its subjects by both.
+struct LiveLinkSource {
+  std::string device_id;  ///< A UUID, 36 characters.
+  std::string subject;    ///< What Unreal lists: "mien". UTF-8, at most kMaxLiveLinkName bytes.
+};
+
+/// The source of that subject: its device id is made from the name (a UUID of version 8), so that a session
+/// which is begun again is the same device to its receivers.
+[[nodiscard]] LiveLinkSource live_link_source(std::string_view subject);
+
+/// One Live Link Face datagram, packet version 6: header, then 61 floats, highest byte first: ARKit's 52 in
+/// face::ArkitOrder::live_link_udp, then HeadYaw, HeadPitch, HeadRoll, LeftEyeYaw, LeftEyePitch, LeftEyeRoll
+/// and the right eye's, radians. Eyes: yaw positive to the performer's right, pitch positive down, roll 0
+/// (measured on a capture, facts 1.1). Head: the same signs, and roll positive to the right shoulder, are
+/// UNVERIFIED; they are those of face::head_from_livelink. `frame_index` becomes the frame number at 60/1,
+/// its lowest 31 bits; the sub-frame is 0. Allocates only while `out` grows. Layout: facts 1.1, 3.1.
+void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
+                      Datagrams& out);
+
+}  // namespace mien::sink
