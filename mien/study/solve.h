@@ -7,6 +7,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/study/evaluation.h"
 #include "mien/take/take.h"
+#include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::study {
@@ -39,6 +40,10 @@ struct Solution {
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,
                                           SolveFrom from, const model::SamplerSettings& settings,
                                           const Progress& progress);
+
+/// Solves a whole take frame by frame, as a live session would; the tracker is reset first and last.
+[[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
+                                          SolveFrom from, const Progress& progress);
 
 /// The solution beside the take's truth, for evaluate(). Errors: not_found (a take without truth).
 [[nodiscard]] Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution);
