@@ -123,7 +123,8 @@ VirtualPacket ImuSimulator::sample_packet(double begin_s) {
     gyro_bias_rad_s_ += normal_vector(walk_, walk_sigma);
     const Vec3 gyro =
         gyro_scale_.cwiseProduct(rate_rad_s) + gyro_bias_rad_s_ + normal_vector(noise_, gyro_sigma);
-    const Vec3 accel = accel_scale_.cwiseProduct(force) + accel_bias_m_s2_ + normal_vector(noise_, accel_sigma);
+    const Vec3 accel =
+        accel_scale_.cwiseProduct(force) + accel_bias_m_s2_ + normal_vector(noise_, accel_sigma);
 
     sensor::Sample sample;
     sample.sensor = site_;

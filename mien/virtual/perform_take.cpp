@@ -72,10 +72,10 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
   MIEN_TRY_ASSIGN(const Stage stage, set_stage(request));
   if (!progress(0.1, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
-  MIEN_TRY_ASSIGN(
-      const VirtualSession session,
-      stage.lab ? play_lab(stage.motion, stage.sites, stage.rig, stage.devices)
-                : play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices));
+  MIEN_TRY_ASSIGN(const VirtualSession session,
+                  stage.lab
+                      ? play_lab(stage.motion, stage.sites, stage.rig, stage.devices)
+                      : play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices));
   if (!progress(0.5, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
 
   take::Header header;

@@ -12,8 +12,8 @@ namespace mien::virt {
 /// Rate of the grid on which the skin's motion is computed before each sensor samples it at its own times.
 inline constexpr double kTrajectoryRateHz = 240.0;
 
-/// The skin is traced this far beyond both ends of a motion, s, so that filters and differences have something
-/// to stand on.
+/// The skin is traced this far beyond both ends of a motion, s, so that filters and differences have
+/// something to stand on.
 inline constexpr double kTrajectoryMarginS = 0.25;
 
 /// Where the skin under every sensor is, and how it is turned, for a whole motion or a stretch of it. True
@@ -33,8 +33,8 @@ struct SkinTrajectory {
 class SkinTracer {
  public:
   /// From `begin_s` to `end_s`; an encore has no end.
-  SkinTracer(const face::MotionCurve& motion, const std::vector<SkinSite>& sites, double begin_s, double end_s,
-             const std::optional<Encore>& encore = std::nullopt);
+  SkinTracer(const face::MotionCurve& motion, const std::vector<SkinSite>& sites, double begin_s,
+             double end_s, const std::optional<Encore>& encore = std::nullopt);
 
   [[nodiscard]] bool done() const { return next_ >= points_; }
   /// True time up to which the skin has been traced, s.

@@ -38,11 +38,11 @@ struct StageRequest {
 struct Stage {
   std::string rig_toml;  ///< The rig file, whole.
   sensor::Rig rig;
-  bool lab = false;                ///< The profile *lab*: there are no faults then.
+  bool lab = false;  ///< The profile *lab*: there are no faults then.
   DeviceFaults faults;
-  std::vector<SkinSite> sites;     ///< Of the rig's sensors, in its order.
+  std::vector<SkinSite> sites;  ///< Of the rig's sensors, in its order.
   PrologueMotion motion;
-  Random devices = Random(0);      ///< What the devices' faults are drawn from.
+  Random devices = Random(0);  ///< What the devices' faults are drawn from.
 };
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
