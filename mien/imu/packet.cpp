@@ -229,6 +229,18 @@ Result<Packet> make_packet(std::span<const Sample> samples) {
   return packet;
 }
 
+bool is_saturated(const Packet& packet, std::size_t sample) {
+  if (packet.kind != SampleKind::imu_raw) return false;
+  for (std::size_t k = 0; k < packet.values_per_sample(); ++k) {
+    // As the parser makes them: the ends come out to the bit.
+    const float value = packet.values[sample][k];
+    if (value >= static_cast<float>(32767.0 * raw_step(packet, k)) ||
+        value <= static_cast<float>(-32768.0 * raw_step(packet, k)))
+      return true;
+  }
+  return false;
+}
+
 void append_samples(const Packet& packet, std::uint16_t sensor, std::vector<Sample>& out) {
   for (std::size_t i = 0; i < packet.count; ++i) {
     Sample sample;

@@ -58,6 +58,9 @@ inline constexpr double kMagStepTesla = 1e-7;
 /// Errors: bad_usage (none, too many, mixed kinds or counts, times that do not rise).
 [[nodiscard]] Result<Packet> make_packet(std::span<const sensor::Sample> samples);
 
+/// True when a raw axis of the packet's sample number `sample` stands at the end of its range.
+[[nodiscard]] bool is_saturated(const Packet& packet, std::size_t sample);
+
 /// The packet's samples as those of sensor number `sensor` of a rig, appended to `out`.
 void append_samples(const Packet& packet, std::uint16_t sensor, std::vector<sensor::Sample>& out);
 

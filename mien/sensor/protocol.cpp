@@ -47,6 +47,7 @@ void Inbox::clear() {
   pulses.clear();
   alive.reset();
   reply.clear();
+  opened.clear();
 }
 
 }  // namespace mien::sensor

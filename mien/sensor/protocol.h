@@ -59,6 +59,9 @@ struct Inbox {
   std::vector<Pulse> pulses;
   std::optional<DeviceKey> alive;  ///< A device that said nothing but that it is there.
   std::vector<std::byte> reply;    ///< One datagram for the sender; empty: none.
+  /// What a sealed datagram held; empty where it was not sealed. A log keeps this instead of the datagram
+  /// (and nothing of refused ones), so that a replay needs no key.
+  std::vector<std::byte> opened;
 
   void clear();
 };

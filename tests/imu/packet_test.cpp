@@ -9,21 +9,12 @@
 
 #include "mien/core/bytes.h"
 #include "mien/core/random.h"
+#include "tests/imu/hex.h"
 
 namespace mien::imu {
 namespace {
 
 using sensor::SampleKind;
-
-std::string hex(std::span<const std::byte> bytes) {
-  static const char* const digits = "0123456789abcdef";
-  std::string text;
-  for (const std::byte b : bytes) {
-    text += digits[std::to_integer<unsigned>(b) >> 4U];
-    text += digits[std::to_integer<unsigned>(b) & 15U];
-  }
-  return text;
-}
 
 Packet raw_packet() {
   Packet p;
@@ -73,14 +64,6 @@ std::vector<std::byte> encoded(const Packet& packet) {
   auto bytes = encode_packet(packet);
   EXPECT_TRUE(bytes) << bytes.error().message();
   return bytes ? *bytes : std::vector<std::byte>();
-}
-
-/// Puts the checksum right again after a change, so that the change itself is what is judged.
-void seal(std::vector<std::byte>& bytes) {
-  ByteWriter writer;
-  writer.append(std::span(bytes).first(bytes.size() - 4));
-  writer.little(crc32(std::span<const std::byte>(bytes).first(bytes.size() - 4)));
-  bytes = writer.release();
 }
 
 // The test vectors of docs/protocol.md: whoever writes a device's firmware checks against the same bytes.
@@ -186,7 +169,7 @@ TEST(Packet, RefusesEachWrongFieldAlone) {
     auto bytes = encoded(raw_packet());
     for (std::size_t i = 0; i < wrong.bytes.size(); ++i)
       bytes[wrong.at + i] = std::byte{static_cast<unsigned char>(wrong.bytes[i])};
-    seal(bytes);
+    renew_checksum(bytes);
     const auto packet = parse_packet(bytes);
     ASSERT_FALSE(packet) << wrong.name;
     EXPECT_EQ(packet.error().code, wrong.code) << wrong.name << ": " << packet.error().message();
@@ -200,7 +183,7 @@ TEST(Packet, RefusesNumbersThatAreNone) {
       for (std::size_t k = 0; k < packet.values_per_sample(); ++k) {
         auto bytes = encoded(packet);
         std::memcpy(bytes.data() + 36 + 4 * k, &bad, 4);
-        seal(bytes);
+        renew_checksum(bytes);
         EXPECT_FALSE(parse_packet(bytes)) << k;
         Packet changed = packet;
         changed.values[0][k] = bad;
