@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
 #include "mien/core/files.h"
@@ -15,6 +16,7 @@ namespace {
 
 struct Options {
   virt::PerformRequest request;
+  NetworkOptions network;
   std::string motion;
   std::string block = "mixed";
   double seconds = 60;
@@ -25,10 +27,62 @@ struct Options {
   bool json = false;
 };
 
+/// Performs into a take.
+Result<void> run_take(const Options& options) {
+  MIEN_TRY_ASSIGN(const virt::PerformSummary summary,
+                  virt::perform_take(options.request, terminal_progress("perform")));
+  const std::string take = options.request.take.string();
+  if (options.json)
+    print_json({{"take", take},
+                {"duration_s", summary.duration_s},
+                {"frames", summary.frames},
+                {"packets", summary.packets},
+                {"samples", summary.samples}});
+  else
+    fmt::print("{}: {:.1f} s, {} frames, {} packets, {} samples\n", take, summary.duration_s, summary.frames,
+               summary.packets, summary.samples);
+  return {};
+}
+
+/// Performs to a receiver.
+Result<void> run_network(const Options& options) {
+  MIEN_TRY_ASSIGN(const NetworkSummary summary, perform_to_network(options.request, options.network));
+  clear_progress();
+  if (options.json)
+    print_json({{"to", options.network.to},
+                {"duration_s", summary.performed_s},
+                {"rounds", summary.rounds},
+                {"nodes", summary.nodes},
+                {"answered", summary.answered},
+                {"packets", summary.packets},
+                {"refused", summary.refused},
+                {"latest_ms", summary.latest_ms},
+                {"stopped", summary.stopped}});
+  else
+    fmt::print(
+        "{}: {:.1f} s{}, {} packets, {} refused, {} of {} nodes answered; the latest went out {:.1f} ms "
+        "late\n",
+        options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.packets,
+        summary.refused, summary.answered, summary.nodes, summary.latest_ms);
+  return {};
+}
+
 Result<void> run(Options options) {
   virt::PerformRequest& request = options.request;
-  MIEN_TRY(check_output(request.take, {".mien"}));
-  MIEN_TRY(virt::check_take_is_new(request));
+  const bool to_network = !options.network.to.empty();
+  if (to_network == !request.take.empty())
+    return fail(ErrorCode::bad_usage,
+                to_network ? "both --take and --to were given" : "where to was not said", "perform",
+                "give one of --take FILE and --to udp://HOST:PORT");
+  if (to_network) {
+    MIEN_TRY(parse_target(options.network.to));
+    if (request.devices == "lab")
+      return fail(ErrorCode::bad_usage, "the devices of --devices lab are on no network", options.network.to,
+                  "perform them with --take, or use --devices device");
+  } else {
+    MIEN_TRY(check_output(request.take, {".mien"}));
+    MIEN_TRY(virt::check_take_is_new(request));
+  }
   MIEN_TRY_ASSIGN(const virt::Block block, virt::parse_block(options.block));
   if (!options.motion.empty()) {
     MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motion));
@@ -57,19 +111,7 @@ Result<void> run(Options options) {
     const auto whole = std::filesystem::weakly_canonical(request.face, code);
     if (!code) request.face = whole.string();  // A take must find it again from elsewhere.
   }
-  MIEN_TRY_ASSIGN(const virt::PerformSummary summary,
-                  virt::perform_take(request, terminal_progress("perform")));
-  if (options.json) {
-    print_json({{"take", request.take.string()},
-                {"duration_s", summary.duration_s},
-                {"frames", summary.frames},
-                {"packets", summary.packets},
-                {"samples", summary.samples}});
-  } else {
-    fmt::print("{}: {:.1f} s, {} frames, {} packets, {} samples\n", request.take.string(), summary.duration_s,
-               summary.frames, summary.packets, summary.samples);
-  }
-  return {};
+  return to_network ? run_network(options) : run_take(options);
 }
 
 }  // namespace
@@ -77,11 +119,27 @@ Result<void> run(Options options) {
 void add_perform_command(Commands& commands) {
   auto options = std::make_shared<Options>();
   virt::PerformRequest& request = options->request;
-  CLI::App* command = commands.add(
-      "perform",
-      "A virtual performer plays a script or a recorded motion through virtual sensors, into a take",
-      "mien perform --motion talk.csv --devices lab --take talk.mien", [options] { return run(*options); });
-  command->add_option("--take", request.take, "The take to write")->required();
+  CLI::App* command = commands.add("perform",
+                                   "A virtual performer plays a script or a recorded motion through virtual "
+                                   "sensors, to the network in real "
+                                   "time or into a take",
+                                   "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
+                                   "reading --to udp://127.0.0.1:5005",
+                                   [options] { return run(*options); });
+  CLI::Option* take = command->add_option("--take", request.take, "The take to write, with the truth in it");
+  CLI::Option* to =
+      command
+          ->add_option("--to", options->network.to,
+                       "Who receives it in real time: udp://HOST:PORT (mien live) or slimevr://HOST:PORT")
+          ->excludes(take);
+  command
+      ->add_option("--wait", options->network.wait_s,
+                   "Seconds that a receiver has to answer before the performance begins without it")
+      ->needs(to)
+      ->check(number_between(0.0, 3600.0))
+      ->capture_default_str();
+  command->add_flag("--loop", options->network.loop, "Play the motion again and again, until Ctrl-C")
+      ->needs(to);
   CLI::Option* motion = command->add_option(
       "--motion", options->motion,
       "A Live Link Face CSV, or a take whose truth to perform; without it a script is played");
@@ -118,9 +176,10 @@ void add_perform_command(Commands& commands) {
       ->check(CLI::IsMember({"short", "none", "full"}))
       ->capture_default_str();
   command->add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
+      ->needs(take)
       ->check(CLI::IsMember({"fast", "real"}))
       ->capture_default_str();
-  command->add_flag("--force", request.replace, "Replace an existing take");
+  command->add_flag("--force", request.replace, "Replace an existing take")->needs(take);
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "mien/core/random.h"
@@ -28,11 +30,13 @@ struct VirtualClock {
 
 /// Samples that travel together, and when the host hears them.
 struct VirtualPacket {
-  HostTime arrival;
+  HostTime arrival;                     ///< Or when it would have arrived.
+  Duration delay{};                     ///< From its last sample to there.
+  bool lost = false;                    ///< Sampled, and never heard.
   std::vector<sensor::Sample> samples;  ///< SampleKind::imu_raw, kSamplesPerPacket of them.
 };
 
-/// One IMU on the skin: everything that its faults drew.
+/// One IMU on the skin: everything that its faults drew, and what it has sampled so far.
 class ImuSimulator {
  public:
   /// `site` indexes the trajectory and is the sample's sensor number. The same random stream gives the same
@@ -41,13 +45,26 @@ class ImuSimulator {
 
   [[nodiscard]] const VirtualClock& clock() const { return clock_; }
 
-  /// The packets of the whole trajectory that arrive, in the order in which they were sent.
-  [[nodiscard]] std::vector<VirtualPacket> play(const SkinTrajectory& trajectory);
+  /// The packets that the skin's next stretch completes, also those that are lost, in the order in which they
+  /// are sent. Stretches follow one another without a gap from the trajectory's beginning; in whatever
+  /// lengths they come, the packets are the same.
+  [[nodiscard]] std::vector<VirtualPacket> play(const SkinTrajectory& next);
 
  private:
+  /// The sensor on the trajectory's grid, as much of it as samples still need.
+  struct Track {
+    std::size_t first = 0;  // Grid points before those that are kept.
+    std::vector<Quat> orientation;
+    std::vector<Vec3> position_m;
+    Quat turned = Quat::Identity();  // The skin as the adhesive passes it on.
+    Vec3 moved = Vec3::Zero();
+    Vec3 slip_rad = Vec3::Zero();
+  };
+  void follow_skin(const SkinTrajectory& next);
+  [[nodiscard]] VirtualPacket sample_packet(double begin_s);
+
   DeviceFaults faults_;
   std::uint16_t site_;
-  Random random_;
   VirtualClock clock_;
   Quat mount_;  // q_skin_sensor.
   double lag_s_ = 0;
@@ -56,6 +73,18 @@ class ImuSimulator {
   Vec3 accel_bias_m_s2_ = Vec3::Zero();
   Vec3 accel_scale_ = Vec3::Ones();
   Vec3 hard_iron_t_ = Vec3::Zero();
+
+  // Each has a stream of its own, drawn from as time goes on.
+  Random slip_;
+  Random noise_;
+  Random walk_;
+  Random radio_;
+  Random loss_;
+
+  Track track_;
+  std::optional<std::int64_t> next_;  // The next packet's first sample, in periods of the device's clock.
+  std::uint32_t sequence_ = 0;
+  double silent_until_s_ = -1e9;
 };
 
 }  // namespace mien::virt

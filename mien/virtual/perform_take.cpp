@@ -8,17 +8,10 @@
 #include <span>
 #include <thread>
 
-#include "mien/core/files.h"
-#include "mien/face/load.h"
 #include "mien/imu/pipeline.h"
 #include "mien/take/session_log.h"
 #include "mien/take/take.h"
-#include "mien/virtual/device_faults.h"
-#include "mien/virtual/head_motion.h"
-#include "mien/virtual/performer.h"
 #include "mien/virtual/session.h"
-#include "mien/virtual/skin_site.h"
-#include "mien/virtual/style.h"
 
 namespace mien::virt {
 namespace {
@@ -33,15 +26,6 @@ std::string_view prologue_name(PrologueKind kind) {
       return "full";
   }
   return "none";
-}
-
-face::Motion motion_of(const PerformRequest& request, const Random& root) {
-  if (request.motion) return *request.motion;
-  Random style_random = root.fork("style");
-  const Style style = draw_style(style_random);
-  Script script = request.script;
-  script.moves_head = request.devices != "lab";
-  return perform(script, style, root.fork("motion"));
 }
 
 std::string now_utc() {
@@ -86,39 +70,12 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
     return fail(ErrorCode::not_found, "there is no such folder", request.take.parent_path().string(),
                 "make it first");
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
-  MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig.string()));
-  const bool lab = request.devices == "lab";
-  DeviceFaults faults;
-  if (request.devices == "device") {
-    MIEN_TRY_ASSIGN(faults, parse_faults(rig.faults_toml, request.rig.string()));
-  } else if (!lab) {
-    if (!std::filesystem::exists(request.devices, code))
-      return fail(ErrorCode::not_found, "there are no such devices", request.devices,
-                  "name device, lab, or a TOML file of faults");
-    MIEN_TRY_ASSIGN(const std::string text, read_text(request.devices));
-    MIEN_TRY_ASSIGN(faults, parse_faults(text, request.devices));
-  }
-  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
-  const Random root(request.seed);
-  const std::vector<Vec3> placement_m =
-      draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"));
-  MIEN_TRY_ASSIGN(const std::vector<SkinSite> sites, skin_sites(face, rig, placement_m));
-
-  const double seconds = request.motion ? request.motion->duration_s() : request.script.duration_s();
-  if (!(seconds <= kLongestPerformanceS))
-    return fail(
-        ErrorCode::out_of_range,
-        fmt::format("the performance is {:.0f} s long, more than {:.0f}", seconds, kLongestPerformanceS),
-        request.script_name, "perform it in parts; a time code may jump");
-  face::Motion motion = motion_of(request, root);
-  if (!motion.has_head && !lab) motion = with_head_motion(motion, root.fork("head"));
-  const PrologueMotion begun = with_prologue(motion, request.prologue, root.fork("prologue"), !lab);
-
+  MIEN_TRY_ASSIGN(const Stage stage, set_stage(request));
   if (!progress(0.1, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
-  const Random devices = root.fork("devices");
-  MIEN_TRY_ASSIGN(const VirtualSession session, lab ? play_lab(begun, sites, rig, devices)
-                                                    : play_devices(begun, sites, rig, faults, devices));
+  MIEN_TRY_ASSIGN(const VirtualSession session,
+                  stage.lab
+                      ? play_lab(stage.motion, stage.sites, stage.rig, stage.devices)
+                      : play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices));
   if (!progress(0.5, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
 
   take::Header header;
@@ -129,11 +86,11 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.face = request.face;
   header.prologue = prologue_name(request.prologue);
   header.seed = request.seed;
-  header.rig_toml = rig_toml;
+  header.rig_toml = stage.rig_toml;
   header.created_utc = now_utc();
   // Before the file is there: a recording begins when its take does.
   std::vector<take::CalibrationVersion> calibrations;  // In lab it is the identity.
-  if (!lab) calibrations = calibrations_of(rig, session);
+  if (!stage.lab) calibrations = calibrations_of(stage.rig, session);
   MIEN_TRY_ASSIGN(
       take::TakeWriter writer,
       take::TakeWriter::create(request.take, header, request.replace,
@@ -196,7 +153,7 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
     return fail(ErrorCode::cancelled, "stopped", request.take.string(),
                 "what was performed until then is kept");
   progress(1, "written");
-  return PerformSummary{begun.motion.duration_s(), session.ticks.size(), session.entries.size(),
+  return PerformSummary{stage.motion.motion.duration_s(), session.ticks.size(), session.entries.size(),
                         session.samples.size()};
 }
 

@@ -1,33 +1,17 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
-#include "mien/core/wav.h"
-#include "mien/face/motion.h"
-#include "mien/virtual/performer_prologue.h"
-#include "mien/virtual/script.h"
+#include "mien/virtual/stage.h"
 
 namespace mien::virt {
 
-/// The longest performance, s: two hours take five gigabytes while they are simulated.
-inline constexpr double kLongestPerformanceS = 7200;
-
 /// What `mien perform --take` is asked for.
-struct PerformRequest {
-  Script script;                       ///< What a virtual performer plays, ...
-  std::optional<face::Motion> motion;  ///< ... unless this is performed instead.
-  std::string script_name;             ///< Goes into the take's header: the block, or the motion's file.
-  std::optional<Sound> sound;          ///< What is heard with it, from its start; goes into the take.
-  std::string face = "builtin";        ///< As face::load_face takes it.
-  std::filesystem::path rig;           ///< Rig file.
-  std::string devices = "device";      ///< "device": the rig's own faults; "lab"; or a TOML file of faults.
-  std::uint64_t seed = 1;
-  PrologueKind prologue = PrologueKind::brief;
+struct PerformRequest : StageRequest {
   std::filesystem::path take;
   bool replace = false;
   bool real_time = false;  ///< Write the take at the pace of its packets' arrivals.

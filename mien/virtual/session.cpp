@@ -8,27 +8,14 @@
 
 #include "mien/imu/packet.h"
 #include "mien/sensor/ticks.h"
+#include "mien/virtual/device_packet.h"
 #include "mien/virtual/imu_simulator.h"
 
 namespace mien::virt {
 namespace {
 
-/// The skin is traced a little beyond both ends, so that filters and differences have something to stand on.
-constexpr double kMarginS = 0.25;
 /// Frames stand on whole nanoseconds, a motion's own times do not: nearer than this they are one moment.
 constexpr double kSameMomentS = 1e-6;
-
-/// Device ids of virtual nodes: "MIEN" and the sensor's number in the rig.
-std::uint64_t device_id(std::size_t sensor) {
-  return 0x024D'4945'4E00ULL + sensor;
-}
-
-/// The code of the smallest range that the chip has and that reaches `wanted`: range = least * 2^code.
-std::uint8_t range_code(double wanted, double least, std::uint8_t most) {
-  std::uint8_t code = 0;
-  while (code < most && least * std::exp2(code) < wanted * (1 - 1e-9)) ++code;
-  return code;
-}
 
 /// From the motion's time to events on the reference's clock.
 void add_events(const PrologueTimes& times, const VirtualClock& reference, std::vector<take::Event>& events) {
@@ -72,7 +59,8 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
-  const SkinTrajectory trajectory = trace_skin(curve, sites, -kMarginS, curve.duration_s() + kMarginS);
+  const SkinTrajectory trajectory =
+      trace_skin(curve, sites, -kTrajectoryMarginS, curve.duration_s() + kTrajectoryMarginS);
 
   struct Sent {
     HostTime arrival;
@@ -86,14 +74,10 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
     ImuSimulator simulator(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
     clocks.push_back(simulator.clock());
     for (const VirtualPacket& virtual_packet : simulator.play(trajectory)) {
-      MIEN_TRY_ASSIGN(imu::Packet packet, imu::make_packet(virtual_packet.samples));
-      packet.device = device_id(s);
-      packet.sequence = virtual_packet.samples.front().sequence;
-      packet.gyro_range = range_code(faults.gyro_range_dps, 16, 6);
-      packet.accel_range = range_code(faults.accel_range_g, 2, 3);
-      MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
-      sent.push_back(
-          {virtual_packet.arrival, static_cast<std::uint16_t>(s), packet.sequence, std::move(bytes)});
+      if (virtual_packet.lost) continue;
+      MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(virtual_packet, faults));
+      sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s),
+                      virtual_packet.samples.front().sequence, std::move(bytes)});
     }
   }
   std::ranges::sort(sent, {}, [](const Sent& p) { return std::tuple(p.arrival, p.sensor, p.sequence); });
@@ -160,7 +144,7 @@ Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<
       for (std::size_t axis = 0; axis < 3; ++axis)
         sample.values[axis] = static_cast<float>(rotation[static_cast<Eigen::Index>(axis)]);
       MIEN_TRY_ASSIGN(imu::Packet packet, imu::make_packet({&sample, 1}));
-      packet.device = device_id(s);
+      packet.device = virtual_device(s);
       packet.sequence = sample.sequence;
       MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
       MIEN_TRY_ASSIGN(const imu::Packet parsed, imu::parse_packet(bytes));

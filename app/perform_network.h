@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "mien/core/error.h"
+#include "mien/virtual/node_group.h"
+#include "mien/virtual/stage.h"
+
+namespace mien::app {
+
+/// Whom a performance is for: "udp://HOST:PORT" (our own packets) or "slimevr://HOST:PORT".
+struct NetworkTarget {
+  virt::NodeLanguage language = virt::NodeLanguage::mien;
+  std::string host;  ///< A name or an address; an IPv6 one without its brackets.
+  std::uint16_t port = 0;
+};
+/// Errors: bad_usage.
+[[nodiscard]] Result<NetworkTarget> parse_target(const std::string& text);
+
+struct NetworkOptions {
+  std::string to;      ///< As parse_target() takes it.
+  double wait_s = 10;  ///< The performance begins unanswered after this.
+  bool loop = false;   ///< Again and again, until it is stopped.
+};
+
+/// What went out.
+struct NetworkSummary {
+  std::size_t nodes = 0;
+  std::size_t answered = 0;  ///< Nodes that the receiver knew of at the end.
+  double performed_s = 0;
+  std::size_t rounds = 0;  ///< Times that the motion was begun.
+  std::uint64_t packets = 0;
+  std::uint64_t refused = 0;  ///< Packets of which the receiver's machine said that nobody listens.
+  double latest_ms = 0;       ///< How late the latest packet went out.
+  bool stopped = false;       ///< By its user, before the end.
+};
+
+/// Performs in real time, each node through a socket of its own. A receiver that is not there yet is waited
+/// for, and told of once; a stop by Ctrl-C is no error. Errors: those of the stage and the simulation;
+/// bad_usage (a target that is none, the profile *lab*); not_found (no such host); io.
+[[nodiscard]] Result<NetworkSummary> perform_to_network(const virt::StageRequest& request,
+                                                        const NetworkOptions& options);
+
+}  // namespace mien::app

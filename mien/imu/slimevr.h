@@ -1,0 +1,184 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "mien/core/bytes.h"
+#include "mien/core/error.h"
+
+/// The packets of SlimeVR's trackers and server, as their firmware (protocol version 22) sends them. All
+/// numbers are big-endian. Values stay in their units and frames; imu/slimevr_protocol.h makes samples of
+/// them. Layout: docs/slimevr.md.
+namespace mien::imu::slimevr {
+
+inline constexpr std::uint16_t kPort = 6969;  ///< UDP, both sides; trackers broadcast their handshake to it.
+inline constexpr std::size_t kMaxDatagram = 1472;
+inline constexpr std::uint32_t kProtocolVersion = 22;
+
+// Tracker to server. `sensor` is the board's number of it; 255 is the board itself.
+
+struct Heartbeat {
+  bool operator==(const Heartbeat&) const = default;
+};
+struct Handshake {
+  std::uint32_t board = 4;  ///< 4 is a custom one.
+  std::uint32_t imu = 0;
+  std::uint32_t mcu = 2;  ///< 2 is an ESP32.
+  std::uint32_t protocol = kProtocolVersion;
+  std::string firmware;   ///< Printable ASCII; what is not comes out as '?'. At most 255 characters.
+  std::uint64_t mac = 0;  ///< First octet highest; 0 when it was not told.
+  std::uint8_t tracker_type = 0;
+  bool operator==(const Handshake&) const = default;
+};
+struct Acceleration {
+  std::array<float, 3> m_s2{};  ///< Gravity removed; sensor frame. At most 1000 an axis.
+  std::uint8_t sensor = 0;
+  bool operator==(const Acceleration&) const = default;
+};
+struct Pong {
+  std::uint32_t id = 0;  ///< Of the ping.
+  bool operator==(const Pong&) const = default;
+};
+struct Battery {
+  float volts = 0;
+  float level = 0;  ///< 0 to 1.
+  bool operator==(const Battery&) const = default;
+};
+struct Tap {
+  std::uint8_t sensor = 0;
+  std::uint8_t value = 0;
+  bool operator==(const Tap&) const = default;
+};
+struct SensorError {
+  std::uint8_t sensor = 0;
+  std::uint8_t code = 0;
+  bool operator==(const SensorError&) const = default;
+};
+struct SensorInfo {
+  std::uint8_t sensor = 0;
+  std::uint8_t state = 1;  ///< 0 offline, 1 well, 2 broken.
+  std::uint8_t imu = 0;    ///< From here on older firmware leaves fields away; they are then 0.
+  std::uint16_t config = 0;
+  std::uint8_t calibrated = 0;
+  std::uint8_t position = 0;   ///< On the body; there are none for the face.
+  std::uint8_t data_type = 0;  ///< 0 rotation.
+  bool operator==(const SensorInfo&) const = default;
+};
+struct Rotation {
+  std::uint8_t sensor = 0;
+  std::uint8_t data_type = 1;   ///< 1 normal, 2 a correction.
+  std::array<float, 4> xyzw{};  ///< Sensor's axes to a world whose +Z is up; of length 1 within 1 %.
+  std::uint8_t accuracy = 0;
+  bool operator==(const Rotation&) const = default;
+};
+struct MagnetometerAccuracy {
+  std::uint8_t sensor = 0;
+  float accuracy = 0;
+  bool operator==(const MagnetometerAccuracy&) const = default;
+};
+struct SignalStrength {
+  std::uint8_t sensor = 255;
+  std::int8_t dbm = 0;
+  bool operator==(const SignalStrength&) const = default;
+};
+struct Temperature {
+  std::uint8_t sensor = 0;
+  float celsius = 0;
+  bool operator==(const Temperature&) const = default;
+};
+struct UserAction {
+  std::uint8_t action = 0;  ///< 2 full, 3 yaw, 4 mounting reset, 5 pause.
+  bool operator==(const UserAction&) const = default;
+};
+struct FeatureFlags {
+  std::uint32_t bits = 0;  ///< Of the first four bytes; bit 0 is the lowest of the first byte.
+  bool operator==(const FeatureFlags&) const = default;
+};
+struct RotationAndAcceleration {
+  std::uint8_t sensor = 0;
+  std::array<float, 4> xyzw{};  ///< As Rotation's; 16 bits on the wire.
+  std::array<float, 3> m_s2{};  ///< As Acceleration's; within 256, steps of 1/128 on the wire.
+  bool operator==(const RotationAndAcceleration&) const = default;
+};
+struct ConfigAck {
+  std::uint8_t sensor = 0;
+  std::uint16_t what = 0;
+  bool operator==(const ConfigAck&) const = default;
+};
+/// A type that this program does not know; skipped.
+struct Unknown {
+  std::uint32_t type = 0;
+  bool operator==(const Unknown&) const = default;
+};
+
+using TrackerMessage =
+    std::variant<Unknown, Heartbeat, Handshake, Acceleration, Pong, Battery, Tap, SensorError, SensorInfo,
+                 Rotation, MagnetometerAccuracy, SignalStrength, Temperature, UserAction, FeatureFlags,
+                 RotationAndAcceleration, ConfigAck>;
+
+struct Header {
+  std::uint32_t type = 0;
+  std::uint64_t number = 0;  ///< Counts a board's packets of all types; 0 on those that are not counted.
+};
+
+/// Whether the bytes could be a tracker's datagram: a type below 256, and long enough for it.
+[[nodiscard]] bool is_tracker_datagram(std::span<const std::byte> bytes);
+
+/// One datagram, which holds one message or a bundle of them, appended to `out` in order. The deprecated
+/// rotation types 1 and 16 come out as Rotation of sensors 0 and 1. Bytes beyond a message's last known field
+/// are skipped: later firmware may add some. Errors, which leave `out` as it was: truncated; malformed (a
+/// bundle inside a bundle or with an empty message, a rotation not of length 1, more than kMaxDatagram
+/// bytes); out_of_range (a number not finite, an acceleration above 1000 m/s^2). No allocation but for a
+/// handshake's text, when `out` grows, and in errors. Thread-safe.
+[[nodiscard]] Result<Header> parse_tracker_datagram(std::span<const std::byte> bytes,
+                                                    std::vector<TrackerMessage>& out);
+
+// What a tracker says; for those that we play ourselves.
+
+/// Appends one datagram. Handshakes and pongs have the number 0, whatever is given. Errors: bad_usage (an
+/// Unknown, a text that is too long).
+[[nodiscard]] Result<void> encode_tracker_message(std::uint64_t number, const TrackerMessage& message,
+                                                  ByteWriter& out);
+/// Appends one datagram of type 100 with all of the messages. Errors: as above, and no message, a handshake
+/// or a pong, more than kMaxDatagram bytes.
+[[nodiscard]] Result<void> encode_tracker_bundle(std::uint64_t number,
+                                                 std::span<const TrackerMessage> messages, ByteWriter& out);
+
+// Server to tracker.
+
+/// The answer to a handshake.
+struct Greeting {
+  bool operator==(const Greeting&) const = default;
+};
+struct ServerHeartbeat {
+  bool operator==(const ServerHeartbeat&) const = default;
+};
+struct Ping {
+  std::uint32_t id = 0;
+  bool operator==(const Ping&) const = default;
+};
+struct ServerFlags {
+  static constexpr std::uint8_t kBundle = 1;   ///< Understands bundles of type 100.
+  static constexpr std::uint8_t kCompact = 2;  ///< Understands types 101 and 23.
+  std::uint8_t bits = 0;
+  bool operator==(const ServerFlags&) const = default;
+};
+/// The answer to a SensorInfo, with its state.
+struct SensorInfoAck {
+  std::uint8_t sensor = 0;
+  std::uint8_t state = 0;
+  bool operator==(const SensorInfoAck&) const = default;
+};
+using ServerMessage = std::variant<Unknown, Greeting, ServerHeartbeat, Ping, ServerFlags, SensorInfoAck>;
+
+/// Appends one datagram; an Unknown appends nothing.
+void encode_server_message(const ServerMessage& message, ByteWriter& out);
+/// Errors: truncated; malformed (a greeting of other words).
+[[nodiscard]] Result<ServerMessage> parse_server_message(std::span<const std::byte> bytes);
+
+}  // namespace mien::imu::slimevr

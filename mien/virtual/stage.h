@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/random.h"
+#include "mien/core/wav.h"
+#include "mien/face/motion.h"
+#include "mien/sensor/rig.h"
+#include "mien/virtual/device_faults.h"
+#include "mien/virtual/performer_prologue.h"
+#include "mien/virtual/script.h"
+#include "mien/virtual/skin_site.h"
+
+namespace mien::virt {
+
+/// The longest performance, s: two hours take five gigabytes while a take of them is made.
+inline constexpr double kLongestPerformanceS = 7200;
+
+/// What is performed, on whose skin and through which devices, wherever it goes.
+struct StageRequest {
+  Script script;                       ///< What a virtual performer plays, ...
+  std::optional<face::Motion> motion;  ///< ... unless this is performed instead.
+  std::string script_name;             ///< The block, or the motion's file; for people.
+  std::optional<Sound> sound;          ///< What is heard with it, from its start; goes into a take.
+  std::string face = "builtin";        ///< As face::load_face takes it.
+  std::filesystem::path rig;           ///< Rig file.
+  std::string devices = "device";      ///< "device": the rig's own faults; "lab"; or a TOML file of faults.
+  std::uint64_t seed = 1;
+  PrologueKind prologue = PrologueKind::brief;
+};
+
+/// Everything that a performance needs, read and drawn: the same request gives the same stage.
+struct Stage {
+  std::string rig_toml;  ///< The rig file, whole.
+  sensor::Rig rig;
+  bool lab = false;  ///< The profile *lab*: there are no faults then.
+  DeviceFaults faults;
+  std::vector<SkinSite> sites;  ///< Of the rig's sensors, in its order.
+  PrologueMotion motion;
+  Random devices = Random(0);  ///< What the devices' faults are drawn from.
+};
+
+/// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
+/// not_found (no such devices); out_of_range (too long).
+[[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
+
+}  // namespace mien::virt
