@@ -51,15 +51,16 @@ void ImuTracker::add(HostTime arrival, const sensor::Sample& sample) {
   pipeline_.add(arrival, sample);
 }
 
-bool ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
+std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
   pipeline_.tick(frame, features_);
   if (guided_until_ && frame >= *guided_until_) judge_guidance();
-  const bool felt = std::ranges::any_of(features_.sensors, &model::SensorFeature::has_rotation);
-  if (!felt && !pipeline_.calibration().complete) {
+  const auto felt =
+      static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
+  if (felt == 0 && !pipeline_.calibration().complete) {
     out = {};
     out.time = frame;
     out.provenance.fill(face::Provenance::neutral);
-    return true;  // Nothing is lost: nothing was there yet.
+    return face_.size();  // Nothing is lost: nothing was there yet.
   }
   model_->step(features_, out);
   return felt;

@@ -19,7 +19,7 @@ class ImuTracker final : public tracker::Tracker {
 
   [[nodiscard]] std::string_view modality() const override { return "imu"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
-  bool tick(DeviceTime frame, face::OutputFrame& out) override;
+  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   void cancel_guidance() override;
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;

@@ -43,6 +43,8 @@ struct Shape {
 using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
                              Tap, Shape>;
 
+/// Where commands come from, in a session log.
+inline constexpr std::string_view kPageSource = "page";
 /// Longer ones are refused.
 inline constexpr std::size_t kMaxCommandBytes = std::size_t{1} << 16U;
 

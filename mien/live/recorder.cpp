@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "mien/core/bytes.h"
+#include "mien/live/command.h"
 
 namespace mien::live {
 namespace {
@@ -192,7 +192,7 @@ void Recorder::write(std::span<const std::byte> record) {
     }
     case Kind::command: {
       const auto arrival = get<HostTime>(record);
-      w.entry = w.writer.add_entry(arrival, "page", record);
+      w.entry = w.writer.add_entry(arrival, kPageSource, record);
       return;
     }
     case Kind::tick: {

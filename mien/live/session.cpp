@@ -96,7 +96,7 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
     if (known.sensor == sensor) known.sensor.reset();
     if (known.key == key) known.sensor = sensor;
   }
-  links_[sensor] = {};
+  links_[sensor] = Link();
   add_event("bind", newest_frame_, newest_frame_,
             fmt::format(R"({{"sensor": "{}", "device": "{}"}})", rig_.sensors[sensor].name,
                         sensor::format_device(key)));
@@ -181,7 +181,7 @@ void Session::say(HostTime now, std::vector<sensor::Protocol::Outgoing>& out) {
 const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   newest_frame_ = frame;
   guide_.before(frame, *tracker_);
-  const bool felt = tracker_->tick(frame, frame_);
+  const std::size_t felt = tracker_->tick(frame, frame_);
   shaper_.apply(frame_, felt);
   if (guide_.after(frame_)) {
     const tracker::CalibrationState state = tracker_->calibration_state();
@@ -201,9 +201,14 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
 }
 
 void Session::watch_calibration(DeviceTime frame) {
-  if (recentring_ && !shaper_.recentring()) {
+  using Centring = shaping::Recentre::State;
+  if (const Centring state = shaper_.recentring().state();
+      recentring_ && (state == Centring::done || state == Centring::failed)) {
     recentring_ = false;
-    add_version(frame, "recentre", {});
+    if (state == Centring::done)
+      add_version(frame, "recentre", {});
+    else
+      add_event("recentre_failed", frame, frame, R"({"why": "no sensor was heard"})");
   }
   if (guide_.running() || tracker_->calibration_count() == calibrations_) return;
   calibrations_ = tracker_->calibration_count();
@@ -225,7 +230,7 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
   version.made = frame;
   version.origin = origin;
   version.json = tracker_->calibration();
-  version.centre = shaper_.centre();
+  version.centre = shaping::write_centre(shaper_.recentring().centre());
   version.scores = std::move(scores);
   in_force_ = version.id;
   add_event("calibrated", frame, frame, quoted("origin", origin));
@@ -275,7 +280,8 @@ Result<void> Session::use_version(std::int64_t id) {
     return fail(ErrorCode::not_found, fmt::format("there is no calibration {}", id), kWhere,
                 "choose one of the list");
   if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
-  MIEN_TRY(shaper_.use_centre(found->centre));
+  MIEN_TRY_ASSIGN(const shaping::Centre centre, shaping::parse_centre(found->centre, kWhere));
+  shaper_.use_centre(centre);
   calibrations_ = tracker_->calibration_count();
   in_force_ = id;
   add_event("calibrated", newest_frame_, newest_frame_, fmt::format(R"({{"version": {}}})", id));
@@ -318,7 +324,10 @@ Result<void> Session::obey(const Tap& command) {
 }
 
 Result<void> Session::obey(const Shape& command) {
-  return shaper_.change_settings(command.json);
+  MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings,
+                  shaping::parse_settings(command.json, kWhere, shaper_.settings()));
+  shaper_.set(settings);
+  return {};
 }
 
 void Session::report(HostTime now, Report& out) const {
@@ -327,7 +336,7 @@ void Session::report(HostTime now, Report& out) const {
   out.malformed = malformed_;
   out.refused = refused_;
   out.tap = tap_.armed();
-  out.shaping = shaper_.settings_json();
+  out.shaping = shaping::write_settings(shaper_.settings());
 
   out.links.resize(links_.size());
   for (std::uint16_t i = 0; i < links_.size(); ++i) {

@@ -80,6 +80,7 @@ class Session {
   /// Of every frame so far, as face::FrameHash has it. The last call before the session ends.
   [[nodiscard]] std::string hash() { return hash_.hex(); }
   [[nodiscard]] const sensor::Rig& rig() const { return rig_; }
+  [[nodiscard]] std::string_view modality() const { return tracker_->modality(); }
 
  private:
   struct Device {

@@ -9,6 +9,7 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/tracker/frame_model.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::tracker {
@@ -16,7 +17,7 @@ namespace mien::tracker {
 /// The live tracker: one frame of features in, one output frame out, nothing of the future. Which network
 /// answers is the model file's affair. Belongs to one performance and one thread; a moved-from one is of no
 /// use.
-class CausalTracker {
+class CausalTracker final : public FrameModel {
  public:
   /// `face_sensor_names` names the entries of the features that will come (sensor::Rig::face_sensor_names()).
   /// Where a rig lacks one of the model's sensors, that sensor is missing. Errors: mismatch (a model that is
@@ -29,10 +30,10 @@ class CausalTracker {
   /// confidence of a shape: the share of its sensors that were there, each counting as much as the file's
   /// ridge listens to it for that shape; the head's as the features say. No allocation; about 30 us with the
   /// default model. The same frames after a reset give the same bits on one CPU family and build.
-  void step(const model::FeatureFrame& features, face::OutputFrame& out);
+  void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
   /// Forgets the performance so far: as after create().
-  void reset() { state_.reset(); }
+  void reset() override { state_.reset(); }
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
 

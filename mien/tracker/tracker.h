@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -54,9 +55,9 @@ class Tracker {
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
 
   /// The answer at a frame of the grid (reference's time line): every field of `out`. Neutral, with that
-  /// provenance, until there is a calibration. Returns whether any sensor was there: false asks whoever
-  /// shapes to hold and to ease to neutral.
-  virtual bool tick(DeviceTime frame, face::OutputFrame& out) = 0;
+  /// provenance, until there is a calibration. Returns how many sensors were there: 0 asks whoever shapes to
+  /// hold and to ease to neutral, a change to ease over.
+  virtual std::size_t tick(DeviceTime frame, face::OutputFrame& out) = 0;
 
   /// A guided step runs on the frames [begin, end); given before the tick of its begin. The last step's end
   /// puts the calibration in force.
