@@ -15,13 +15,17 @@ float within(float value, float least, float most) {
 
 }  // namespace
 
+Quat sendable_rotation(const Quat& q) {
+  const double norm = q.norm();
+  return std::isfinite(norm) && norm > 0.5 ? canonical(q) : Quat::Identity();
+}
+
 ArkitFrame arkit_frame(const face::OutputFrame& frame) {
   ArkitFrame arkit;
   face::BlendshapeWeights weights;
   for (std::size_t i = 0; i < face::kShapeCount; ++i) weights[i] = within(frame.weights[i], 0.0F, 1.0F);
   arkit.weights = face::arkit_from_ict(weights, within(frame.tongue_out, 0.0F, 1.0F), true);
-  const double norm = frame.head.norm();
-  if (std::isfinite(norm) && norm > 0.5) arkit.head = canonical(frame.head);
+  arkit.head = sendable_rotation(frame.head);
   for (std::size_t eye = 0; eye < 2; ++eye)
     for (int k = 0; k < 2; ++k)
       arkit.eyes_rad[eye][k] = within(frame.eyes_rad[eye][k], -kMaxEyeRad, kMaxEyeRad);

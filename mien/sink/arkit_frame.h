@@ -20,6 +20,9 @@ struct ArkitFrame {
   bool eyes_tracked = false;  ///< The eyes' provenance is not neutral.
 };
 
+/// The rotation as it may be sent: unit, w >= 0; the identity for what is none.
+[[nodiscard]] Quat sendable_rotation(const Quat& q);
+
 /// No allocation. Thread-safe.
 [[nodiscard]] ArkitFrame arkit_frame(const face::OutputFrame& frame);
 

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "mien/core/sha256.h"
-#include "mien/face/livelink_csv.h"
 
 namespace mien::sink {
 namespace {
@@ -33,6 +34,20 @@ LiveLinkSource live_link_source(std::string_view subject) {
           std::string(subject.substr(0, kMaxLiveLinkName))};
 }
 
+std::array<float, face::kLiveLinkValueCount> live_link_values(const ArkitFrame& frame) {
+  std::array<float, face::kLiveLinkValueCount> values{};
+  auto next = std::ranges::copy(frame.weights.values, values.begin()).out;
+  // Zero is added, or subtracted from, so that no -0 is sent: logs would show it as a sign.
+  const Vec3 head = face::livelink_from_head(frame.head);
+  for (int k = 0; k < 3; ++k) *next++ = static_cast<float>(head[k]) + 0.0F;
+  for (const Eigen::Vector2f& eye : frame.eyes_rad) {
+    *next++ = 0.0F - eye.x();
+    *next++ = 0.0F - eye.y();
+    *next++ = 0.0F;
+  }
+  return values;
+}
+
 void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
                       Datagrams& out) {
   out.begin();
@@ -44,14 +59,7 @@ void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std
   out.big(kRateNumerator);
   out.big(kRateDenominator);
   out.big(static_cast<std::uint8_t>(face::kLiveLinkValueCount));
-  for (const float weight : frame.weights.values) out.big(weight);
-  const Vec3 head = face::livelink_from_head(frame.head);
-  for (int k = 0; k < 3; ++k) out.big(static_cast<float>(head[k]));
-  for (const Eigen::Vector2f& eye : frame.eyes_rad) {
-    out.big(0.0F - eye.x());  // Never -0, which some logs show as a sign.
-    out.big(0.0F - eye.y());
-    out.big(0.0F);
-  }
+  for (const float value : live_link_values(frame)) out.big(value);
 }
 
 }  // namespace mien::sink

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
 
+#include "mien/face/livelink_csv.h"
 #include "mien/sink/arkit_frame.h"
 #include "mien/sink/datagrams.h"
 
@@ -24,12 +26,16 @@ struct LiveLinkSource {
 /// which is begun again is the same device to its receivers.
 [[nodiscard]] LiveLinkSource live_link_source(std::string_view subject);
 
-/// One Live Link Face datagram, packet version 6: header, then 61 floats, highest byte first: ARKit's 52 in
-/// face::ArkitOrder::live_link_udp, then HeadYaw, HeadPitch, HeadRoll, LeftEyeYaw, LeftEyePitch, LeftEyeRoll
-/// and the right eye's, radians. Eyes: yaw positive to the performer's right, pitch positive down, roll 0
-/// (measured on a capture, facts 1.1). Head: the same signs, and roll positive to the right shoulder, are
-/// UNVERIFIED; they are those of face::head_from_livelink. `frame_index` becomes the frame number at 60/1,
-/// its lowest 31 bits; the sub-frame is 0. Allocates only while `out` grows. Layout: facts 1.1, 3.1.
+/// What Live Link Face says of one frame: ARKit's 52 in face::ArkitOrder::live_link_udp, then HeadYaw,
+/// HeadPitch, HeadRoll, LeftEyeYaw, LeftEyePitch, LeftEyeRoll and the right eye's, radians. Eyes: yaw
+/// positive to the performer's right, pitch positive down, roll 0 (measured on a capture, facts 1.1). Head:
+/// the same signs, and roll positive to the right shoulder, are UNVERIFIED; they are those of
+/// face::livelink_from_head.
+[[nodiscard]] std::array<float, face::kLiveLinkValueCount> live_link_values(const ArkitFrame& frame);
+
+/// One Live Link Face datagram, packet version 6: a header, then live_link_values, highest byte first.
+/// `frame_index` becomes the frame number at 60/1, its lowest 31 bits; the sub-frame is 0. Allocates only
+/// while `out` grows. Layout: facts 1.1.
 void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
                       Datagrams& out);
 
