@@ -24,6 +24,8 @@ void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
     frame.confidence[i] = 0;
     frame.provenance[i] = face::Provenance::held;
   }
+  frame.tongue_out =
+      std::isfinite(frame.tongue_out) ? std::clamp(frame.tongue_out, 0.0f, 1.0f) : last.tongue_out;
   frame.head_confidence = share(frame.head_confidence);
   const double length = frame.head.norm();
   if (!(std::abs(length - 1) < 0.1)) {
@@ -43,7 +45,9 @@ void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
 }
 
 void bound(face::OutputFrame& frame) {
-  for (float& w : frame.weights.values) w = w > 0 ? std::min(w, 1.0f) : 0.0f;  // Not a number: 0.
+  const auto share = [](float w) { return w > 0 ? std::min(w, 1.0f) : 0.0f; };  // Not a number: 0.
+  for (float& w : frame.weights.values) w = share(w);
+  frame.tongue_out = share(frame.tongue_out);
   float& close = frame.weights[face::shape("mouthClose")];
   close = std::min(close, frame.weights[face::shape("jawOpen")]);
 }

@@ -59,6 +59,7 @@ void Fallback::lose(face::OutputFrame& frame) {
     frame.confidence[i] = sure * from_.confidence[i];
     frame.provenance[i] = told(from_.provenance[i]);
   }
+  frame.tongue_out = left * from_.tongue_out;
   const Quat upright = twist_about(from_.head, Vec3::UnitY());
   frame.head =
       gone > 0 ? canonical(exp_rotation(gone * log_rotation(upright * from_.head.conjugate())) * from_.head)
@@ -91,6 +92,7 @@ void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_there) {
 void Fallback::take_difference(const face::OutputFrame& frame) {
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
     difference_[i] = static_cast<double>(shown_.weights[i]) - frame.weights[i];
+  difference_[kTongue] = static_cast<double>(shown_.tongue_out) - frame.tongue_out;
   const Vec3 head = log_rotation(shown_.head * frame.head.conjugate());
   for (int a = 0; a < 3; ++a) difference_[kHead + static_cast<std::size_t>(a)] = head[a];
   for (std::size_t e = 0; e < 2; ++e) {
@@ -117,6 +119,7 @@ void Fallback::let_go(face::OutputFrame& frame) {
   }
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
     frame.weights[i] = std::clamp(static_cast<float>(frame.weights[i] + difference_[i]), 0.0f, 1.0f);
+  frame.tongue_out = std::clamp(static_cast<float>(frame.tongue_out + difference_[kTongue]), 0.0f, 1.0f);
   const Vec3 head(difference_[kHead], difference_[kHead + 1], difference_[kHead + 2]);
   frame.head = canonical(exp_rotation(head) * frame.head);
   for (std::size_t e = 0; e < 2; ++e) {

@@ -45,8 +45,9 @@ class Fallback {
 
  private:
   enum class Phase : std::uint8_t { waiting, following, lost };
-  // Weights, head (rotation vector, frame W), eyes: what is shown less the tracker's.
-  static constexpr std::size_t kHead = face::kShapeCount;
+  // Weights, tongue, head (rotation vector, frame W), eyes: what is shown less the tracker's.
+  static constexpr std::size_t kTongue = face::kShapeCount;
+  static constexpr std::size_t kHead = kTongue + 1;
   static constexpr std::size_t kEyes = kHead + 3;
   using Difference = std::array<double, kEyes + 4>;
 

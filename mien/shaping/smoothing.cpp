@@ -43,9 +43,11 @@ void Smoothing::reset() {
 }
 
 void Smoothing::apply(face::OutputFrame& frame) {
-  if (settings_.weights)
+  if (settings_.weights) {
     for (std::size_t i = 0; i < face::kShapeCount; ++i)
       frame.weights[i] = static_cast<float>(weights_[i].filter(frame.time, frame.weights[i]));
+    frame.tongue_out = static_cast<float>(weights_.back().filter(frame.time, frame.tongue_out));
+  }
   if (settings_.head) frame.head = head_.filter(frame.time, frame.head);
 }
 

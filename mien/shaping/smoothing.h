@@ -20,8 +20,8 @@ struct SmoothingSettings {
 /// Beta takes the delay out of quick movement: at 2 weights a second, sustained, the cutoff is 6 Hz higher.
 [[nodiscard]] SmoothingSettings smoothing_for(double amount, bool head);
 
-/// One Euro on each weight, and on the head's rotation. Off, the default, costs nothing and delays nothing.
-/// On frame time; no allocation. Confidence and provenance stay.
+/// One Euro on each weight and the tongue, and on the head's rotation. Off, the default, costs nothing and
+/// delays nothing. On frame time; no allocation. Confidence and provenance stay.
 class Smoothing {
  public:
   void apply(face::OutputFrame& frame);
@@ -32,7 +32,7 @@ class Smoothing {
 
  private:
   SmoothingSettings settings_;
-  std::array<OneEuro, face::kShapeCount> weights_;
+  std::array<OneEuro, face::kShapeCount + 1> weights_;  // The tongue's is the last.
   OneEuroRotation head_;
 };
 

@@ -31,6 +31,7 @@ inline face::OutputFrame moving(std::int64_t index, Random& random) {
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
     frame.weights[i] = static_cast<float>(0.5 + 0.45 * std::sin(t * (1 + 0.1 * static_cast<double>(i))) +
                                           random.uniform(-0.02, 0.02));
+  frame.tongue_out = static_cast<float>(0.5 + 0.4 * std::sin(3 * t));
   frame.head = exp_rotation({0.2 * std::sin(t), 0.4 * std::sin(0.7 * t), 0.1});
   return frame;
 }
@@ -41,7 +42,7 @@ inline bool same_bits(const face::OutputFrame& a, const face::OutputFrame& b) {
          a.provenance == b.provenance &&
          std::memcmp(a.head.coeffs().data(), b.head.coeffs().data(), 4 * sizeof(double)) == 0 &&
          a.head_confidence == b.head_confidence && a.head_provenance == b.head_provenance &&
-         a.eyes_rad[0] == b.eyes_rad[0] && a.eyes_rad[1] == b.eyes_rad[1] &&
+         a.eyes_rad[0] == b.eyes_rad[0] && a.eyes_rad[1] == b.eyes_rad[1] && a.tongue_out == b.tongue_out &&
          a.eyes_confidence == b.eyes_confidence && a.eyes_provenance == b.eyes_provenance;
 }
 

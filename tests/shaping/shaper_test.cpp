@@ -28,6 +28,8 @@ void expect_in_bounds(const face::OutputFrame& frame) {
     ASSERT_GE(frame.confidence[i], 0.0f);
     ASSERT_LE(frame.confidence[i], 1.0f);
   }
+  ASSERT_GE(frame.tongue_out, 0.0f);
+  ASSERT_LE(frame.tongue_out, 1.0f);
   ASSERT_LE(frame.weights[shape("mouthClose")], frame.weights[shape("jawOpen")]);
   ASSERT_NEAR(frame.head.norm(), 1, 1e-6);
   ASSERT_TRUE(frame.eyes_rad[0].allFinite() && frame.eyes_rad[1].allFinite());
@@ -44,6 +46,7 @@ TEST(Shaper, TheDefaultAddsNoDelayAndNoChange) {
     shaper.apply(out, 12);
     ASSERT_EQ(in.weights, out.weights);
     ASSERT_EQ(in.head.coeffs(), out.head.coeffs());
+    ASSERT_EQ(in.tongue_out, out.tongue_out);
     ASSERT_EQ(in.confidence, out.confidence);
     ASSERT_EQ(in.provenance, out.provenance);
     ASSERT_EQ(out.eyes_provenance, Provenance::predicted);
@@ -83,6 +86,7 @@ TEST(Shaper, KeepsItsPromisesWhateverComesIn) {
       for (float& w : frame.weights.values) w = odd();
       for (float& c : frame.confidence) c = odd();
       frame.head = Quat(odd(), odd(), odd(), odd());
+      frame.tongue_out = odd();
       frame.head_confidence = odd();
       frame.eyes_rad = {Eigen::Vector2f(odd(), odd()), Eigen::Vector2f(odd(), odd())};
       frame.eyes_confidence = odd();
@@ -155,6 +159,7 @@ TEST(Shaper, LostSensorsEndInAQuietNeutralFace) {
   EXPECT_EQ(frame.eyes_provenance, Provenance::neutral);
   EXPECT_EQ(frame.eyes_rad[0].norm(), 0);
   EXPECT_EQ(frame.confidence[0], 0);
+  EXPECT_EQ(frame.tongue_out, 0);
 }
 
 TEST(Shaper, RecentresInOneActionAndTakesItBack) {
