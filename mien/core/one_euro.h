@@ -29,7 +29,8 @@ struct OneEuroSettings {
 /// Deterministic, no allocation. Source: Casiez, Roussel and Vogel 2012, doi:10.1145/2207676.2208639.
 class OneEuro {
  public:
-  explicit OneEuro(const OneEuroSettings& settings = {}) : settings_(settings) {}
+  OneEuro() = default;
+  explicit OneEuro(const OneEuroSettings& settings) : settings_(settings) {}
 
   /// The filtered value at `time`; the first value goes through as it is. 0 while there was none.
   double filter(DeviceTime time, double value);
@@ -52,7 +53,8 @@ class OneEuro {
 /// quaternions; one that is not finite or far from unit changes nothing.
 class OneEuroRotation {
  public:
-  explicit OneEuroRotation(const OneEuroSettings& settings = {}) : settings_(settings) {}
+  OneEuroRotation() = default;
+  explicit OneEuroRotation(const OneEuroSettings& settings) : settings_(settings) {}
 
   Quat filter(DeviceTime time, const Quat& value);
   [[nodiscard]] const Quat& value() const { return value_; }
