@@ -27,6 +27,7 @@ namespace {
 namespace asio = boost::asio;
 using nlohmann::json;
 
+constexpr auto kFrame = std::chrono::milliseconds(8);  // Half a frame: none is shown late by more.
 constexpr auto kBeat = std::chrono::milliseconds(100);
 /// Status messages go out each second beat and a half: four a second would be 2.5 beats.
 constexpr int kBeatsPerStatus = 2;
@@ -34,6 +35,7 @@ constexpr int kBeatsPerStatus = 2;
 constexpr std::size_t kPieces = 10;
 constexpr int kBeatsPerPiece = 10;
 constexpr std::size_t kMaxSinks = 16;
+constexpr std::size_t kMaxTakes = 200;
 
 /// A file name that a person gave, made safe: a name, never a path.
 Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
@@ -50,6 +52,11 @@ Result<std::filesystem::path> take_path(const std::filesystem::path& folder, con
   return folder / (name.ends_with(".mien") ? name : name + ".mien");
 }
 
+std::string text_of(const json& command, const char* key) {
+  const auto found = command.find(key);
+  return found != command.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
 }  // namespace
 
 struct Engine::State {
@@ -61,8 +68,10 @@ struct Engine::State {
         intake(network, [this] { return now(); }),
         recorder([this](sensor::Peer peer) { return intake.peer_name(peer); }),
         loop(*session, intake, recorder, [this] { return now(); }),
+        player(settings.make_session),
         wake(network),
-        beat(network) {}
+        beat(network),
+        play(network) {}
 
   [[nodiscard]] HostTime now() const {
     return HostTime(std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now() - begun));
@@ -83,6 +92,11 @@ struct Engine::State {
   [[nodiscard]] Status status() const;
   void on_message(std::uint64_t client, std::string_view text);
   Result<std::string> obey(const json& command);
+  Result<std::string> obey_record(const json& command);
+  Result<std::string> obey_sink(const json& command);
+  Result<std::string> obey_replay(const json& command);
+  [[nodiscard]] std::string list_takes() const;
+  void wait_for_play();
   Result<void> start_recording(const std::filesystem::path& path, bool replace);
   Result<void> finish_recording();
   void tell(const std::string& kind, const std::string& text);
@@ -94,8 +108,10 @@ struct Engine::State {
   Intake intake;
   Recorder recorder;
   TrackerLoop loop;
+  Player player;
   asio::posix::stream_descriptor wake;
   asio::steady_timer beat;
+  asio::steady_timer play;  // Runs while the page looks at a take.
   std::unique_ptr<PageServer> page;
   std::vector<std::string> listening;
   std::vector<Outlet> outlets;
@@ -163,9 +179,21 @@ void Engine::State::send_frame(const Answer& answer) {
   latency.add(took);
   pieces[piece].add(took);
   ++frames;
-  if (!page || page->clients() == 0) return;
+  if (!page || page->clients() == 0 || player.on()) return;
   sink::write_frame_json(answer.frame, answer.tick.index, nullptr, frame_text);
   page->send_frame(frame_text);
+}
+
+void Engine::State::wait_for_play() {
+  play.expires_after(kFrame);
+  play.async_wait([this](boost::system::error_code code) {
+    if (code || !player.on()) return;
+    if (const auto moment = player.next(now())) {
+      sink::write_frame_json(*moment->frame, moment->index, moment->truth, frame_text);
+      page->send_frame(frame_text);
+    }
+    wait_for_play();
+  });
 }
 
 void Engine::State::wait_for_beat() {
@@ -210,6 +238,11 @@ Status Engine::State::status() const {
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
   if (!ignored) out.recording_megabytes = static_cast<double>(bytes) / 1e6;
+  if (player.on()) {
+    const Player::View view = player.view(now());
+    out.replay =
+        ReplayState{view.take, view.time_s, view.duration_s, view.paused, view.has_truth, view.error};
+  }
   return out;
 }
 
@@ -253,53 +286,74 @@ void Engine::State::on_message(std::uint64_t client, std::string_view text) {
 
 Result<std::string> Engine::State::obey(const json& command) {
   const std::string name = command["command"].get<std::string>();
-  const auto text = [&](const char* key) {
-    const auto found = command.find(key);
-    return found != command.end() && found->is_string() ? found->get<std::string>() : std::string();
-  };
-  if (name == "record") {
-    const auto on = command.find("on");
-    if (on == command.end() || !on->is_boolean())
-      return fail(ErrorCode::malformed, "\"on\" is missing", "record");
-    if (!on->get<bool>()) {
-      MIEN_TRY(finish_recording());
-      return std::string();
-    }
-    MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text("name")));
-    MIEN_TRY(start_recording(path, false));
-    return json({{"take", path.string()}}).dump();
-  }
-  if (name == "sink") {
-    if (const std::string address = text("add"); !address.empty()) {
-      if (address.starts_with("csv:"))
-        return fail(ErrorCode::bad_usage, "the page opens no files", address,
-                    "start mien live with --out csv:FILE");
-      MIEN_TRY(add_sink(address));
-      return std::string();
-    }
-    const auto id =
-        command.find("id_of_sink") != command.end() ? command.find("id_of_sink") : command.find("sink");
-    const auto outlet = std::ranges::find_if(outlets, [&](const Outlet& o) {
-      return id != command.end() && id->is_number_integer() && o.id == id->get<std::int64_t>();
-    });
-    if (outlet == outlets.end()) return fail(ErrorCode::not_found, "there is no such sink", "sink");
-    if (command.contains("remove"))
-      outlets.erase(outlet);
-    else if (command.contains("on") && command["on"].is_boolean())
-      outlet->on = command["on"].get<bool>();
+  if (name == "record") return obey_record(command);
+  if (name == "sink") return obey_sink(command);
+  if (name == "replay") return obey_replay(command);
+  if (name == "takes") return list_takes();
+  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
+}
+
+Result<std::string> Engine::State::obey_record(const json& command) {
+  const auto on = command.find("on");
+  if (on == command.end() || !on->is_boolean())
+    return fail(ErrorCode::malformed, "\"on\" is missing", "record");
+  if (!on->get<bool>()) {
+    MIEN_TRY(finish_recording());
     return std::string();
   }
-  if (name == "takes") {
-    json takes = json::array();
-    std::error_code code;
-    for (const auto& file : std::filesystem::directory_iterator(settings.takes, code)) {
-      if (file.path().extension() != ".mien" || takes.size() == 200) continue;
-      takes.push_back({{"name", file.path().filename().string()},
-                       {"megabytes", static_cast<double>(file.file_size(code)) / 1e6}});
-    }
-    return json({{"takes", std::move(takes)}}).dump();
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_of(command, "name")));
+  MIEN_TRY(start_recording(path, false));
+  return json({{"take", path.string()}}).dump();
+}
+
+Result<std::string> Engine::State::obey_sink(const json& command) {
+  if (const std::string address = text_of(command, "add"); !address.empty()) {
+    if (address.starts_with("csv:"))
+      return fail(ErrorCode::bad_usage, "the page opens no files", address,
+                  "start mien live with --out csv:FILE");
+    MIEN_TRY(add_sink(address));
+    return std::string();
   }
-  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
+  const auto number = command.find("sink");
+  const auto outlet = std::ranges::find_if(outlets, [&](const Outlet& o) {
+    return number != command.end() && number->is_number_integer() && o.id == number->get<std::int64_t>();
+  });
+  if (outlet == outlets.end()) return fail(ErrorCode::not_found, "there is no such sink", "sink");
+  if (command.contains("remove"))
+    outlets.erase(outlet);
+  else if (command.contains("on") && command["on"].is_boolean())
+    outlet->on = command["on"].get<bool>();
+  return std::string();
+}
+
+Result<std::string> Engine::State::obey_replay(const json& command) {
+  if (const std::string name = text_of(command, "take"); !name.empty()) {
+    if (!settings.make_session) return fail(ErrorCode::unsupported, "this session replays nothing", "replay");
+    MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, name));
+    const bool was_on = player.on();
+    player.load(path);
+    if (!was_on) wait_for_play();
+    return std::string();
+  }
+  if (!player.on())
+    return fail(ErrorCode::bad_usage, "no take is being replayed", "replay", "choose one first");
+  if (command.contains("stop")) player.stop();
+  if (command.contains("paused") && command["paused"].is_boolean())
+    player.pause(command["paused"].get<bool>(), now());
+  if (command.contains("seek") && command["seek"].is_number())
+    player.seek(command["seek"].get<double>(), now());
+  return std::string();
+}
+
+std::string Engine::State::list_takes() const {
+  json takes = json::array();
+  std::error_code code;
+  for (const auto& file : std::filesystem::directory_iterator(settings.takes, code)) {
+    if (file.path().extension() != ".mien" || takes.size() == kMaxTakes) continue;
+    takes.push_back({{"name", file.path().filename().string()},
+                     {"megabytes", static_cast<double>(file.file_size(code)) / 1e6}});
+  }
+  return json({{"takes", std::move(takes)}}).dump();
 }
 
 Engine::Engine(std::unique_ptr<State> state) : state_(std::move(state)) {}

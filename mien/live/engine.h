@@ -12,6 +12,7 @@
 #include "mien/core/error.h"
 #include "mien/live/latency.h"
 #include "mien/live/page_server.h"
+#include "mien/live/player.h"
 #include "mien/live/session.h"
 #include "mien/sink/sink.h"
 #include "mien/take/take.h"
@@ -27,9 +28,10 @@ struct EngineSettings {
   /// Where takes go that the page asks for, and where it finds those to show.
   std::filesystem::path takes = ".";
   std::optional<PageSettings> page;
-  std::optional<double> seconds;  ///< Ends by itself after this time.
-  take::Header header;            ///< Of takes; rig and time are filled in by whoever fills the rest.
-  std::string model;              ///< Name of the live model, for the page and takes.
+  std::optional<double> seconds;     ///< Ends by itself after this time.
+  take::Header header;               ///< Of takes; rig and time are filled in by whoever fills the rest.
+  std::string model;                 ///< Name of the live model, for the page and takes.
+  Player::MakeSession make_session;  ///< For takes that the page looks at.
 };
 
 /// How a session went.

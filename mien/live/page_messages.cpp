@@ -126,7 +126,8 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
               {"time", rounded(status.replay->time_s)},
               {"duration", rounded(status.replay->duration_s)},
               {"paused", status.replay->paused},
-              {"has_truth", status.replay->has_truth}};
+              {"has_truth", status.replay->has_truth},
+              {"error", status.replay->error.empty() ? json(nullptr) : json(status.replay->error)}};
   const Recorder::State& recording = status.recording;
   return dump({{"type", "status"},
                {"time", to_seconds(status.report.time.time_since_epoch())},

@@ -30,6 +30,7 @@ struct ReplayState {
   double duration_s = 0;
   bool paused = false;
   bool has_truth = false;
+  std::string error;  ///< Why it cannot be shown; empty when it can.
 };
 
 struct Status {
