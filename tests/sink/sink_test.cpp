@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "mien/core/files.h"
+#include "tests/folder.h"
 #include "tests/sink/loopback.h"
 
 namespace mien::sink {
@@ -61,6 +63,61 @@ TEST(Sink, ADeadReceiverHurtsNobody) {
   EXPECT_THAT(status.note, HasSubstr("nobody listens"));
 }
 
+TEST(Sink, SeveralGoOnAtOnce) {
+  boost::asio::io_context network;
+  test::Receiver live_link(network);
+  test::Receiver vmc(network);
+  test::Receiver vrchat(network);
+  const auto open = [&](const char* form, test::Receiver& to) {
+    auto sink = open_sink(network, fmt::format(fmt::runtime(form), to.port()));
+    EXPECT_TRUE(sink) << sink.error().message();
+    return *std::move(sink);
+  };
+  const auto one = open("livelink://127.0.0.1:{}", live_link);
+  const auto two = open("vmc://127.0.0.1:{}?rate=30&shapes=arkit", vmc);
+  const auto three = open("vrchat://127.0.0.1:{}?rate=10", vrchat);
+  for (int i = 0; i < 120; ++i)
+    for (const auto& sink : {one.get(), two.get(), three.get()}) sink->send({}, i);
+  EXPECT_EQ(live_link.take().size(), 120u);
+  EXPECT_EQ(vmc.take().size(), 180u);  // Three bundles a frame.
+  EXPECT_GT(vrchat.take().size(), 5u);
+  EXPECT_EQ(two->status().sent, 60u);
+  EXPECT_EQ(three->status().sent, 20u);
+  EXPECT_EQ(three->status().rate_hz, 10);
+}
+
+/// A receiver that does not read: what its machine has no room for is lost there, and we do not wait.
+TEST(Sink, ASlowReceiverIsNotWaitedFor) {
+  boost::asio::io_context network;
+  test::Receiver receiver(network);
+  receiver.socket().set_option(boost::asio::socket_base::receive_buffer_size(4096));
+  auto sink = open_sink(network, fmt::format("vmc://127.0.0.1:{}", receiver.port()));
+  ASSERT_TRUE(sink);
+  for (int i = 0; i < 5000; ++i) (*sink)->send({}, i);
+  EXPECT_EQ((*sink)->status().sent + (*sink)->status().failed, 5000u);
+  EXPECT_LT(receiver.take().size(), 100u);
+}
+
+TEST(Sink, VrchatTakesAnAvatarsFile) {
+  const mien::test::Folder folder;
+  const auto path = folder / "fox avatar.json";
+  ASSERT_TRUE(write_file(path, R"({"id": "a", "name": "Fox", "parameters": [
+    {"name": "JawOpen", "input": {"address": "/avatar/parameters/v2/JawOpen", "type": "Float"}}]})"));
+  boost::asio::io_context network;
+  test::Receiver receiver(network);
+  const std::string file = (folder / "fox%20avatar.json").string();
+  auto sink =
+      open_sink(network, fmt::format("vrchat://127.0.0.1:{}?avatar={}&eyes=0", receiver.port(), file));
+  ASSERT_TRUE(sink) << sink.error().message();
+  (*sink)->send({}, 0);
+  const auto packets = receiver.take();
+  ASSERT_EQ(packets.size(), 1u);
+  EXPECT_EQ(packets[0].size(), 60u);
+  EXPECT_FALSE(open_sink(network, fmt::format("vrchat://127.0.0.1?avatar={}&binary=2", file)));
+  EXPECT_EQ(open_sink(network, "vrchat://127.0.0.1?avatar=/no/such.json").error().code, ErrorCode::not_found);
+  EXPECT_FALSE(open_sink(network, "vrchat://127.0.0.1?binary=9"));
+}
+
 TEST(Sink, ReachesIpv6AndNames) {
   boost::asio::io_context network;
   auto name = open_sink(network, "livelink://localhost:9");
@@ -76,7 +133,11 @@ TEST(Sink, SaysInOneLineWhatIsWrong) {
     EXPECT_FALSE(sink) << address;
     return sink ? std::string() : sink.error().message();
   };
-  EXPECT_THAT(error("osc://127.0.0.1:9000"), HasSubstr("livelink://HOST:PORT"));
+  EXPECT_THAT(
+      error("osc://127.0.0.1:9000"),
+      HasSubstr("livelink://HOST:PORT, vmc://HOST:PORT, vrchat://HOST:PORT, ifacialmocap://HOST:PORT, "
+                "ws://HOST:PORT, csv:FILE"));
+  EXPECT_THAT(error("vmc://127.0.0.1?shapes=all"), HasSubstr("arkit, presets or both"));
   EXPECT_THAT(error("livelink://127.0.0.1?rate=90"), HasSubstr("1 to 60"));
   EXPECT_THAT(error("livelink://127.0.0.1?colour=red"), HasSubstr("subject, rate"));
   EXPECT_THAT(error("livelink://127.0.0.1/path"), HasSubstr("no path"));
