@@ -38,7 +38,7 @@ HostTime MienNode::due() const {
 }
 
 std::optional<std::vector<std::byte>> MienNode::say(HostTime now) {
-  if (welcome_ && now - heard_ > kReceiverGone) {
+  if (start_ && welcome_ && now - std::max(heard_, *start_) > kReceiverGone) {
     welcome_.reset();
     next_hello_ = now;
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mien/virtual/mien_node.h"
+#include "mien/virtual/slimevr_node.h"
 
 namespace mien::virt {
 namespace {
@@ -22,11 +23,13 @@ NodeGroup::NodeGroup(Stage stage, NodeLanguage language, bool again)
       encore_(again ? std::optional(add_encore(stage_.motion)) : std::nullopt),
       curve_(stage_.motion.motion),
       tracer_(curve_, stage_.sites, -kTrajectoryMarginS, curve_.duration_s() + kTrajectoryMarginS, encore_) {
-  (void)language;
   for (std::size_t s = 0; s < stage_.sites.size(); ++s) {
     simulators_.emplace_back(stage_.faults, static_cast<std::uint16_t>(s), stage_.devices.fork("sensor", s));
     const VirtualClock& clock = simulators_.back().clock();
-    nodes_.push_back(std::make_unique<MienNode>(s, stage_.rig.sensors[s].name, clock, stage_.faults));
+    if (language == NodeLanguage::slimevr)
+      nodes_.push_back(std::make_unique<SlimeVrNode>(s, clock));
+    else
+      nodes_.push_back(std::make_unique<MienNode>(s, stage_.rig.sensors[s].name, clock, stage_.faults));
   }
 }
 

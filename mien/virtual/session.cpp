@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <utility>
 
 #include "mien/imu/packet.h"
-#include "mien/sensor/ticks.h"
 #include "mien/virtual/device_packet.h"
+#include "mien/virtual/hear.h"
 #include "mien/virtual/imu_simulator.h"
 
 namespace mien::virt {
@@ -62,13 +62,7 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   const SkinTrajectory trajectory =
       trace_skin(curve, sites, -kTrajectoryMarginS, curve.duration_s() + kTrajectoryMarginS);
 
-  struct Sent {
-    HostTime arrival;
-    std::uint16_t sensor = 0;
-    std::uint32_t sequence = 0;
-    std::vector<std::byte> bytes;
-  };
-  std::vector<Sent> sent;
+  std::vector<Datagram> sent;
   std::vector<VirtualClock> clocks;
   for (std::size_t s = 0; s < sites.size(); ++s) {
     ImuSimulator simulator(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
@@ -76,39 +70,20 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
     for (const VirtualPacket& virtual_packet : simulator.play(trajectory)) {
       if (virtual_packet.lost) continue;
       MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(virtual_packet, faults));
-      sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s),
-                      virtual_packet.samples.front().sequence, std::move(bytes)});
+      sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
     }
   }
-  std::ranges::sort(sent, {}, [](const Sent& p) { return std::tuple(p.arrival, p.sensor, p.sequence); });
+  // By arrival; of one moment by sensor and sequence, as they stand.
+  std::ranges::stable_sort(sent, {}, &Datagram::time);
 
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   VirtualSession session;
   add_events(motion.times, clocks[reference], session.events);
   session.motion_start = clocks[reference].device(motion.times.motion_start_s);
-  sensor::TickRule rule(rig);
-  std::vector<sensor::Sample> decoded;
-  const auto fire = [&](HostTime now) {
-    while (const auto tick = rule.due(now))
-      session.ticks.push_back(
-          {tick->index, static_cast<std::int64_t>(session.entries.size()), tick->fired, tick->frame});
-  };
-  for (Sent& packet : sent) {
-    fire(packet.arrival);
-    MIEN_TRY_ASSIGN(const imu::Packet parsed, imu::parse_packet(packet.bytes));
-    const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
-    decoded.clear();
-    imu::append_samples(parsed, packet.sensor, decoded);
-    for (const sensor::Sample& sample : decoded) {
-      session.samples.push_back({id, packet.arrival, sample});
-      rule.add(packet.arrival, sample);
-    }
-    session.entries.push_back({id, packet.arrival, "virtual", std::move(packet.bytes)});
-    fire(packet.arrival);
-  }
-  for (const take::Tick& tick : session.ticks)
+  hear(std::move(sent), rig, session, [&](const take::Tick& tick, const sensor::TimeLines&) {
     session.truth.push_back(
         truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
+  });
   return session;
 }
 
