@@ -306,8 +306,7 @@ LinkReport LinkHealth::report(HostTime now, const std::optional<LinkClock>& cloc
   report.age = now - newest_arrival_;
   // Packets that a link which is silent owes are missing too, though no later one has shown it yet.
   if (!estimated_ && *report.age > kLostAfter)
-    lost +=
-        std::min<Duration>(*report.age, kLossBuckets * kBucket) / std::max(packet_period_, kLeastPeriod);
+    lost += std::min<Duration>(*report.age, kLossBuckets * kBucket) / std::max(packet_period_, kLeastPeriod);
   lost = std::max<std::int64_t>(lost, 0);
   report.loss = packets + lost > 0 ? static_cast<double>(lost) / static_cast<double>(packets + lost) : 0;
   const double late_share = packets > 0 ? static_cast<double>(late) / static_cast<double>(packets) : 0;

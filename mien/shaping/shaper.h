@@ -22,8 +22,9 @@ class Shaper {
  public:
   explicit Shaper(const ShaperSettings& settings = {});
 
-  /// Shapes the frame in place. `sensors_there`: how many of the rig's sensors were heard in the last 100 ms;
-  /// 0 begins the fallback, a change is eased over. Where only "any" is known, 0 or 1.
+  /// Shapes the frame in place. `sensors_there`: how many of the rig's sensors are there, heard in the last
+  /// 100 ms or unchanged (docs/links.md); 0 begins the fallback, a change is eased over. Where only "any" is
+  /// known, 0 or 1.
   void apply(face::OutputFrame& frame, std::size_t sensors_there);
 
   /// The present face becomes neutral, the present heading ahead: within 1.5 s.
