@@ -153,7 +153,8 @@ TEST_F(MainJob, TheLiveModelStandsWithTheProgram) {
   EXPECT_THAT(evaluated["model_file"].get<std::string>(), ::testing::EndsWith("models/live.safetensors"));
   EXPECT_TRUE(evaluated["steps"].is_null());
   // It was trained for this rig, so it beats not looking.
-  EXPECT_LT(evaluated["model"]["mse"].get<double>(), evaluated["baselines"]["mean_pose"]["mse"].get<double>());
+  EXPECT_LT(evaluated["model"]["mse"].get<double>(),
+            evaluated["baselines"]["mean_pose"]["mse"].get<double>());
   EXPECT_EQ(json_of({"solve", take, "--live"})["hash"], json_of({"solve", take, "--live"})["hash"]);
 }
 

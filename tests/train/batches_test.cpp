@@ -112,8 +112,10 @@ TEST_F(Batches, SensorsGoAndComeBack) {
         }
         gone_at_first += gone && f == 0;
         gone_at_last += gone && f == window - 1;
-        changes += f > 0 && gone != (frame[static_cast<std::ptrdiff_t>(14 + sensor) -
-                                           static_cast<std::ptrdiff_t>(width)] == 0);
+        changes +=
+            f > 0 &&
+            gone !=
+                (frame[static_cast<std::ptrdiff_t>(14 + sensor) - static_cast<std::ptrdiff_t>(width)] == 0);
       }
       both_gone += frame[14] == 0 && frame[15] == 0;
     }
@@ -132,13 +134,14 @@ TEST_F(Batches, ReadingsStandStillForAFewFrames) {
   for (std::size_t w = 0; w < batch.windows; ++w)
     for (std::size_t sensor = 0; sensor < 2; ++sensor)
       for (std::size_t f = 1, now = 0; f < window; ++f) {
-        const auto reading = batch.condition.begin() +
-                             static_cast<std::ptrdiff_t>((w * window + f) * width + 7 * sensor);
+        const auto reading =
+            batch.condition.begin() + static_cast<std::ptrdiff_t>((w * window + f) * width + 7 * sensor);
         const bool still = std::equal(reading, reading + 7, reading - static_cast<std::ptrdiff_t>(width));
         held += still ? 1 : 0;
         now = still ? now + 1 : 0;
         longest = std::max(longest, now);
-        ASSERT_EQ(batch.condition[(w * window + f) * width + 14 + sensor], 1.0F) << "it is there all the same";
+        ASSERT_EQ(batch.condition[(w * window + f) * width + 14 + sensor], 1.0F)
+            << "it is there all the same";
       }
   const double share = static_cast<double>(held) / static_cast<double>(200 * 2 * (window - 1));
   EXPECT_NEAR(share, 0.2, 0.05);

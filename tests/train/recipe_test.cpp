@@ -64,18 +64,29 @@ TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
 
 TEST(Recipe, RefusesEachWrongThingInOneLine) {
   const std::string budget = "[budget]\nsteps = 1\n";
-  for (const std::string& text :
-       {std::string("seed = 1\n"), "sead = 1\n" + budget, budget + "[network]\nlayers = 0\n",
-        budget + "[network]\nd_model = 33\n", budget + "[network]\narchitecture = \"heavy\"\n",
-        budget + "[network]\nlayers = \"four\"\n", budget + "[optimiser]\nbatch = -1\n",
-        budget + "[optimiser]\nlearning_rate = nan\n", budget + "[optimiser]\nprecision = \"fp8\"\n",
-        budget + "[optimiser]\nloss = \"l3\"\n", budget + "[noise]\nbias = 1\n",
-        budget + "[network]\narchitecture = \"causal\"\nheads = 4\n",
-        budget + "[network]\narchitecture = \"causal\"\nnear_first = true\n",
-        budget + "[optimiser]\ndifference_weight = 7\n", budget + "[augmentation]\nstretch_loss = 2\n",
-        budget + "[augmentation]\nheld_readings = -1\n", budget + "[sampler]\nsteps = []\n", budget + "[sampler]\nsteps = [0]\n",
-        budget + "[sampler]\nsteps = [1.5]\n", budget + "[sampler]\nsteps = [2000]\n",
-        "network = 3\n" + budget, std::string("[budget\n"), std::string()}) {
+  for (const std::string& text : {std::string("seed = 1\n"),
+                                  "sead = 1\n" + budget,
+                                  budget + "[network]\nlayers = 0\n",
+                                  budget + "[network]\nd_model = 33\n",
+                                  budget + "[network]\narchitecture = \"heavy\"\n",
+                                  budget + "[network]\nlayers = \"four\"\n",
+                                  budget + "[optimiser]\nbatch = -1\n",
+                                  budget + "[optimiser]\nlearning_rate = nan\n",
+                                  budget + "[optimiser]\nprecision = \"fp8\"\n",
+                                  budget + "[optimiser]\nloss = \"l3\"\n",
+                                  budget + "[noise]\nbias = 1\n",
+                                  budget + "[network]\narchitecture = \"causal\"\nheads = 4\n",
+                                  budget + "[network]\narchitecture = \"causal\"\nnear_first = true\n",
+                                  budget + "[optimiser]\ndifference_weight = 7\n",
+                                  budget + "[augmentation]\nstretch_loss = 2\n",
+                                  budget + "[augmentation]\nheld_readings = -1\n",
+                                  budget + "[sampler]\nsteps = []\n",
+                                  budget + "[sampler]\nsteps = [0]\n",
+                                  budget + "[sampler]\nsteps = [1.5]\n",
+                                  budget + "[sampler]\nsteps = [2000]\n",
+                                  "network = 3\n" + budget,
+                                  std::string("[budget\n"),
+                                  std::string()}) {
     const auto r = parse_recipe(text, "test");
     ASSERT_FALSE(r) << text;
     EXPECT_TRUE(is_bad_input(r.error().code)) << text;
