@@ -19,6 +19,8 @@ constexpr Duration kSamePlace = std::chrono::seconds(1);
 constexpr Duration kLost = std::chrono::milliseconds(100);
 /// ... or, where the board sends nothing while nothing changes, for this.
 constexpr Duration kLostEstimated = std::chrono::seconds(1);
+/// A shake that judges a calibration ends within this time of it.
+constexpr Duration kShakeFollows = std::chrono::seconds(20);
 /// Samples that one datagram can hold.
 constexpr std::size_t kMostSamples = 256;
 /// Ids of virtual nodes: "MIEN" and the sensor's place in the rig.
@@ -213,14 +215,15 @@ void Session::watch_calibration(DeviceTime frame) {
   if (guide_.running() || tracker_->calibration_count() == calibrations_) return;
   calibrations_ = tracker_->calibration_count();
   std::vector<sensor::Score> scores = tracker_->scores();
-  if (!versions_.empty() && versions_.back().origin == "self" && !versions_.back().scores.empty() &&
-      frame - versions_.back().made < std::chrono::seconds(20)) {
-    versions_.back().scores = std::move(scores);  // The shake's judgement of what is in force.
-  } else {
+  // The shake judges what is in force; all else is a version of its own.
+  const bool judged = !versions_.empty() && versions_.back().origin == "self" &&
+                      frame - versions_.back().made < kShakeFollows;
+  if (judged)
+    versions_.back().scores = std::move(scores);
+  else
     add_version(frame, "self", std::move(scores));
-  }
   for (const tracker::PerformedStep& step : tracker_->found_steps())
-    if (step.begin >= frame - std::chrono::seconds(60))
+    if (judged == (step.step == tracker::Step::shake))
       add_event(std::string(step_name(step.step)), step.begin, step.end, R"({"found": true})");
 }
 

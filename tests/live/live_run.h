@@ -69,7 +69,7 @@ inline virt::VirtualSession performance(double seconds, std::uint64_t seed = 11,
 /// When the short prologue is over, s: neutral, nod, shake, ease.
 inline constexpr double kPrologue_s = 3 + 4.5 + 4.5 + 0.5;
 
-struct Run {
+struct Played {
   struct Frame {
     take::Tick tick;
     face::OutputFrame frame;
@@ -91,9 +91,9 @@ struct Order {
 };
 
 /// Feeds a session as the live loop does: entries by arrival, ticks as they are due, deadlines between.
-inline Run run(Session& session, const std::vector<take::LogEntry>& entries, std::vector<Order> orders = {},
-               double beyond_s = 0) {
-  Run out;
+inline Played run(Session& session, const std::vector<take::LogEntry>& entries,
+                  std::vector<Order> orders = {}, double beyond_s = 0) {
+  Played out;
   std::map<std::string, sensor::Peer> peers;
   const auto fire = [&](HostTime now) {
     while (const auto tick = session.due(now)) {
@@ -162,7 +162,7 @@ inline std::vector<take::LogEntry> without(const virt::VirtualSession& performed
 }
 
 /// Every weight finite and in [0, 1], every frame a 60th after the last, none left out.
-inline void expect_sound(const Run& run) {
+inline void expect_sound(const Played& run) {
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     const auto& [tick, frame] = run.frames[i];
     ASSERT_EQ(tick.frame, DeviceTime(frame_offset(tick.index)));
@@ -181,7 +181,7 @@ inline void expect_sound(const Run& run) {
 }
 
 /// The largest change of any weight from one frame to the next, from a time on.
-inline double largest_step(const Run& run, double from_s = 0) {
+inline double largest_step(const Played& run, double from_s = 0) {
   float largest = 0;
   for (std::size_t i = 1; i < run.frames.size(); ++i) {
     if (to_seconds(run.frames[i].tick.fired.time_since_epoch()) < from_s) continue;
