@@ -75,6 +75,49 @@ class OldClock {
   sensor::ClockModel clock_;
 };
 
+/// What the reference's clock showed, and what it shows in trouble.
+class TroubledClock {
+ public:
+  /// Shape: `before` and `after` in the order of sending; what stayed away is missing in `after`.
+  TroubledClock(const std::vector<Datagram>& before, const std::vector<Datagram>& after,
+                std::uint16_t reference) {
+    auto old = before.begin();
+    for (const Datagram& datagram : after) {
+      if (datagram.source != reference) continue;
+      while (old->source != reference || old->time != datagram.time) ++old;
+      pairs_.push_back({datagram.time, time_of(*old++), time_of(datagram)});
+    }
+  }
+
+  /// What it showed when it showed `troubled`, by the packets of the last seconds before `now`: a clock that
+  /// began anew shows a time twice.
+  [[nodiscard]] std::optional<DeviceTime> before(DeviceTime troubled, HostTime now) const {
+    const auto after = std::ranges::upper_bound(pairs_, now, {}, &Pair::sent);
+    const Pair* nearest = nullptr;
+    for (auto pair = after; pair != pairs_.begin();) {
+      --pair;
+      if (nearest != nullptr && now - pair->sent > std::chrono::seconds(3)) break;
+      if (nearest == nullptr ||
+          std::chrono::abs(pair->troubled - troubled) < std::chrono::abs(nearest->troubled - troubled))
+        nearest = &*pair;
+    }
+    if (nearest == nullptr) return std::nullopt;
+    return nearest->old + (troubled - nearest->troubled);
+  }
+
+ private:
+  struct Pair {
+    HostTime sent;
+    DeviceTime old;
+    DeviceTime troubled;
+  };
+  static DeviceTime time_of(const Datagram& datagram) {
+    const auto packet = imu::parse_packet(datagram.bytes);
+    return packet ? packet->time : DeviceTime();
+  }
+  std::vector<Pair> pairs_;
+};
+
 /// Where moments of the old line stand on the new one: what the ticks know of it.
 class NewLine {
  public:
@@ -91,13 +134,11 @@ class NewLine {
   std::vector<std::pair<DeviceTime, Duration>> known_;
 };
 
-bool in_trouble(const DeviceTroubles& troubles, std::uint16_t sensor) {
+bool clock_in_trouble(const DeviceTroubles& troubles, std::uint16_t sensor) {
   const auto hits = [&](const auto& list) {
     return std::ranges::any_of(list, [&](const auto& trouble) { return trouble.sensor == sensor; });
   };
-  // Another board under its id is a trouble of its clock too.
-  return hits(troubles.clocks) || hits(troubles.restarts) || hits(troubles.shared_ids) ||
-         std::ranges::any_of(troubles.shared_ids, [&](const auto& shared) { return shared.as == sensor; });
+  return hits(troubles.clocks) || hits(troubles.restarts);
 }
 
 }  // namespace
@@ -114,20 +155,24 @@ Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& 
     sent.push_back(
         {entry.arrival, static_cast<std::uint16_t>(packet->device - virtual_device(0)), entry.bytes});
   }
-  MIEN_TRY_ASSIGN(sent, trouble_devices(std::move(sent), troubles));
-  MIEN_TRY_ASSIGN(std::vector<Datagram> arrived, deliver(sent, settings, random));
-
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
-  const bool own_line = !in_trouble(troubles, reference);
+  const bool in_trouble = clock_in_trouble(troubles, reference);
+  MIEN_TRY_ASSIGN(const std::vector<Datagram> troubled, trouble_devices(sent, troubles));
+  const TroubledClock reference_clock(in_trouble ? sent : std::vector<Datagram>(),
+                                      in_trouble ? troubled : std::vector<Datagram>(), reference);
+  MIEN_TRY_ASSIGN(std::vector<Datagram> arrived, deliver(troubled, settings, random));
+
   const Duration lag = from_seconds(1e-3 * settings.lag_ms);
   const OldTruth truth(session.truth);
-  OldClock clock(session, reference);
+  OldClock host_clock(session, reference);
   NewLine line;
   VirtualSession out;
   hear(std::move(arrived), rig, out, [&](const take::Tick& tick, const sensor::TimeLines& lines) {
     DeviceTime old = tick.frame;
-    if (!own_line || lines.on_host_time())
-      old = clock.at(lines.to_host(tick.frame) - lag, tick.fired).value_or(tick.frame);
+    if (lines.on_host_time())
+      old = host_clock.at(lines.to_host(tick.frame) - lag, tick.fired).value_or(tick.frame);
+    else if (in_trouble)
+      old = reference_clock.before(lines.from_line(reference, tick.frame), tick.fired).value_or(tick.frame);
     line.add(old, tick.frame);
     out.truth.push_back(truth.at(old, tick.frame));
   });
