@@ -1,19 +1,28 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <thread>
+#include <utility>
 
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
+#include "app/live_session.h"
 #include "app/media_helper.h"
-#include "app/model_option.h"
+#include "app/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/face/load.h"
+#include "mien/live/registry.h"
+#include "mien/live/replay.h"
 #include "mien/model/kernels.h"
 #include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
@@ -26,20 +35,82 @@ struct Options {
   std::filesystem::path out = "out/demo";
   std::uint64_t seed = 2026;
   double seconds = 8;
-  ModelOption model;
+  std::string page = "127.0.0.1:8740";
+  std::string model;
   bool json = false;
 };
 
-/// When the frames that count begin, from the first frame.
-double evaluated_from_s(const std::vector<take::TruthFrame>& truth) {
-  for (const take::TruthFrame& frame : truth)
-    if (frame.evaluated) return to_seconds(frame.time - truth.front().time);
-  return 0;
+/// The live half: a performer's nodes send through real sockets to a session that tracks, records and shows.
+struct Captured {
+  live::EngineSummary summary;
+  NetworkSummary performed;
+};
+
+Result<Captured> capture_live(const Options& options, const virt::PerformRequest& performance,
+                              const std::filesystem::path& take) {
+  LiveRequest request;
+  request.model = options.model;
+  request.listen = {"udp://127.0.0.1:0"};
+  request.record = take;
+  request.force = true;
+  request.takes = options.out;
+  request.face = performance.face;
+  request.performer = fmt::format("virtual:{}", options.seed);
+  request.page = options.page;
+  auto opened = open_live(request);
+  if (!opened && options.page != "off" && opened.error().code == ErrorCode::bad_usage) {
+    request.page = "127.0.0.1:0";  // Somebody else has the port, another session perhaps.
+    opened = open_live(request);
+  }
+  if (!opened) return std::unexpected(opened.error());
+  live::Engine& engine = *opened->engine;
+  if (!engine.page().empty()) {
+    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n", engine.page());
+    std::fflush(stderr);
+  }
+
+  std::atomic<bool> stop = false;
+  Result<live::EngineSummary> summary = fail(ErrorCode::internal, "the session did not run");
+  std::thread session([&] { summary = engine.run(stop, {}); });
+  NetworkOptions network;
+  network.to = engine.listening().front();
+  network.loop = true;
+  // Once, when nobody watches; else until the page is closed.
+  network.enough = [&](std::size_t round) { return round > 1 && engine.watchers() == 0; };
+  auto performed = perform_to_network(performance, network);
+  stop = true;
+  session.join();
+  if (!performed) return std::unexpected(performed.error());
+  if (!summary) return std::unexpected(summary.error());
+  if (performed->stopped) return fail(ErrorCode::cancelled, "stopped", options.out.string());
+  if (!summary->recording_error.empty()) return fail(ErrorCode::io, summary->recording_error, take.string());
+  return Captured{std::move(*summary), std::move(*performed)};
+}
+
+/// The frames that count, as motions that begin together.
+struct Pair {
+  face::Motion truth, capture;
+};
+Pair motions_of(const study::TakeEstimates& estimates, std::span<const face::OutputFrame> frames) {
+  Pair out;
+  out.truth.name = "truth";
+  std::vector<face::OutputFrame> counted;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!estimates.truth[i].evaluated) continue;
+    face::MotionFrame truth;
+    truth.time_s = counted.empty() ? 0 : to_seconds(frames[i].time - counted.front().time);
+    truth.weights = estimates.truth[i].weights;
+    truth.tongue_out = estimates.truth[i].tongue_out;
+    out.truth.frames.push_back(truth);
+    counted.push_back(frames[i]);
+  }
+  out.capture = motion_of(counted);
+  return out;
 }
 
 Result<void> run(Options options) {
   // What it needs at its end is looked for before its beginning.
-  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open());
+  MIEN_TRY(read_live_model(options.model));
   MIEN_TRY(find_helper("mien-media"));
   std::error_code code;
   std::filesystem::create_directories(options.out, code);
@@ -61,65 +132,88 @@ Result<void> run(Options options) {
   request.replace = true;
   request.software = "mien " MIEN_VERSION;
   MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
-  MIEN_TRY(virt::perform_take(request, terminal_progress("1/4 performing")));
+  MIEN_TRY(virt::perform_take(request, terminal_progress("1/4 the truth")));
 
-  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(request.take));
-  MIEN_TRY_ASSIGN(const study::Solution solution,
-                  model.solve(take, study::SolveFrom::samples, "2/4 capturing"));
-  MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(take, solution));
+  const std::filesystem::path live_path = options.out / "live.mien";
+  MIEN_TRY_ASSIGN(const Captured captured, capture_live(options, request, live_path));
+
+  // The take that was recorded gives the session's frames again, to the bit.
+  MIEN_TRY_ASSIGN(const take::Take live_take, take::Take::open(live_path));
+  MIEN_TRY_ASSIGN(model::ModelFile model, read_live_model(options.model));
+  const std::vector<float> mean = model.mean_pose;
+  MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session,
+                  live::make_session(live_take.rig(), std::move(model)));
+  study::Solution solution;
+  MIEN_TRY(live::replay(live_take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
+    solution.frames.push_back(frame);
+    return true;
+  }));
+  const bool same_bits = session->hash() == captured.summary.hash;
+
+  MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
+  MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(truth_take, solution));
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
   face::BlendshapeWeights mean_pose;
-  std::ranges::copy(model.file().mean_pose, mean_pose.values.begin());
+  std::ranges::copy(mean, mean_pose.values.begin());
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
                   study::evaluate(study::Meter(face), {estimates}, mean_pose));
 
   const Progress writing = terminal_progress("3/4 writing");
-  const face::Motion capture = motion_of(solution.frames);
-  MIEN_TRY(write_motion(capture, request.face, options.out / "capture.csv"));
+  const Pair motions = motions_of(estimates, solution.frames);
+  MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.csv"));
   writing(0.3, "capture.glb");
-  MIEN_TRY(write_motion(capture, request.face, options.out / "capture.glb"));
+  MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.glb"));
   writing(1, "capture.csv, capture.glb");
 
-  MIEN_TRY_ASSIGN(const Performance truth, load_performance(request.take));
   FilmOptions film;
   film.width = 272;
   film.height = 304;
   film.rate_hz = 15;
-  film.sound = truth.sound;
-  film.from_s = evaluated_from_s(estimates.truth);
+  film.sound = request.sound;
   const std::filesystem::path film_path = options.out / "capture.mp4";
-  MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, truth.motion, capture, 0, film, film_path,
-                                                       terminal_progress("4/4 filming")));
+  MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, motions.truth, motions.capture, 0, film,
+                                                       film_path, terminal_progress("4/4 filming")));
 
-  const study::EvaluationContext context{.face = request.face,
-                                         .model = options.model.path,
-                                         .devices = request.devices,
-                                         .steps = model.steps()};
+  const study::EvaluationContext context{
+      .face = request.face, .model = options.model, .devices = request.devices, .steps = 0};
   study::Report report = study::evaluation_report(evaluation, context);
-  report.heading("Truth, capture, and the capture's error as colour");
+  report.heading("Truth, live capture, and the capture's error as colour");
   MIEN_TRY_ASSIGN(const std::vector<std::byte> mp4, read_file(film_path));
-  report.film(mp4, "A virtual performer whom the model has never met, captured by twelve simulated IMUs");
+  report.film(mp4,
+              "A virtual performer whom the model has never met, captured live by twelve simulated IMUs");
   MIEN_TRY(report.write(options.out / "report.html"));
 
+  const double p50_ms = 1e3 * to_seconds(captured.summary.latency.percentile(0.5));
+  const double p99_ms = 1e3 * to_seconds(captured.summary.latency.percentile(0.99));
   if (options.json) {
     print_json({{"report", (options.out / "report.html").string()},
                 {"film", film_path.string()},
                 {"csv", (options.out / "capture.csv").string()},
                 {"gltf", (options.out / "capture.glb").string()},
-                {"take", request.take.string()},
-                {"frames", solution.frames.size()},
+                {"take", live_path.string()},
+                {"frames", captured.summary.frames},
+                {"missed", captured.summary.missed},
                 {"kernels", model::kernel_name()},
-                {"hash", solution.hash},
+                {"hash", captured.summary.hash},
+                {"same_bits", same_bits},
+                {"latency_ms", {{"p50", p50_ms}, {"p99", p99_ms}}},
+                {"packets", captured.performed.packets},
                 {"pve_mm", evaluation.model.pve_mm.mean},
                 {"film_frames", made.frames}});
   } else {
     fmt::print(
-        "Captured {:.0f} s of a face that the model had never met: vertices within {:.2f} mm on average",
-        static_cast<double>(evaluation.frames) / kFrameRateHz, evaluation.model.pve_mm.mean);
-    if (evaluation.ridge) fmt::print(" (ridge regression: {:.2f} mm)", evaluation.ridge->pve_mm.mean);
-    fmt::print(".\nIn {}: report.html, capture.mp4, capture.csv, capture.glb, performance.mien\n",
+        "Captured {:.0f} s live of a face that the model had never met: vertices within {:.2f} mm on "
+        "average; "
+        "{:.1f} ms from the last packet to the frame (99 of 100 within {:.1f} ms), {} frames missed.\n",
+        static_cast<double>(evaluation.frames) / kFrameRateHz, evaluation.model.pve_mm.mean, p50_ms, p99_ms,
+        captured.summary.missed);
+    fmt::print("{}\nIn {}: report.html, capture.mp4, capture.csv, capture.glb, live.mien, performance.mien\n",
+               same_bits ? "The take replays to the same bits."
+                         : "The take does not replay to the same bits: please report this.",
                options.out.string());
   }
+  if (!same_bits)
+    return fail(ErrorCode::internal, "the take does not replay to the same bits", live_path.string());
   return {};
 }
 
@@ -127,16 +221,19 @@ Result<void> run(Options options) {
 
 void add_demo_command(Commands& commands) {
   auto options = std::make_shared<Options>();
-  CLI::App* command = commands.add("demo",
-                                   "The main job with no hardware: a virtual performer is captured; a "
-                                   "report, a film, a CSV and a glTF come out",
-                                   "mien demo --out out/demo", [options] { return run(*options); });
+  CLI::App* command =
+      commands.add("demo",
+                   "The main job with no hardware: a virtual performer streams through "
+                   "real sockets into a live session; page, report, film, CSV and glTF come out",
+                   "mien demo --out out/demo", [options] { return run(*options); });
   command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
   command->add_option("--seed", options->seed, "Who performs")->capture_default_str();
   command->add_option("--seconds", options->seconds, "How long")
       ->check(number_between(2.0, 600.0))
       ->capture_default_str();
-  options->model.add_to(command);
+  command->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  command->add_option("--page", options->page, "Where the page is served: HOST:PORT, or off")
+      ->capture_default_str();
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 

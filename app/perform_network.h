@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,8 @@ struct NetworkOptions {
   std::string to;      ///< As parse_target() takes it.
   double wait_s = 10;  ///< The performance begins unanswered after this.
   bool loop = false;   ///< Again and again, until it is stopped.
+  /// Asked often, where there is one: true ends the performance, and that is no stop by its user.
+  std::function<bool(std::size_t round)> enough;
 };
 
 /// What went out.

@@ -125,6 +125,7 @@ struct Engine::State {
   std::string frame_text;
   std::optional<std::filesystem::path> take;
   std::string recording_error;  // Already told.
+  std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
   std::function<void(const std::string&)> told;
 };
@@ -212,6 +213,7 @@ void Engine::State::on_beat() {
     return;
   }
   ++beats;
+  watchers = page ? page->clients() : 0;
   if (beats % kBeatsPerPiece == 0) {
     piece = (piece + 1) % kPieces;
     pieces[piece].clear();
@@ -390,6 +392,10 @@ const std::vector<std::string>& Engine::listening() const {
 
 std::string Engine::page() const {
   return state_->page ? state_->page->address() : std::string();
+}
+
+std::size_t Engine::watchers() const {
+  return state_->watchers;
 }
 
 Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,

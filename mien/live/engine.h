@@ -63,6 +63,9 @@ class Engine {
   /// Where a browser finds the page; empty without one.
   [[nodiscard]] std::string page() const;
 
+  /// How many look at the page now. Any thread.
+  [[nodiscard]] std::size_t watchers() const;
+
   /// Runs until `stop` is set, looked at ten times a second, or the time is over. `told` is called with each
   /// thing that a person should see at once ("sensor_lost ..."), and may be empty.
   [[nodiscard]] Result<EngineSummary> run(const std::atomic<bool>& stop,

@@ -1,0 +1,131 @@
+#include "app/live_session.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <ctime>
+#include <optional>
+#include <utility>
+
+#include "app/command.h"
+#include "app/page_files.h"
+#include "mien/core/files.h"
+#include "mien/face/load.h"
+#include "mien/live/registry.h"
+#include "mien/render/gltf_export.h"
+
+namespace mien::app {
+namespace {
+
+std::string now_utc() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+/// A key file holds a number of 0 to 255 and 64 hexadecimal digits.
+Result<std::vector<live::PairingKey>> read_key(const std::string& path) {
+  if (path.empty()) return std::vector<live::PairingKey>();
+  MIEN_TRY_ASSIGN(const std::string text, read_text(path, 4096));
+  live::PairingKey key;
+  unsigned id = 0;
+  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), id);
+  std::size_t length = 0;
+  const char* rest = nullptr;
+  const bool good = wrong == std::errc{} && id < 256 &&
+                    sodium_hex2bin(reinterpret_cast<unsigned char*>(key.secret.data()), key.secret.size(),
+                                   end, static_cast<std::size_t>(text.data() + text.size() - end), " \t\r\n",
+                                   &length, &rest) == 0 &&
+                    length == key.secret.size() && rest == text.data() + text.size();
+  if (!good)
+    return fail(ErrorCode::malformed, "not a key file", path,
+                "write a number from 0 to 255, a space and 64 hexadecimal digits into it");
+  key.id = static_cast<std::uint8_t>(id);
+  return std::vector{key};
+}
+
+Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request,
+                                                        std::span<const std::byte> face_glb) {
+  if (request.page == "off") return std::optional<live::PageSettings>();
+  live::PageSettings page;
+  const std::size_t colon = request.page.rfind(':');
+  const std::string digits = colon == std::string::npos ? "" : request.page.substr(colon + 1);
+  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), page.port);
+  if (wrong != std::errc{} || end != digits.data() + digits.size())
+    return fail(ErrorCode::bad_usage, "not an address for the page", request.page,
+                "write it as 127.0.0.1:8740, or off");
+  page.host = request.page.substr(0, colon);
+  if (page.host.starts_with('[') && page.host.ends_with(']'))
+    page.host = page.host.substr(1, page.host.size() - 2);
+  page.token = request.token;
+  const bool loopback = page.host == "localhost" || page.host == "::1" || page.host.starts_with("127.");
+  if (!loopback && page.token.empty()) {
+    // Whoever opens the page to a network gets a token, whether they thought of one or not.
+    std::array<unsigned char, 16> bytes{};
+    randombytes_buf(bytes.data(), bytes.size());
+    for (const unsigned char byte : bytes) page.token += fmt::format("{:02x}", byte);
+  }
+  page.assets = page_files();
+  if (page.assets.empty())
+    return fail(ErrorCode::not_found, "this program was built without its page", request.page,
+                "run with --page off, or build it with npm installed");
+  page.assets.push_back({"/face.glb", "model/gltf-binary", face_glb});
+  return std::optional(std::move(page));
+}
+
+}  // namespace
+
+Result<model::ModelFile> read_live_model(std::string& path) {
+  if (path.empty()) {
+    MIEN_TRY_ASSIGN(path, find_resource("models/live.safetensors"));
+  }
+  return model::read_model(path);
+}
+
+Result<LiveSession> open_live(LiveRequest request) {
+  live::EngineSettings settings;
+  if (request.rig.empty()) {
+    MIEN_TRY_ASSIGN(const std::filesystem::path rig, find_resource("rigs/default.toml"));
+    request.rig = rig.string();
+  }
+  MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
+  MIEN_TRY_ASSIGN(const model::ModelFile model, read_live_model(request.model));
+  MIEN_TRY_ASSIGN(const std::vector<live::PairingKey> keys, read_key(request.key));
+  if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
+
+  LiveSession out;
+  out.face_glb = std::make_unique<std::vector<std::byte>>();
+  if (request.page != "off") {
+    MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
+    MIEN_TRY_ASSIGN(*out.face_glb, render::encode_gltf(face, nullptr, render::GltfKind::binary));
+  }
+  MIEN_TRY_ASSIGN(settings.page, page_settings(request, *out.face_glb));
+
+  settings.listen = request.listen;
+  if (settings.listen.empty()) settings.listen = {"udp://0.0.0.0:5005", "udp://0.0.0.0:6969"};
+  settings.out = request.out;
+  if (!request.record.empty()) settings.record = request.record;
+  settings.replace = request.force;
+  settings.takes = request.takes;
+  if (request.seconds > 0) settings.seconds = request.seconds;
+  settings.model = std::filesystem::path(request.model).filename().string();
+  settings.header.software = "mien " MIEN_VERSION;
+  settings.header.performer = request.performer;
+  settings.header.script = "live";
+  settings.header.devices = "live";
+  settings.header.face = request.face;
+  settings.header.prologue = "none";
+  settings.header.rig_toml = rig_toml;
+  settings.header.created_utc = now_utc();
+  settings.make_session = [model](const sensor::Rig& taken) { return live::make_session(taken, model); };
+
+  MIEN_TRY_ASSIGN(std::unique_ptr<live::Session> session, live::make_session(rig, model, {}, keys));
+  MIEN_TRY_ASSIGN(out.engine, live::Engine::open(std::move(settings), std::move(session)));
+  return out;
+}
+
+}  // namespace mien::app

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/live/engine.h"
+#include "mien/model/model_file.h"
+
+namespace mien::app {
+
+/// What a live session is asked for on the command line.
+struct LiveRequest {
+  std::string rig;                  ///< Empty: the default one.
+  std::string model;                ///< Empty: the default live one.
+  std::vector<std::string> listen;  ///< Empty: our port and SlimeVR's, from everywhere.
+  std::vector<std::string> out;
+  std::filesystem::path record;  ///< Empty: the page's visitors may record.
+  bool force = false;
+  std::filesystem::path takes = ".";
+  std::string page = "127.0.0.1:8740";  ///< Or "off".
+  std::string token;
+  std::string face = "builtin";
+  std::string performer;
+  std::string key;     ///< A file; empty: everybody is heard.
+  double seconds = 0;  ///< 0: until it is stopped.
+};
+
+/// A session that is open, and what it shows.
+struct LiveSession {
+  std::unique_ptr<std::vector<std::byte>> face_glb;  ///< Given out by the engine's page.
+  std::unique_ptr<live::Engine> engine;
+};
+
+/// Reads what the request names and opens every port, sink, take and page. Errors: theirs.
+[[nodiscard]] Result<LiveSession> open_live(LiveRequest request);
+
+/// Reads the live model: the file at `path`, or the default one when it is empty; `path` then says where that
+/// was. Errors: not_found (none is installed), the reader's.
+[[nodiscard]] Result<model::ModelFile> read_live_model(std::string& path);
+
+}  // namespace mien::app
