@@ -51,6 +51,10 @@ void ImuTracker::add(HostTime arrival, const sensor::Sample& sample) {
   pipeline_.add(arrival, sample);
 }
 
+void ImuTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+  pipeline_.pulse(sensor, index, edge);
+}
+
 std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
   pipeline_.tick(frame, features_);
   if (guided_until_ && frame >= *guided_until_) judge_guidance();

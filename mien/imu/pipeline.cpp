@@ -387,6 +387,10 @@ void Pipeline::add(HostTime arrival, const Sample& sample) {
   }
 }
 
+void Pipeline::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+  state_->lines.pulse(sensor, index, edge);
+}
+
 void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
   State& s = *state_;
   out.time = frame;

@@ -82,6 +82,8 @@ class Pipeline {
   /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
   /// ignored.
   void add(HostTime arrival, const sensor::Sample& sample);
+  /// As sensor::TimeLines::pulse.
+  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
 
   /// Features of the frame at `frame` (reference sensor's clock): orientations interpolated between fused
   /// samples, or predicted, then held, when nothing newer came; a sensor silent for longer than the limit is

@@ -65,7 +65,7 @@ class SelfCalibration {
   double next_s_ = -1;  // Below 0: not begun.
   double segment_s_ = 0;
   double calm_s_ = 0;
-  double farthest_ = 0;  // Of the head from the hold, in this nod, rad.
+  double farthest_ = 0;               // Of the head from the hold, in this nod, rad.
   Quat hold_ear_ = Quat::Identity();  // The head at the hold's end.
   std::vector<double> rates_;
 };

@@ -220,7 +220,8 @@ void Engine::State::on_beat() {
   }
   if (const Recorder::State state = recorder.state(); state.error != recording_error) {
     recording_error = state.error;
-    if (!recording_error.empty()) tell("recording_failed", recording_error);
+    if (!recording_error.empty())
+      tell("recording_failed", "the recording ended: " + recording_error + "; the capture goes on");
   }
   if (page && page->clients() > 0 && beats % kBeatsPerStatus == 0)
     page->send(status_json(status(), session->rig()));
@@ -249,7 +250,7 @@ Status Engine::State::status() const {
 }
 
 void Engine::State::tell(const std::string& kind, const std::string& text) {
-  if (told) told(text.empty() ? kind : kind + " " + text);
+  if (told) told(text);
   if (page) page->send(event_json(kind, text));
 }
 
@@ -257,7 +258,7 @@ Result<void> Engine::State::start_recording(const std::filesystem::path& path, b
   MIEN_TRY(recorder.start(path, settings.header, replace));
   take = path;
   recording_error.clear();
-  tell("recording", path.string());
+  tell("recording", "recording " + path.string());
   return {};
 }
 
@@ -266,7 +267,7 @@ Result<void> Engine::State::finish_recording() {
                             take::Note{"live.kernels", std::string(model::kernel_name())}};
   const bool was_on = recorder.state().on;
   const auto finished = recorder.finish(notes);
-  if (was_on && finished && take) tell("recorded", take->string());
+  if (was_on && finished && take) tell("recorded", take->string() + " is written");
   return finished;
 }
 

@@ -159,6 +159,26 @@ std::string reply_json(std::int64_t number, std::string_view error, std::string_
   return dump(object);
 }
 
+std::string event_text(const take::Event& event) {
+  const json details = json::parse(event.json, nullptr, false);
+  const auto text = [&](const char* key) {
+    return details.is_object() && details.contains(key) && details[key].is_string()
+               ? details[key].get<std::string>()
+               : std::string();
+  };
+  if (event.kind == "sensor_lost") return text("sensor") + " is lost";
+  if (event.kind == "sensor_back") return text("sensor") + " is back";
+  if (event.kind == "bind") return text("sensor") + " is now device " + text("device");
+  if (event.kind == "recentre_failed") return "not re-centred: " + text("why");
+  if (event.kind != "calibrated") return {};
+  const std::string origin = text("origin");
+  if (origin == "self") return "calibrated by the nod";
+  if (origin == "guided") return "calibrated";
+  if (origin == "recentre") return "re-centred";
+  if (origin == "restored") return "a calibration from elsewhere is in force";
+  return "an earlier calibration is in force";
+}
+
 std::string event_json(std::string_view kind, std::string_view text) {
   return dump({{"type", "event"}, {"kind", kind}, {"text", text}});
 }

@@ -12,6 +12,7 @@
 #include "mien/sensor/rig.h"
 #include "mien/sink/json_frame.h"
 #include "mien/sink/sink.h"
+#include "mien/take/take.h"
 
 // What the page is told, as docs/page_protocol.md has it.
 namespace mien::live {
@@ -49,6 +50,8 @@ struct Status {
 /// `result` is JSON, or empty for none.
 [[nodiscard]] std::string reply_json(std::int64_t number, std::string_view error,
                                      std::string_view result = {});
+/// An event of the session in a person's words: "frontalis_R is lost". Empty for those that need none.
+[[nodiscard]] std::string event_text(const take::Event& event);
 [[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);
 
 }  // namespace mien::live

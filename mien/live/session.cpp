@@ -163,6 +163,14 @@ Session::Received Session::receive(HostTime arrival, sensor::Peer peer, std::spa
     if (sensor && !taken && !from->sensor) bind(*sensor, said.from);
   }
   for (const sensor::Reading& reading : inbox_.readings) take_reading(arrival, peer, protocol, reading);
+  for (const sensor::Inbox::Pulse& pulse : inbox_.pulses) {
+    // A board's sensors share its clock.
+    for (const auto& [key, sensor] : bound_) {
+      if (key.device != pulse.from.device) continue;
+      ticks_.pulse(sensor, pulse.index, pulse.edge);
+      tracker_->pulse(sensor, pulse.index, pulse.edge);
+    }
+  }
   for (const sensor::Inbox::Battery& battery : inbox_.batteries)
     if (const Device* from = device(battery.from); from != nullptr && from->sensor)
       links_[*from->sensor].health.set_battery(battery.percent);

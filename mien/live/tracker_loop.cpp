@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "mien/live/page_messages.h"
+
 namespace mien::live {
 namespace {
 
@@ -123,8 +125,10 @@ std::optional<Said> TrackerLoop::front_said() {
 void TrackerLoop::hand_over_news() {
   for (const take::Event& event : session_.take_events()) {
     recorder_.event(event);
-    const std::string text = event.kind + " " + event.json;
-    say({Said::Kind::event, 0, 0, true, bytes_of(text)});
+    if (const std::string words = event_text(event); !words.empty()) {
+      const std::string text = event.kind + " " + words;
+      say({Said::Kind::event, 0, 0, true, bytes_of(text)});
+    }
   }
   const auto& versions = session_.versions();
   for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {

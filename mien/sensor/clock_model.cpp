@@ -181,6 +181,15 @@ void TimeLines::add(HostTime arrival, const Sample& sample) {
   }
   const bool jumped = clock.model.add(sample.time, arrival);
   const bool is_reference = reference_ == sample.sensor;
+  if (jumped) {
+    // What pulses told was of the clock before.
+    for (Clock& other : clocks_) {
+      if (&other != &clock && !is_reference) continue;
+      other.wire = ClockModel();
+      other.pairs = 0;
+    }
+    clock.pulses.fill(std::nullopt);
+  }
   if (basis_ == Basis::open) {
     if (is_reference)
       basis_ = Basis::reference;
@@ -190,6 +199,29 @@ void TimeLines::add(HostTime arrival, const Sample& sample) {
     // The new clock goes on where the old one would stand now.
     shift_ += clock.model.to_device_before_jump(arrival) - clock.model.to_device(arrival);
   }
+}
+
+void TimeLines::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+  if (sensor >= clocks_.size() || !reference_) return;
+  const Pulse told{index, edge};
+  Clock& clock = clocks_[sensor];
+  clock.pulses[index % kPulses] = told;
+  if (sensor != *reference_) {
+    const std::optional<Pulse>& same = clocks_[*reference_].pulses[index % kPulses];
+    if (same && same->index == index) pair(clock, told, *same);
+    return;
+  }
+  for (std::size_t i = 0; i < clocks_.size(); ++i) {
+    if (i == *reference_) continue;
+    const std::optional<Pulse>& same = clocks_[i].pulses[index % kPulses];
+    if (same && same->index == index) pair(clocks_[i], *same, told);
+  }
+}
+
+void TimeLines::pair(Clock& clock, const Pulse& own, const Pulse& reference) {
+  // The reference's clock in the place of the host's: a pulse "arrives" exactly when it stands there.
+  if (clock.wire.add(own.edge, HostTime(reference.edge.time_since_epoch()))) clock.pairs = 0;
+  ++clock.pairs;
 }
 
 HostTime TimeLines::to_host(DeviceTime line) const {
@@ -206,6 +238,7 @@ DeviceTime TimeLines::to_line(std::uint16_t sensor, DeviceTime device) const {
   const Clock& clock = clocks_[sensor];
   if (clock.on_line) return device;
   if (basis_ == Basis::reference && reference_ == sensor) return device + shift_;
+  if (by_wire(clock)) return DeviceTime(clock.wire.to_host(device).time_since_epoch()) + shift_;
   return from_host(clock.model.to_host(device));
 }
 
@@ -213,6 +246,7 @@ DeviceTime TimeLines::from_line(std::uint16_t sensor, DeviceTime line) const {
   const Clock& clock = clocks_[sensor];
   if (clock.on_line) return line;
   if (basis_ == Basis::reference && reference_ == sensor) return line - shift_;
+  if (by_wire(clock)) return clock.wire.to_device(HostTime((line - shift_).time_since_epoch()));
   return clock.model.to_device(to_host(line));
 }
 

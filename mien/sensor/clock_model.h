@@ -93,6 +93,10 @@ class TimeLines {
 
   /// A sample as it arrives; samples of unknown sensors are ignored.
   void add(HostTime arrival, const Sample& sample);
+  /// The edge of a pulse on a wire that all nodes share, each on its own clock. From the second pulse that a
+  /// sensor and the reference have in common, that sensor's way to the line is by pulses, and the radio's
+  /// delays play no part in it.
+  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
 
   /// True once the line is decided; the conversions below need it.
   [[nodiscard]] bool ready() const { return basis_ != Basis::open; }
@@ -108,10 +112,22 @@ class TimeLines {
 
  private:
   enum class Basis : std::uint8_t { open, reference, host };
+  struct Pulse {
+    std::uint32_t index = 0;
+    DeviceTime edge;
+  };
+  static constexpr std::size_t kPulses = 8;  // A pulse may be told of this many later.
   struct Clock {
     ClockModel model;
     bool on_line = false;  // The lab profile's times stand on the line already.
+    std::array<std::optional<Pulse>, kPulses> pulses;
+    ClockModel wire;  // From its time to the reference's, by pulses; nothing delays these.
+    int pairs = 0;
   };
+  [[nodiscard]] bool by_wire(const Clock& clock) const {
+    return basis_ == Basis::reference && clock.pairs >= 2;
+  }
+  void pair(Clock& clock, const Pulse& own, const Pulse& reference);
   std::vector<Clock> clocks_;
   std::optional<std::uint16_t> reference_;
   Basis basis_ = Basis::open;

@@ -36,6 +36,10 @@ class TickRule {
   explicit TickRule(const Rig& rig);
 
   void add(HostTime arrival, const Sample& sample);
+  /// As TimeLines::pulse.
+  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+    lines_.pulse(sensor, index, edge);
+  }
   /// The next frame that is due, in order; ask until there is none. `now` never runs back.
   [[nodiscard]] std::optional<FrameTick> due(HostTime now);
   /// When the next frame fires if nothing more arrives; none before the line is known.

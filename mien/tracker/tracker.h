@@ -53,6 +53,8 @@ class Tracker {
 
   /// A decoded sample as it arrives; `sample.sensor` is bound. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
+  /// A shared pulse's edge on a sensor's own clock (sensor::TimeLines::pulse).
+  virtual void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) = 0;
 
   /// The answer at a frame of the grid (reference's time line): every field of `out`. Neutral, with that
   /// provenance, until there is a calibration. Returns how many sensors were there: 0 asks whoever shapes to

@@ -117,6 +117,68 @@ TEST(TimeLines, BringTwoDevicesTogether) {
   EXPECT_FALSE(lines.on_host_time());
 }
 
+// The radio lies by tens of milliseconds, and more for one than for the other; the wire does not.
+TEST(TimeLines, PulsesOnAWireLeaveTheRadioOut) {
+  Random random(14);
+  Device ear, face;
+  ear.offset_s = 5;
+  face.offset_s = 91;
+  face.rate = 1 + 40e-6;
+  TimeLines by_radio(2, std::uint16_t{1});
+  TimeLines by_wire(2, std::uint16_t{1});
+  std::uint32_t index = 0;
+  double next_pulse = 0.5;
+  const auto late = [](HostTime time, double s) { return time + from_seconds(s); };
+  for (double t = 0; t < 30; t += 1 / 60.0) {
+    for (TimeLines* lines : {&by_radio, &by_wire}) {
+      lines->add(late(ear.arrival(t, random), 0.004), sample_of(1, ear.clock(t)));
+      lines->add(late(face.arrival(t, random), 0.045), sample_of(0, face.clock(t)));
+    }
+    if (t < next_pulse) continue;
+    next_pulse += 1;
+    // The face's word comes first in every other second, and one in five is lost.
+    const auto tell_ear = [&] { by_wire.pulse(1, index, ear.clock(t)); };
+    const auto tell_face = [&] {
+      if (index % 5 != 3) by_wire.pulse(0, index, face.clock(t));
+    };
+    if (index % 2 == 0) {
+      tell_face();
+      tell_ear();
+    } else {
+      tell_ear();
+      tell_face();
+    }
+    ++index;
+  }
+  const double t = 29.5;
+  const double by_radio_s = to_seconds(by_radio.to_line(0, face.clock(t)) - ear.clock(t));
+  const double by_wire_s = to_seconds(by_wire.to_line(0, face.clock(t)) - ear.clock(t));
+  EXPECT_GT(std::abs(by_radio_s), 0.03);
+  EXPECT_LT(std::abs(by_wire_s), 1e-4);
+  const DeviceTime back = by_wire.from_line(0, by_wire.to_line(0, face.clock(t)));
+  EXPECT_NEAR(to_seconds(back - face.clock(t)), 0, 1e-6);
+}
+
+TEST(TimeLines, ABoardThatRestartsForgetsItsPulses) {
+  Random random(15);
+  Device ear, face;
+  TimeLines lines(2, std::uint16_t{1});
+  double t = 0;
+  for (std::uint32_t index = 0; t < 10; t += 1 / 60.0) {
+    lines.add(ear.arrival(t, random), sample_of(1, ear.clock(t)));
+    lines.add(face.arrival(t, random), sample_of(0, face.clock(t)));
+    if (t < index) continue;
+    lines.pulse(1, index, ear.clock(t));
+    lines.pulse(0, index++, face.clock(t));
+  }
+  face.offset_s -= 1000;
+  for (double end = t + 2; t < end; t += 1 / 60.0) {
+    lines.add(ear.arrival(t, random), sample_of(1, ear.clock(t)));
+    lines.add(face.arrival(t, random), sample_of(0, face.clock(t)));
+  }
+  EXPECT_NEAR(to_seconds(lines.to_line(0, face.clock(t)) - ear.clock(t)), 0, 0.01);
+}
+
 TEST(TimeLines, AReferenceThatRestartsGoesOnWhereItLeftOff) {
   Random random(12);
   Device ear;
