@@ -16,6 +16,10 @@ namespace {
 std::atomic<bool> interrupted = false;
 std::atomic<bool> line_is_open = false;  // Progress stands on the terminal's last line.
 
+void catch_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { interrupted = true; });
+}
+
 std::string clock_text(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
   return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
@@ -65,12 +69,17 @@ Result<void> check_output(const std::filesystem::path& path,
   return {};
 }
 
+const std::atomic<bool>& stop_asked() {
+  catch_signals();
+  return interrupted;
+}
+
 void clear_progress() {
   if (line_is_open.exchange(false)) fmt::print(stderr, "\r\x1b[K");
 }
 
 Progress terminal_progress(std::string title) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { interrupted = true; });
+  catch_signals();
   struct Shown {
     std::string title;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();

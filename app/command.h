@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
@@ -47,6 +48,10 @@ class Commands {
 /// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it.
 [[nodiscard]] Progress terminal_progress(std::string title);
 
+/// Set when Ctrl-C (or SIGTERM, or the terminal going away) asked to stop; for work that has no end of its
+/// own.
+[[nodiscard]] const std::atomic<bool>& stop_asked();
+
 /// Clears the line on which terminal_progress() stands, for what is printed next.
 void clear_progress();
 
@@ -55,6 +60,7 @@ void add_evaluate_command(Commands& commands);
 void add_export_command(Commands& commands);
 void add_face_command(Commands& commands);
 void add_import_command(Commands& commands);
+void add_live_command(Commands& commands);
 void add_perform_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_solve_command(Commands& commands);

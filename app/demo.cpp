@@ -39,7 +39,7 @@ double evaluated_from_s(const std::vector<take::TruthFrame>& truth) {
 
 Result<void> run(Options options) {
   // What it needs at its end is looked for before its beginning.
-  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open());
   MIEN_TRY(find_helper("mien-media"));
   std::error_code code;
   std::filesystem::create_directories(options.out, code);
@@ -65,11 +65,11 @@ Result<void> run(Options options) {
 
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const study::Solution solution,
-                  options.model.solve(take, solver, study::SolveFrom::samples, "2/4 capturing"));
+                  model.solve(take, study::SolveFrom::samples, "2/4 capturing"));
   MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(take, solution));
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
   face::BlendshapeWeights mean_pose;
-  std::ranges::copy(solver.file().mean_pose, mean_pose.values.begin());
+  std::ranges::copy(model.file().mean_pose, mean_pose.values.begin());
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
                   study::evaluate(study::Meter(face), {estimates}, mean_pose));
 
@@ -94,7 +94,7 @@ Result<void> run(Options options) {
   const study::EvaluationContext context{.face = request.face,
                                          .model = options.model.path,
                                          .devices = request.devices,
-                                         .steps = static_cast<int>(options.model.settings(solver).steps)};
+                                         .steps = model.steps()};
   study::Report report = study::evaluation_report(evaluation, context);
   report.heading("Truth, capture, and the capture's error as colour");
   MIEN_TRY_ASSIGN(const std::vector<std::byte> mp4, read_file(film_path));

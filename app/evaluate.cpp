@@ -58,7 +58,7 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
 
 Result<void> run(Options options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
-  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open());
   std::vector<take::Take> takes;
   std::set<std::string> devices;
   std::set<std::string> performed_on;
@@ -73,18 +73,18 @@ Result<void> run(Options options) {
   std::vector<study::TakeEstimates> estimates;
   for (const take::Take& take : takes) {
     MIEN_TRY_ASSIGN(const study::Solution solution,
-                    options.model.solve(take, solver, study::SolveFrom::samples, take.path().string()));
+                    model.solve(take, study::SolveFrom::samples, take.path().string()));
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
   }
   face::BlendshapeWeights mean_pose;
-  std::ranges::copy(solver.file().mean_pose, mean_pose.values.begin());
+  std::ranges::copy(model.file().mean_pose, mean_pose.values.begin());
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
                   study::evaluate(study::Meter(face), estimates, mean_pose));
   const study::EvaluationContext context{
       .face = face_name,
       .model = options.model.path,
       .devices = devices.size() == 1 ? *devices.begin() : "mixed",
-      .steps = static_cast<int>(options.model.settings(solver).steps),
+      .steps = model.steps(),
   };
   if (!options.report.empty()) MIEN_TRY(study::evaluation_report(evaluation, context).write(options.report));
   if (options.json) {
@@ -92,9 +92,8 @@ Result<void> run(Options options) {
     std::fwrite(text.data(), 1, text.size(), stdout);
     return {};
   }
-  fmt::print("{} frames of {} take{} on {}, {} profile, {} step{}\n\n", evaluation.frames, evaluation.takes,
-             evaluation.takes == 1 ? "" : "s", face_name, context.devices, context.steps,
-             context.steps == 1 ? "" : "s");
+  fmt::print("{} frames of {} take{} on {}, {} profile, {}\n\n", evaluation.frames, evaluation.takes,
+             evaluation.takes == 1 ? "" : "s", face_name, context.devices, study::asked_how(context));
   fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>7} {:>7}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
              "MSE felt", "jitter", "blink F1");
   print_row("model", evaluation.model);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <variant>
 
 #include "mien/core/error.h"
 #include "mien/study/solve.h"
@@ -10,20 +11,37 @@
 
 namespace mien::app {
 
+/// A model that was read, of either kind, and how it is asked.
+class OpenModel {
+ public:
+  /// `steps`: a window network's denoising steps; 0: as its file says.
+  OpenModel(tracker::WindowSolver solver, int steps);
+  explicit OpenModel(model::ModelFile causal) : model_(std::move(causal)) {}
+
+  [[nodiscard]] const model::ModelFile& file() const;
+  /// Denoising steps; 0 for a causal network, which takes none.
+  [[nodiscard]] int steps() const;
+  /// Solves a take, showing progress under `title`; says on stderr where the answer stands on few of the
+  /// sensors or on none.
+  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, study::SolveFrom from,
+                                              const std::string& title) const;
+
+ private:
+  /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
+  std::variant<tracker::WindowSolver, model::ModelFile> model_;
+  model::SamplerSettings settings_;
+};
+
 /// What the commands that solve takes have in common: which model, and how it is sampled.
 struct ModelOption {
-  std::string path;  ///< Empty: the default model.
-  int steps = 0;     ///< 0: as the model file says.
+  std::string path;   ///< Empty: the default model.
+  bool live = false;  ///< The default model is then the live one.
+  int steps = 0;      ///< 0: as the model file says.
 
   void add_to(CLI::App* command);
-  /// Reads the model. Errors: not_found (no default model is installed), and the model reader's.
-  [[nodiscard]] Result<tracker::WindowSolver> open();
-  /// The model's own settings with this command line's.
-  [[nodiscard]] model::SamplerSettings settings(const tracker::WindowSolver& solver) const;
-  /// Solves a take with them, showing progress under `title`; says on stderr where the answer stands on few
-  /// of the sensors or on none.
-  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, const tracker::WindowSolver& solver,
-                                              study::SolveFrom from, const std::string& title) const;
+  /// Reads the model; `path` becomes the one that it is. Errors: not_found (no default model is installed),
+  /// bad_usage (steps for a model that takes none), and the model reader's.
+  [[nodiscard]] Result<OpenModel> open();
 };
 
 }  // namespace mien::app

@@ -25,12 +25,11 @@ struct Options {
 Result<void> run(Options options) {
   if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
-  MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, options.model.open());
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open());
   const auto start = std::chrono::steady_clock::now();
   MIEN_TRY_ASSIGN(
       const study::Solution solution,
-      options.model.solve(take, solver, options.from_log ? study::SolveFrom::log : study::SolveFrom::samples,
-                          "solve"));
+      model.solve(take, options.from_log ? study::SolveFrom::log : study::SolveFrom::samples, "solve"));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.out.empty())
     MIEN_TRY(write_motion(motion_of(solution.frames),

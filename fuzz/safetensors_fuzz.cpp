@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "mien/model/causal_network.h"
 #include "mien/model/denoiser.h"
 #include "mien/model/model_file.h"
 
@@ -14,7 +15,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!again || again->tensors.size() != file->tensors.size()) std::abort();
   }
   if (const auto model = parse_model(bytes, "input")) {
-    if (!Denoiser::create(model->architecture, model->network) || !format_model(*model)) std::abort();
+    const bool causal = model->architecture.kind == NetworkKind::causal;
+    const bool runs = causal ? CausalNetwork::create(model->architecture, model->network).has_value()
+                             : Denoiser::create(model->architecture, model->network).has_value();
+    if (!runs || !format_model(*model)) std::abort();
   }
   return 0;
 }

@@ -193,6 +193,15 @@ std::string format_timecode(const Timecode& t) {
                      t.frame_milli % 1000);
 }
 
+Timecode timecode_at(double time_s) {
+  constexpr std::int64_t kBase = 60;
+  // In thousandths of a frame, rounded once, so that no second reads 59:60.
+  const std::int64_t milli = std::llround(std::max(time_s, 0.0) * kBase * 1000);
+  const std::int64_t second = milli / (kBase * 1000);
+  return {static_cast<std::int32_t>(second / 3600 % 100), static_cast<std::int32_t>(second / 60 % 60),
+          static_cast<std::int32_t>(second % 60), static_cast<std::int32_t>(milli % (kBase * 1000))};
+}
+
 Result<LiveLinkCsv> parse_livelink_csv(std::string_view text, std::string_view name) {
   LiveLinkCsv csv;
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
@@ -262,21 +271,29 @@ Result<LiveLinkCsv> parse_livelink_csv(std::string_view text, std::string_view n
   return csv;
 }
 
-std::string format_livelink_csv(const LiveLinkCsv& csv) {
-  std::string text = "Timecode,BlendShapeCount";
-  auto out = std::back_inserter(text);
+void append_livelink_header(std::string& out) {
+  auto end = std::back_inserter(out);
+  out += "Timecode,BlendShapeCount";
   for (std::size_t i = 0; i < kShapeColumns; ++i) {
     const std::string& shape_name = arkit52(ArkitOrder::live_link_csv).shapes[i];
-    fmt::format_to(out, ",{}{}", static_cast<char>(shape_name[0] - 'a' + 'A'), shape_name.substr(1));
+    fmt::format_to(end, ",{}{}", static_cast<char>(shape_name[0] - 'a' + 'A'), shape_name.substr(1));
   }
-  for (const std::string_view angle : kAngleNames) fmt::format_to(out, ",{}", angle);
-  text += '\n';
-  for (const LiveLinkRow& row : csv.rows) {
-    fmt::format_to(out, "{},{}", row.timecode_text, row.has_face() ? kLiveLinkValueCount : 0);
-    if (row.has_face())
-      for (const std::size_t i : written_order()) fmt::format_to(out, ",{:.10f}", row.values[i]);
-    text += '\n';
-  }
+  for (const std::string_view angle : kAngleNames) fmt::format_to(end, ",{}", angle);
+  out += '\n';
+}
+
+void append_livelink_row(std::string_view timecode, std::span<const double> values, std::string& out) {
+  auto end = std::back_inserter(out);
+  fmt::format_to(end, "{},{}", timecode, values.empty() ? 0 : kLiveLinkValueCount);
+  if (!values.empty())
+    for (const std::size_t i : written_order()) fmt::format_to(end, ",{:.10f}", values[i]);
+  out += '\n';
+}
+
+std::string format_livelink_csv(const LiveLinkCsv& csv) {
+  std::string text;
+  append_livelink_header(text);
+  for (const LiveLinkRow& row : csv.rows) append_livelink_row(row.timecode_text, row.values, text);
   return text;
 }
 
@@ -335,17 +352,11 @@ LiveLinkMotion motion_from_livelink(const LiveLinkCsv& csv, std::string name) {
 
 LiveLinkCsv livelink_from_motion(const Motion& motion, bool clamp_mouth_close) {
   constexpr double kRadPerUnit = 0.611;
-  constexpr std::int64_t kBase = 60;
   LiveLinkCsv csv;
   csv.rows.reserve(motion.frames.size());
   for (const MotionFrame& frame : motion.frames) {
     LiveLinkRow& row = csv.rows.emplace_back();
-    // In thousandths of a frame, rounded once, so that no second reads 59:60.
-    const std::int64_t milli = std::llround(std::max(frame.time_s, 0.0) * kBase * 1000);
-    const std::int64_t second = milli / (kBase * 1000);
-    row.timecode = {static_cast<std::int32_t>(second / 3600 % 100),
-                    static_cast<std::int32_t>(second / 60 % 60), static_cast<std::int32_t>(second % 60),
-                    static_cast<std::int32_t>(milli % (kBase * 1000))};
+    row.timecode = timecode_at(frame.time_s);
     row.timecode_text = format_timecode(row.timecode);
     if (!frame.has_face) continue;
     const ArkitWeights arkit = arkit_from_ict(frame.weights, frame.tongue_out, clamp_mouth_close);

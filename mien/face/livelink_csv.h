@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,9 @@ struct Timecode {
 [[nodiscard]] Result<Timecode> parse_timecode(std::string_view text);
 /// "00:32:09:07.867".
 [[nodiscard]] std::string format_timecode(const Timecode& timecode);
+/// The time code of a moment `time_s` after 00:00:00:00.000, with base 60; rounded once, to a thousandth of a
+/// frame. Before 0 is 0; after 100 hours it begins anew.
+[[nodiscard]] Timecode timecode_at(double time_s);
 
 /// One row of a recording.
 struct LiveLinkRow {
@@ -58,6 +62,10 @@ struct LiveLinkCsv {
 /// The recording as text with the PascalCase header that importers expect: ten decimals, LF. What was written
 /// so comes back byte for byte.
 [[nodiscard]] std::string format_livelink_csv(const LiveLinkCsv& csv);
+/// The same for a recording that is still going on: its header's line, then a row's. `values` as in
+/// LiveLinkRow: none where the face is lost, else kLiveLinkValueCount. Allocates only while `out` grows.
+void append_livelink_header(std::string& out);
+void append_livelink_row(std::string_view timecode, std::span<const double> values, std::string& out);
 
 /// The base of FF. It is not in the file: 60 when any FF exceeds 30, else the largest FF + 1 rounded to 24,
 /// 25 or 30; 60 when the largest is so small that no second can have been seen whole. (Takes at 30 fps count

@@ -18,6 +18,7 @@ struct OutputFrame {
   BlendshapeWeights weights;                    ///< 0 to 1.
   std::array<float, kShapeCount> confidence{};  ///< 0 to 1, a shape.
   std::array<Provenance, kShapeCount> provenance{};
+  float tongue_out = 0;  ///< 0 to 1; ARKit's tongueOut, which has no shape among the 53.
 
   Quat head = Quat::Identity();  ///< q_world_head.
   float head_confidence = 0;

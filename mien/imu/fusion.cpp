@@ -142,6 +142,14 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
   correct_inclination(gap || dt_s == 0 ? std::numeric_limits<double>::infinity() : step_s, accel_m_s2);
 }
 
+void Fusion::restart() {
+  const Vec3 bias = bias_;
+  const Mat3 bias_cov = bias_cov_;
+  *this = Fusion(settings_);
+  bias_ = bias;
+  bias_cov_ = bias_cov;
+}
+
 void Fusion::detect_rest(double dt_s, const Vec3& gyro, const Vec3& accel) {
   const double tolerance = rest_expected_ ? kExpectedRestTolerance : 1.0;
   const Vec3& gyro_mean = rest_gyro_.add(dt_s, gyro);

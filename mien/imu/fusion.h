@@ -123,6 +123,9 @@ class Fusion {
   /// The magnetometer's reading of the sample just added; any unit, always the same one.
   void fuse_mag(const Vec3& mag);
 
+  /// The board began anew: nothing stands but the gyroscope's bias, which is the chip's own.
+  void restart();
+
   /// A wearer who was asked to hold still does: rest is then found sooner and with tolerance for a living
   /// body.
   void expect_rest(bool expected) { rest_expected_ = expected; }

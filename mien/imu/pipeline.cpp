@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -19,6 +20,9 @@ using sensor::SampleKind;
 
 /// A device time this far behind the newest is a board that began anew; less is a sample out of order.
 constexpr Duration kRestart = std::chrono::seconds(1);
+
+/// What a board's heading may be off after it began anew with a face that is not at neutral, rad (10 deg).
+constexpr double kRejoinedSigma = 0.17;
 
 /// Newest rotations of one sensor of the lab profile; their times stand on the reference's line already.
 class LabTrack {
@@ -63,9 +67,10 @@ struct Channel {
   OrientationTrack track;
   LabTrack lab;
   std::optional<DeviceTime> newest;
-  Duration step{};          // Between the last two samples that followed each other.
-  double gap_sigma = 0;     // As the fusion had it when its growth was last passed on.
-  bool began_anew = false;  // Its heading has nothing to do with the calibrated one.
+  Duration step{};                // Between the last two samples that followed each other.
+  double gap_sigma = 0;           // As the fusion had it when its growth was last passed on.
+  bool began_anew = false;        // Its heading has nothing to do with the calibrated one.
+  bool may_be_unchanged = false;  // Sends nothing while nothing changes.
   std::uint64_t dropped = 0;
   std::uint64_t lost = 0;
 };
@@ -105,6 +110,7 @@ struct Pipeline::State {
         lines(rig.sensors.size(), rig.find(rig.reference)),
         channels(rig.sensors.size(), Channel(s.fusion)),
         prologue(rig),
+        watch(rig),
         trackers(face.size(), HeadingTracker(s.heading)),
         lever_m(face.size()) {
     calibration.sensors.resize(face.size());
@@ -121,7 +127,17 @@ struct Pipeline::State {
   bool order(Channel& channel, const Sample& sample, double& dt_s);
   [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
   void run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear);
+  void watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear);
+  void see_prologue_frame(DeviceTime frame, const FusedSample& ear);
   void put_in_force(const Calibration& made);
+  [[nodiscard]] bool watches() const {
+    return settings.calibrates_itself && windows.empty() &&
+           (!calibration.complete || (watched && !watch.finished()));
+  }
+  void rejoin_head(DeviceTime frame, const FusedSample& ear);
+  void rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor);
+  [[nodiscard]] double nearest_neutral(std::size_t i, const FusedSample& ear,
+                                       const FusedSample& sensor) const;
   [[nodiscard]] Quat turn_of(std::size_t i) const {
     return settings.magnetometer ? Quat::Identity() : heading_turn(trackers[i].heading_rad());
   }
@@ -134,8 +150,13 @@ struct Pipeline::State {
   Prologue prologue;
   Prologue::Frame prologue_frame;
   std::vector<PhaseWindow> windows;
+  SelfCalibration watch;
+  bool watched = false;  // The calibration in force was made by watching.
   Calibration calibration;
   int calibrations = 0;
+  Calibration before_marks;  // In force when the first mark was given.
+  int count_before_marks = 0;
+  Quat last_head = Quat::Identity();         // Of the last frame that had one.
   std::vector<HeadingTracker> trackers;      // One a face sensor.
   std::vector<std::optional<Vec3>> lever_m;  // From the ear sensor, frame H.
   std::optional<DeviceTime> last_frame;
@@ -147,7 +168,7 @@ bool Pipeline::State::order(Channel& channel, const Sample& sample, double& dt_s
   if (channel.newest) {
     const Duration since = sample.time - *channel.newest;
     if (since < -kRestart) {
-      channel.fusion = Fusion(settings.fusion);
+      channel.fusion.restart();
       channel.track.clear();
       channel.began_anew = true;
       channel.gap_sigma = 0;
@@ -187,12 +208,15 @@ void Pipeline::State::add_fused(Channel& channel, const Sample& sample) {
   if (dt_s > 0 && !channel.track.empty())
     rate = log_rotation(channel.track.newest().orientation.conjugate() * q) / dt_s;
   channel.track.add({sample.time, q, q * vec3(sample, 4), rate});
+  channel.may_be_unchanged = sample.time_estimated;
 }
 
 std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTime frame) const {
   const Channel& channel = channels[sensor];
   if (channel.track.empty() || !lines.ready() || !lines.heard(sensor)) return std::nullopt;
-  return channel.track.at(lines.from_line(sensor, frame), settings.silence, settings.prediction);
+  return channel.track.at(lines.from_line(sensor, frame),
+                          channel.may_be_unchanged ? settings.unchanged : settings.silence,
+                          settings.prediction);
 }
 
 void Pipeline::State::put_in_force(const Calibration& made) {
@@ -204,6 +228,80 @@ void Pipeline::State::put_in_force(const Calibration& made) {
     channel.began_anew = false;
     channel.gap_sigma = channel.fusion.gap_sigma_rad();
   }
+}
+
+void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ear) {
+  prologue_frame.q_world_ear = ear.orientation;
+  prologue_frame.ear_rate_rad_s = ear.rate_rad_s;
+  prologue_frame.ear_force_world_m_s2 = ear.force_world_m_s2;
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    const auto sensor = pose(face[i], frame);
+    prologue_frame.face[i].present = sensor.has_value();
+    if (!sensor) continue;
+    prologue_frame.face[i].q_world_face = sensor->orientation;
+    prologue_frame.face[i].force_world_m_s2 = sensor->force_world_m_s2;
+    prologue_frame.face[i].rate_rad_s = sensor->rate_rad_s;
+  }
+}
+
+void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear) {
+  if (ear) {
+    see_prologue_frame(frame, *ear);
+    switch (watch.add(frame, prologue_frame)) {
+      case SelfCalibration::Outcome::nothing:
+        break;
+      case SelfCalibration::Outcome::calibrated:
+        put_in_force(watch.solution());
+        watched = true;
+        break;
+      case SelfCalibration::Outcome::judged:
+        calibration.scores = watch.solution().scores;
+        ++calibrations;
+        break;
+    }
+  }
+  for (Channel& channel : channels) channel.fusion.expect_rest(watch.expects_rest());
+}
+
+// A board that began anew has a heading of its own, but sits where it sat: of all headings the one that
+// brings its skin nearest to neutral is within what faces do, and the trackers find the rest.
+double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
+                                        const FusedSample& sensor) const {
+  // trace(N^T R_h^T Z R_i) = a + b cos + c sin.
+  const Mat3 to = (ear.orientation * calibration.sensors[i].neutral).toRotationMatrix();
+  const Mat3 from = sensor.orientation.toRotationMatrix();
+  const double cosine = to.row(0).dot(from.row(0)) + to.row(2).dot(from.row(2));
+  const double sine = to.row(0).dot(from.row(2)) - to.row(2).dot(from.row(0));
+  return std::atan2(sine, cosine);
+}
+
+void Pipeline::State::rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor) {
+  trackers[i].start(nearest_neutral(i, ear, sensor), kRejoinedSigma);
+  channels[face[i]].began_anew = false;
+}
+
+void Pipeline::State::rejoin_head(DeviceTime frame, const FusedSample& ear) {
+  // All the face's headings against the head have turned alike.
+  double cosine = 0, sine = 0;
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    if (!calibration.sensors[i].valid || channels[face[i]].began_anew) continue;
+    const auto sensor = pose(face[i], frame);
+    if (!sensor) continue;
+    const double turned = nearest_neutral(i, ear, *sensor) - trackers[i].heading_rad();
+    cosine += std::cos(turned);
+    sine += std::sin(turned);
+  }
+  if (cosine == 0 && sine == 0) return;  // Nobody there to ask yet.
+  const double turned = std::atan2(sine, cosine);
+  for (HeadingTracker& tracker : trackers)
+    tracker.start(std::remainder(tracker.heading_rad() + turned, 2 * std::numbers::pi),
+                  std::hypot(tracker.sigma_rad(), kRejoinedSigma));
+  // The head faces where it last did.
+  const Vec3 ahead = ear.orientation * (calibration.q_head_ear.conjugate() * Vec3::UnitZ());
+  const Vec3 faced = last_head * Vec3::UnitZ();
+  calibration.neutral_heading_rad = std::remainder(
+      std::atan2(ahead.x(), ahead.z()) - std::atan2(faced.x(), faced.z()), 2 * std::numbers::pi);
+  channels[*head].began_anew = false;
 }
 
 void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear) {
@@ -232,16 +330,7 @@ void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSa
     if (!ear) continue;
     // In the first half of the hold the gyroscopes' biases are still being found.
     if (window.phase == Phase::neutral && frame < window.begin + (window.end - window.begin) / 2) continue;
-    prologue_frame.q_world_ear = ear->orientation;
-    prologue_frame.ear_rate_rad_s = ear->rate_rad_s;
-    prologue_frame.ear_force_world_m_s2 = ear->force_world_m_s2;
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const auto sensor = pose(face[i], frame);
-      prologue_frame.face[i].present = sensor.has_value();
-      if (!sensor) continue;
-      prologue_frame.face[i].q_world_face = sensor->orientation;
-      prologue_frame.face[i].force_world_m_s2 = sensor->force_world_m_s2;
-    }
+    see_prologue_frame(frame, *ear);
     if (window.phase == Phase::neutral) prologue.add_neutral(prologue_frame);
     if (window.phase == Phase::nod) prologue.add_nod(prologue_frame);
     if (window.phase == Phase::shake) prologue.add_shake(prologue_frame);
@@ -257,7 +346,20 @@ Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 Pipeline::~Pipeline() = default;
 
 void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
-  if (end > begin) state_->windows.push_back({phase, begin, end, false});
+  State& s = *state_;
+  if (end <= begin) return;
+  if (s.windows.empty()) {
+    s.before_marks = calibration_now();
+    s.count_before_marks = s.calibrations;
+  }
+  s.windows.push_back({phase, begin, end, false});
+}
+
+void Pipeline::cancel_marks() {
+  State& s = *state_;
+  s.windows.clear();
+  if (s.calibrations != s.count_before_marks) s.put_in_force(s.before_marks);
+  for (Channel& channel : s.channels) channel.fusion.expect_rest(false);
 }
 
 void Pipeline::add(HostTime arrival, const Sample& sample) {
@@ -297,8 +399,10 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
   std::optional<FusedSample> ear;
   if (s.head) ear = s.pose(*s.head, frame);
   if (!s.windows.empty()) s.run_prologue(frame, ear);
+  if (s.watches()) s.watch_for_calibration(frame, ear);
 
   const Calibration& calibration = s.calibration;
+  if (ear && calibration.complete && s.channels[*s.head].began_anew) s.rejoin_head(frame, *ear);
   const bool head_known = ear && calibration.complete && !s.channels[*s.head].began_anew;
   const Quat& c = calibration.q_head_ear;
   Vec3 head_rate = Vec3::Zero();
@@ -306,6 +410,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
   if (head_known) {
     out.head = canonical(heading_turn(-calibration.neutral_heading_rad) * ear->orientation * c.conjugate());
     out.has_head = true;
+    s.last_head = out.head;
     head_rate = c * ear->rate_rad_s;
     if (s.last_head_rate && dt_s > 0) head_turn = (head_rate - *s.last_head_rate) / dt_s;
   }
@@ -332,7 +437,8 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     channel.gap_sigma = now;
     if (gap > 0 || ear_gap > 0) s.trackers[i].inflate(std::hypot(gap, ear_gap));
 
-    const auto sensor = head_known && !channel.began_anew ? s.pose(s.face[i], frame) : std::nullopt;
+    const auto sensor = head_known ? s.pose(s.face[i], frame) : std::nullopt;
+    if (sensor && channel.began_anew) s.rejoin_face(i, *ear, *sensor);
     if (!sensor) {
       s.trackers[i].skip(dt_s);
       continue;
@@ -362,6 +468,39 @@ const Calibration& Pipeline::calibration() const {
 }
 int Pipeline::calibration_count() const {
   return state_->calibrations;
+}
+
+Calibration Pipeline::calibration_now() const {
+  Calibration now = state_->calibration;
+  for (std::size_t i = 0; i < now.sensors.size(); ++i) {
+    if (!now.sensors[i].valid) continue;
+    now.sensors[i].heading_rad = state_->trackers[i].heading_rad();
+    now.sensors[i].heading_sigma_rad = state_->trackers[i].sigma_rad();
+  }
+  return now;
+}
+
+std::optional<Phase> Pipeline::phase() const {
+  const State& s = *state_;
+  for (const PhaseWindow& window : s.windows)
+    if (window.begun) return window.phase;
+  if (s.watches()) return phase_of(s.watch.step());
+  return std::nullopt;
+}
+
+std::string_view Pipeline::hint() const {
+  return state_->watches() ? state_->watch.hint() : std::string_view();
+}
+
+std::vector<FoundPhase> Pipeline::found() const {
+  std::vector<FoundPhase> found;
+  if (!state_->watched) return found;
+  constexpr std::array kPhases = {Phase::neutral, Phase::nod, Phase::shake};
+  for (std::size_t i = 0; i < kPhases.size(); ++i) {
+    const SelfCalibration::Span& span = state_->watch.spans()[i];
+    if (span.end > span.begin) found.push_back({kPhases[i], span.begin, span.end});
+  }
+  return found;
 }
 
 Result<void> Pipeline::restore(const Calibration& calibration) {

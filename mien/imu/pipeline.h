@@ -4,11 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "mien/core/time.h"
 #include "mien/imu/calibration.h"
 #include "mien/imu/fusion.h"
 #include "mien/imu/heading.h"
+#include "mien/imu/self_calibration.h"
 #include "mien/model/features.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
@@ -20,6 +22,12 @@ enum class Phase : std::uint8_t {
   neutral,  ///< Face and head still, upright, looking ahead.
   nod,      ///< Face still, the head nods; begins downwards.
   shake,    ///< Face still, the head shakes about the vertical.
+};
+
+/// A phase that was found by watching.
+struct FoundPhase {
+  Phase phase;
+  DeviceTime begin, end;
 };
 
 /// The step that a take's event of this kind marks ("neutral", "nod", "shake"); none for any other.
@@ -34,9 +42,13 @@ struct PipelineSettings {
   bool magnetometer = false;
   /// Follow the headings' drift after the prologue. Off: they stay as the prologue found them.
   bool track_heading = true;
+  /// While there is no calibration, watch for a still face, a nod and a shake, and calibrate by them.
+  bool calibrates_itself = false;
   /// A sensor whose newest sample is older than this at a frame is missing. Raising hides drop-outs behind
   /// held values.
   Duration silence = std::chrono::milliseconds(100);
+  /// The same for a board that sends nothing while its rotation stays as it is, and no device time.
+  Duration unchanged = std::chrono::seconds(1);
   /// A frame later than the newest sample is predicted with the last rate, this far at most, and held beyond
   /// it.
   Duration prediction = std::chrono::milliseconds(25);
@@ -64,6 +76,8 @@ class Pipeline {
 
   /// A prologue phase in reference-device time, [begin, end); given before the tick of its begin.
   void mark(Phase phase, DeviceTime begin, DeviceTime end);
+  /// Forgets the marks; what was in force before the first of them, since none ran, is in force again.
+  void cancel_marks();
 
   /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
   /// ignored.
@@ -79,9 +93,18 @@ class Pipeline {
   [[nodiscard]] const Calibration& calibration() const;
   /// Counts calibrations: 0 before the first, one more each time calibration() changes.
   [[nodiscard]] int calibration_count() const;
+  /// The same with the headings as they are followed now: what restore() may put in force again.
+  [[nodiscard]] Calibration calibration_now() const;
+  /// The phase that runs, or that is watched for; none when a calibration is in force and nothing runs.
+  [[nodiscard]] std::optional<Phase> phase() const;
+  /// Why the last nod that was watched did not do; empty when it did.
+  [[nodiscard]] std::string_view hint() const;
   /// Puts an earlier calibration in force. Headings of six-axis fusions hold only within one session.
   /// Errors: mismatch (another number of sensors).
   [[nodiscard]] Result<void> restore(const Calibration& calibration);
+
+  /// The phases of the calibration that it made of its own accord; empty while it made none.
+  [[nodiscard]] std::vector<FoundPhase> found() const;
 
   /// Of one sensor of the rig, by its number in the rig.
   [[nodiscard]] SensorStatus status(std::uint16_t sensor) const;

@@ -27,6 +27,7 @@ class Prologue {
       bool present = false;
       Quat q_world_face;
       Vec3 force_world_m_s2 = Vec3::Zero();
+      Vec3 rate_rad_s = Vec3::Zero();  ///< Without bias, its own axes; for who watches for stillness.
     };
     std::vector<Face> face;
   };

@@ -5,6 +5,26 @@
 #include <cmath>
 
 namespace mien::model {
+namespace {
+
+/// The causal network's tensors; gates stand below each other as reset, update, new (PyTorch's order).
+std::vector<TensorSpec> causal_tensors(const Architecture& a) {
+  std::vector<TensorSpec> specs;
+  const auto linear = [&](const std::string& name, std::size_t out, std::size_t in) {
+    specs.push_back({name + ".weight", {out, in}});
+    specs.push_back({name + ".bias", {out}});
+  };
+  linear("input", a.d_model, a.condition);
+  for (std::size_t i = 0; i < a.layers; ++i) {
+    const std::string layer = fmt::format("layers.{}.", i);
+    linear(layer + "input", kGates * a.d_model, a.d_model);
+    linear(layer + "state", kGates * a.d_model, a.d_model);
+  }
+  linear("output", a.outputs, a.d_model);
+  return specs;
+}
+
+}  // namespace
 
 Result<Architecture> named_architecture(std::string_view name, std::size_t condition) {
   Architecture result;
@@ -17,8 +37,15 @@ Result<Architecture> named_architecture(std::string_view name, std::size_t condi
     result.ffn = 512;
     return result;
   }
+  if (name == "causal") {
+    result.kind = NetworkKind::causal;
+    result.layers = 2;
+    result.heads = result.d_head = result.ffn = 0;
+    result.window = 240;
+    return result;
+  }
   return fail(ErrorCode::not_found, fmt::format("there is no architecture called {:?}", name), {},
-              "use faithful or light");
+              "use faithful, light or causal");
 }
 
 Result<void> check(const Architecture& a) {
@@ -27,10 +54,14 @@ Result<void> check(const Architecture& a) {
     std::size_t value, low, high, step;
   };
   // The upper ends keep a hostile file from asking for more memory than any network of ours needs.
+  const bool causal = a.kind == NetworkKind::causal;
+  const auto denoisers = [causal](Range range) {
+    return causal ? Range{range.name, range.value, 0, 0, 1} : range;
+  };
   for (const Range& r :
        {Range{"layers", a.layers, 1, 32, 1}, Range{"d_model", a.d_model, 32, 4096, 32},
-        Range{"heads", a.heads, 1, 64, 1}, Range{"d_head", a.d_head, 32, 1024, 32},
-        Range{"ffn", a.ffn, 32, 16384, 32}, Range{"window", a.window, 2, 1024, 1},
+        denoisers({"heads", a.heads, 1, 64, 1}), denoisers({"d_head", a.d_head, 32, 1024, 32}),
+        denoisers({"ffn", a.ffn, 32, 16384, 32}), Range{"window", a.window, 2, 1024, 1},
         Range{"condition", a.condition, 1, 4096, 1}, Range{"outputs", a.outputs, 1, 1024, 1}})
     if (r.value < r.low || r.value > r.high || r.value % r.step != 0)
       return fail(ErrorCode::out_of_range,
@@ -41,6 +72,7 @@ Result<void> check(const Architecture& a) {
 }
 
 std::vector<TensorSpec> network_tensors(const Architecture& a) {
+  if (a.kind == NetworkKind::causal) return causal_tensors(a);
   std::vector<TensorSpec> specs;
   const auto linear = [&](const std::string& name, std::size_t out, std::size_t in) {
     specs.push_back({name + ".weight", {out, in}});
@@ -68,6 +100,25 @@ std::vector<TensorSpec> network_tensors(const Architecture& a) {
   return specs;
 }
 
+Result<void> check_tensors(const Architecture& a, std::span<const Tensor> network) {
+  const auto listed = [](const std::vector<std::size_t>& shape) {
+    return fmt::format("[{}]", fmt::join(shape, ", "));
+  };
+  const std::vector<TensorSpec> specs = network_tensors(a);
+  if (network.size() != specs.size())
+    return fail(ErrorCode::mismatch,
+                fmt::format("the network has {} tensors, not {}", network.size(), specs.size()));
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    const Tensor& t = network[i];
+    std::size_t count = 1;
+    for (const std::size_t n : t.shape) count *= n;
+    if (t.name != specs[i].name || t.shape != specs[i].shape || t.values.size() != count)
+      return fail(ErrorCode::mismatch, fmt::format("tensor {} {} stands where {} {} belongs", t.name,
+                                                   listed(t.shape), specs[i].name, listed(specs[i].shape)));
+  }
+  return {};
+}
+
 std::size_t parameter_count(const Architecture& architecture) {
   std::size_t count = 0;
   for (const TensorSpec& spec : network_tensors(architecture)) {
@@ -80,6 +131,8 @@ std::size_t parameter_count(const Architecture& architecture) {
 
 double flop_count(const Architecture& a) {
   const auto d = [](std::size_t n) { return static_cast<double>(n); };
+  if (a.kind == NetworkKind::causal)
+    return 2 * d(a.d_model) * (d(a.condition + a.outputs) + d(a.layers) * 2 * d(kGates) * d(a.d_model));
   const double tokens = d(a.tokens());
   const double layer = 2 * tokens * (4 * d(a.d_model) * d(a.d_attention()) + 2 * d(a.d_model) * d(a.ffn)) +
                        4 * tokens * tokens * d(a.d_attention());

@@ -2,25 +2,36 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/model/safetensors.h"
 
 namespace mien::model {
 
-/// The size of the denoiser: a post-LN transformer over one window of frames, the noise level as a token
-/// before them. Source of the structure: EgoEgo (Li et al. 2023, arXiv:2212.04636), which CAPUS follows;
-/// docs/model.md draws it.
+/// What a network is, which decides how it is run.
+enum class NetworkKind {
+  /// The denoiser: a post-LN transformer over one window of frames, the noise level as a token before them.
+  /// Source of the structure: EgoEgo (Li et al. 2023, arXiv:2212.04636), which CAPUS follows. model::Denoiser.
+  window,
+  /// A recurrent network that answers each frame when it comes: gated recurrent units (Cho et al. 2014), each
+  /// layer added to what it reads. model::CausalNetwork.
+  causal,
+};
+
+/// The size of a network. docs/model.md and docs/live_model.md draw both kinds.
 struct Architecture {
-  std::string name;           ///< "faithful", "light", or a recipe's own word.
+  std::string name;  ///< "faithful", "light", "causal", or a recipe's own word.
+  NetworkKind kind = NetworkKind::window;
   std::size_t layers = 4;     ///< 1 to 32.
-  std::size_t d_model = 256;  ///< Width of a token; a multiple of 32.
-  std::size_t heads = 4;      ///< Attention heads.
+  std::size_t d_model = 256;  ///< Width of a token, or of a layer's state; a multiple of 32.
+  std::size_t heads = 4;      ///< Attention heads. This and the two below: 0 in a causal network.
   std::size_t d_head = 64;    ///< Width of one head; a multiple of 32. heads * d_head need not be d_model.
   std::size_t ffn = 1024;     ///< Hidden width of the feed-forward block; a multiple of 32.
-  std::size_t window = 120;   ///< Frames that one call sees at most.
+  std::size_t window = 120;   ///< Frames that one call sees at most; causal: of a sequence in training.
   std::size_t condition = 0;  ///< Numbers of condition a frame: FeatureLayout::width().
   std::size_t outputs = 53;   ///< Shapes.
 
@@ -34,11 +45,14 @@ struct Architecture {
 /// 64).
 inline constexpr std::size_t kNoiseSinusoid = 64;
 inline constexpr std::size_t kNoiseHidden = 256;
+/// Parts of a recurrent unit, each d_model wide: reset, update, new.
+inline constexpr std::size_t kGates = 3;
 /// Added to the variance in every layer normalisation.
 inline constexpr double kLayerNormEpsilon = 1e-5;
 
 /// "faithful": EgoEgo's 4 layers of 512, 4 heads of 256, feed-forward 512, to be used without presence flags.
 /// "light": 4 layers of 256, 4 heads of 64, feed-forward 1024: a quarter of the work.
+/// "causal": 2 recurrent layers of 256.
 /// `condition` is the layout's width. Errors: not_found.
 [[nodiscard]] Result<Architecture> named_architecture(std::string_view name, std::size_t condition);
 
@@ -56,9 +70,14 @@ struct TensorSpec {
 /// them.
 [[nodiscard]] std::vector<TensorSpec> network_tensors(const Architecture& architecture);
 
+/// Whether these are exactly a network's tensors, in order and of the right sizes. Errors: mismatch, which
+/// says what stands where another belongs.
+[[nodiscard]] Result<void> check_tensors(const Architecture& architecture, std::span<const Tensor> network);
+
 [[nodiscard]] std::size_t parameter_count(const Architecture& architecture);
 
-/// Floating point operations of one call on a full window; a multiplication and its addition count as two.
+/// Floating point operations of one call, on a full window or on a causal network's one frame; a
+/// multiplication and its addition count as two.
 [[nodiscard]] double flop_count(const Architecture& architecture);
 
 /// The fixed sinusoid added to token `position` (0 is the noise token): out[j] = sin or cos of

@@ -1,7 +1,5 @@
 #include "mien/model/denoiser.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -26,17 +24,10 @@ double gelu(double x) {
 
 Result<Denoiser> Denoiser::create(const Architecture& a, std::span<const Tensor> network) {
   MIEN_TRY(check(a));
-  const std::vector<TensorSpec> specs = network_tensors(a);
-  if (network.size() != specs.size())
-    return fail(ErrorCode::mismatch,
-                fmt::format("the network has {} tensors, not {}", network.size(), specs.size()));
-  for (std::size_t i = 0; i < specs.size(); ++i) {
-    std::size_t count = 1;
-    for (const std::size_t n : specs[i].shape) count *= n;
-    if (network[i].name != specs[i].name || network[i].shape != specs[i].shape ||
-        network[i].values.size() != count)
-      return fail(ErrorCode::mismatch, fmt::format("tensor {} is not where it belongs", specs[i].name));
-  }
+  if (a.kind != NetworkKind::window)
+    return fail(ErrorCode::mismatch, "this is a causal network, not a window network", "model file",
+                "use --live with it, or a model such as models/default.safetensors");
+  MIEN_TRY(check_tensors(a, network));
 
   // The tensors come in network_tensors' order, so they are taken one after the other.
   auto next = network.begin();

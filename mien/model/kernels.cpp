@@ -169,6 +169,26 @@ void normalise_rows(std::size_t rows, std::size_t columns, const float* gain, co
   }
 }
 
+/// 1 / (1 + e^-x). Beyond 60 either way it is 0 or 1 in fp32, and the exponential stays finite.
+HWY_INLINE Vector sigmoid(Vector x) {
+  const Lanes d;
+  const auto held = hn::Max(hn::Min(x, hn::Set(d, 60.0F)), hn::Set(d, -60.0F));
+  const auto one = hn::Set(d, 1.0F);
+  return hn::Div(one, hn::Add(one, hn::Exp(d, hn::Neg(held))));
+}
+
+void apply_gates(std::size_t width, const float* HWY_RESTRICT from_input,
+                 const float* HWY_RESTRICT from_state, float* HWY_RESTRICT state) {
+  const Lanes d;
+  for (std::size_t i = 0; i < width; i += hn::Lanes(d)) {
+    const auto reset = sigmoid(hn::Add(hn::Load(d, from_input + i), hn::Load(d, from_state + i)));
+    const auto keep = sigmoid(hn::Add(hn::Load(d, from_input + width + i), hn::Load(d, from_state + width + i)));
+    const auto fresh = hn::Tanh(d, hn::MulAdd(reset, hn::Load(d, from_state + 2 * width + i),
+                                              hn::Load(d, from_input + 2 * width + i)));
+    hn::Store(hn::MulAdd(keep, hn::Sub(hn::Load(d, state + i), fresh), fresh), d, state + i);
+  }
+}
+
 const char* name() {
   return hwy::TargetName(HWY_TARGET);
 }
@@ -185,6 +205,7 @@ namespace mien::model {
 HWY_EXPORT(multiply_panels);
 HWY_EXPORT(softmax_rows);
 HWY_EXPORT(normalise_rows);
+HWY_EXPORT(apply_gates);
 HWY_EXPORT(name);
 
 AlignedFloats::AlignedFloats(std::size_t size)
@@ -253,6 +274,10 @@ void softmax_rows(std::size_t rows, std::size_t columns, float scale, float* x, 
 void normalise_rows(std::size_t rows, std::size_t columns, const float* gain, const float* shift, float* x,
                     std::size_t stride) {
   HWY_DYNAMIC_DISPATCH(normalise_rows)(rows, columns, gain, shift, x, stride);
+}
+
+void apply_gates(std::size_t width, const float* from_input, const float* from_state, float* state) {
+  HWY_DYNAMIC_DISPATCH(apply_gates)(width, from_input, from_state, state);
 }
 
 std::string_view kernel_name() {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-/// The few operations on which all of the denoiser's time goes, in SIMD chosen at run time by the CPU
+/// The few operations on which all of the networks' time goes, in SIMD chosen at run time by the CPU
 /// (Highway). All buffers: fp32, row-major, 64-byte aligned with row strides a multiple of kPanel. No
 /// allocation, thread-safe. One build on one CPU family gives the same bits each time; kernel_name() tells
 /// which variant ran.
@@ -72,6 +72,11 @@ void softmax_rows(std::size_t rows, std::size_t columns, float scale, float* x, 
 /// kPanel.
 void normalise_rows(std::size_t rows, std::size_t columns, const float* gain, const float* shift, float* x,
                     std::size_t stride);
+
+/// One step of a gated recurrent unit: for each of `width` numbers (a multiple of kPanel), with `from_input`
+/// and `from_state` holding three parts of that width (reset, update, new), biases included:
+/// r = sigmoid(i_r + s_r), z = sigmoid(i_z + s_z), n = tanh(i_n + r s_n), state = n + z (state - n).
+void apply_gates(std::size_t width, const float* from_input, const float* from_state, float* state);
 
 /// The variant that this CPU runs: "AVX3", "AVX2", "NEON" and so on.
 [[nodiscard]] std::string_view kernel_name();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -13,6 +14,8 @@ namespace {
 
 using Json = nlohmann::json;
 constexpr int kVersion = 1;
+constexpr const char* kKindWindow = "window";
+constexpr const char* kKindCausal = "causal";
 constexpr std::string_view kNetworkPrefix = "network.";
 constexpr std::string_view kRidgePrefix = "ridge.";
 
@@ -23,12 +26,20 @@ constexpr std::size_t Architecture::*kSizes[] = {
 constexpr const char* kSizeNames[] = {"layers", "d_model", "heads",     "d_head",
                                       "ffn",    "window",  "condition", "outputs"};
 
-std::string listed(const std::vector<std::size_t>& shape) {
-  return fmt::format("[{}]", fmt::join(shape, ", "));
-}
-
 bool unique(const std::vector<std::string>& names) {
   return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+}
+
+/// What only a denoiser has.
+Result<void> check_sampling(const ModelFile& m, const std::string& where) {
+  if (m.schedule.levels < 1 || m.schedule.levels > 100'000 ||
+      !(m.schedule.offset >= 0 && m.schedule.offset <= 1))
+    return fail(ErrorCode::out_of_range, "the noise schedule is outside its range", where);
+  if (m.sampler.steps < 1 || m.sampler.steps > m.schedule.levels)
+    return fail(ErrorCode::out_of_range, "the number of sampler steps is outside its range", where);
+  if (!(m.sampler.first_noise >= 0 && m.sampler.first_noise <= 1))
+    return fail(ErrorCode::out_of_range, "the sampler's first noise is outside its range", where);
+  return {};
 }
 
 Result<void> check_model(const ModelFile& m, const std::string& where) {
@@ -47,13 +58,7 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
     return differ("the normalisation has another number of values than the sensors");
   for (const float scale : m.normalisation.scale)
     if (!(scale > 0)) return fail(ErrorCode::out_of_range, "a normalisation scale is not positive", where);
-  if (m.schedule.levels < 1 || m.schedule.levels > 100'000 ||
-      !(m.schedule.offset >= 0 && m.schedule.offset <= 1))
-    return fail(ErrorCode::out_of_range, "the noise schedule is outside its range", where);
-  if (m.sampler.steps < 1 || m.sampler.steps > m.schedule.levels)
-    return fail(ErrorCode::out_of_range, "the number of sampler steps is outside its range", where);
-  if (!(m.sampler.first_noise >= 0 && m.sampler.first_noise <= 1))
-    return fail(ErrorCode::out_of_range, "the sampler's first noise is outside its range", where);
+  if (a.kind == NetworkKind::window) MIEN_TRY(check_sampling(m, where));
   std::set<std::string> profiles;
   for (const RidgeBaseline& ridge : m.ridge) {
     if (!profiles.insert(ridge.profile).second) return differ("two ridges are for one profile");
@@ -61,17 +66,7 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
         ridge.matrix.size() != a.outputs * (a.condition + 1))
       return differ(fmt::format("the ridge for {} has another size", ridge.profile));
   }
-  const std::vector<TensorSpec> specs = network_tensors(a);
-  if (m.network.size() != specs.size())
-    return differ(fmt::format("the network has {} tensors, not {}", m.network.size(), specs.size()));
-  for (std::size_t i = 0; i < specs.size(); ++i) {
-    const Tensor& t = m.network[i];
-    std::size_t count = 1;
-    for (const std::size_t n : t.shape) count *= n;
-    if (t.name != specs[i].name || t.shape != specs[i].shape || t.values.size() != count)
-      return differ(fmt::format("tensor {} {} stands where {} {} belongs", t.name, listed(t.shape),
-                                specs[i].name, listed(specs[i].shape)));
-  }
+  if (const auto ok = check_tensors(a, m.network); !ok) return differ(ok.error().what);
   return {};
 }
 
@@ -81,18 +76,21 @@ Json entry(const TensorFile& file, const std::string& name) {
   return it == file.metadata.end() ? Json() : Json::parse(it->second);
 }
 
-void read_metadata(const TensorFile& file, ModelFile& m) {
-  const Json a = entry(file, "architecture");
-  m.architecture.name = a.at("name").get<std::string>();
+/// Files from before there were causal networks name no kind. False for a kind that is not known.
+bool read_architecture(const Json& from, Architecture& a) {
+  const std::string kind = from.value("kind", kKindWindow);
+  if (kind != kKindWindow && kind != kKindCausal) return false;
+  a.kind = kind == kKindCausal ? NetworkKind::causal : NetworkKind::window;
+  a.name = from.at("name").get<std::string>();
   for (std::size_t i = 0; i < std::size(kSizes); ++i) {
-    const Json& value = a.at(kSizeNames[i]);
-    m.architecture.*kSizes[i] =
-        value.is_number_unsigned() ? value.get<std::size_t>() : 0;  // 0 fails check().
+    const Json& value = from.at(kSizeNames[i]);
+    // A wrong number becomes one that check() refuses.
+    a.*kSizes[i] = value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
   }
-  const Json features = entry(file, "features");
-  m.features.sensors = features.at("sensors").get<std::vector<std::string>>();
-  m.features.presence_flags = features.at("presence_flags").get<bool>();
-  m.shapes = entry(file, "shapes").get<std::vector<std::string>>();
+  return true;
+}
+
+void read_sampling(const TensorFile& file, ModelFile& m) {
   const Json schedule = entry(file, "schedule");
   m.schedule.levels =
       schedule.at("levels").is_number_unsigned() ? schedule.at("levels").get<std::size_t>() : 0;
@@ -104,6 +102,14 @@ void read_metadata(const TensorFile& file, ModelFile& m) {
   m.sampler.steps = sampler.at("steps").is_number_unsigned() ? sampler.at("steps").get<std::size_t>() : 0;
   m.sampler.seed = sampler.at("seed").get<std::uint64_t>();
   m.sampler.first_noise = sampler.value("first_noise", 1.0);
+}
+
+void read_metadata(const TensorFile& file, ModelFile& m) {
+  const Json features = entry(file, "features");
+  m.features.sensors = features.at("sensors").get<std::vector<std::string>>();
+  m.features.presence_flags = features.at("presence_flags").get<bool>();
+  m.shapes = entry(file, "shapes").get<std::vector<std::string>>();
+  if (m.architecture.kind == NetworkKind::window) read_sampling(file, m);
   const auto text = [&](const char* name) {
     const auto it = file.metadata.find(name);
     return it == file.metadata.end() ? std::string() : it->second;
@@ -144,6 +150,9 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
                 "update the program");
   ModelFile m;
   try {
+    if (!read_architecture(entry(file, "architecture"), m.architecture))
+      return fail(ErrorCode::unsupported, "the model's network is of a kind that is not known here", where,
+                  "update the program");
     read_metadata(file, m);
     read_ridges(file, m);
   } catch (const Json::exception& error) {
@@ -186,7 +195,8 @@ Result<ModelFile> read_model(const std::filesystem::path& path) {
 
 Result<std::vector<std::byte>> format_model(const ModelFile& m) {
   MIEN_TRY(check_model(m, "model"));
-  Json architecture = {{"name", m.architecture.name}};
+  const bool causal = m.architecture.kind == NetworkKind::causal;
+  Json architecture = {{"name", m.architecture.name}, {"kind", causal ? kKindCausal : kKindWindow}};
   for (std::size_t i = 0; i < std::size(kSizes); ++i) architecture[kSizeNames[i]] = m.architecture.*kSizes[i];
   Json ridges = Json::array();
   for (const RidgeBaseline& r : m.ridge)
@@ -200,19 +210,21 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
       {"features",
        Json{{"sensors", m.features.sensors}, {"presence_flags", m.features.presence_flags}}.dump()},
       {"shapes", Json(m.shapes).dump()},
-      {"schedule",
-       Json{{"kind", "cosine"}, {"levels", m.schedule.levels}, {"offset", m.schedule.offset}}.dump()},
-      {"sampler", Json{{"kind", m.sampler.kind == SamplerKind::ddpm ? "ddpm" : "ddim"},
-                       {"steps", m.sampler.steps},
-                       {"seed", m.sampler.seed},
-                       {"first_noise", m.sampler.first_noise},
-                       {"hold", m.sampler.hold == OverlapHold::clean ? "clean" : "noised"}}
-                      .dump()},
       {"ridge", ridges.dump()},
       {"rig", m.rig},
       {"recipe", m.recipe},
       {"results", m.results},
   };
+  if (!causal) {
+    file.metadata["schedule"] =
+        Json{{"kind", "cosine"}, {"levels", m.schedule.levels}, {"offset", m.schedule.offset}}.dump();
+    file.metadata["sampler"] = Json{{"kind", m.sampler.kind == SamplerKind::ddpm ? "ddpm" : "ddim"},
+                                    {"steps", m.sampler.steps},
+                                    {"seed", m.sampler.seed},
+                                    {"first_noise", m.sampler.first_noise},
+                                    {"hold", m.sampler.hold == OverlapHold::clean ? "clean" : "noised"}}
+                                   .dump();
+  }
   const auto add = [&](std::string name, std::vector<std::size_t> shape, const std::vector<float>& values) {
     file.tensors.push_back({.name = std::move(name), .shape = std::move(shape), .values = values});
   };

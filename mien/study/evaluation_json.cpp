@@ -1,5 +1,7 @@
 #include "mien/study/evaluation_json.h"
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 namespace mien::study {
@@ -39,6 +41,11 @@ Json to_json(const Metrics& metrics) {
 
 }  // namespace
 
+std::string asked_how(const EvaluationContext& context) {
+  if (context.steps == 0) return "frame by frame";
+  return fmt::format("{} denoising step{}", context.steps, context.steps == 1 ? "" : "s");
+}
+
 std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context) {
   Json out;
   out["frames"] = evaluation.frames;
@@ -46,7 +53,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["face"] = context.face;
   out["devices"] = context.devices;
   out["model_file"] = context.model;
-  out["steps"] = context.steps;
+  out["steps"] = context.steps > 0 ? Json(context.steps) : Json(nullptr);
   out["adapted"] = context.adapted;
   out["adapt_s"] = context.adapt_s;
   out["model"] = to_json(evaluation.model);

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <map>
 
-#include "mien/core/sha256.h"
+#include "mien/face/frame_hash.h"
 #include "mien/imu/packet.h"
 #include "mien/study/trace_features.h"
+#include "mien/tracker/model_input.h"
 
 namespace mien::study {
 namespace {
@@ -39,23 +40,26 @@ Result<std::vector<take::StoredSample>> decode_log(const std::vector<take::LogEn
   return out;
 }
 
+/// Adds to the frames what stands beside them.
+void complete(const take::Take& take, const model::ModelFile& file,
+              std::span<const model::FeatureFrame> features, Solution& out) {
+  std::size_t felt = 0, all = 0;
+  for (const model::FeatureFrame& frame : features) {
+    const auto there = std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation);
+    felt += static_cast<std::size_t>(there);
+    if (felt > 0) all += frame.sensors.size();
+  }
+  out.felt = all > 0 ? static_cast<double>(felt) / static_cast<double>(all) : 0;
+  out.ridge = tracker::solve_ridge(file, features, take.rig().face_sensor_names(),
+                                   take.header().devices == "lab" ? "lab" : "device");
+  out.hash = hash_frames(out.frames);
+}
+
 }  // namespace
 
 std::string hash_frames(std::span<const face::OutputFrame> frames) {
-  Sha256 hash;
-  for (const face::OutputFrame& frame : frames) {
-    hash.add_value(static_cast<std::int64_t>(frame.time.time_since_epoch().count()));
-    for (const float w : frame.weights.values) hash.add_value(w);
-    for (const double h : {frame.head.w(), frame.head.x(), frame.head.y(), frame.head.z()})
-      hash.add_value(static_cast<float>(h));
-    for (const Eigen::Vector2f& eye : frame.eyes_rad) {
-      hash.add_value(eye.x());
-      hash.add_value(eye.y());
-    }
-    for (const face::Provenance p : frame.provenance) hash.add_value(static_cast<std::uint8_t>(p));
-    hash.add_value(static_cast<std::uint8_t>(frame.head_provenance));
-    hash.add_value(static_cast<std::uint8_t>(frame.eyes_provenance));
-  }
+  face::FrameHash hash;
+  for (const face::OutputFrame& frame : frames) hash.add(frame);
   return hash.hex();
 }
 
@@ -76,18 +80,28 @@ Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, S
 Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver, SolveFrom from,
                             const model::SamplerSettings& settings, const Progress& progress) {
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
-  const std::vector<std::string> sensors = take.rig().face_sensor_names();
   Solution out;
-  std::size_t felt = 0, all = 0;
-  for (const model::FeatureFrame& frame : features) {
-    const auto there = std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation);
-    felt += static_cast<std::size_t>(there);
-    if (felt > 0) all += frame.sensors.size();
+  MIEN_TRY_ASSIGN(out.frames, solver.solve(features, take.rig().face_sensor_names(), settings, progress));
+  complete(take, solver.file(), features, out);
+  return out;
+}
+
+Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker, SolveFrom from,
+                            const Progress& progress) {
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
+  constexpr std::size_t kShownEvery = 600;
+  Solution out;
+  out.frames.resize(features.size());
+  tracker.reset();
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (f % kShownEvery == 0 &&
+        !progress(static_cast<double>(f) / static_cast<double>(features.size()), "frame by frame"))
+      return fail(ErrorCode::cancelled, "stopped while solving");
+    tracker.step(features[f], out.frames[f]);
   }
-  out.felt = all > 0 ? static_cast<double>(felt) / static_cast<double>(all) : 0;
-  MIEN_TRY_ASSIGN(out.frames, solver.solve(features, sensors, settings, progress));
-  out.ridge = solver.ridge(features, sensors, take.header().devices == "lab" ? "lab" : "device");
-  out.hash = hash_frames(out.frames);
+  tracker.reset();
+  progress(1, "frame by frame");
+  complete(take, tracker.file(), features, out);
   return out;
 }
 

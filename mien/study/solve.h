@@ -7,6 +7,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/study/evaluation.h"
 #include "mien/take/take.h"
+#include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::study {
@@ -28,9 +29,7 @@ struct Solution {
   std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 
-/// SHA-256 of output frames as the contract has it: for each frame its device time (i64 ns), 53 weights
-/// (f32), head w,x,y,z (f32), eyes yaw and pitch left then right (f32), the 53 provenances, the head's and
-/// the eyes' (u8).
+/// As face::FrameHash has it.
 [[nodiscard]] std::string hash_frames(std::span<const face::OutputFrame> frames);
 
 /// Features of a take, one frame a tick. A packet that does not parse is passed over, as the session did.
@@ -41,6 +40,10 @@ struct Solution {
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,
                                           SolveFrom from, const model::SamplerSettings& settings,
                                           const Progress& progress);
+
+/// Solves a whole take frame by frame, as a live session would; the tracker is reset first and last.
+[[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
+                                          SolveFrom from, const Progress& progress);
 
 /// The solution beside the take's truth, for evaluate(). Errors: not_found (a take without truth).
 [[nodiscard]] Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <span>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -31,15 +31,8 @@ class WindowSolver {
                                                              const model::SamplerSettings& settings,
                                                              const Progress& progress) const;
 
-  /// The ridge baseline of a profile on the same features; empty when the file has none for it.
-  [[nodiscard]] std::vector<face::BlendshapeWeights> ridge(std::span<const model::FeatureFrame> features,
-                                                           const std::vector<std::string>& sensors,
-                                                           std::string_view profile) const;
-
  private:
   WindowSolver(model::ModelFile file, model::Denoiser denoiser);
-  [[nodiscard]] std::vector<float> condition(std::span<const model::FeatureFrame> features,
-                                             const std::vector<std::string>& sensors) const;
 
   model::ModelFile file_;
   model::Denoiser denoiser_;

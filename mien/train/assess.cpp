@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/model/causal_network.h"
 #include "mien/model/denoiser.h"
 #include "mien/model/sampler.h"
 
@@ -97,6 +98,32 @@ class Trial {
   model::ScheduleSettings schedule_;
 };
 
+/// Runs a causal network over takes, each from a fresh state on.
+Result<Assessment::Causal> run_causal(const model::ModelFile& model, const std::vector<Frames>& takes) {
+  MIEN_TRY_ASSIGN(const model::CausalNetwork network,
+                  model::CausalNetwork::create(model.architecture, model.network));
+  const std::size_t width = model.architecture.condition, outputs = model.architecture.outputs;
+  model::CausalNetwork::State state(network);
+  double error = 0, count = 0, moved = 0, truth = 0;
+  for (const Frames& take : takes) {
+    std::vector<float> solved(take.weights.size());
+    state.reset();
+    for (std::size_t f = 0; f < solved.size() / outputs; ++f)
+      network.step(std::span(take.condition).subspan(f * width, width), state,
+                   std::span(solved).subspan(f * outputs, outputs));
+    for (std::size_t i = 0; i < solved.size(); ++i) {
+      solved[i] = model::from_network(solved[i]);
+      error += std::pow(double{solved[i]} - double{take.weights[i]}, 2);
+    }
+    count += static_cast<double>(solved.size());
+    const std::size_t frames = std::max<std::size_t>(solved.size() / outputs, 2);  // One window: no joins.
+    moved += third_difference(solved, outputs, frames, false);
+    truth += third_difference(take.weights, outputs, frames, false);
+  }
+  return Assessment::Causal{.mse = count > 0 ? error / count : 0,
+                            .jitter_ratio = truth > 0 ? moved / truth : 0};
+}
+
 /// Takes from validation, lab and device in turn and spread over the performers, until there are frames
 /// enough.
 std::vector<Frames> sampler_takes(const Recipe& recipe, const BatchMaker& validation, std::size_t width) {
@@ -165,9 +192,13 @@ Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training, cons
     assessment.profiles.push_back(std::move(profile));
   }
 
+  const std::vector<Frames> takes = sampler_takes(recipe, validation, model.architecture.condition);
+  if (model.architecture.kind == model::NetworkKind::causal) {
+    MIEN_TRY_ASSIGN(assessment.causal, run_causal(model, takes));
+    return assessment;
+  }
   MIEN_TRY_ASSIGN(const model::Denoiser denoiser, model::Denoiser::create(model.architecture, model.network));
   const Trial trial(denoiser, model.schedule);
-  const std::vector<Frames> takes = sampler_takes(recipe, validation, model.architecture.condition);
   std::vector<model::SamplerSettings> candidates;
   for (const std::size_t steps : recipe.sampler_steps)
     for (const double first_noise : {1.0, 0.0})

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,12 @@ struct Assessment {
     std::string name;
     double ridge_mse = 0, mean_pose_mse = 0;
   };
-  std::vector<Candidate> samplers;
+  /// A causal network, frame by frame.
+  struct Causal {
+    double mse = 0, jitter_ratio = 0;  ///< As a candidate's.
+  };
+  std::vector<Candidate> samplers;  ///< Of a window network.
+  std::optional<Causal> causal;
   std::vector<Profile> profiles;
 };
 
@@ -38,7 +44,7 @@ inline constexpr double kSeamLimit = 1.2;
 [[nodiscard]] double third_difference(std::span<const float> weights, std::size_t width, std::size_t window,
                                       bool at_joins);
 
-/// Fits the ridge of each profile in the data, and chooses the sampler: of the recipe's steps and both ways
+/// Fits the ridge of each profile in the data, and measures a causal network or chooses the sampler: of the recipe's steps and both ways
 /// to hold the overlap, the one of least error among those without a seam. Fills model.ridge and
 /// model.sampler. Errors: cancelled.
 [[nodiscard]] Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training,

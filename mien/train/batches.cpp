@@ -122,14 +122,20 @@ void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_
   std::vector<float> values(7 * n);
   std::vector<std::uint8_t> present(2 * n);
   for (std::size_t f = 0; f < count; ++f) {
-    std::copy_n(s.values.data() + (first + f) * 7 * n, 7 * n, values.data());
-    std::copy_n(s.present.data() + (first + f) * 2 * n, 2 * n, present.data());
+    const float* read = s.values.data() + (first + f) * 7 * n;
+    const std::uint8_t* there = s.present.data() + (first + f) * 2 * n;
     for (std::size_t sensor = 0; sensor < n; ++sensor) {
+      if (f > 0 && !loss.held.empty() && loss.held[f * n + sensor] != 0) continue;  // As it was.
+      std::copy_n(read + 7 * sensor, 7, values.data() + 7 * sensor);
+      present[sensor] = there[sensor];
+      present[n + sensor] = there[n + sensor];
       if (!loss.sensor.empty() && loss.sensor[sensor] != 0) present[sensor] = present[n + sensor] = 0;
       if (loss.acceleration) present[n + sensor] = 0;
       if (s.lab && present[sensor] != 0)
         disturb(values.data() + 7 * sensor + 3, recipe_.lab_noise_rad, random);
     }
+    for (const Loss::Stretch& away : loss.away)
+      if (f >= away.begin && f < away.end) present[away.sensor] = present[n + away.sensor] = 0;
     model::encode_values(layout_, normalisation_, values, present, out.subspan(f * width, width));
   }
 }
@@ -144,7 +150,39 @@ BatchMaker::Loss BatchMaker::draw_loss(Random& random) const {
             .acceleration = random.chance(recipe_.acceleration_loss)};
   const double chance = random.chance(recipe_.many_lost) ? random.uniform(0, 0.9) : recipe_.sensor_loss;
   for (std::uint8_t& lost : loss.sensor) lost = random.chance(chance) ? 1 : 0;
+  if (recipe_.stretch_loss > 0) draw_stretches(random, loss);
+  if (recipe_.held_readings > 0 && random.chance(recipe_.held_readings)) draw_held(random, loss);
   return loss;
+}
+
+void BatchMaker::draw_stretches(Random& random, Loss& loss) const {
+  const std::size_t frames = recipe_.architecture.window, n = layout_.sensors.size();
+  // Lengths of every order are equally likely, and a stretch may have begun before the window.
+  const auto draw = [&](std::size_t sensor) {
+    const auto length =
+        static_cast<std::size_t>(std::exp(random.uniform(0, std::log(static_cast<double>(frames)))));
+    const std::size_t end = 1 + static_cast<std::size_t>(random.below(frames + length - 1));
+    return Loss::Stretch{.sensor = sensor, .begin = end > length ? end - length : 0, .end = end};
+  };
+  for (std::size_t sensor = 0; sensor < n; ++sensor)
+    if (random.chance(recipe_.stretch_loss)) loss.away.push_back(draw(sensor));
+  if (!random.chance(recipe_.stretch_loss)) return;
+  Loss::Stretch all = draw(0);
+  for (; all.sensor < n; ++all.sensor) loss.away.push_back(all);
+}
+
+void BatchMaker::draw_held(Random& random, Loss& loss) const {
+  constexpr double kMostShare = 0.4;
+  constexpr std::uint64_t kLongest = 6;  // Frames: a tenth of a second, after which a sensor is missing.
+  const std::size_t frames = recipe_.architecture.window, n = layout_.sensors.size();
+  const double share = random.uniform(0, kMostShare);
+  loss.held.resize(frames * n);
+  for (std::size_t sensor = 0; sensor < n; ++sensor)
+    for (std::size_t f = 0; f < frames; ++f) {
+      if (!random.chance(share / (static_cast<double>(kLongest) / 2))) continue;
+      for (std::uint64_t left = 1 + random.below(kLongest); left > 0 && f < frames; --left)
+        loss.held[f++ * n + sensor] = 1;
+    }
 }
 
 void BatchMaker::append_window(std::size_t sequence, std::size_t first, const Loss& loss, Random& random,

@@ -62,15 +62,24 @@ class BatchMaker {
 
  private:
   [[nodiscard]] std::size_t places_in(std::size_t sequence) const;
+  /// What is missing in one window, though the data have it.
   struct Loss {
-    std::vector<std::uint8_t> sensor;
-    bool acceleration = false;
+    /// A sensor is not there in frames [begin, end).
+    struct Stretch {
+      std::size_t sensor, begin, end;
+    };
+    std::vector<std::uint8_t> sensor;  ///< Not there at all; empty: none.
+    bool acceleration = false;         ///< None is there.
+    std::vector<Stretch> away;
+    std::vector<std::uint8_t> held;  ///< frames x sensors: the reading is the last frame's; empty: none.
   };
   void encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
                    Random& random, std::span<float> out) const;
   void append_window(std::size_t sequence, std::size_t first, const Loss& loss, Random& random,
                      Batch& batch) const;
   [[nodiscard]] Loss draw_loss(Random& random) const;
+  void draw_stretches(Random& random, Loss& loss) const;
+  void draw_held(Random& random, Loss& loss) const;
 
   const study::Dataset& dataset_;
   const Recipe& recipe_;

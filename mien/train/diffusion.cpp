@@ -41,6 +41,10 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
   const torch::Tensor difference = predicted - batch.clean;
   const torch::Tensor error = recipe.loss == LossKind::l1 ? difference.abs() : difference.square();
+  if (recipe.difference_weight > 0) {
+    const torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
+    return error.mean() + recipe.difference_weight * change.square().mean();
+  }
   if (recipe.t_weight == 0) return error.mean();
   const torch::Tensor weight =
       ((batch.level.to(torch::kFloat) + 1) / static_cast<double>(recipe.schedule.levels))
@@ -52,6 +56,14 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
                          const NoiseMixer& mixer, const torch::Device& device) {
   const at::NoGradGuard no_gradients;
   DeviceBatch all = to_device(windows, recipe, device);
+  if (recipe.architecture.kind == model::NetworkKind::causal) {
+    const torch::Tensor error = predict_causal(recipe.architecture, parameters, all.condition,
+                                               {.dropout = 0, .bf16 = recipe.bf16})
+                                    .clamp(-1, 1) -
+                                all.clean;
+    // Half the distance in [-1, 1] is the distance of weights.
+    return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};
+  }
   // Noise from our own generator: a device's would differ from another's.
   Random random(kValidationSeed);
   std::vector<float> values(windows.clean.size());

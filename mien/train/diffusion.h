@@ -28,14 +28,14 @@ class NoiseMixer {
 };
 
 /// The training loss: mean error of the clean windows, weighted by noise level where the recipe says
-/// so.
+/// so; of a causal network's with that of the changes from frame to frame, where the recipe says so.
 [[nodiscard]] torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted,
                                     const DeviceBatch& batch);
 
 /// How well weights predict performers that they were not trained on.
 struct ValidationScore {
-  double loss = 0;  ///< Mean absolute error in [-1, 1] over a few noise levels.
-  double mse = 0;   ///< Squared error of weights in [0, 1], asked once from pure noise.
+  double loss = 0;  ///< Mean absolute error in [-1, 1]; a window network's over a few noise levels.
+  double mse = 0;   ///< Squared error of weights in [0, 1]; a window network is asked once from pure noise.
 
   [[nodiscard]] double by(Score score) const { return score == Score::mse ? mse : loss; }
 };

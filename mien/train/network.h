@@ -30,6 +30,12 @@ struct Pass {
   bool bf16 = false;  ///< Products in bf16 with fp32 sums: more than twice as fast where the CPU has it.
 };
 
+/// What a causal network answers: the same function as model::CausalNetwork from a fresh state on, frame by
+/// frame. Shapes: condition [sequences, frames, condition], result [sequences, frames, outputs] in fp32.
+[[nodiscard]] torch::Tensor predict_causal(const model::Architecture& architecture,
+                                           const Parameters& parameters, const torch::Tensor& condition,
+                                           const Pass& pass);
+
 /// The clean windows that the network sees in noisy ones, differentiable: the same function as
 /// model::Denoiser. Shapes: noisy [windows, frames, outputs], condition [windows, frames, condition], level
 /// [windows] (whole numbers), result [windows, frames, outputs] in fp32.

@@ -4,12 +4,45 @@
 #include <cmath>
 
 #include "mien/core/random.h"
+#include "mien/model/causal_network.h"
 #include "mien/model/denoiser.h"
 #include "mien/train/network.h"
 
 namespace mien::train {
+namespace {
+
+Result<Parity> measure_causal(const model::ModelFile& model) {
+  const model::Architecture& a = model.architecture;
+  MIEN_TRY_ASSIGN(const model::CausalNetwork network, model::CausalNetwork::create(a, model.network));
+  const Parameters parameters = from_tensors(model.network, torch::kCPU);
+  model::CausalNetwork::State state(network);
+  const at::NoGradGuard no_gradients;
+  Random random(1);
+  Parity parity;
+  std::vector<float> condition(a.window * a.condition), answer(a.outputs);
+  for (float& v : condition) v = static_cast<float>(random.normal());
+  const torch::Tensor expected =
+      predict_causal(
+          a, parameters,
+          torch::tensor(condition)
+              .view({1, static_cast<std::int64_t>(a.window), static_cast<std::int64_t>(a.condition)}),
+          {})
+          .contiguous();
+  const auto* data = expected.data_ptr<float>();
+  for (std::size_t f = 0; f < a.window; ++f) {
+    network.step(std::span(condition).subspan(f * a.condition, a.condition), state, answer);
+    for (std::size_t i = 0; i < a.outputs; ++i)
+      parity.largest_difference =
+          std::max(parity.largest_difference, std::abs(double{answer[i]} - double{data[f * a.outputs + i]}));
+    ++parity.calls;
+  }
+  return parity;
+}
+
+}  // namespace
 
 Result<Parity> measure_parity(const model::ModelFile& model) {
+  if (model.architecture.kind == model::NetworkKind::causal) return measure_causal(model);
   const model::Architecture& a = model.architecture;
   MIEN_TRY_ASSIGN(const model::Denoiser denoiser, model::Denoiser::create(a, model.network));
   const Parameters parameters = from_tensors(model.network, torch::kCPU);

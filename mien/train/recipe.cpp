@@ -114,18 +114,22 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   MIEN_TRY(top.finish());
 
   Section n(network, "network.", where);
-  const std::string name = n.choice("architecture", {"light", "faithful"}).value_or("light");
-  MIEN_TRY_ASSIGN(r.architecture, model::named_architecture(name == "faithful" ? name : "light", 1));
+  const std::string name = n.choice("architecture", {"light", "faithful", "causal"}).value_or("light");
+  const bool known = name == "faithful" || name == "causal";  // The choice reports another in finish().
+  MIEN_TRY_ASSIGN(r.architecture, model::named_architecture(known ? name : "light", 1));
+  const bool causal = r.architecture.kind == model::NetworkKind::causal;
   r.presence_flags = name != "faithful";
   n.whole("layers", r.architecture.layers, 1, 32);
   n.whole("d_model", r.architecture.d_model, 32, 4096);
-  n.whole("heads", r.architecture.heads, 1, 64);
-  n.whole("d_head", r.architecture.d_head, 32, 1024);
-  n.whole("ffn", r.architecture.ffn, 32, 16384);
+  if (!causal) {
+    n.whole("heads", r.architecture.heads, 1, 64);
+    n.whole("d_head", r.architecture.d_head, 32, 1024);
+    n.whole("ffn", r.architecture.ffn, 32, 16384);
+    n.flag("near_first", r.near_first);
+  }
   n.whole("window", r.architecture.window, 2, 1024);
   n.flag("presence_flags", r.presence_flags);
   n.number("dropout", r.dropout, 0, 0.9);
-  n.flag("near_first", r.near_first);
   MIEN_TRY(n.finish());
   if (const auto ok = model::check(r.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
 
@@ -139,6 +143,7 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   o.whole("ema_every", r.ema_every, 1, 100000);
   if (const auto precision = o.choice("precision", {"bf16", "fp32"})) r.bf16 = *precision == "bf16";
   if (const auto loss = o.choice("loss", {"l1", "l2"})) r.loss = *loss == "l1" ? LossKind::l1 : LossKind::l2;
+  if (causal) o.number("difference_weight", r.difference_weight, 0, 1e6);
   MIEN_TRY(o.finish());
 
   Section s(noise, "noise.", where);
@@ -156,6 +161,8 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   a.number("sensor_loss", r.sensor_loss, 0, 1);
   a.number("many_lost", r.many_lost, 0, 1);
   a.number("acceleration_loss", r.acceleration_loss, 0, 1);
+  a.number("stretch_loss", r.stretch_loss, 0, 1);
+  a.number("held_readings", r.held_readings, 0, 1);
   MIEN_TRY(a.finish());
 
   Section v(validation, "validation.", where);

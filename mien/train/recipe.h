@@ -49,6 +49,9 @@ struct Recipe {
   std::size_t ema_every = 1;        ///< Steps between averagings.
   bool bf16 = true;                 ///< Products in bf16.
   LossKind loss = LossKind::l1;
+  /// Causal networks: weight of the error of the change from frame to frame, which keeps an answer as calm as
+  /// the truth is. Changes are small, so weights of 1 to 100 make sense.
+  double difference_weight = 0;
 
   // [noise]
   model::ScheduleSettings schedule;
@@ -61,6 +64,12 @@ struct Recipe {
   double sensor_loss = 0.05;                    ///< Chance of each sensor to be missing through a window.
   double many_lost = 0.05;  ///< Chance of a window to lose each sensor with a chance drawn from 0 to 0.9.
   double acceleration_loss = 0.1;  ///< Chance of a window to lose every acceleration.
+  /// Chance of each sensor to be away for a stretch of the window, and of all of them to be away together
+  /// for one.
+  double stretch_loss = 0;
+  /// Chance of a window whose readings stand still now and then, as they do where packets are lost: each
+  /// sensor for a few frames, as often as a share drawn from 0 to 0.4 says.
+  double held_readings = 0;
 
   // [validation]
   std::size_t windows = 256;    ///< Windows looked at each time.

@@ -105,9 +105,14 @@ double take_step(const Recipe& recipe, const torch::Device& device, const NoiseM
   // Noise and dropout start anew from the step's number, so nothing needs to be remembered across a restart.
   torch::manual_seed(Random(recipe.seed).fork("step", static_cast<std::uint64_t>(step)).bits());
   const DeviceBatch windows = to_device(batch, recipe, device);
-  const torch::Tensor noisy = mixer.mix(windows, torch::randn_like(windows.clean));
-  const torch::Tensor predicted = predict(recipe.architecture, weights, noisy, windows.condition,
-                                          windows.level, {.dropout = recipe.dropout, .bf16 = recipe.bf16});
+  const Pass pass{.dropout = recipe.dropout, .bf16 = recipe.bf16};
+  torch::Tensor predicted;
+  if (recipe.architecture.kind == model::NetworkKind::causal) {
+    predicted = predict_causal(recipe.architecture, weights, windows.condition, pass);
+  } else {
+    const torch::Tensor noisy = mixer.mix(windows, torch::randn_like(windows.clean));
+    predicted = predict(recipe.architecture, weights, noisy, windows.condition, windows.level, pass);
+  }
   const torch::Tensor loss = loss_of(recipe, predicted, windows);
   loss.backward();
   adam.step(weights, rate, recipe.clip_norm);
@@ -341,14 +346,14 @@ class Training {
       for (const study::Sequence& s : dataset.sequences) sum += s.frames;
       return sum;
     };
-    return {{"validation",
+    Json results = {
+            {"validation",
              {{"hash", validation_hash_},
               {"score", state_.best_score},
               {"loss", score.loss},
               {"mse", score.mse},
               {"frames", frames(validation_)},
               {"profiles", profiles}}},
-            {"samplers", samplers},
             {"training",
              {{"steps", state_.step},
               {"best_step", state_.best_step},
@@ -357,6 +362,11 @@ class Training {
               {"seconds", std::round(state_.seconds)},
               {"device", options_.device},
               {"parameters", model::parameter_count(recipe_.architecture)}}}};
+    if (assessment.causal)
+      results["causal"] = {{"mse", assessment.causal->mse}, {"jitter_ratio", assessment.causal->jitter_ratio}};
+    else
+      results["samplers"] = samplers;
+    return results;
   }
 
   Recipe recipe_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mien/face/anchors.h"
 #include "mien/virtual/blink.h"
 #include "mien/virtual/expression_range.h"
 #include "mien/virtual/head_motion.h"
@@ -28,30 +29,22 @@ constexpr double kAnchor_s = 2.4;
 constexpr double kRangePrompt_s = 2.0;
 constexpr double kDegree = std::numbers::pi / 180;
 
-Prompt make_prompt(std::string name, const Pose& pose, bool anchor, double begin_s, double end_s) {
-  Prompt prompt{.name = std::move(name), .anchor = anchor, .begin_s = begin_s, .end_s = end_s, .target = {}};
-  for (const PosePart& part : pose) prompt.target[part.shape] = std::min(1.0F, part.weight);
-  return prompt;
-}
-
 struct NamedPose {
   std::string_view name;
-  Pose pose;
+  face::BlendshapeWeights target;
 };
 
-/// Few expressions that between them move every sensor: what a guided calibration asks for first.
+face::BlendshapeWeights target_of(const Pose& pose) {
+  face::BlendshapeWeights target;
+  for (const PosePart& part : pose) target[part.shape] = std::min(1.0F, part.weight);
+  return target;
+}
+
+/// What a guided calibration asks for first.
 std::vector<NamedPose> anchor_poses() {
-  return {{"smile", pose_of({{"mouthSmile", 1}})},
-          {"brows_up", pose_of({{"browInnerUp", 1}, {"browOuterUp", 1}})},
-          {"brows_down", pose_of({{"browDown", 1}})},
-          {"eyes_shut", pose_of({{"eyeBlink", 1}, {"eyeSquint", 0.5F}})},
-          {"cheek_puff", pose_of({{"cheekPuff", 1}})},
-          {"jaw_open", pose_of({{"jawOpen", 1}})},
-          {"pucker", pose_of({{"mouthPucker", 1}})},
-          {"sneer", pose_of({{"noseSneer", 1}})},
-          {"frown", pose_of({{"mouthFrown", 1}})},
-          {"mouth_left", pose_of({{"mouthLeft", 1}})},
-          {"mouth_right", pose_of({{"mouthRight", 1}})}};
+  std::vector<NamedPose> poses;
+  for (const face::Anchor& anchor : face::anchors()) poses.push_back({anchor.name, anchor.target});
+  return poses;
 }
 
 /// A minute of prompts: every shape that can be asked for, sides together and each alone where a minute has
@@ -64,11 +57,11 @@ std::vector<NamedPose> range_poses() {
       "jawLeft",     "jawRight",    "jawForward",     "mouthSmile",      "mouthSmile_L", "mouthSmile_R",
       "mouthFrown",  "mouthPucker", "mouthFunnel",    "mouthLeft",       "mouthRight",   "mouthStretch",
       "mouthDimple", "mouthPress",  "mouthRollLower", "mouthShrugLower", "mouthUpperUp", "mouthLowerDown"};
-  for (const std::string_view stem : kStems) poses.push_back({stem, pose_of({{stem, 1}})});
+  for (const std::string_view stem : kStems) poses.push_back({stem, target_of(pose_of({{stem, 1}}))});
   // Rolled lips roll together.
   for (NamedPose& named : poses)
     if (named.name == "mouthRollLower")
-      named = {"mouthRoll", pose_of({{"mouthRollLower", 1}, {"mouthRollUpper", 1}})};
+      named = {"mouthRoll", target_of(pose_of({{"mouthRollLower", 1}, {"mouthRollUpper", 1}}))};
   return poses;
 }
 
@@ -122,8 +115,11 @@ class Prologue {
     const double begin_s = now_s_;
     for (const NamedPose& named : poses) {
       const Interval interval = stretch(each_s);
-      prompts.push_back(
-          make_prompt(std::string(named.name), named.pose, anchor, interval.begin_s, interval.end_s));
+      prompts.push_back({.name = std::string(named.name),
+                         .anchor = anchor,
+                         .begin_s = interval.begin_s,
+                         .end_s = interval.end_s,
+                         .target = named.target});
     }
     // The last prompt too is answered late, and the face comes back to neutral.
     if (!anchor) stretch(1.0);

@@ -183,6 +183,8 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
                   {{"evaluate", "@kept.mien", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
                   {{"solve", "@kept.mien", "--model", "@tiny.safetensors", "--out", "@new.txt"}, "new.txt"},
                   {{"solve", "@kept.mien", "--steps", "0"}, "--steps"},
+                  {{"solve", "@kept.mien", "--live", "--model", "@tiny.safetensors"}, "--model"},
+                  {{"evaluate", "@kept.mien", "--live", "--steps", "4"}, "--steps"},
                   {{"face", "--face", "nobody"}, "nobody"},
                   {{"face", "export", "--out", "@new.txt"}, "new.txt"},
                   {{"export", "--motion", "@garbage.csv", "--out", "@new.glb"}, "garbage.csv"},

@@ -23,6 +23,7 @@ class MainJob : public ::testing::Test {
           face::format_livelink_csv(face::livelink_from_motion(virt::test::talking(90, false))));
     ASSERT_TRUE(model::write_model(folder_ / "tiny.safetensors",
                                    tracker::test::tiny_model({"mentalis", "buccinator_L"})));
+    ASSERT_TRUE(model::write_model(causal_, tracker::test::tiny_causal_model({"mentalis", "buccinator_L"})));
     ASSERT_TRUE(model::write_model(folder_ / "strangers.safetensors",
                                    tracker::test::tiny_model({"frontalis_L", "frontalis_R"})));
   }
@@ -52,7 +53,7 @@ class MainJob : public ::testing::Test {
   }
 
   Folder folder_;
-  std::string model_ = folder_ / "tiny.safetensors";
+  std::string model_ = folder_ / "tiny.safetensors", causal_ = folder_ / "causal.safetensors";
 };
 
 TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
@@ -128,6 +129,33 @@ TEST_F(MainJob, PeopleReadItToo) {
   done = run({"evaluate", take, "--model", model_});
   EXPECT_EQ(done.status, 0) << done.err;
   for (const char* row : {"model", "ridge", "hold last", "mean pose"}) EXPECT_THAT(done.out, HasSubstr(row));
+}
+
+TEST_F(MainJob, ACausalModelIsAskedFrameByFrame) {
+  json_of(perform("a.mien"));
+  const std::string take = folder_ / "a.mien";
+  const auto solved = json_of({"solve", take, "--model", causal_});
+  EXPECT_EQ(json_of({"solve", take, "--model", causal_, "--from-log"})["hash"], solved["hash"]);
+  const auto evaluated = json_of({"evaluate", take, "--model", causal_, "--report", folder_ / "a.html"});
+  EXPECT_TRUE(evaluated["steps"].is_null());
+  EXPECT_GT(evaluated["model"]["mse"].get<double>(), 0);
+  EXPECT_TRUE(evaluated["baselines"]["ridge"].is_object());
+  EXPECT_THAT(content(folder_ / "a.html"), HasSubstr("frame by frame"));
+  const Outcome stepped = run({"solve", take, "--model", causal_, "--steps", "3"});
+  EXPECT_EQ(stepped.status, 2);
+  EXPECT_THAT(stepped.err, HasSubstr("without denoising steps"));
+}
+
+TEST_F(MainJob, TheLiveModelStandsWithTheProgram) {
+  json_of({"perform", "--motion", folder_ / "talking.csv", "--devices", "lab", "--take", folder_ / "a.mien"});
+  const std::string take = folder_ / "a.mien";
+  const auto evaluated = json_of({"evaluate", take, "--live"});
+  EXPECT_THAT(evaluated["model_file"].get<std::string>(), ::testing::EndsWith("models/live.safetensors"));
+  EXPECT_TRUE(evaluated["steps"].is_null());
+  // It was trained for this rig, so it beats not looking.
+  EXPECT_LT(evaluated["model"]["mse"].get<double>(),
+            evaluated["baselines"]["mean_pose"]["mse"].get<double>());
+  EXPECT_EQ(json_of({"solve", take, "--live"})["hash"], json_of({"solve", take, "--live"})["hash"]);
 }
 
 TEST_F(MainJob, ReplacesATakeOnlyWhenToldTo) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "mien/core/random.h"
@@ -168,12 +169,10 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
   return out;
 }
 
-/// Plays a recording through tick rule and pipeline; `seen(true time, frame, pipeline)` once a frame.
+/// Plays a recording through tick rule and pipeline, which is told of no calibration step;
+/// `seen(true time, frame, pipeline)` once a frame.
 template <class Seen>
-void play(const Recording& recording, const Script& script, Pipeline& pipeline, Seen&& seen) {
-  pipeline.mark(Phase::neutral, recording.ear_time(0.05), recording.ear_time(3.0));
-  pipeline.mark(Phase::nod, recording.ear_time(script.nod_begin), recording.ear_time(script.nod_end));
-  pipeline.mark(Phase::shake, recording.ear_time(script.shake_begin), recording.ear_time(script.shake_end));
+void play_unmarked(const Recording& recording, Pipeline& pipeline, Seen&& seen) {
   sensor::TickRule ticks(recording.rig);
   model::FeatureFrame frame;
   const auto fire = [&](HostTime now) {
@@ -190,6 +189,15 @@ void play(const Recording& recording, const Script& script, Pipeline& pipeline, 
     }
     fire(entry.arrival);
   }
+}
+
+/// The same with the script's steps marked.
+template <class Seen>
+void play(const Recording& recording, const Script& script, Pipeline& pipeline, Seen&& seen) {
+  pipeline.mark(Phase::neutral, recording.ear_time(0.05), recording.ear_time(3.0));
+  pipeline.mark(Phase::nod, recording.ear_time(script.nod_begin), recording.ear_time(script.nod_end));
+  pipeline.mark(Phase::shake, recording.ear_time(script.shake_begin), recording.ear_time(script.shake_end));
+  play_unmarked(recording, pipeline, std::forward<Seen>(seen));
 }
 
 inline Quat rotation_of(const model::SensorFeature& feature) {

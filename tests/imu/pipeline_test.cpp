@@ -219,25 +219,6 @@ TEST(Pipeline, LostSensorsAreMissingAndTheOthersAreNot) {
   EXPECT_GT(pipeline.status(3).lost, 200u);
 }
 
-TEST(Pipeline, ABoardThatBeganAnewWaitsForACalibration) {
-  Script script;
-  script.end = 14;
-  Recording recording = record(script, Faults{}, 2, 27, still_skin);
-  for (Entry& entry : recording.entries)
-    if (entry.samples[0].sensor == 0 && to_seconds(entry.arrival.time_since_epoch()) > 12)
-      for (sensor::Sample& sample : entry.samples) sample.time -= std::chrono::seconds(11);
-  Pipeline pipeline(recording.rig);
-  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
-    if (t > 11 && t < 11.9) {
-      EXPECT_TRUE(frame.sensors[0].has_rotation);
-    }
-    if (t > 12.2) {
-      EXPECT_FALSE(frame.sensors[0].has_rotation);
-      EXPECT_TRUE(frame.sensors[1].has_rotation);
-    }
-  });
-}
-
 TEST(Pipeline, NodesThatFuseEnterAfterTheFusion) {
   // Perfect fusions, each with a heading of its own, forty degrees apart.
   Script script;

@@ -119,6 +119,25 @@ TEST_P(Kernels, LayerNormalisation) {
   }
 }
 
+TEST_P(Kernels, Gates) {
+  const std::size_t width = 96;
+  auto from_input = numbers(3 * width, 11), from_state = numbers(3 * width, 12);
+  for (std::size_t i = 0; i < width; i += 7) from_input[i] *= 300;              // Gates that are quite open
+  for (std::size_t i = width; i < 2 * width; i += 5) from_state[i] *= 300;      // or quite shut,
+  for (std::size_t i = 2 * width; i < 3 * width; i += 3) from_input[i] *= 300;  // and tanh at its ends.
+  const auto before = numbers(width, 13);
+  auto state = aligned(before);
+  apply_gates(width, aligned(from_input).data(), aligned(from_state).data(), state.data());
+  const auto sigmoid = [](double x) { return 1 / (1 + std::exp(-x)); };
+  for (std::size_t i = 0; i < width; ++i) {
+    const auto input = [&](std::size_t part) { return double{from_input[part * width + i]}; };
+    const auto carried = [&](std::size_t part) { return double{from_state[part * width + i]}; };
+    const double r = sigmoid(input(0) + carried(0)), z = sigmoid(input(1) + carried(1));
+    const double n = std::tanh(input(2) + r * carried(2));
+    ASSERT_NEAR(state[i], (1 - z) * n + z * double{before[i]}, 1e-6) << i;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(available_kernels()),
                          [](const auto& variant) { return std::string(variant.param); });
 

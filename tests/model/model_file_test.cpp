@@ -31,6 +31,32 @@ TEST(ModelFile, RoundTripsWhole) {
   EXPECT_EQ(back->ridge_for("device"), nullptr);
 }
 
+TEST(ModelFile, ACausalOneRoundTripsWithoutASampler) {
+  const ModelFile model = small_causal_model();
+  const auto bytes = format_model(model);
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  const auto back = parse_model(*bytes, "test");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->architecture, model.architecture);
+  EXPECT_EQ(back->architecture.kind, NetworkKind::causal);
+  EXPECT_EQ(back->network, model.network);
+  EXPECT_EQ(*format_model(*back), *bytes);
+  const TensorFile file = *parse_safetensors(*bytes, "test");
+  EXPECT_FALSE(file.metadata.contains("sampler"));
+  EXPECT_FALSE(file.metadata.contains("schedule"));
+}
+
+TEST(ModelFile, FilesThatNameNoKindAreWindowNetworks) {
+  TensorFile file = *parse_safetensors(*format_model(small_model()), "test");
+  std::string& architecture = file.metadata["architecture"];
+  const std::string kind = R"("kind":"window",)";
+  ASSERT_NE(architecture.find(kind), std::string::npos);
+  architecture.erase(architecture.find(kind), kind.size());
+  const auto model = parse_model(write_safetensors(file), "test");
+  ASSERT_TRUE(model) << model.error().message();
+  EXPECT_EQ(model->architecture, small_model().architecture);
+}
+
 /// Each change alone must be refused, by the writer and, where the bytes can be made at all, by the reader.
 TEST(ModelFile, RefusesModelsThatDoNotHoldTogether) {
   const auto refused = [](const char* what, auto&& change) {
@@ -55,6 +81,21 @@ TEST(ModelFile, RefusesModelsThatDoNotHoldTogether) {
   refused("tensor shape", [](ModelFile& m) { std::swap(m.network[0].shape[0], m.network[0].shape[1]); });
 }
 
+TEST(ModelFile, RefusesCausalModelsThatDoNotHoldTogether) {
+  const auto refused = [](const char* what, auto&& change) {
+    ModelFile model = small_causal_model();
+    change(model);
+    EXPECT_FALSE(format_model(model)) << what;
+  };
+  refused("width", [](ModelFile& m) { m.architecture.d_model = 48; });
+  refused("heads", [](ModelFile& m) { m.architecture.heads = 1; });
+  refused("feed-forward", [](ModelFile& m) { m.architecture.ffn = 32; });
+  refused("layers", [](ModelFile& m) { m.architecture.layers = 2; });
+  refused("kind", [](ModelFile& m) { m.architecture.kind = NetworkKind::window; });
+  refused("tensor missing", [](ModelFile& m) { m.network.pop_back(); });
+  refused("a window network's", [](ModelFile& m) { m.network = small_model().network; });
+}
+
 TEST(ModelFile, RefusesWrongDescriptions) {
   const auto bytes = format_model(small_model());
   ASSERT_TRUE(bytes);
@@ -74,6 +115,16 @@ TEST(ModelFile, RefusesWrongDescriptions) {
       "architecture",
       R"({"name":"x","layers":-1,"d_model":32,"heads":1,"d_head":32,"ffn":32,"window":8,"condition":18,"outputs":3})",
       ErrorCode::out_of_range);
+  refused("architecture", R"({"name":"x","kind":"oracle"})", ErrorCode::unsupported);
+  refused("architecture", R"({"name":"x","kind":3})", ErrorCode::malformed);
+  refused(
+      "architecture",
+      R"({"name":"x","kind":"causal","layers":1,"d_model":32,"heads":0,"d_head":0,"ffn":-1,"window":8,"condition":18,"outputs":3})",
+      ErrorCode::out_of_range);
+  refused(
+      "architecture",
+      R"({"name":"x","kind":"causal","layers":1,"d_model":32,"heads":0,"d_head":0,"ffn":0,"window":8,"condition":18,"outputs":3})",
+      ErrorCode::mismatch);
   refused("features", R"({"sensors":[1,2],"presence_flags":true})", ErrorCode::malformed);
   refused("sampler", R"({"kind":"ddim","hold":"clean","steps":0,"seed":1})", ErrorCode::out_of_range);
   refused("ridge", R"([{"profile":"device","penalty":1,"validation_mse":1}])", ErrorCode::mismatch);
@@ -94,6 +145,9 @@ TEST(Architecture, TheNamedOnesHaveTheirPublishedSize) {
   const auto light = named_architecture("light", 77);
   ASSERT_TRUE(light);
   EXPECT_NEAR(static_cast<double>(parameter_count(*light)), 3.289e6, 0.005e6);
+  const auto causal = named_architecture("causal", 99);
+  ASSERT_TRUE(causal);
+  EXPECT_TRUE(check(*causal));
   EXPECT_FALSE(named_architecture("heavy", 77));
 }
 

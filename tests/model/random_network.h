@@ -57,4 +57,17 @@ inline ModelFile small_model(std::uint64_t seed = 1) {
   return model;
 }
 
+/// The same around a causal network.
+inline ModelFile small_causal_model(std::uint64_t seed = 1) {
+  ModelFile model = small_model();
+  model.architecture = *named_architecture("causal", model.features.width());
+  model.architecture.layers = 1;
+  model.architecture.d_model = 32;
+  model.architecture.outputs = 3;
+  model.schedule = {};
+  model.sampler = {};
+  model.network = random_network(model.architecture, seed);
+  return model;
+}
+
 }  // namespace mien::model

@@ -37,6 +37,34 @@ TEST(Solve, FromTheLogItIsTheSameToTheBit) {
   }
 }
 
+TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
+  const test::Folder folder;
+  for (const auto& [devices, session] :
+       {std::pair{"device", test::device_session()}, std::pair{"lab", test::lab_session()}}) {
+    const take::Take take = test::stored(session, folder / devices, devices);
+    tracker::CausalTracker tracker =
+        tracker::CausalTracker::create(tracker::test::tiny_causal_model({"mentalis", "buccinator_L"}),
+                                       take.rig().face_sensor_names())
+            .value();
+    const Solution samples = solve_take(take, tracker, SolveFrom::samples, no_progress).value();
+    const Solution log = solve_take(take, tracker, SolveFrom::log, no_progress).value();
+    EXPECT_EQ(samples.hash, log.hash) << "from the log, and again: the tracker is as new";
+    EXPECT_EQ(samples.ridge, solve(take).value().ridge) << "the window model's baseline of the same matrix";
+    EXPECT_EQ(samples.felt, solve(take).value().felt);
+    const auto features = take_features(take, SolveFrom::samples).value();
+    ASSERT_EQ(samples.frames.size(), features.size());
+    face::OutputFrame frame;
+    for (std::size_t f = 0; f < features.size(); ++f) {
+      tracker.step(features[f], frame);
+      EXPECT_EQ(frame.weights, samples.frames[f].weights);
+    }
+    const auto stopped =
+        solve_take(take, tracker, SolveFrom::samples, [](double, std::string_view) { return false; });
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+  }
+}
+
 TEST(Solve, SensorsReachTheAnswer) {
   const test::Folder folder;
   const take::Take take = test::stored(test::device_session(), folder / "a.mien", "device");

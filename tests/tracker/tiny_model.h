@@ -50,4 +50,16 @@ inline model::ModelFile tiny_model(std::vector<std::string> sensors, std::uint64
   return model;
 }
 
+/// The same around a causal network.
+inline model::ModelFile tiny_causal_model(std::vector<std::string> sensors, std::uint64_t seed = 1) {
+  model::ModelFile model = tiny_model(std::move(sensors));
+  model.architecture = *model::named_architecture("causal", model.features.width());
+  model.architecture.layers = 1;
+  model.architecture.d_model = 32;
+  model.schedule = {};
+  model.sampler = {};
+  model.network = model::random_network(model.architecture, seed);
+  return model;
+}
+
 }  // namespace mien::tracker::test

@@ -95,6 +95,59 @@ TEST_F(Batches, LostSensorsSaySo) {
   }
 }
 
+TEST_F(Batches, SensorsGoAndComeBack) {
+  lose_nothing();
+  recipe_.stretch_loss = 0.5;
+  const std::size_t width = layout_.width(), window = recipe_.architecture.window;
+  const Batch batch = maker().random_batch(200, Random(1));
+  std::size_t gone_at_first = 0, gone_at_last = 0, changes = 0, both_gone = 0;
+  for (std::size_t w = 0; w < batch.windows; ++w)
+    for (std::size_t f = 0; f < window; ++f) {
+      const float* frame = batch.condition.data() + (w * window + f) * width;
+      for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        const bool gone = frame[14 + sensor] == 0;
+        if (gone) {
+          for (std::size_t v = 0; v < 7; ++v) ASSERT_EQ(frame[7 * sensor + v], 0.0F) << "and says nothing";
+          ASSERT_EQ(frame[16 + sensor], 0.0F);
+        }
+        gone_at_first += gone && f == 0;
+        gone_at_last += gone && f == window - 1;
+        changes +=
+            f > 0 &&
+            gone !=
+                (frame[static_cast<std::ptrdiff_t>(14 + sensor) - static_cast<std::ptrdiff_t>(width)] == 0);
+      }
+      both_gone += frame[14] == 0 && frame[15] == 0;
+    }
+  EXPECT_GT(gone_at_first, 20U);
+  EXPECT_GT(gone_at_last, 20U);
+  EXPECT_GT(changes, 200U);
+  EXPECT_GT(both_gone, 400U);
+}
+
+TEST_F(Batches, ReadingsStandStillForAFewFrames) {
+  lose_nothing();
+  recipe_.held_readings = 1;
+  const std::size_t width = layout_.width(), window = recipe_.architecture.window;
+  const Batch batch = maker().random_batch(200, Random(1));
+  std::size_t held = 0, longest = 0;
+  for (std::size_t w = 0; w < batch.windows; ++w)
+    for (std::size_t sensor = 0; sensor < 2; ++sensor)
+      for (std::size_t f = 1, now = 0; f < window; ++f) {
+        const auto reading =
+            batch.condition.begin() + static_cast<std::ptrdiff_t>((w * window + f) * width + 7 * sensor);
+        const bool still = std::equal(reading, reading + 7, reading - static_cast<std::ptrdiff_t>(width));
+        held += still ? 1 : 0;
+        now = still ? now + 1 : 0;
+        longest = std::max(longest, now);
+        ASSERT_EQ(batch.condition[(w * window + f) * width + 14 + sensor], 1.0F)
+            << "it is there all the same";
+      }
+  const double share = static_cast<double>(held) / static_cast<double>(200 * 2 * (window - 1));
+  EXPECT_NEAR(share, 0.2, 0.05);
+  EXPECT_GE(longest, 6U);
+}
+
 TEST_F(Batches, LevelsCoverTheScheduleAndLeanWhereTold) {
   const auto mean_level = [&] {
     const Batch batch = maker().random_batch(400, Random(1));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mien/core/files.h"
+
 namespace mien::train {
 namespace {
 
@@ -42,17 +44,49 @@ TEST(Recipe, LightIsTheDefault) {
   EXPECT_EQ(r->loss, LossKind::l1) << "as published";
 }
 
+TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
+  const auto r = parse_recipe(
+      "[network]\narchitecture = \"causal\"\nd_model = 128\nwindow = 300\n"
+      "[optimiser]\ndifference_weight = 7\n[augmentation]\nstretch_loss = 0.1\nheld_readings = 0.2\n"
+      "[budget]\nsteps = 1\n",
+      "test");
+  ASSERT_TRUE(r) << r.error().message();
+  EXPECT_EQ(r->architecture.kind, model::NetworkKind::causal);
+  EXPECT_EQ(r->architecture.layers, 2U);
+  EXPECT_EQ(r->architecture.d_model, 128U);
+  EXPECT_EQ(r->architecture.window, 300U);
+  EXPECT_TRUE(r->presence_flags);
+  EXPECT_EQ(r->difference_weight, 7);
+  EXPECT_EQ(r->stretch_loss, 0.1);
+  EXPECT_EQ(r->held_readings, 0.2);
+  EXPECT_TRUE(parse_recipe(*read_text(MIEN_SOURCE_DIR "/models/recipes/live.toml"), "live.toml"));
+}
+
 TEST(Recipe, RefusesEachWrongThingInOneLine) {
   const std::string budget = "[budget]\nsteps = 1\n";
-  for (const std::string& text :
-       {std::string("seed = 1\n"), "sead = 1\n" + budget, budget + "[network]\nlayers = 0\n",
-        budget + "[network]\nd_model = 33\n", budget + "[network]\narchitecture = \"heavy\"\n",
-        budget + "[network]\nlayers = \"four\"\n", budget + "[optimiser]\nbatch = -1\n",
-        budget + "[optimiser]\nlearning_rate = nan\n", budget + "[optimiser]\nprecision = \"fp8\"\n",
-        budget + "[optimiser]\nloss = \"l3\"\n", budget + "[noise]\nbias = 1\n",
-        budget + "[sampler]\nsteps = []\n", budget + "[sampler]\nsteps = [0]\n",
-        budget + "[sampler]\nsteps = [1.5]\n", budget + "[sampler]\nsteps = [2000]\n",
-        "network = 3\n" + budget, std::string("[budget\n"), std::string()}) {
+  for (const std::string& text : {std::string("seed = 1\n"),
+                                  "sead = 1\n" + budget,
+                                  budget + "[network]\nlayers = 0\n",
+                                  budget + "[network]\nd_model = 33\n",
+                                  budget + "[network]\narchitecture = \"heavy\"\n",
+                                  budget + "[network]\nlayers = \"four\"\n",
+                                  budget + "[optimiser]\nbatch = -1\n",
+                                  budget + "[optimiser]\nlearning_rate = nan\n",
+                                  budget + "[optimiser]\nprecision = \"fp8\"\n",
+                                  budget + "[optimiser]\nloss = \"l3\"\n",
+                                  budget + "[noise]\nbias = 1\n",
+                                  budget + "[network]\narchitecture = \"causal\"\nheads = 4\n",
+                                  budget + "[network]\narchitecture = \"causal\"\nnear_first = true\n",
+                                  budget + "[optimiser]\ndifference_weight = 7\n",
+                                  budget + "[augmentation]\nstretch_loss = 2\n",
+                                  budget + "[augmentation]\nheld_readings = -1\n",
+                                  budget + "[sampler]\nsteps = []\n",
+                                  budget + "[sampler]\nsteps = [0]\n",
+                                  budget + "[sampler]\nsteps = [1.5]\n",
+                                  budget + "[sampler]\nsteps = [2000]\n",
+                                  "network = 3\n" + budget,
+                                  std::string("[budget\n"),
+                                  std::string()}) {
     const auto r = parse_recipe(text, "test");
     ASSERT_FALSE(r) << text;
     EXPECT_TRUE(is_bad_input(r.error().code)) << text;

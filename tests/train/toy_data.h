@@ -56,4 +56,15 @@ inline std::string toy_recipe(std::size_t steps, const std::string& more = "") {
          std::to_string(steps) + "\n" + more;
 }
 
+/// The same for a causal network.
+inline std::string toy_causal_recipe(std::size_t steps, const std::string& more = "") {
+  return "seed = 3\n"
+         "[network]\narchitecture = \"causal\"\nlayers = 2\nd_model = 32\nwindow = 40\ndropout = 0\n"
+         "[optimiser]\nlearning_rate = 5e-3\nbatch = 16\nwarm_up_steps = 10\nema = 0.98\nloss = \"l2\"\n"
+         "difference_weight = 2\nprecision = \"fp32\"\n"
+         "[validation]\nwindows = 16\nevery_steps = 10\n"
+         "[budget]\nsteps = " +
+         std::to_string(steps) + "\n" + more;
+}
+
 }  // namespace mien::train

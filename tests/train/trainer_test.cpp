@@ -22,7 +22,11 @@ class Trainer : public testing::Test {
   Result<TrainReport> run(const std::string& name, std::size_t steps, bool resume = false,
                           const Progress& progress = no_progress, const std::string& more = "",
                           bool force = false) const {
-    return train(*parse_recipe(toy_recipe(steps, more), "test"), training_, validation_,
+    return run_recipe(toy_recipe(steps, more), name, resume, progress, force);
+  }
+  Result<TrainReport> run_recipe(const std::string& recipe, const std::string& name, bool resume = false,
+                                 const Progress& progress = no_progress, bool force = false) const {
+    return train(*parse_recipe(recipe, "test"), training_, validation_,
                  {.out = folder_ / name,
                   .resume = resume,
                   .force = force,
@@ -64,6 +68,38 @@ TEST_F(Trainer, LearnsAToyAndLeavesNoSeam) {
   const auto curve = read_text(folder_ / "toy.csv");
   ASSERT_TRUE(curve);
   EXPECT_EQ(std::count(curve->begin(), curve->end(), '\n'), 51);
+}
+
+TEST_F(Trainer, ACausalNetworkLearnsAToy) {
+  const std::string recipe =
+      toy_causal_recipe(300, "[augmentation]\nstretch_loss = 0.05\nheld_readings = 0.2\n");
+  const auto report = run_recipe(recipe, "toy.safetensors");
+  ASSERT_TRUE(report) << report.error().message();
+  const auto model = model::read_model(folder_ / "toy.safetensors");
+  ASSERT_TRUE(model) << model.error().message();
+  EXPECT_EQ(model->architecture.kind, model::NetworkKind::causal);
+  ASSERT_NE(model->ridge_for("device"), nullptr);
+  const auto parity = measure_parity(*model);
+  ASSERT_TRUE(parity);
+  EXPECT_EQ(parity->calls, 40U);
+  EXPECT_LT(parity->largest_difference, kParityLimit);
+
+  const auto results = nlohmann::json::parse(model->results);
+  const double mean_pose = results["validation"]["profiles"]["lab"]["mean_pose_mse"];
+  EXPECT_LT(results["validation"]["mse"].get<double>(), 0.3 * mean_pose);
+  EXPECT_LT(results["causal"]["mse"].get<double>(), 0.3 * mean_pose);
+  EXPECT_GT(results["causal"]["jitter_ratio"].get<double>(), 0);
+  EXPECT_FALSE(results.contains("samplers"));
+}
+
+TEST_F(Trainer, ACausalNetworkResumesToTheSameBits) {
+  ASSERT_TRUE(run_recipe(toy_causal_recipe(30), "straight.safetensors"));
+  std::size_t calls = 0;
+  ASSERT_FALSE(run_recipe(toy_causal_recipe(30), "resumed.safetensors", false,
+                          [&](double, std::string_view) { return ++calls < 13; }));
+  ASSERT_TRUE(run_recipe(toy_causal_recipe(30), "resumed.safetensors", true));
+  EXPECT_EQ(model::read_model(folder_ / "straight.safetensors")->network,
+            model::read_model(folder_ / "resumed.safetensors")->network);
 }
 
 TEST_F(Trainer, StoppedAndResumedEndsWithTheSameBits) {
@@ -153,7 +189,7 @@ TEST_F(Trainer, RefusesWhatCannotBeTrained) {
 }
 
 TEST(Parity, TheRunTimeAgreesWithLibtorch) {
-  for (const char* name : {"light", "faithful"}) {
+  for (const char* name : {"light", "faithful", "causal"}) {
     model::ModelFile model;
     model.architecture = *model::named_architecture(name, 99);
     model.network = model::random_network(model.architecture, 5);

@@ -1,0 +1,35 @@
+# cmake -DFOLDER=... -DOUT=... -P embed_files.cmake: writes a C++ file with every file of the folder as bytes
+# (app/page_files.h declares them). The assembler reads them: a megabyte takes it no time.
+file(GLOB_RECURSE files RELATIVE "${FOLDER}" "${FOLDER}/*")
+list(SORT files)
+set(code "// Made by cmake/embed_files.cmake.\n#include \"app/page_files.h\"\n\n#include <array>\n\n")
+set(externs "")
+set(rows "")
+set(number 0)
+foreach(file IN LISTS files)
+  if(file MATCHES "\\.html$")
+    set(type "text/html; charset=utf-8")
+  elseif(file MATCHES "\\.js$")
+    set(type "text/javascript; charset=utf-8")
+  elseif(file MATCHES "\\.css$")
+    set(type "text/css; charset=utf-8")
+  elseif(file MATCHES "\\.svg$")
+    set(type "image/svg+xml")
+  elseif(file MATCHES "\\.png$")
+    set(type "image/png")
+  elseif(file MATCHES "\\.woff2$")
+    set(type "font/woff2")
+  else()
+    message(FATAL_ERROR "the page has a file of a kind that is not known here: ${file}")
+  endif()
+  string(APPEND code
+         "asm(\".section .rodata\\n\"\n    \".balign 16\\n\"\n    \"mien_page_${number}_begin:\\n\"\n"
+         "    \".incbin \\\"${FOLDER}/${file}\\\"\\n\"\n    \"mien_page_${number}_end:\\n\"\n    \".byte 0\\n\"\n"
+         "    \".global mien_page_${number}_begin\\n\"\n    \".global mien_page_${number}_end\\n\"\n    \".previous\\n\");\n")
+  string(APPEND externs "extern const std::byte mien_page_${number}_begin[];\nextern const std::byte mien_page_${number}_end[];\n")
+  string(APPEND rows "      {\"/${file}\", \"${type}\", {mien_page_${number}_begin, mien_page_${number}_end}},\n")
+  math(EXPR number "${number} + 1")
+endforeach()
+string(APPEND code "extern \"C\" {\n${externs}}\n\nnamespace mien::app {\n\n"
+       "std::vector<live::Asset> page_files() {\n  return {\n${rows}  };\n}\n\n}  // namespace mien::app\n")
+file(WRITE "${OUT}" "${code}")

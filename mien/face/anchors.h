@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "mien/face/profile.h"
+
+namespace mien::face {
+
+/// An expression that a calibration asks for and that a performer can be expected to do: between them they
+/// move every sensor of a face.
+struct Anchor {
+  std::string_view name;    ///< "smile".
+  std::string_view prompt;  ///< "Smile as wide as you can".
+  BlendshapeWeights target;
+};
+
+/// In the order in which they are asked for.
+[[nodiscard]] std::span<const Anchor> anchors();
+
+}  // namespace mien::face

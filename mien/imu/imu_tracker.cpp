@@ -1,0 +1,146 @@
+#include "mien/imu/imu_tracker.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mien::imu {
+namespace {
+
+using tracker::Step;
+
+Phase to_phase(Step step) {
+  switch (step) {
+    case Step::nod:
+      return Phase::nod;
+    case Step::shake:
+      return Phase::shake;
+    case Step::none:
+    case Step::neutral:
+      break;
+  }
+  return Phase::neutral;
+}
+
+Step to_step(Phase phase) {
+  switch (phase) {
+    case Phase::neutral:
+      return Step::neutral;
+    case Phase::nod:
+      return Step::nod;
+    case Phase::shake:
+      return Step::shake;
+  }
+  return Step::none;
+}
+
+}  // namespace
+
+PipelineSettings ImuTracker::watching() {
+  PipelineSettings settings;
+  settings.calibrates_itself = true;
+  return settings;
+}
+
+ImuTracker::ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameModel> model,
+                       const PipelineSettings& settings)
+    : face_(rig.face_sensors()), pipeline_(rig, settings), model_(std::move(model)) {
+  features_.sensors.resize(face_.size());
+}
+
+void ImuTracker::add(HostTime arrival, const sensor::Sample& sample) {
+  pipeline_.add(arrival, sample);
+}
+
+std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
+  pipeline_.tick(frame, features_);
+  if (guided_until_ && frame >= *guided_until_) judge_guidance();
+  const auto felt =
+      static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
+  if (felt == 0 && !pipeline_.calibration().complete) {
+    out = {};
+    out.time = frame;
+    out.provenance.fill(face::Provenance::neutral);
+    return face_.size();  // Nothing is lost: nothing was there yet.
+  }
+  model_->step(features_, out);
+  return felt;
+}
+
+void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
+  if (step == Step::none) return;
+  pipeline_.mark(to_phase(step), begin, end);
+  guided_until_ = guided_until_ ? std::max(*guided_until_, end) : end;
+  hint_ = {};
+}
+
+void ImuTracker::cancel_guidance() {
+  if (!guided_until_) return;
+  pipeline_.cancel_marks();
+  guided_until_.reset();
+}
+
+void ImuTracker::judge_guidance() {
+  guided_until_.reset();
+  const Calibration& made = pipeline_.calibration();
+  const auto failed = [&](std::string_view name) {
+    return std::ranges::any_of(made.scores,
+                               [&](const sensor::Score& score) { return score.name == name && !score.pass; });
+  };
+  if (!made.complete) {
+    hint_ = "the head sensor or the nod was not seen; check the sensor behind the ear and calibrate again";
+  } else if (failed("nod")) {
+    hint_ = "the nod was too small; calibrate again and nod by 15 degrees or more";
+  } else if (failed("nod axis")) {
+    hint_ = "the nod was mixed with other turns; calibrate again and nod straight down and up";
+  } else if (failed("neutral face")) {
+    hint_ = "the face moved while it should hold still; relax it and calibrate again";
+  } else {
+    return;
+  }
+  // A calibration that does not hold together is worse than the one before.
+  pipeline_.cancel_marks();
+}
+
+tracker::CalibrationState ImuTracker::calibration_state() const {
+  tracker::CalibrationState state;
+  const std::optional<Phase> phase = pipeline_.phase();
+  state.step = phase ? to_step(*phase) : Step::none;
+  state.hint = pipeline_.hint().empty() ? hint_ : pipeline_.hint();
+  if (guided_until_)
+    state.phase = tracker::CalibrationState::Phase::guided;
+  else if (pipeline_.calibration().complete)
+    state.phase = tracker::CalibrationState::Phase::done;
+  return state;
+}
+
+std::string ImuTracker::calibration() const {
+  return pipeline_.calibration().complete ? write_calibration(pipeline_.calibration_now()) : std::string();
+}
+
+std::vector<sensor::Score> ImuTracker::scores() const {
+  return pipeline_.calibration().scores;
+}
+
+int ImuTracker::calibration_count() const {
+  return pipeline_.calibration_count();
+}
+
+std::vector<tracker::PerformedStep> ImuTracker::found_steps() const {
+  std::vector<tracker::PerformedStep> steps;
+  for (const FoundPhase& found : pipeline_.found())
+    steps.push_back({to_step(found.phase), found.begin, found.end});
+  return steps;
+}
+
+Result<void> ImuTracker::restore(std::string_view json) {
+  MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
+  return pipeline_.restore(calibration);
+}
+
+std::optional<double> ImuTracker::heading_sigma_rad(std::uint16_t sensor) const {
+  if (std::ranges::find(face_, sensor) == face_.end() || !pipeline_.calibration().complete)
+    return std::nullopt;
+  return pipeline_.status(sensor).heading_sigma_rad;
+}
+
+}  // namespace mien::imu

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+
+#include "mien/imu/pipeline.h"
+#include "mien/tracker/frame_model.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::imu {
+
+/// The skin's IMUs as a tracker: fusion, calibration and removal of the head (Pipeline), then a frame model.
+class ImuTracker final : public tracker::Tracker {
+ public:
+  /// `model` answers for the rig's face sensors, in the rig's order.
+  ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameModel> model,
+             const PipelineSettings& settings = watching());
+  /// The live session's settings: calibrates itself.
+  [[nodiscard]] static PipelineSettings watching();
+
+  [[nodiscard]] std::string_view modality() const override { return "imu"; }
+  void add(HostTime arrival, const sensor::Sample& sample) override;
+  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
+  void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
+  void cancel_guidance() override;
+  [[nodiscard]] tracker::CalibrationState calibration_state() const override;
+  [[nodiscard]] std::string calibration() const override;
+  [[nodiscard]] std::vector<sensor::Score> scores() const override;
+  [[nodiscard]] int calibration_count() const override;
+  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override;
+  [[nodiscard]] Result<void> restore(std::string_view json) override;
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
+
+ private:
+  void judge_guidance();
+
+  std::vector<std::uint16_t> face_;  // Numbers in the rig.
+  Pipeline pipeline_;
+  std::unique_ptr<tracker::FrameModel> model_;
+  model::FeatureFrame features_;
+  std::optional<DeviceTime> guided_until_;
+  std::string_view hint_;
+};
+
+}  // namespace mien::imu

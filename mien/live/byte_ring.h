@@ -1,0 +1,35 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace mien::live {
+
+/// As Ring, of records of any length: one thread writes, one reads. A record that does not fit is refused
+/// whole. No lock, no allocation after construction.
+class ByteRing {
+ public:
+  /// `size` a power of two; a record may have up to a quarter of it.
+  explicit ByteRing(std::size_t size);
+
+  /// Room for a record of `size` bytes, or an empty span when there is none now; publish() hands it over.
+  [[nodiscard]] std::span<std::byte> claim(std::size_t size);
+  void publish();
+
+  /// The oldest record, empty when there is none; it stays valid until release().
+  [[nodiscard]] std::span<const std::byte> front();
+  void release();
+
+ private:
+  static constexpr std::uint32_t kSkip = 0xFFFFFFFF;  // The rest of the ring is left out.
+  std::unique_ptr<std::byte[]> bytes_;
+  std::size_t size_;
+  std::size_t claimed_ = 0;  // Bytes that publish() hands over.
+  alignas(64) std::atomic<std::size_t> written_ = 0;
+  alignas(64) std::atomic<std::size_t> read_ = 0;
+};
+
+}  // namespace mien::live

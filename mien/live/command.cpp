@@ -1,0 +1,107 @@
+#include "mien/live/command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+namespace mien::live {
+namespace {
+
+using nlohmann::json;
+
+const char* const kWhere = "command";
+
+Result<std::string> text_of(const json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_string())
+    return fail(ErrorCode::malformed, fmt::format("\"{}\" is missing or no text", key), kWhere,
+                "docs/page_protocol.md lists the fields");
+  return found->get<std::string>();
+}
+
+/// The keys of `object` that are among `names`, as JSON of their own.
+std::string part_of(const json& object, std::initializer_list<const char*> names) {
+  json part = json::object();
+  for (const char* name : names)
+    if (object.contains(name)) part[name] = object[name];
+  return part.dump();
+}
+
+struct Writer {
+  json operator()(const Calibrate& c) const {
+    return {{"command", "calibrate"}, {"kind", c.full ? "full" : "short"}};
+  }
+  json operator()(const CancelCalibration&) const { return {{"command", "cancel_calibration"}}; }
+  json operator()(const UseCalibration& c) const {
+    return {{"command", "use_calibration"}, {"version", c.version}};
+  }
+  json operator()(const RestoreCalibration& c) const {
+    return {{"command", "restore_calibration"}, {"calibration", c.json}};
+  }
+  json operator()(const Recentre&) const { return {{"command", "recentre"}}; }
+  json operator()(const Bind& c) const {
+    return {{"command", "bind"}, {"sensor", c.sensor}, {"device", sensor::format_device(c.device)}};
+  }
+  json operator()(const Tap& c) const { return {{"command", "tap"}, {"sensor", c.sensor}}; }
+  json operator()(const Shape& c) const {
+    json out = json::parse(c.json);
+    out["command"] = "shape";
+    return out;
+  }
+};
+
+}  // namespace
+
+bool is_session_command(std::string_view name) {
+  static constexpr std::array<std::string_view, 8> kNames = {
+      "calibrate", "cancel_calibration", "use_calibration", "restore_calibration", "recentre", "bind", "tap",
+      "shape"};
+  return std::ranges::find(kNames, name) != kNames.end();
+}
+
+Result<Command> parse_command(std::string_view text) {
+  if (text.size() > kMaxCommandBytes) return fail(ErrorCode::out_of_range, "a command too long", kWhere);
+  const json object = json::parse(text, nullptr, false);
+  if (!object.is_object()) return fail(ErrorCode::malformed, "not a JSON object", kWhere);
+  MIEN_TRY_ASSIGN(const std::string name, text_of(object, "command"));
+  if (name == "calibrate") {
+    MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
+    if (kind != "short" && kind != "full")
+      return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", kind), kWhere,
+                  "short or full");
+    return Calibrate{kind == "full"};
+  }
+  if (name == "cancel_calibration") return CancelCalibration{};
+  if (name == "use_calibration") {
+    const auto version = object.find("version");
+    if (version == object.end() || !version->is_number_integer())
+      return fail(ErrorCode::malformed, "\"version\" is missing or no whole number", kWhere);
+    return UseCalibration{version->get<std::int64_t>()};
+  }
+  if (name == "restore_calibration") {
+    MIEN_TRY_ASSIGN(std::string calibration, text_of(object, "calibration"));
+    return RestoreCalibration{std::move(calibration)};
+  }
+  if (name == "recentre") return Recentre{};
+  if (name == "bind") {
+    MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
+    MIEN_TRY_ASSIGN(const std::string device, text_of(object, "device"));
+    MIEN_TRY_ASSIGN(const sensor::DeviceKey key, sensor::parse_device(device));
+    return Bind{std::move(sensor), key};
+  }
+  if (name == "tap") {
+    MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
+    return Tap{std::move(sensor)};
+  }
+  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits"})};
+  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), kWhere,
+              "docs/page_protocol.md lists them");
+}
+
+std::string write_command(const Command& command) {
+  return std::visit(Writer{}, command).dump();
+}
+
+}  // namespace mien::live

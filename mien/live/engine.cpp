@@ -1,0 +1,432 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "mien/live/engine.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "mien/live/command.h"
+#include "mien/live/intake.h"
+#include "mien/live/page_messages.h"
+#include "mien/live/recorder.h"
+#include "mien/live/tracker_loop.h"
+#include "mien/model/kernels.h"
+
+namespace mien::live {
+namespace {
+
+namespace asio = boost::asio;
+using nlohmann::json;
+
+constexpr auto kFrame = std::chrono::milliseconds(8);  // Half a frame: none is shown late by more.
+constexpr auto kBeat = std::chrono::milliseconds(100);
+/// Status messages go out each second beat and a half: four a second would be 2.5 beats.
+constexpr int kBeatsPerStatus = 2;
+/// The rolling latency is that of this many beats: ten seconds, in pieces of one.
+constexpr std::size_t kPieces = 10;
+constexpr int kBeatsPerPiece = 10;
+constexpr std::size_t kMaxSinks = 16;
+constexpr std::size_t kMaxTakes = 200;
+
+/// A file name that a person gave, made safe: a name, never a path.
+Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
+  if (name.empty()) {
+    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    return folder / fmt::format("take_{:%Y-%m-%d_%H-%M-%S}.mien", fmt::localtime(now));
+  }
+  const bool odd = name.size() > 100 || name.front() == '.' || std::ranges::any_of(name, [](char c) {
+                     return c == '/' || c == '\\' || (c >= 0 && c < ' ');
+                   });
+  if (odd)
+    return fail(ErrorCode::bad_usage, "not a name for a take", name.substr(0, 40),
+                "letters, digits, - and _");
+  return folder / (name.ends_with(".mien") ? name : name + ".mien");
+}
+
+std::string text_of(const json& command, const char* key) {
+  const auto found = command.find(key);
+  return found != command.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+}  // namespace
+
+struct Engine::State {
+  State(EngineSettings s, std::unique_ptr<Session> made)
+      : settings(std::move(s)),
+        session(std::move(made)),
+        begun(std::chrono::steady_clock::now()),
+        network(1),
+        intake(network, [this] { return now(); }),
+        recorder([this](sensor::Peer peer) { return intake.peer_name(peer); }),
+        loop(*session, intake, recorder, [this] { return now(); }),
+        player(settings.make_session),
+        wake(network),
+        beat(network),
+        play(network) {}
+
+  [[nodiscard]] HostTime now() const {
+    return HostTime(std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now() - begun));
+  }
+
+  struct Outlet {
+    std::int64_t id = 0;
+    bool on = true;
+    std::unique_ptr<sink::Sink> sink;
+  };
+
+  Result<void> add_sink(const std::string& address);
+  void wait_for_answers();
+  void take_answers();
+  void send_frame(const Answer& answer);
+  void wait_for_beat();
+  void on_beat();
+  [[nodiscard]] Status status() const;
+  void on_message(std::uint64_t client, std::string_view text);
+  Result<std::string> obey(const json& command);
+  Result<std::string> obey_record(const json& command);
+  Result<std::string> obey_sink(const json& command);
+  Result<std::string> obey_replay(const json& command);
+  [[nodiscard]] std::string list_takes() const;
+  void wait_for_play();
+  Result<void> start_recording(const std::filesystem::path& path, bool replace);
+  Result<void> finish_recording();
+  void tell(const std::string& kind, const std::string& text);
+
+  EngineSettings settings;
+  std::unique_ptr<Session> session;
+  std::chrono::steady_clock::time_point begun;
+  asio::io_context network;
+  Intake intake;
+  Recorder recorder;
+  TrackerLoop loop;
+  Player player;
+  asio::posix::stream_descriptor wake;
+  asio::steady_timer beat;
+  asio::steady_timer play;  // Runs while the page looks at a take.
+  std::unique_ptr<PageServer> page;
+  std::vector<std::string> listening;
+  std::vector<Outlet> outlets;
+  std::int64_t next_sink = 1;
+
+  Latencies latency;
+  std::array<Latencies, kPieces> pieces;
+  std::size_t piece = 0;
+  int beats = 0;
+  std::uint64_t frames = 0;
+  std::string frame_text;
+  std::optional<std::filesystem::path> take;
+  std::string recording_error;  // Already told.
+  const std::atomic<bool>* stop = nullptr;
+  std::function<void(const std::string&)> told;
+};
+
+Result<void> Engine::State::add_sink(const std::string& address) {
+  if (outlets.size() == kMaxSinks)
+    return fail(ErrorCode::bad_usage, fmt::format("{} sinks are enough", kMaxSinks), address,
+                "remove one first");
+  MIEN_TRY_ASSIGN(std::unique_ptr<sink::Sink> opened, sink::open_sink(network, address));
+  outlets.push_back({next_sink++, true, std::move(opened)});
+  return {};
+}
+
+void Engine::State::wait_for_answers() {
+  wake.async_wait(asio::posix::stream_descriptor::wait_read, [this](boost::system::error_code code) {
+    if (code) return;
+    loop.signal().take();
+    take_answers();
+    wait_for_answers();
+  });
+}
+
+void Engine::State::take_answers() {
+  while (const Answer* answer = loop.front()) {
+    send_frame(*answer);
+    loop.release();
+  }
+  while (const auto said = loop.front_said()) {
+    const std::string_view text(reinterpret_cast<const char*>(said->bytes.data()), said->bytes.size());
+    switch (said->kind) {
+      case Said::Kind::datagram:
+        intake.send(static_cast<sensor::Peer>(said->to), said->bytes);
+        break;
+      case Said::Kind::reply:
+        if (page) page->send(said->to, reply_json(said->number, text));
+        break;
+      case Said::Kind::event: {
+        const std::size_t space = text.find(' ');
+        tell(std::string(text.substr(0, space)),
+             space == std::string_view::npos ? std::string() : std::string(text.substr(space + 1)));
+        break;
+      }
+    }
+    loop.release_said();
+  }
+}
+
+void Engine::State::send_frame(const Answer& answer) {
+  for (const Outlet& outlet : outlets)
+    if (outlet.on) outlet.sink->send(answer.frame, answer.tick.index);
+  const Duration took = now() - answer.cause;
+  latency.add(took);
+  pieces[piece].add(took);
+  ++frames;
+  if (!page || page->clients() == 0 || player.on()) return;
+  sink::write_frame_json(answer.frame, answer.tick.index, nullptr, frame_text);
+  page->send_frame(frame_text);
+}
+
+void Engine::State::wait_for_play() {
+  play.expires_after(kFrame);
+  play.async_wait([this](boost::system::error_code code) {
+    if (code || !player.on()) return;
+    if (const auto moment = player.next(now())) {
+      sink::write_frame_json(*moment->frame, moment->index, moment->truth, frame_text);
+      page->send_frame(frame_text);
+    }
+    wait_for_play();
+  });
+}
+
+void Engine::State::wait_for_beat() {
+  beat.expires_after(kBeat);
+  beat.async_wait([this](boost::system::error_code code) {
+    if (code) return;
+    on_beat();
+    if (network.stopped()) return;
+    wait_for_beat();
+  });
+}
+
+void Engine::State::on_beat() {
+  if (*stop || (settings.seconds && to_seconds(now().time_since_epoch()) >= *settings.seconds)) {
+    network.stop();
+    return;
+  }
+  ++beats;
+  if (beats % kBeatsPerPiece == 0) {
+    piece = (piece + 1) % kPieces;
+    pieces[piece].clear();
+  }
+  if (const Recorder::State state = recorder.state(); state.error != recording_error) {
+    recording_error = state.error;
+    if (!recording_error.empty()) tell("recording_failed", recording_error);
+  }
+  if (page && page->clients() > 0 && beats % kBeatsPerStatus == 0)
+    page->send(status_json(status(), session->rig()));
+}
+
+Status Engine::State::status() const {
+  Status out;
+  out.report = loop.report();
+  out.missed = loop.missed();
+  Latencies recent;
+  for (const Latencies& part : pieces) recent += part;
+  out.p50 = recent.percentile(0.5);
+  out.p99 = recent.percentile(0.99);
+  out.largest = recent.largest();
+  for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
+  out.recording = recorder.state();
+  std::error_code ignored;
+  const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
+  if (!ignored) out.recording_megabytes = static_cast<double>(bytes) / 1e6;
+  if (player.on()) {
+    const Player::View view = player.view(now());
+    out.replay =
+        ReplayState{view.take, view.time_s, view.duration_s, view.paused, view.has_truth, view.error};
+  }
+  return out;
+}
+
+void Engine::State::tell(const std::string& kind, const std::string& text) {
+  if (told) told(text.empty() ? kind : kind + " " + text);
+  if (page) page->send(event_json(kind, text));
+}
+
+Result<void> Engine::State::start_recording(const std::filesystem::path& path, bool replace) {
+  MIEN_TRY(recorder.start(path, settings.header, replace));
+  take = path;
+  recording_error.clear();
+  tell("recording", path.string());
+  return {};
+}
+
+Result<void> Engine::State::finish_recording() {
+  const std::array notes = {take::Note{"live.model", settings.model},
+                            take::Note{"live.kernels", std::string(model::kernel_name())}};
+  const bool was_on = recorder.state().on;
+  const auto finished = recorder.finish(notes);
+  if (was_on && finished && take) tell("recorded", take->string());
+  return finished;
+}
+
+void Engine::State::on_message(std::uint64_t client, std::string_view text) {
+  const json command = json::parse(text, nullptr, false);
+  if (!command.is_object() || !command.contains("command") || !command["command"].is_string()) {
+    page->send(client, reply_json(0, "not a command"));
+    return;
+  }
+  const std::int64_t number =
+      command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
+  if (is_session_command(command["command"].get<std::string>())) {
+    if (!intake.command(client, number, text)) page->send(client, reply_json(number, "the session is busy"));
+    return;
+  }
+  const Result<std::string> done = obey(command);
+  page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
+}
+
+Result<std::string> Engine::State::obey(const json& command) {
+  const std::string name = command["command"].get<std::string>();
+  if (name == "record") return obey_record(command);
+  if (name == "sink") return obey_sink(command);
+  if (name == "replay") return obey_replay(command);
+  if (name == "takes") return list_takes();
+  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
+}
+
+Result<std::string> Engine::State::obey_record(const json& command) {
+  const auto on = command.find("on");
+  if (on == command.end() || !on->is_boolean())
+    return fail(ErrorCode::malformed, "\"on\" is missing", "record");
+  if (!on->get<bool>()) {
+    MIEN_TRY(finish_recording());
+    return std::string();
+  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_of(command, "name")));
+  MIEN_TRY(start_recording(path, false));
+  return json({{"take", path.string()}}).dump();
+}
+
+Result<std::string> Engine::State::obey_sink(const json& command) {
+  if (const std::string address = text_of(command, "add"); !address.empty()) {
+    if (address.starts_with("csv:"))
+      return fail(ErrorCode::bad_usage, "the page opens no files", address,
+                  "start mien live with --out csv:FILE");
+    MIEN_TRY(add_sink(address));
+    return std::string();
+  }
+  const auto number = command.find("sink");
+  const auto outlet = std::ranges::find_if(outlets, [&](const Outlet& o) {
+    return number != command.end() && number->is_number_integer() && o.id == number->get<std::int64_t>();
+  });
+  if (outlet == outlets.end()) return fail(ErrorCode::not_found, "there is no such sink", "sink");
+  if (command.contains("remove"))
+    outlets.erase(outlet);
+  else if (command.contains("on") && command["on"].is_boolean())
+    outlet->on = command["on"].get<bool>();
+  return std::string();
+}
+
+Result<std::string> Engine::State::obey_replay(const json& command) {
+  if (const std::string name = text_of(command, "take"); !name.empty()) {
+    if (!settings.make_session) return fail(ErrorCode::unsupported, "this session replays nothing", "replay");
+    MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, name));
+    const bool was_on = player.on();
+    player.load(path);
+    if (!was_on) wait_for_play();
+    return std::string();
+  }
+  if (!player.on())
+    return fail(ErrorCode::bad_usage, "no take is being replayed", "replay", "choose one first");
+  if (command.contains("stop")) player.stop();
+  if (command.contains("paused") && command["paused"].is_boolean())
+    player.pause(command["paused"].get<bool>(), now());
+  if (command.contains("seek") && command["seek"].is_number())
+    player.seek(command["seek"].get<double>(), now());
+  return std::string();
+}
+
+std::string Engine::State::list_takes() const {
+  json takes = json::array();
+  std::error_code code;
+  for (const auto& file : std::filesystem::directory_iterator(settings.takes, code)) {
+    if (file.path().extension() != ".mien" || takes.size() == kMaxTakes) continue;
+    takes.push_back({{"name", file.path().filename().string()},
+                     {"megabytes", static_cast<double>(file.file_size(code)) / 1e6}});
+  }
+  return json({{"takes", std::move(takes)}}).dump();
+}
+
+Engine::Engine(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+Engine::~Engine() {
+  state_->loop.stop();
+}
+
+Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings, std::unique_ptr<Session> session) {
+  auto made = std::make_unique<State>(std::move(settings), std::move(session));
+  State* state = made.get();
+  for (const std::string& address : state->settings.listen) {
+    MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address));
+  }
+  for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
+  if (state->settings.page) {
+    const auto hello = [state] {
+      return sink::hello_json(hello_for(state->session->rig(), state->settings.header.software,
+                                        state->settings.model, state->listening, false));
+    };
+    const auto message = [state](std::uint64_t client, std::string_view text) {
+      state->on_message(client, text);
+    };
+    MIEN_TRY_ASSIGN(state->page, PageServer::open(state->network, *state->settings.page, hello, message));
+  }
+  if (state->settings.record)
+    MIEN_TRY(state->start_recording(*state->settings.record, state->settings.replace));
+  return std::unique_ptr<Engine>(new Engine(std::move(made)));
+}
+
+const std::vector<std::string>& Engine::listening() const {
+  return state_->listening;
+}
+
+std::string Engine::page() const {
+  return state_->page ? state_->page->address() : std::string();
+}
+
+Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,
+                                  const std::function<void(const std::string&)>& told) {
+  State& s = *state_;
+  s.stop = &stop;
+  s.told = told;
+  s.begun = std::chrono::steady_clock::now();
+  s.wake.assign(s.loop.signal().descriptor());
+  s.wait_for_answers();
+  s.wait_for_beat();
+  s.loop.start();
+  s.network.run();
+  s.loop.stop();
+  s.take_answers();
+  s.wake.release();
+  s.intake.close();
+
+  EngineSummary out;
+  out.frames = s.session->frames();
+  out.missed = s.loop.missed();
+  out.hash = s.session->hash();
+  out.latency = s.latency;
+  const Intake::Counts& counts = s.intake.counts();
+  out.datagrams = counts.received;
+  out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.overrun;
+  s.session->report(s.now(), out.report);
+  out.malformed = out.report.malformed;
+  for (const State::Outlet& outlet : s.outlets) out.sinks.push_back(outlet.sink->status());
+  out.take = s.take;
+  const std::array notes = {take::Note{"live.model", s.settings.model},
+                            take::Note{"live.kernels", std::string(model::kernel_name())},
+                            take::Note{"live.hash", out.hash},
+                            take::Note{"live.frames", std::to_string(out.frames)}};
+  if (const auto finished = s.recorder.finish(notes); !finished)
+    out.recording_error = finished.error().message();
+  return out;
+}
+
+}  // namespace mien::live

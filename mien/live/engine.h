@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/live/latency.h"
+#include "mien/live/page_server.h"
+#include "mien/live/player.h"
+#include "mien/live/session.h"
+#include "mien/sink/sink.h"
+#include "mien/take/take.h"
+
+namespace mien::live {
+
+/// What a live session is asked for.
+struct EngineSettings {
+  std::vector<std::string> listen;  ///< udp://HOST:PORT, one or more.
+  std::vector<std::string> out;     ///< Sinks' addresses, as sink::open_sink takes them.
+  std::optional<std::filesystem::path> record;
+  bool replace = false;  ///< An existing take.
+  /// Where takes go that the page asks for, and where it finds those to show.
+  std::filesystem::path takes = ".";
+  std::optional<PageSettings> page;
+  std::optional<double> seconds;     ///< Ends by itself after this time.
+  take::Header header;               ///< Of takes; rig and time are filled in by whoever fills the rest.
+  std::string model;                 ///< Name of the live model, for the page and takes.
+  Player::MakeSession make_session;  ///< For takes that the page looks at.
+};
+
+/// How a session went.
+struct EngineSummary {
+  std::uint64_t frames = 0;
+  std::uint64_t missed = 0;  ///< Frames that no sink was offered.
+  std::string hash;
+  Latencies latency;  ///< From the arrival of the entry that fired a frame to its packets sent.
+  std::uint64_t datagrams = 0;
+  std::uint64_t dropped = 0;  ///< Too fast, too long, too many, or while the tracker was behind.
+  std::uint64_t malformed = 0;
+  std::vector<sink::Status> sinks;
+  std::optional<std::filesystem::path> take;
+  std::string recording_error;
+  Report report;  ///< The last.
+};
+
+/// A live session on the machine's clock: one event loop for everything of the network, a thread for the
+/// tracker, one for the take.
+class Engine {
+ public:
+  /// Opens every port, sink and take. Errors: theirs.
+  [[nodiscard]] static Result<std::unique_ptr<Engine>> open(EngineSettings settings,
+                                                            std::unique_ptr<Session> session);
+  ~Engine();
+
+  /// The addresses that devices may send to, with their ports.
+  [[nodiscard]] const std::vector<std::string>& listening() const;
+  /// Where a browser finds the page; empty without one.
+  [[nodiscard]] std::string page() const;
+
+  /// Runs until `stop` is set, looked at ten times a second, or the time is over. `told` is called with each
+  /// thing that a person should see at once ("sensor_lost ..."), and may be empty.
+  [[nodiscard]] Result<EngineSummary> run(const std::atomic<bool>& stop,
+                                          const std::function<void(const std::string&)>& told);
+
+ private:
+  struct State;
+  explicit Engine(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace mien::live

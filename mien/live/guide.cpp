@@ -1,0 +1,100 @@
+#include "mien/live/guide.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "mien/face/anchors.h"
+
+namespace mien::live {
+namespace {
+
+using tracker::Step;
+
+// The performer reads first.
+constexpr Duration kLeadIn = std::chrono::milliseconds(1500);
+constexpr Duration kNeutral = std::chrono::milliseconds(3000);
+constexpr Duration kGesture = std::chrono::milliseconds(4500);
+constexpr Duration kAnchor = std::chrono::milliseconds(2400);
+/// An anchor of which less than this share came through was not done, or is not felt.
+constexpr double kMinResponse = 0.25;
+
+}  // namespace
+
+void Guide::begin(bool full) {
+  *this = {};
+  state_ = State::wanted;
+  full_ = full;
+}
+
+void Guide::plan(DeviceTime begin) {
+  DeviceTime at = begin + kLeadIn;
+  const auto add = [&](Step step, std::string_view name, std::string_view prompt, Duration length,
+                       const face::BlendshapeWeights* target) {
+    parts_.push_back({step, name, prompt, target, at, at + length});
+    at += length;
+  };
+  add(Step::neutral, "neutral", "Look ahead, relax your face and hold still", kNeutral, nullptr);
+  add(Step::nod, "nod", "Keep your face still and nod twice, down first", kGesture, nullptr);
+  add(Step::shake, "shake", "Keep your face still and shake your head twice", kGesture, nullptr);
+  if (full_)
+    for (const face::Anchor& anchor : face::anchors())
+      add(Step::none, anchor.name, anchor.prompt, kAnchor, &anchor.target);
+  response_.assign(parts_.size(), 0.0F);
+}
+
+void Guide::before(DeviceTime frame, tracker::Tracker& tracker) {
+  if (state_ != State::wanted) return;
+  plan(frame);
+  for (const Part& part : parts_)
+    if (part.step != Step::none) tracker.guide(part.step, part.begin, part.end);
+  state_ = State::running;
+}
+
+bool Guide::after(const face::OutputFrame& frame) {
+  if (state_ != State::running) return false;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    if (part.target == nullptr || frame.time < part.begin || frame.time >= part.end) continue;
+    float sum = 0, asked = 0;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      sum += std::min(frame.weights[k], (*part.target)[k]);
+      asked += (*part.target)[k];
+    }
+    response_[i] = std::max(response_[i], sum / asked);
+  }
+  if (frame.time < parts_.back().end) return false;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].target == nullptr) continue;
+    const bool seen = response_[i] >= kMinResponse;
+    scores_.push_back({.name = fmt::format("anchor {}", parts_[i].name),
+                       .value = response_[i],
+                       .unit = "",
+                       .pass = seen,
+                       .sentence = seen ? "the sensors saw this expression"
+                                        : "little of this expression was seen; do it more strongly, or check "
+                                          "the sensors near it"});
+  }
+  parts_.clear();
+  state_ = State::idle;
+  return true;
+}
+
+const Guide::Part* Guide::part_at(DeviceTime frame) const {
+  for (const Part& part : parts_)
+    if (frame < part.end) return &part;
+  return nullptr;
+}
+
+double Guide::progress(DeviceTime frame) const {
+  if (parts_.empty()) return 0;
+  const DeviceTime begin = parts_.front().begin - kLeadIn;
+  return std::clamp(to_seconds(frame - begin) / to_seconds(parts_.back().end - begin), 0.0, 1.0);
+}
+
+Duration Guide::remaining(DeviceTime frame) const {
+  const Part* part = part_at(frame);
+  return part == nullptr ? Duration::zero() : part->end - std::max(frame, part->begin - kLeadIn);
+}
+
+}  // namespace mien::live

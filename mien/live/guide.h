@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/time.h"
+#include "mien/face/output_frame.h"
+#include "mien/sensor/calibration.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::live {
+
+/// Leads a performer through a calibration on the grid's time: neutral, nod, shake, and in a full one the
+/// anchor expressions, each with a score of how much of it the tracker saw. Allocates where it begins and
+/// ends.
+class Guide {
+ public:
+  /// From the next tick on.
+  void begin(bool full);
+  void cancel() { *this = {}; }
+  [[nodiscard]] bool running() const { return state_ != State::idle; }
+
+  /// At each tick: first this, ...
+  void before(DeviceTime frame, tracker::Tracker& tracker);
+  /// ... then, with the tracker's answer, this. Returns true at the tick at which it is over.
+  bool after(const face::OutputFrame& frame);
+  /// Of the anchors, of the run that was over last; empty for a short one.
+  [[nodiscard]] const std::vector<sensor::Score>& anchor_scores() const { return scores_; }
+
+  /// A part of the run, for events in a take and for the page.
+  struct Part {
+    tracker::Step step = tracker::Step::none;  ///< none: an anchor.
+    std::string_view name;                     ///< "neutral", "nod", "shake", "smile", ...
+    std::string_view prompt;
+    const face::BlendshapeWeights* target = nullptr;
+    DeviceTime begin, end;
+  };
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  /// The part that runs at this frame or comes next; none when not running.
+  [[nodiscard]] const Part* part_at(DeviceTime frame) const;
+  [[nodiscard]] double progress(DeviceTime frame) const;
+  [[nodiscard]] Duration remaining(DeviceTime frame) const;
+
+ private:
+  enum class State { idle, wanted, running };
+  void plan(DeviceTime begin);
+
+  State state_ = State::idle;
+  bool full_ = false;
+  std::vector<Part> parts_;
+  std::vector<float> response_;  // Of each part.
+  std::vector<sensor::Score> scores_;
+};
+
+}  // namespace mien::live

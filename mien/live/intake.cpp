@@ -1,0 +1,180 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "mien/live/intake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <charconv>
+#include <cstring>
+
+namespace mien::live {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+
+/// Two seconds of sixty sensors.
+constexpr std::size_t kRingBytes = std::size_t{1} << 21U;
+/// What the system may keep while this thread is busy.
+constexpr int kSocketBytes = 1 << 20;
+
+struct Head {
+  Arrived::Kind kind;
+  sensor::Peer peer;
+  HostTime arrival;
+  std::uint64_t client;
+  std::int64_t number;
+};
+
+}  // namespace
+
+struct Intake::Port {
+  explicit Port(asio::io_context& network) : socket(network) {}
+  udp::socket socket;
+  udp::endpoint from;
+  Budget budget;
+  std::array<std::byte, kMaxDatagram + 1> bytes;
+};
+
+bool Intake::Budget::spend(HostTime now, double rate) {
+  tokens = std::min(rate, tokens + rate * to_seconds(now - refilled));
+  refilled = now;
+  if (tokens < 1) return false;
+  --tokens;
+  return true;
+}
+
+Intake::Intake(asio::io_context& network, Clock clock)
+    : network_(network), clock_(std::move(clock)), ring_(kRingBytes) {}
+
+Intake::~Intake() = default;
+
+Result<std::string> Intake::listen(std::string_view address) {
+  const auto bad = [&](std::string what) {
+    return fail(ErrorCode::bad_usage, std::move(what), std::string(address),
+                "write it as udp://127.0.0.1:5005, or udp://0.0.0.0:5005 for the whole network");
+  };
+  std::string_view rest = address;
+  if (rest.starts_with("udp://")) rest.remove_prefix(6);
+  const std::size_t colon = rest.rfind(':');
+  if (rest.find("://") != std::string_view::npos || colon == std::string_view::npos)
+    return bad("not an address to listen on");
+  std::uint16_t number = 0;
+  const std::string_view digits = rest.substr(colon + 1);
+  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (wrong != std::errc{} || end != digits.data() + digits.size())
+    return bad("the port is no number to 65535");
+  std::string host(rest.substr(0, colon));
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  if (host.empty() || host == "*") host = "0.0.0.0";
+  if (host == "localhost") host = "127.0.0.1";
+  boost::system::error_code code;
+  const asio::ip::address ip = asio::ip::make_address(host, code);
+  if (code) return bad("the host is no IP address of this machine");
+
+  auto port = std::make_unique<Port>(network_);
+  const udp::endpoint endpoint(ip, number);
+  port->socket.open(endpoint.protocol(), code);
+  if (!code) port->socket.bind(endpoint, code);
+  if (code) return bad("cannot listen there: " + code.message());
+  boost::system::error_code ignored;
+  port->socket.set_option(asio::socket_base::receive_buffer_size(kSocketBytes), ignored);
+  port->socket.non_blocking(true, ignored);
+  port->budget = {kMaxRatePerPort, clock_()};
+  const std::uint16_t bound = port->socket.local_endpoint().port();
+  receive(*port);
+  ports_.push_back(std::move(port));
+  return fmt::format("udp://{}:{}", ip.is_v6() ? "[" + host + "]" : host, bound);
+}
+
+void Intake::receive(Port& port) {
+  port.socket.async_receive_from(
+      asio::buffer(port.bytes), port.from, [this, &port](boost::system::error_code code, std::size_t size) {
+        if (code == asio::error::operation_aborted) return;
+        if (!code) {
+          take(port, size);
+          // All that is there, before the loop looks at anything else.
+          for (int more = 0; more < 64; ++more) {
+            size = port.socket.receive_from(asio::buffer(port.bytes), port.from, 0, code);
+            if (code) break;
+            take(port, size);
+          }
+        }
+        receive(port);
+      });
+}
+
+void Intake::take(Port& port, std::size_t size) {
+  const HostTime now = clock_();
+  ++counts_.received;
+  if (size > kMaxDatagram) {
+    ++counts_.too_long;
+    return;
+  }
+  const std::pair key{static_cast<const Port*>(&port), port.from};
+  auto known = known_.find(key);
+  if (known == known_.end()) {
+    if (known_.size() == kMaxPeers) {
+      ++counts_.too_many;
+      return;
+    }
+    const auto peer = static_cast<sensor::Peer>(known_.size());
+    const std::string host = port.from.address().to_string();
+    peers_[peer] = {
+        port.from,
+        &port,
+        fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port()),
+        {kMaxRatePerPeer, now}};
+    known = known_.emplace(key, peer).first;
+  }
+  PeerState& peer = peers_[known->second];
+  if (!peer.budget.spend(now, kMaxRatePerPeer) || !port.budget.spend(now, kMaxRatePerPort)) {
+    ++counts_.too_fast;
+    return;
+  }
+  const std::span<std::byte> room = ring_.claim(sizeof(Head) + size);
+  if (room.empty()) {
+    ++counts_.overrun;
+    return;
+  }
+  const Head head{Arrived::Kind::datagram, known->second, now, 0, 0};
+  std::memcpy(room.data(), &head, sizeof(head));
+  if (size > 0) std::memcpy(room.data() + sizeof(head), port.bytes.data(), size);
+  ring_.publish();
+  signal_.give();
+}
+
+bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {
+  const std::span<std::byte> room = ring_.claim(sizeof(Head) + json.size());
+  if (room.empty()) return false;
+  const Head head{Arrived::Kind::command, 0, clock_(), client, number};
+  std::memcpy(room.data(), &head, sizeof(head));
+  std::memcpy(room.data() + sizeof(head), json.data(), json.size());
+  ring_.publish();
+  signal_.give();
+  return true;
+}
+
+void Intake::send(sensor::Peer peer, std::span<const std::byte> datagram) {
+  if (peer >= known_.size()) return;
+  boost::system::error_code ignored;  // Nobody there, or no room: said again when it is due.
+  peers_[peer].port->socket.send_to(asio::buffer(datagram.data(), datagram.size()), peers_[peer].endpoint, 0,
+                                    ignored);
+}
+
+void Intake::close() {
+  boost::system::error_code ignored;
+  for (const auto& port : ports_) port->socket.close(ignored);
+}
+
+std::optional<Arrived> Intake::front() {
+  const std::span<const std::byte> record = ring_.front();
+  if (record.empty()) return std::nullopt;
+  Head head{};
+  std::memcpy(&head, record.data(), sizeof(head));
+  return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head))};
+}
+
+}  // namespace mien::live

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/live/byte_ring.h"
+#include "mien/live/signal.h"
+#include "mien/sensor/protocol.h"
+
+namespace mien::live {
+
+/// Something that reached the session, on its way to the tracker's thread.
+struct Arrived {
+  enum class Kind : std::uint8_t { datagram, command };
+  Kind kind = Kind::datagram;
+  HostTime arrival;
+  sensor::Peer peer = 0;     ///< Of a datagram.
+  std::uint64_t client = 0;  ///< Of a command, and its own number, for the reply.
+  std::int64_t number = 0;
+  std::span<const std::byte> bytes;
+};
+
+/// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
+/// hands over. What is too much, too long or from too many is dropped and counted. Network thread, but where
+/// said otherwise.
+class Intake {
+ public:
+  /// No device of ours sends more than 300 a second.
+  static constexpr double kMaxRatePerPeer = 1000;
+  static constexpr double kMaxRatePerPort = 20000;
+  static constexpr std::size_t kMaxPeers = 256;
+  /// Longer datagrams cannot be devices': a network's frame has no more.
+  static constexpr std::size_t kMaxDatagram = 1472;
+
+  using Clock = std::function<HostTime()>;
+  Intake(boost::asio::io_context& network, Clock clock);
+  ~Intake();
+
+  /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Returns the address as text with its
+  /// port. Errors: bad_usage (not an address, taken), not_found.
+  [[nodiscard]] Result<std::string> listen(std::string_view address);
+  /// As if it had been received; for commands of the page. False: no room.
+  bool command(std::uint64_t client, std::int64_t number, std::string_view json);
+  void send(sensor::Peer peer, std::span<const std::byte> datagram);
+  void close();
+
+  // Tracker's thread.
+  /// The oldest, valid until release(); none when all is taken.
+  [[nodiscard]] std::optional<Arrived> front();
+  void release() { ring_.release(); }
+  [[nodiscard]] Signal& signal() { return signal_; }
+
+  /// Source text of a peer that was handed over: "udp://192.168.1.7:5005". Any thread.
+  [[nodiscard]] const std::string& peer_name(sensor::Peer peer) const { return peers_[peer].name; }
+
+  struct Counts {
+    std::uint64_t received = 0;
+    std::uint64_t too_fast = 0;  ///< Beyond a peer's or a port's rate.
+    std::uint64_t too_long = 0;
+    std::uint64_t too_many = 0;  ///< Of a peer beyond kMaxPeers.
+    std::uint64_t overrun = 0;   ///< The tracker was too far behind.
+  };
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+
+ private:
+  struct Port;
+  struct Budget {
+    double tokens = 0;
+    HostTime refilled;
+    [[nodiscard]] bool spend(HostTime now, double rate);
+  };
+  struct PeerState {
+    boost::asio::ip::udp::endpoint endpoint;
+    Port* port = nullptr;
+    std::string name;
+    Budget budget;
+  };
+  void receive(Port& port);
+  void take(Port& port, std::size_t size);
+
+  boost::asio::io_context& network_;
+  Clock clock_;
+  ByteRing ring_;
+  Signal signal_;
+  std::vector<std::unique_ptr<Port>> ports_;
+  std::array<PeerState, kMaxPeers> peers_;  // Names are written once, before a peer's first datagram is seen.
+  std::map<std::pair<const Port*, boost::asio::ip::udp::endpoint>, sensor::Peer> known_;
+  Counts counts_;
+};
+
+}  // namespace mien::live

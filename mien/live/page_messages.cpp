@@ -1,0 +1,166 @@
+#include "mien/live/page_messages.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <utility>
+
+namespace mien::live {
+namespace {
+
+using nlohmann::json;
+
+/// Two digits behind the point are enough for people.
+double rounded(double value) {
+  return std::isfinite(value) ? std::round(value * 100) / 100 : 0;
+}
+double milliseconds(Duration duration) {
+  return std::round(1e6 * to_seconds(duration)) / 1e3;
+}
+
+json link_json(const Report::Link& link, const std::string& sensor) {
+  const sensor::LinkReport& health = link.health;
+  json out = {{"sensor", sensor},
+              {"device", link.device},
+              {"state", sensor::link_state_name(health.state)},
+              {"age_ms", health.age ? json(milliseconds(*health.age)) : json(nullptr)},
+              {"rate_hz", rounded(health.rate_hz)},
+              {"lost", health.lost},
+              {"late", health.late},
+              {"doubled", health.doubled},
+              {"reordered", health.reordered},
+              {"malformed", health.malformed},
+              {"loss", std::round(health.loss * 1e4) / 1e4},
+              {"offset_ms", nullptr},
+              {"drift_ppm", nullptr},
+              {"uncertainty_ms", nullptr},
+              {"battery", health.battery_percent ? json(*health.battery_percent) : json(nullptr)},
+              {"heading_sigma_deg", link.heading_sigma_rad
+                                        ? json(rounded(*link.heading_sigma_rad * 180 / std::numbers::pi))
+                                        : json(nullptr)},
+              {"estimated", health.estimated}};
+  if (health.clock) {
+    out["offset_ms"] = milliseconds(health.clock->offset);
+    out["drift_ppm"] = rounded(health.clock->drift_ppm);
+    out["uncertainty_ms"] = milliseconds(health.clock->uncertainty);
+  }
+  return out;
+}
+
+json calibration_json(const Report::Calibration& calibration) {
+  json versions = json::array();
+  for (const CalibrationVersion& version : calibration.versions) {
+    json scores = json::array();
+    for (const sensor::Score& score : version.scores)
+      scores.push_back({{"name", score.name},
+                        {"value", rounded(score.value)},
+                        {"unit", score.unit},
+                        {"pass", score.pass},
+                        {"sentence", score.sentence}});
+    versions.push_back({{"id", version.id},
+                        {"time", rounded(to_seconds(version.made.time_since_epoch()))},
+                        {"in_force", version.id == calibration.in_force},
+                        {"origin", version.origin},
+                        {"scores", std::move(scores)}});
+  }
+  json target = nullptr;
+  if (calibration.target) {
+    target = json::object();
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      if ((*calibration.target)[k] != 0) target[std::string(face::kShapeNames[k])] = (*calibration.target)[k];
+  }
+  return {{"state", calibration.state},
+          {"step", calibration.step},
+          {"prompt", calibration.prompt},
+          {"target", std::move(target)},
+          {"progress", rounded(calibration.progress)},
+          {"remaining_s", rounded(calibration.remaining_s)},
+          {"versions", std::move(versions)}};
+}
+
+std::string dump(const json& object) {
+  return object.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace
+
+sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string model,
+                      std::vector<std::string> listening, bool replay) {
+  sink::Hello hello;
+  hello.software = std::move(software);
+  sink::Hello::Rig shown{rig.name, {}};
+  for (const sensor::Mount& mount : rig.sensors)
+    shown.sensors.push_back(
+        {mount.name, mount.kind, mount.site, std::string(1, mount.side), mount.role, mount.position_m});
+  hello.rig = std::move(shown);
+  hello.face = "/face.glb";
+  hello.model = std::move(model);
+  hello.mode = replay ? "replay" : "live";
+  hello.listening = std::move(listening);
+  return hello;
+}
+
+std::string status_json(const Status& status, const sensor::Rig& rig) {
+  json links = json::array();
+  for (std::size_t i = 0; i < status.report.links.size(); ++i)
+    links.push_back(link_json(status.report.links[i], rig.sensors[i].name));
+  json unbound = json::array();
+  for (const Report::Unbound& device : status.report.unbound)
+    unbound.push_back({{"device", device.device},
+                       {"announces", device.announces},
+                       {"age_ms", milliseconds(device.age)},
+                       {"protocol", device.protocol}});
+  json sinks = json::array();
+  for (const SinkState& sink : status.sinks)
+    sinks.push_back({{"id", sink.id},
+                     {"address", sink.status.address},
+                     {"on", sink.on},
+                     {"sent", sink.status.sent},
+                     {"failed", sink.status.failed},
+                     {"rate_hz", rounded(sink.status.rate_hz)},
+                     {"receivers", sink.status.receivers},
+                     {"note", sink.status.note}});
+  json replay = nullptr;
+  if (status.replay)
+    replay = {{"take", status.replay->take},
+              {"time", rounded(status.replay->time_s)},
+              {"duration", rounded(status.replay->duration_s)},
+              {"paused", status.replay->paused},
+              {"has_truth", status.replay->has_truth},
+              {"error", status.replay->error.empty() ? json(nullptr) : json(status.replay->error)}};
+  const Recorder::State& recording = status.recording;
+  return dump({{"type", "status"},
+               {"time", to_seconds(status.report.time.time_since_epoch())},
+               {"frames", status.report.frames},
+               {"missed", status.missed},
+               {"latency_ms",
+                {{"p50", milliseconds(status.p50)},
+                 {"p99", milliseconds(status.p99)},
+                 {"max", milliseconds(status.largest)}}},
+               {"links", std::move(links)},
+               {"unbound", std::move(unbound)},
+               {"calibration", calibration_json(status.report.calibration)},
+               {"sinks", std::move(sinks)},
+               {"recording",
+                {{"on", recording.on},
+                 {"path", recording.path.string()},
+                 {"seconds", rounded(recording.seconds)},
+                 {"megabytes", rounded(status.recording_megabytes)},
+                 {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
+               {"shaping", json::parse(status.report.shaping, nullptr, false)},
+               {"replay", std::move(replay)},
+               {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
+}
+
+std::string reply_json(std::int64_t number, std::string_view error, std::string_view result) {
+  json object = {
+      {"type", "reply"}, {"id", number}, {"ok", error.empty()}, {"error", error}, {"result", nullptr}};
+  if (!result.empty()) object["result"] = json::parse(result, nullptr, false);
+  return dump(object);
+}
+
+std::string event_json(std::string_view kind, std::string_view text) {
+  return dump({{"type", "event"}, {"kind", kind}, {"text", text}});
+}
+
+}  // namespace mien::live

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/live/latency.h"
+#include "mien/live/recorder.h"
+#include "mien/live/report.h"
+#include "mien/sensor/rig.h"
+#include "mien/sink/json_frame.h"
+#include "mien/sink/sink.h"
+
+// What the page is told, as docs/page_protocol.md has it.
+namespace mien::live {
+
+/// One of the places that frames go to, on or off.
+struct SinkState {
+  std::int64_t id = 0;
+  bool on = true;
+  sink::Status status;
+};
+
+/// A take being played instead of devices being heard.
+struct ReplayState {
+  std::string take;
+  double time_s = 0;
+  double duration_s = 0;
+  bool paused = false;
+  bool has_truth = false;
+  std::string error;  ///< Why it cannot be shown; empty when it can.
+};
+
+struct Status {
+  Report report;
+  std::uint64_t missed = 0;
+  Duration p50{}, p99{}, largest{};
+  std::vector<SinkState> sinks;
+  Recorder::State recording;
+  double recording_megabytes = 0;
+  std::optional<ReplayState> replay;
+};
+
+[[nodiscard]] sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string model,
+                                    std::vector<std::string> listening, bool replay);
+[[nodiscard]] std::string status_json(const Status& status, const sensor::Rig& rig);
+/// `result` is JSON, or empty for none.
+[[nodiscard]] std::string reply_json(std::int64_t number, std::string_view error,
+                                     std::string_view result = {});
+[[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);
+
+}  // namespace mien::live

@@ -1,0 +1,325 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "mien/live/page_server.h"
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <deque>
+#include <map>
+#include <optional>
+
+namespace mien::live {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using tcp = asio::ip::tcp;
+
+constexpr std::size_t kMaxConnections = 64;
+constexpr std::size_t kMaxRequestBytes = std::size_t{1} << 14U;
+constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 16U;
+/// Replies and states that a client may be behind.
+constexpr std::size_t kMaxQueue = 256;
+constexpr auto kPatience = std::chrono::seconds(15);
+
+std::string_view view(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+/// The path without its query, and what the query gives for `token`.
+std::pair<std::string, std::string> split_target(std::string_view target) {
+  const std::size_t question = target.find('?');
+  std::string path(target.substr(0, question));
+  std::string token;
+  if (question == std::string_view::npos) return {path, token};
+  std::string_view query = target.substr(question + 1);
+  while (!query.empty()) {
+    const std::string_view part = query.substr(0, query.find('&'));
+    if (part.starts_with("token=")) token = part.substr(6);
+    query.remove_prefix(std::min(query.size(), part.size() + 1));
+  }
+  return {path, token};
+}
+
+bool same_secret(std::string_view a, std::string_view b) {
+  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+/// "localhost:8740" without its port.
+std::string_view host_of(std::string_view authority) {
+  if (authority.starts_with('[')) return authority.substr(0, authority.find(']') + 1);
+  return authority.substr(0, authority.find(':'));
+}
+
+bool is_loopback_name(std::string_view host) {
+  return host == "127.0.0.1" || host == "localhost" || host == "[::1]";
+}
+
+}  // namespace
+
+struct PageServer::State : std::enable_shared_from_this<PageServer::State> {
+  State(asio::io_context& context, PageSettings s)
+      : network(context), settings(std::move(s)), acceptor(context) {}
+
+  void accept();
+  [[nodiscard]] bool allows(const http::request<http::empty_body>& request, std::string_view token) const;
+  [[nodiscard]] bool allows_origin(const http::request<http::empty_body>& request) const;
+
+  asio::io_context& network;
+  PageSettings settings;
+  OnOpen on_open;
+  OnMessage on_message;
+  tcp::acceptor acceptor;
+  bool loopback = true;
+  std::uint64_t next_client = 1;
+  std::size_t connections = 0;
+  std::map<std::uint64_t, std::weak_ptr<Connection>> clients;
+};
+
+/// One browser's connection: requests one after the other, and perhaps a WebSocket at their end.
+class PageServer::Connection : public std::enable_shared_from_this<PageServer::Connection> {
+ public:
+  Connection(tcp::socket socket, std::shared_ptr<State> state)
+      : stream_(std::move(socket)), state_(std::move(state)), buffer_(kMaxRequestBytes) {
+    ++state_->connections;
+  }
+  ~Connection() {
+    --state_->connections;
+    if (client_ != 0) state_->clients.erase(client_);
+  }
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kMaxRequestBytes);
+    stream_.expires_after(kPatience);
+    http::async_read_header(stream_, buffer_, *parser_,
+                            [self = shared_from_this()](beast::error_code code, std::size_t) {
+                              if (!code) self->answer();
+                            });
+  }
+
+  void send_frame(const std::shared_ptr<const std::string>& frame) {
+    frame_ = frame;
+    write();
+  }
+  void send(const std::shared_ptr<const std::string>& message) {
+    if (queue_.size() >= kMaxQueue) {
+      beast::get_lowest_layer(*socket_).close();  // It listens no more.
+      return;
+    }
+    queue_.push_back(message);
+    write();
+  }
+
+ private:
+  void answer() {
+    const http::request<http::empty_body> request = parser_->get();
+    const auto [path, token] = split_target(view(request.target()));
+    if (!state_->allows(request, token))
+      return refuse(http::status::forbidden, "a token is missing or wrong");
+    if (websocket::is_upgrade(request)) {
+      if (path != "/ws") return refuse(http::status::not_found, "no such page");
+      if (!state_->allows_origin(request)) return refuse(http::status::forbidden, "a page from elsewhere");
+      return open_socket(request);
+    }
+    if (request.method() != http::verb::get && request.method() != http::verb::head)
+      return refuse(http::status::method_not_allowed, "only GET");
+    const std::string_view wanted = path == "/" ? std::string_view("/index.html") : std::string_view(path);
+    for (const Asset& asset : state_->settings.assets)
+      if (asset.path == wanted) return give(asset, request);
+    refuse(http::status::not_found, "no such page");
+  }
+
+  void give(const Asset& asset, const http::request<http::empty_body>& request) {
+    auto response = std::make_shared<http::response<http::span_body<const char>>>(
+        std::piecewise_construct,
+        std::make_tuple(
+            beast::span<const char>(reinterpret_cast<const char*>(asset.bytes.data()),
+                                    request.method() == http::verb::head ? 0 : asset.bytes.size())),
+        std::make_tuple(http::status::ok, request.version()));
+    response->set(http::field::content_type, beast::string_view(asset.type.data(), asset.type.size()));
+    response->set(http::field::cache_control, "no-cache");
+    response->set("X-Content-Type-Options", "nosniff");
+    response->set("X-Frame-Options", "DENY");
+    response->set("Referrer-Policy", "no-referrer");
+    response->set("Content-Security-Policy",
+                  "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
+                  "connect-src 'self' blob: data:; worker-src 'self' blob:; object-src 'none'; "
+                  "frame-ancestors 'none'; base-uri 'none'");
+    response->content_length(asset.bytes.size());
+    response->keep_alive(request.keep_alive());
+    http::async_write(stream_, *response,
+                      [self = shared_from_this(), response](beast::error_code code, std::size_t) {
+                        if (code || response->need_eof())
+                          self->stream_.close();
+                        else
+                          self->read();
+                      });
+  }
+
+  void refuse(http::status status, std::string_view why) {
+    auto response = std::make_shared<http::response<http::string_body>>(status, parser_->get().version());
+    response->set(http::field::content_type, "text/plain; charset=utf-8");
+    response->body() = fmt::format("{}\n", why);
+    response->prepare_payload();
+    response->keep_alive(false);
+    http::async_write(
+        stream_, *response,
+        [self = shared_from_this(), response](beast::error_code, std::size_t) { self->stream_.close(); });
+  }
+
+  void open_socket(const http::request<http::empty_body>& request) {
+    stream_.expires_never();
+    socket_.emplace(std::move(stream_));
+    socket_->read_message_max(kMaxMessageBytes);
+    socket_->set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+    socket_->async_accept(request, [self = shared_from_this()](beast::error_code code) {
+      if (code) return;
+      self->client_ = self->state_->next_client++;
+      self->state_->clients[self->client_] = self;
+      self->send(std::make_shared<const std::string>(self->state_->on_open()));
+      self->read_message();
+    });
+  }
+
+  void read_message() {
+    socket_->async_read(buffer_, [self = shared_from_this()](beast::error_code code, std::size_t) {
+      if (code) return;
+      const auto data = self->buffer_.cdata();
+      self->state_->on_message(self->client_, {static_cast<const char*>(data.data()), data.size()});
+      self->buffer_.consume(self->buffer_.size());
+      self->read_message();
+    });
+  }
+
+  void write() {
+    if (writing_ || (queue_.empty() && !frame_)) return;
+    std::shared_ptr<const std::string> message;
+    if (queue_.empty()) {
+      message = std::move(frame_);
+      frame_.reset();
+    } else {
+      message = queue_.front();
+      queue_.pop_front();
+    }
+    writing_ = true;
+    socket_->text(true);
+    socket_->async_write(asio::buffer(*message),
+                         [self = shared_from_this(), message](beast::error_code code, std::size_t) {
+                           self->writing_ = false;
+                           if (!code) self->write();
+                         });
+  }
+
+  beast::tcp_stream stream_;
+  std::shared_ptr<State> state_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<websocket::stream<beast::tcp_stream>> socket_;
+  std::uint64_t client_ = 0;
+  bool writing_ = false;
+  std::deque<std::shared_ptr<const std::string>> queue_;
+  std::shared_ptr<const std::string> frame_;  // The newest that has not been sent.
+};
+
+bool PageServer::State::allows(const http::request<http::empty_body>& request, std::string_view token) const {
+  if (!settings.token.empty()) return same_secret(token, settings.token);
+  // A page from elsewhere can make a browser call this address by another name.
+  return is_loopback_name(host_of(view(request[http::field::host])));
+}
+
+bool PageServer::State::allows_origin(const http::request<http::empty_body>& request) const {
+  const std::string_view origin = view(request[http::field::origin]);
+  if (origin.empty()) return true;  // No browser.
+  constexpr std::string_view kScheme = "http://";
+  return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == view(request[http::field::host]);
+}
+
+void PageServer::State::accept() {
+  acceptor.async_accept([self = shared_from_this()](beast::error_code code, tcp::socket socket) {
+    if (code == asio::error::operation_aborted) return;
+    if (!code && self->connections < kMaxConnections)
+      std::make_shared<Connection>(std::move(socket), self)->read();
+    self->accept();
+  });
+}
+
+PageServer::PageServer(std::shared_ptr<State> state) : state_(std::move(state)) {}
+
+PageServer::~PageServer() {
+  beast::error_code ignored;
+  state_->acceptor.close(ignored);
+  // What is still in flight finds nobody to tell.
+  state_->on_message = [](std::uint64_t, std::string_view) {};
+  state_->on_open = [] { return std::string(); };
+}
+
+Result<std::unique_ptr<PageServer>> PageServer::open(asio::io_context& network, PageSettings settings,
+                                                     OnOpen on_open, OnMessage on_message) {
+  const std::string where = fmt::format("{}:{}", settings.host, settings.port);
+  beast::error_code code;
+  const asio::ip::address address = settings.host == "localhost"
+                                        ? asio::ip::address(asio::ip::address_v4::loopback())
+                                        : asio::ip::make_address(settings.host, code);
+  if (code)
+    return fail(ErrorCode::bad_usage, "the page's address is no IP address", where,
+                "give one of this machine's, as 127.0.0.1:8740 or 0.0.0.0:8740");
+  auto state = std::make_shared<State>(network, std::move(settings));
+  state->loopback = address.is_loopback();
+  if (!state->loopback && state->settings.token.empty())
+    return fail(ErrorCode::bad_usage, "the page would be open to the whole network", where,
+                "give a token, or bind it to 127.0.0.1");
+  state->on_open = std::move(on_open);
+  state->on_message = std::move(on_message);
+  const tcp::endpoint endpoint(address, state->settings.port);
+  state->acceptor.open(endpoint.protocol(), code);
+  if (!code) state->acceptor.set_option(asio::socket_base::reuse_address(true), code);
+  if (!code) state->acceptor.bind(endpoint, code);
+  if (!code) state->acceptor.listen(asio::socket_base::max_listen_connections, code);
+  if (code)
+    return fail(ErrorCode::bad_usage, "the page cannot be served there: " + code.message(), where,
+                "give another with --page HOST:PORT, or --page off");
+  state->accept();
+  return std::unique_ptr<PageServer>(new PageServer(std::move(state)));
+}
+
+std::string PageServer::address() const {
+  const tcp::endpoint endpoint = state_->acceptor.local_endpoint();
+  std::string host = endpoint.address().to_string();
+  if (endpoint.address().is_v6()) host = "[" + host + "]";
+  const std::string& token = state_->settings.token;
+  return fmt::format("http://{}:{}/{}{}", host, endpoint.port(), token.empty() ? "" : "?token=", token);
+}
+
+std::size_t PageServer::clients() const {
+  return state_->clients.size();
+}
+
+void PageServer::send_frame(std::string frame) {
+  const auto shared = std::make_shared<const std::string>(std::move(frame));
+  for (const auto& [number, client] : state_->clients)
+    if (const auto there = client.lock()) there->send_frame(shared);
+}
+
+void PageServer::send(std::string message) {
+  const auto shared = std::make_shared<const std::string>(std::move(message));
+  for (const auto& [number, client] : state_->clients)
+    if (const auto there = client.lock()) there->send(shared);
+}
+
+void PageServer::send(std::uint64_t client, std::string message) {
+  const auto found = state_->clients.find(client);
+  if (found == state_->clients.end()) return;
+  if (const auto there = found->second.lock())
+    there->send(std::make_shared<const std::string>(std::move(message)));
+}
+
+}  // namespace mien::live

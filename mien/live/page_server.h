@@ -1,0 +1,68 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+
+namespace mien::live {
+
+/// A file that the page server gives out. Lifetime: the server's, and longer.
+struct Asset {
+  std::string_view path;  ///< "/index.html"; "/" gives that one.
+  std::string_view type;  ///< "text/html; charset=utf-8".
+  std::span<const std::byte> bytes;
+};
+
+struct PageSettings {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 8740;  ///< 0: any that is free.
+  /// What every request must carry as `?token=`; empty only on loopback.
+  std::string token;
+  std::vector<Asset> assets;
+};
+
+/// Serves the page and its WebSocket (docs/page_protocol.md). All calls from the thread that runs the
+/// io_context. On loopback without a token only requests whose Host names loopback are answered, and
+/// WebSockets only from pages of this server (docs/threat_model.md). Clients, their queues and what they may
+/// send are capped by constants; a slow one misses frames and is dropped when it misses replies.
+class PageServer {
+ public:
+  /// Called with a client's number and its message.
+  using OnMessage = std::function<void(std::uint64_t client, std::string_view text)>;
+  /// Called when a client is there; returns what is sent to it first.
+  using OnOpen = std::function<std::string()>;
+
+  /// Errors: bad_usage (no token on another address than loopback; the port is taken), not_found (no such
+  /// address).
+  [[nodiscard]] static Result<std::unique_ptr<PageServer>> open(boost::asio::io_context& network,
+                                                                PageSettings settings, OnOpen on_open,
+                                                                OnMessage on_message);
+  ~PageServer();
+
+  /// Where a browser finds it, token and all.
+  [[nodiscard]] std::string address() const;
+  [[nodiscard]] std::size_t clients() const;
+
+  /// To everybody; a client that has not taken the last frame yet gets this one instead of it.
+  void send_frame(std::string frame);
+  /// To everybody, in order.
+  void send(std::string message);
+  /// To one client, if it is still there.
+  void send(std::uint64_t client, std::string message);
+
+ private:
+  struct State;
+  class Connection;
+  explicit PageServer(std::shared_ptr<State> state);
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace mien::live

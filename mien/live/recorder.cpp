@@ -1,0 +1,273 @@
+#include "mien/live/recorder.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "mien/live/command.h"
+
+namespace mien::live {
+namespace {
+
+/// What the disk may be behind: about twenty seconds of twelve sensors.
+constexpr std::size_t kRingBytes = std::size_t{1} << 23U;
+/// What is kept of a session that is not recorded, so that a take can begin with its beginning: about ten
+/// hours.
+constexpr std::uint64_t kMaxSpoolBytes = std::uint64_t{4} << 30U;
+constexpr Duration kPatience = std::chrono::milliseconds(100);
+
+template <class T>
+void put(std::span<std::byte>& to, const T& value) {
+  std::memcpy(to.data(), &value, sizeof(T));
+  to = to.subspan(sizeof(T));
+}
+void put(std::span<std::byte>& to, std::span<const std::byte> bytes) {
+  if (!bytes.empty()) std::memcpy(to.data(), bytes.data(), bytes.size());
+  to = to.subspan(bytes.size());
+}
+template <class T>
+T get(std::span<const std::byte>& from) {
+  T value{};
+  std::memcpy(&value, from.data(), sizeof(T));
+  from = from.subspan(sizeof(T));
+  return value;
+}
+std::string text(std::span<const std::byte> bytes) {
+  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+}
+
+struct EntryHead {
+  HostTime arrival;
+  sensor::Peer peer;
+  std::uint32_t bytes;
+  std::uint32_t samples;
+};
+struct EventHead {
+  DeviceTime begin, end;
+  std::uint32_t kind_bytes;
+};
+
+struct CalibrationHead {
+  std::int64_t id;
+  DeviceTime made;
+  std::uint32_t modality_bytes;
+};
+
+}  // namespace
+
+/// A take that is being written.
+struct Recorder::Writing {
+  take::TakeWriter writer;
+  std::int64_t entry = 0;  // Id of the newest.
+  HostTime newest;
+  std::vector<std::string> names;  // Of peers.
+};
+
+Recorder::Recorder(std::function<std::string(sensor::Peer)> peer_name)
+    : peer_name_(std::move(peer_name)), ring_(kRingBytes), spool_(std::tmpfile()) {
+  if (spool_ == nullptr) spool_error_ = std::generic_category().message(errno);
+  thread_ = std::thread([this] { run(); });
+}
+
+Recorder::~Recorder() {
+  stopping_ = true;
+  signal_.give();
+  thread_.join();
+  if (spool_ != nullptr) std::fclose(spool_);
+}
+
+std::span<std::byte> Recorder::claim(std::size_t size) {
+  const std::span<std::byte> room = ring_.claim(size);
+  if (room.empty()) overrun_ = true;
+  return room;
+}
+
+void Recorder::entry(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
+                     std::span<const sensor::Sample> samples) {
+  std::span<std::byte> room = claim(1 + sizeof(EntryHead) + bytes.size() + samples.size_bytes());
+  if (room.empty()) return;
+  put(room, Kind::entry);
+  put(room, EntryHead{arrival, peer, static_cast<std::uint32_t>(bytes.size()),
+                      static_cast<std::uint32_t>(samples.size())});
+  put(room, bytes);
+  put(room, std::as_bytes(samples));
+  ring_.publish();
+  signal_.give();
+}
+
+void Recorder::command(HostTime arrival, std::string_view json) {
+  std::span<std::byte> room = claim(1 + sizeof(arrival) + json.size());
+  if (room.empty()) return;
+  put(room, Kind::command);
+  put(room, arrival);
+  put(room, std::as_bytes(std::span(json)));
+  ring_.publish();
+}
+
+void Recorder::tick(const sensor::FrameTick& tick) {
+  std::span<std::byte> room = claim(1 + sizeof(tick));
+  if (room.empty()) return;
+  put(room, Kind::tick);
+  put(room, tick);
+  ring_.publish();
+}
+
+void Recorder::event(const take::Event& event) {
+  std::span<std::byte> room = claim(1 + sizeof(EventHead) + event.kind.size() + event.json.size());
+  if (room.empty()) return;
+  put(room, Kind::event);
+  put(room, EventHead{event.begin, event.end, static_cast<std::uint32_t>(event.kind.size())});
+  put(room, std::as_bytes(std::span(event.kind)));
+  put(room, std::as_bytes(std::span(event.json)));
+  ring_.publish();
+}
+
+void Recorder::calibration(std::int64_t id, DeviceTime made, std::string_view modality,
+                           std::string_view json) {
+  std::span<std::byte> room = claim(1 + sizeof(CalibrationHead) + modality.size() + json.size());
+  if (room.empty()) return;
+  put(room, Kind::calibration);
+  put(room, CalibrationHead{id, made, static_cast<std::uint32_t>(modality.size())});
+  put(room, std::as_bytes(std::span(modality)));
+  put(room, std::as_bytes(std::span(json)));
+  ring_.publish();
+}
+
+void Recorder::run() {
+  while (!stopping_) {
+    signal_.wait(kPatience);
+    const std::lock_guard lock(mutex_);
+    while (drain()) {
+    }
+    if (overrun_.exchange(false)) {
+      fail_recording("the disk is too slow; record to another one");
+      spool_error_ = "a part of the session was lost while the disk was too slow";
+    }
+    if (writing_)
+      if (const auto status = writing_->writer.status(); !status) fail_recording(status.error().message());
+  }
+}
+
+bool Recorder::drain() {
+  const std::span<const std::byte> record = ring_.front();
+  if (record.empty()) return false;
+  keep(record);
+  if (writing_) write(record);
+  ring_.release();
+  return true;
+}
+
+void Recorder::keep(std::span<const std::byte> record) {
+  if (!spool_error_.empty()) return;
+  if (spooled_ > kMaxSpoolBytes) {
+    spool_error_ = "the session has run for too long to be recorded from its beginning";
+    return;
+  }
+  const auto size = static_cast<std::uint32_t>(record.size());
+  if (std::fwrite(&size, sizeof(size), 1, spool_) != 1 ||
+      std::fwrite(record.data(), 1, record.size(), spool_) != record.size())
+    spool_error_ = fmt::format("the temporary folder does not take the session's beginning ({})",
+                               std::generic_category().message(errno));
+  spooled_ += sizeof(size) + record.size();
+}
+
+void Recorder::write(std::span<const std::byte> record) {
+  Writing& w = *writing_;
+  switch (get<Kind>(record)) {
+    case Kind::entry: {
+      const auto head = get<EntryHead>(record);
+      while (w.names.size() <= head.peer)
+        w.names.push_back(peer_name_(static_cast<sensor::Peer>(w.names.size())));
+      w.newest = head.arrival;
+      w.entry = w.writer.add_entry(head.arrival, w.names[head.peer], record.first(head.bytes));
+      record = record.subspan(head.bytes);
+      for (std::uint32_t i = 0; i < head.samples; ++i)
+        w.writer.add_sample(w.entry, head.arrival, get<sensor::Sample>(record));
+      return;
+    }
+    case Kind::command: {
+      const auto arrival = get<HostTime>(record);
+      w.entry = w.writer.add_entry(arrival, kPageSource, record);
+      return;
+    }
+    case Kind::tick: {
+      const auto tick = get<sensor::FrameTick>(record);
+      w.writer.add_tick({tick.index, w.entry, tick.fired, tick.frame});
+      w.newest = tick.fired;
+      return;
+    }
+    case Kind::event: {
+      const auto head = get<EventHead>(record);
+      w.writer.add_event(
+          {text(record.first(head.kind_bytes)), head.begin, head.end, text(record.subspan(head.kind_bytes))});
+      return;
+    }
+    case Kind::calibration: {
+      const auto head = get<CalibrationHead>(record);
+      w.writer.add_calibration({head.id, head.made, text(record.first(head.modality_bytes)),
+                                text(record.subspan(head.modality_bytes))});
+      return;
+    }
+  }
+}
+
+void Recorder::fail_recording(const std::string& why) {
+  if (!writing_) return;
+  [[maybe_unused]] const auto finished = writing_->writer.finish();  // What was written stays.
+  writing_.reset();
+  state_.on = false;
+  state_.error = why;
+}
+
+Result<void> Recorder::start(const std::filesystem::path& path, const take::Header& header, bool replace) {
+  const std::lock_guard lock(mutex_);
+  if (writing_) return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string());
+  while (drain()) {
+  }
+  if (!spool_error_.empty())
+    return fail(ErrorCode::io, spool_error_, path.string(), "start the session again to record");
+  MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(path, header, replace));
+  writing_ = std::make_unique<Writing>(Writing{std::move(writer), 0, {}, {}});
+  state_ = {true, path, 0, {}};
+  // From the session's beginning.
+  std::rewind(spool_);
+  std::vector<std::byte> record;
+  std::uint32_t size = 0;
+  while (std::fread(&size, sizeof(size), 1, spool_) == 1) {
+    record.resize(size);
+    if (std::fread(record.data(), 1, size, spool_) != size) break;
+    write(record);
+  }
+  std::fseek(spool_, 0, SEEK_END);
+  return {};
+}
+
+Result<void> Recorder::finish(std::span<const take::Note> notes) {
+  const std::lock_guard lock(mutex_);
+  while (drain()) {
+  }
+  if (!writing_) {
+    if (state_.error.empty()) return {};
+    return fail(ErrorCode::io, state_.error, state_.path.string(), "what was recorded until then is kept");
+  }
+  for (const take::Note& note : notes) writing_->writer.add_note(note.key, note.value);
+  const auto finished = writing_->writer.finish();
+  state_.seconds = to_seconds(writing_->newest.time_since_epoch());
+  writing_.reset();
+  state_.on = false;
+  return finished;
+}
+
+Recorder::State Recorder::state() const {
+  const std::lock_guard lock(mutex_);
+  State state = state_;
+  if (writing_) state.seconds = to_seconds(writing_->newest.time_since_epoch());
+  return state;
+}
+
+}  // namespace mien::live

@@ -1,0 +1,154 @@
+#include "mien/live/tracker_loop.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+namespace mien::live {
+namespace {
+
+/// A second of frames.
+constexpr std::size_t kAnswers = 64;
+constexpr std::size_t kSaidBytes = std::size_t{1} << 18U;
+/// How often devices are greeted, and a report is made each second time.
+constexpr Duration kLook = std::chrono::milliseconds(100);
+
+struct SaidHead {
+  Said::Kind kind;
+  bool ok;
+  std::uint64_t to;
+  std::int64_t number;
+};
+
+std::span<const std::byte> bytes_of(std::string_view text) {
+  return std::as_bytes(std::span(text));
+}
+
+}  // namespace
+
+TrackerLoop::TrackerLoop(Session& session, Intake& intake, Recorder& recorder, Clock clock)
+    : session_(session),
+      intake_(intake),
+      recorder_(recorder),
+      clock_(std::move(clock)),
+      answers_(kAnswers),
+      said_(kSaidBytes) {}
+
+TrackerLoop::~TrackerLoop() {
+  stop();
+}
+
+void TrackerLoop::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void TrackerLoop::stop() {
+  stopping_ = true;
+  intake_.signal().give();
+  if (thread_.joinable()) thread_.join();
+}
+
+void TrackerLoop::run() {
+  while (!stopping_) {
+    while (const auto arrived = intake_.front()) {
+      // The order here is the log's: nothing arrives before what was known when the last tick fired.
+      newest_ = std::max(newest_, arrived->arrival);
+      fire(newest_, newest_);
+      Arrived inside = *arrived;
+      inside.arrival = newest_;
+      take(inside);
+      fire(newest_, arrived->arrival);
+      intake_.release();
+    }
+    newest_ = std::max(newest_, clock_());
+    fire(newest_, newest_);
+    look_around(newest_);
+    const HostTime deadline = std::min(session_.deadline().value_or(next_look_), next_look_);
+    intake_.signal().wait(deadline - clock_());
+  }
+}
+
+void TrackerLoop::fire(HostTime now, HostTime cause) {
+  while (const auto tick = session_.due(now)) {
+    const face::OutputFrame& frame = session_.tick(tick->frame, tick->fired);
+    recorder_.tick(*tick);
+    if (Answer* answer = answers_.claim()) {
+      answer->tick = *tick;
+      answer->cause = tick->complete ? cause : tick->fired;
+      answer->frame = frame;
+      answers_.publish();
+      out_.give();
+    } else {
+      ++missed_;
+    }
+    hand_over_news();
+  }
+}
+
+void TrackerLoop::take(const Arrived& arrived) {
+  if (arrived.kind == Arrived::Kind::command) {
+    const std::string_view json(reinterpret_cast<const char*>(arrived.bytes.data()), arrived.bytes.size());
+    // A command that fails changes nothing: it is logged all the same, and fails again in a replay.
+    recorder_.command(arrived.arrival, json);
+    const auto done = session_.command(arrived.arrival, json);
+    const std::string error = done ? std::string() : done.error().message();
+    say({Said::Kind::reply, arrived.client, arrived.number, done.has_value(), bytes_of(error)});
+    hand_over_news();
+    return;
+  }
+  const Session::Received received = session_.receive(arrived.arrival, arrived.peer, arrived.bytes);
+  if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored)
+    recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples);
+  if (!received.reply.empty()) say({Said::Kind::datagram, arrived.peer, 0, true, received.reply});
+}
+
+void TrackerLoop::say(const Said& said) {
+  const std::span<std::byte> room = said_.claim(sizeof(SaidHead) + said.bytes.size());
+  if (room.empty()) return;  // The network's thread stands still: nobody would hear it.
+  const SaidHead head{said.kind, said.ok, said.to, said.number};
+  std::memcpy(room.data(), &head, sizeof(head));
+  if (!said.bytes.empty()) std::memcpy(room.data() + sizeof(head), said.bytes.data(), said.bytes.size());
+  said_.publish();
+  out_.give();
+}
+
+std::optional<Said> TrackerLoop::front_said() {
+  const std::span<const std::byte> record = said_.front();
+  if (record.empty()) return std::nullopt;
+  SaidHead head{};
+  std::memcpy(&head, record.data(), sizeof(head));
+  return Said{head.kind, head.to, head.number, head.ok, record.subspan(sizeof(head))};
+}
+
+void TrackerLoop::hand_over_news() {
+  for (const take::Event& event : session_.take_events()) {
+    recorder_.event(event);
+    const std::string text = event.kind + " " + event.json;
+    say({Said::Kind::event, 0, 0, true, bytes_of(text)});
+  }
+  const auto& versions = session_.versions();
+  for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {
+    const CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
+    if (!version.json.empty())
+      recorder_.calibration(version.id, version.made, session_.modality(), version.json);
+  }
+}
+
+void TrackerLoop::look_around(HostTime now) {
+  if (now < next_look_) return;
+  next_look_ = now + kLook;
+  outgoing_.clear();
+  session_.say(now, outgoing_);
+  for (const sensor::Protocol::Outgoing& said : outgoing_)
+    say({Said::Kind::datagram, said.peer, 0, true, said.datagram});
+  session_.report(now, draft_);
+  // A reader that holds it gets the next one.
+  if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);
+}
+
+Report TrackerLoop::report() const {
+  const std::lock_guard lock(report_mutex_);
+  return report_;
+}
+
+}  // namespace mien::live

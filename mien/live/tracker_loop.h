@@ -1,0 +1,90 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "mien/face/output_frame.h"
+#include "mien/live/byte_ring.h"
+#include "mien/live/intake.h"
+#include "mien/live/recorder.h"
+#include "mien/live/report.h"
+#include "mien/live/ring.h"
+#include "mien/live/session.h"
+#include "mien/live/signal.h"
+
+namespace mien::live {
+
+/// A frame on its way to the sinks.
+struct Answer {
+  sensor::FrameTick tick;
+  HostTime cause;  ///< Arrival of the entry that fired the tick, or the deadline that did.
+  face::OutputFrame frame;
+};
+
+/// What the tracker's thread says beside frames.
+struct Said {
+  enum class Kind : std::uint8_t { datagram, reply, event };
+  Kind kind = Kind::datagram;
+  std::uint64_t to = 0;     ///< Peer of a datagram, client of a reply.
+  std::int64_t number = 0;  ///< Of the command replied to.
+  bool ok = true;
+  std::span<const std::byte> bytes;
+};
+
+/// Runs a session on a thread of its own: takes what arrived, fires the ticks that are due, hands answers and
+/// words to the network's thread and the log to the recorder. Allocates nothing and takes no lock that
+/// anybody else may hold for long.
+class TrackerLoop {
+ public:
+  using Clock = std::function<HostTime()>;
+  TrackerLoop(Session& session, Intake& intake, Recorder& recorder, Clock clock);
+  ~TrackerLoop();  ///< As stop().
+
+  void start();
+  /// Returns when the thread has ended.
+  void stop();
+
+  // Network thread.
+  [[nodiscard]] Answer* front() { return answers_.front(); }
+  void release() { answers_.release(); }
+  [[nodiscard]] std::optional<Said> front_said();
+  void release_said() { said_.release(); }
+  /// There is something to take.
+  [[nodiscard]] Signal& signal() { return out_; }
+  /// The newest report, at most a quarter of a second old. Copies it.
+  [[nodiscard]] Report report() const;
+
+  /// Frames that found no room, since the network's thread stood still.
+  [[nodiscard]] std::uint64_t missed() const { return missed_; }
+
+ private:
+  void run();
+  void fire(HostTime now, HostTime cause);
+  void take(const Arrived& arrived);
+  void say(const Said& said);
+  void hand_over_news();
+  void look_around(HostTime now);
+
+  Session& session_;
+  Intake& intake_;
+  Recorder& recorder_;
+  Clock clock_;
+  Ring<Answer> answers_;
+  ByteRing said_;
+  Signal out_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<std::uint64_t> missed_ = 0;
+  HostTime newest_;
+  HostTime next_look_;
+  std::int64_t versions_ = 0;  // Handed over.
+  std::vector<sensor::Protocol::Outgoing> outgoing_;
+  Report draft_;
+  mutable std::mutex report_mutex_;
+  Report report_;
+  std::thread thread_;
+};
+
+}  // namespace mien::live

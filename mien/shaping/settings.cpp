@@ -1,0 +1,122 @@
+#include "mien/shaping/settings.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace mien::shaping {
+namespace {
+
+using nlohmann::json;
+
+/// A number of the object within low to high. Errors: malformed, out_of_range.
+template <class T>
+Result<void> read_within(const json& value, const std::string& name, T low, T high, const std::string& where,
+                         T& out) {
+  if (!value.is_number()) return fail(ErrorCode::malformed, fmt::format("{} is not a number", name), where);
+  const double number = value.get<double>();
+  if (!(number >= static_cast<double>(low) && number <= static_cast<double>(high)))
+    return fail(ErrorCode::out_of_range, fmt::format("{} is {}", name, number), where,
+                fmt::format("give {} to {}", low, high));
+  out = static_cast<T>(number);
+  return {};
+}
+
+Result<std::size_t> read_shape(const std::string& name, const std::string& where) {
+  const std::size_t i = face::shape_index(name);
+  if (i == face::kShapeCount)
+    return fail(ErrorCode::malformed, fmt::format("no shape is called '{}'", name), where,
+                "names are those of the 53, as eyeBlink_L");
+  return i;
+}
+
+Result<void> read_gains(const json& gains, const std::string& where, Limits& limits) {
+  if (!gains.is_object()) return fail(ErrorCode::malformed, "'gains' is no table of shapes", where);
+  for (const auto& [name, value] : gains.items()) {
+    MIEN_TRY_ASSIGN(const std::size_t i, read_shape(name, where));
+    MIEN_TRY(read_within(value, "the gain of " + name, 0.0f, ShapeLimits::kGainAtMost, where,
+                         limits.shapes[i].gain));
+  }
+  return {};
+}
+
+Result<void> read_limits(const json& table, const std::string& where, Limits& limits) {
+  if (!table.is_object()) return fail(ErrorCode::malformed, "'limits' is no table of shapes", where);
+  for (const auto& [name, value] : table.items()) {
+    MIEN_TRY_ASSIGN(const std::size_t i, read_shape(name, where));
+    if (!value.is_array() || value.size() != 2)
+      return fail(ErrorCode::malformed, "the limits of " + name + " are no two numbers", where,
+                  "give [low, high]");
+    ShapeLimits& shape = limits.shapes[i];
+    MIEN_TRY(read_within(value[0], "the lower limit of " + name, 0.0f, 1.0f, where, shape.low));
+    MIEN_TRY(read_within(value[1], "the upper limit of " + name, shape.low, 1.0f, where, shape.high));
+  }
+  return {};
+}
+
+Result<void> read_fallback(const json& table, const std::string& where, FallbackSettings& fallback) {
+  if (!table.is_object()) return fail(ErrorCode::malformed, "'fallback' is no table", where);
+  constexpr double kShortest_s = FallbackSettings::kShortest_s;
+  constexpr double kLongest_s = FallbackSettings::kLongest_s;
+  for (const auto& [key, value] : table.items()) {
+    if (key == "hold_s") {
+      MIEN_TRY(read_within(value, "'hold_s'", 0.0, kLongest_s, where, fallback.hold_s));
+    } else if (key == "neutral_s") {
+      MIEN_TRY(read_within(value, "'neutral_s'", kShortest_s, kLongest_s, where, fallback.neutral_s));
+    } else if (key == "return_s") {
+      MIEN_TRY(read_within(value, "'return_s'", kShortest_s, kLongest_s, where, fallback.return_s));
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("'fallback' has no '{}'", key), where);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string write_settings(const ShaperSettings& settings) {
+  json gains = json::object();
+  json limits = json::object();
+  for (std::size_t i = 0; i < face::kShapeCount; ++i) {
+    const ShapeLimits& shape = settings.limits.shapes[i];
+    const std::string name(face::kShapeNames[i]);
+    if (shape.gain != 1) gains[name] = shape.gain;
+    if (shape.low != 0 || shape.high != 1) limits[name] = json::array({shape.low, shape.high});
+  }
+  return json{{"smoothing", settings.smoothing},
+              {"smooth_head", settings.smooth_head},
+              {"gains", std::move(gains)},
+              {"limits", std::move(limits)},
+              {"fallback",
+               {{"hold_s", settings.fallback.hold_s},
+                {"neutral_s", settings.fallback.neutral_s},
+                {"return_s", settings.fallback.return_s}}}}
+      .dump();
+}
+
+Result<ShaperSettings> parse_settings(std::string_view text, const std::string& where,
+                                      const ShaperSettings& base) {
+  const json root = json::parse(text, nullptr, false);
+  if (!root.is_object()) return fail(ErrorCode::malformed, "not a JSON object", where);
+  ShaperSettings settings = base;
+  for (const auto& [key, value] : root.items()) {
+    if (key == "smoothing") {
+      MIEN_TRY(read_within(value, "'smoothing'", 0.0, 1.0, where, settings.smoothing));
+    } else if (key == "smooth_head") {
+      if (!value.is_boolean()) return fail(ErrorCode::malformed, "'smooth_head' is not true or false", where);
+      settings.smooth_head = value.get<bool>();
+    } else if (key == "gains") {
+      MIEN_TRY(read_gains(value, where, settings.limits));
+    } else if (key == "limits") {
+      MIEN_TRY(read_limits(value, where, settings.limits));
+    } else if (key == "fallback") {
+      MIEN_TRY(read_fallback(value, where, settings.fallback));
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", key), where);
+    }
+  }
+  return settings;
+}
+
+}  // namespace mien::shaping

@@ -1,0 +1,40 @@
+#include "mien/shaping/shaper.h"
+
+#include "mien/shaping/bounds.h"
+#include "mien/shaping/eyes.h"
+
+namespace mien::shaping {
+
+Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
+  set(settings);
+}
+
+void Shaper::set(const ShaperSettings& settings) {
+  settings_ = settings;
+  limited_ = settings.limits != Limits{};
+  fallback_.set(settings.fallback);
+  smoothing_.set(smoothing_for(settings.smoothing, settings.smooth_head));
+}
+
+void Shaper::reset() {
+  begun_ = false;
+  last_ = neutral_frame({});
+  fallback_.reset();
+  recentre_.settle();
+  smoothing_.reset();
+}
+
+void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_there) {
+  if (begun_ && frame.time <= last_.time) reset();
+  mend(frame, last_);
+  last_ = frame;
+  begun_ = true;
+  fallback_.apply(frame, sensors_there);
+  recentre_.apply(frame);
+  if (limited_) settings_.limits.apply(frame);
+  smoothing_.apply(frame);
+  bound(frame);
+  eyes_from_weights(frame);
+}
+
+}  // namespace mien::shaping

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/face/output_frame.h"
+#include "mien/sensor/calibration.h"
+#include "mien/sensor/sample.h"
+
+namespace mien::tracker {
+
+/// What a performer does for a calibration. A modality that has no use for a step passes it over.
+enum class Step : std::uint8_t {
+  none,
+  neutral,  ///< Face and head still, upright, looking ahead.
+  nod,      ///< Face still, the head nods; begins downwards.
+  shake,    ///< Face still, the head shakes about the vertical.
+};
+[[nodiscard]] std::string_view step_name(Step step);
+
+/// How far a calibration is, for people.
+struct CalibrationState {
+  enum class Phase : std::uint8_t {
+    watching,  ///< None yet: the tracker watches for the steps, whenever the performer does them.
+    guided,    ///< Steps that were asked for run.
+    done,      ///< One is in force.
+  };
+  Phase phase = Phase::watching;
+  Step step = Step::none;  ///< The step that runs, or that is waited for.
+  std::string_view hint;   ///< Why the last try did not do; empty when it did. A text that lives for ever.
+};
+
+/// When a step of the calibration in force was performed, on the reference's time line.
+struct PerformedStep {
+  Step step;
+  DeviceTime begin, end;
+};
+
+/// One modality's way from samples to output frames; the only face that the live session sees of it. A pure
+/// function of the calls, in their order: live and replay give the same bits. Thread: one at a time. No
+/// allocation in add and tick after start-up, but where a calibration is made.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  /// "imu": what its calibrations are called in a take.
+  [[nodiscard]] virtual std::string_view modality() const = 0;
+
+  /// A decoded sample as it arrives; `sample.sensor` is bound. Order of calls is the log's order.
+  virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
+
+  /// The answer at a frame of the grid (reference's time line): every field of `out`. Neutral, with that
+  /// provenance, until there is a calibration. Returns how many sensors were there: 0 asks whoever shapes to
+  /// hold and to ease to neutral, a change to ease over.
+  virtual std::size_t tick(DeviceTime frame, face::OutputFrame& out) = 0;
+
+  /// A guided step runs on the frames [begin, end); given before the tick of its begin. The last step's end
+  /// puts the calibration in force.
+  virtual void guide(Step step, DeviceTime begin, DeviceTime end) = 0;
+  /// Ends guidance; what was in force before its first step is in force again.
+  virtual void cancel_guidance() = 0;
+
+  [[nodiscard]] virtual CalibrationState calibration_state() const = 0;
+  /// The calibration in force as JSON, as a take keeps it; empty when there is none.
+  [[nodiscard]] virtual std::string calibration() const = 0;
+  [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
+  /// Counts calibrations: one more each time calibration() changes by more than drift.
+  [[nodiscard]] virtual int calibration_count() const = 0;
+  /// The steps that the tracker found of its own accord; guided ones are known to who guided.
+  [[nodiscard]] virtual std::vector<PerformedStep> found_steps() const = 0;
+  /// Puts an earlier one in force. Errors: malformed, mismatch (another rig's).
+  [[nodiscard]] virtual Result<void> restore(std::string_view json) = 0;
+
+  /// How unsure a sensor's heading is, rad; none where that means nothing.
+  [[nodiscard]] virtual std::optional<double> heading_sigma_rad(std::uint16_t sensor) const = 0;
+};
+
+}  // namespace mien::tracker

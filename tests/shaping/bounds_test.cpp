@@ -1,0 +1,101 @@
+#include "mien/shaping/bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+#include "tests/shaping/frames.h"
+
+namespace mien::shaping {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+TEST(Mend, ChangesNoBitOfAFrameThatIsWell) {
+  Random random(3);
+  for (int i = 0; i < 100; ++i) {
+    const face::OutputFrame in = moving(i, random);
+    face::OutputFrame out = in;
+    mend(out, neutral_frame({}));
+    EXPECT_TRUE(same_bits(in, out));
+  }
+}
+
+TEST(Mend, TakesTheLastValueForOneThatIsNoNumber) {
+  const face::OutputFrame last = measured(0, 0.4f);
+  face::OutputFrame frame = measured(1, 0.6f);
+  frame.weights[3] = kNan;
+  frame.weights[4] = -kInf;
+  frame.confidence[5] = kNan;
+  frame.confidence[6] = 7;
+  mend(frame, last);
+  for (const std::size_t i : {3, 4}) {
+    EXPECT_EQ(frame.weights[i], 0.4f);
+    EXPECT_EQ(frame.confidence[i], 0);
+    EXPECT_EQ(frame.provenance[i], face::Provenance::held);
+  }
+  EXPECT_EQ(frame.confidence[5], 0);
+  EXPECT_EQ(frame.confidence[6], 1);
+  EXPECT_EQ(frame.weights[5], 0.6f);
+}
+
+TEST(Mend, BringsWeightsIntoTheirRange) {
+  face::OutputFrame frame = measured(1, 0.6f);
+  frame.weights[3] = 1.2f;
+  frame.weights[4] = -0.1f;
+  mend(frame, neutral_frame({}));
+  EXPECT_EQ(frame.weights[3], 1.0f);
+  EXPECT_EQ(frame.weights[4], 0.0f);
+}
+
+TEST(Mend, RepairsHeadAndEyes) {
+  face::OutputFrame last = measured(0);
+  last.head = exp_rotation({0.1, 0.2, 0.3});
+  last.eyes_rad[1] = {0.1f, 0.2f};
+  face::OutputFrame frame = measured(1);
+  frame.head = Quat(0, 0, 0, 0);
+  frame.eyes_rad[0] = {kNan, 0};
+  frame.eyes_confidence = 1;
+  mend(frame, last);
+  EXPECT_EQ(frame.head.coeffs(), last.head.coeffs());
+  EXPECT_EQ(frame.head_confidence, 0);
+  EXPECT_EQ(frame.head_provenance, face::Provenance::held);
+  EXPECT_EQ(frame.eyes_rad[1], last.eyes_rad[1]);
+  EXPECT_EQ(frame.eyes_confidence, 0);
+
+  frame = measured(2);
+  frame.head = Quat(1.05, 0, 0, 0);
+  frame.eyes_rad[0] = {9, -9};
+  mend(frame, last);
+  EXPECT_EQ(frame.head.coeffs(), Quat::Identity().coeffs());
+  EXPECT_NEAR(frame.eyes_rad[0].x(), std::numbers::pi / 2, 1e-6);
+}
+
+TEST(Bound, HoldsTheRangeAndMouthClose) {
+  face::OutputFrame frame = measured(0, 0.5f);
+  frame.weights[0] = kNan;
+  frame.weights[1] = kInf;
+  frame.weights[2] = -kInf;
+  frame.weights[face::shape("jawOpen")] = 0.2f;
+  bound(frame);
+  EXPECT_EQ(frame.weights[0], 0);
+  EXPECT_EQ(frame.weights[1], 1);
+  EXPECT_EQ(frame.weights[2], 0);
+  EXPECT_EQ(frame.weights[face::shape("mouthClose")], 0.2f);
+  frame.weights[face::shape("jawOpen")] = 0.6f;
+  frame.weights[face::shape("mouthClose")] = 0.5f;
+  bound(frame);
+  EXPECT_EQ(frame.weights[face::shape("mouthClose")], 0.5f);
+}
+
+TEST(NeutralFrame, SaysThatItIsNeutral) {
+  const face::OutputFrame frame = neutral_frame(frame_time(3));
+  EXPECT_EQ(frame.time, frame_time(3));
+  for (const face::Provenance p : frame.provenance) EXPECT_EQ(p, face::Provenance::neutral);
+  EXPECT_EQ(frame.weights, face::BlendshapeWeights{});
+}
+
+}  // namespace
+}  // namespace mien::shaping

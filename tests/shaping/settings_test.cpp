@@ -1,0 +1,67 @@
+#include "mien/shaping/settings.h"
+
+#include <gtest/gtest.h>
+
+namespace mien::shaping {
+namespace {
+
+TEST(Settings, GoThroughJson) {
+  ShaperSettings settings;
+  EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
+  settings.smoothing = 0.35;
+  settings.smooth_head = true;
+  settings.limits.shapes[face::shape("jawOpen")] = {.gain = 1.3f, .low = 0.1f, .high = 0.9f};
+  settings.limits.shapes[face::shape("noseSneer_R")].gain = 0;
+  settings.fallback = {.hold_s = 0, .neutral_s = 1.5, .return_s = 0.1};
+  EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
+}
+
+TEST(Settings, WhatIsNotNamedStays) {
+  ShaperSettings base;
+  base.smoothing = 0.5;
+  base.limits.shapes[0].gain = 2;
+  base.limits.shapes[1] = {.gain = 0.5f, .low = 0.2f, .high = 0.4f};
+  const ShaperSettings changed =
+      parse_settings(R"({"gains": {"browDown_R": 3}, "fallback": {"hold_s": 1}})", "page", base).value();
+  EXPECT_EQ(changed.smoothing, 0.5);
+  EXPECT_EQ(changed.limits.shapes[0].gain, 2);
+  EXPECT_EQ(changed.limits.shapes[1], (ShapeLimits{.gain = 3, .low = 0.2f, .high = 0.4f}));
+  EXPECT_EQ(changed.fallback, (FallbackSettings{.hold_s = 1}));
+  EXPECT_EQ(parse_settings("{}", "page", base).value(), base);
+}
+
+TEST(Settings, RefuseWhatCannotBeMeant) {
+  const auto code = [](const char* text) { return parse_settings(text, "page").error().code; };
+  for (const char* text : {"",
+                           "null",
+                           "[1]",
+                           "{",
+                           R"({"smoothing": "much"})",
+                           R"({"smoothing": true})",
+                           R"({"smooth_head": 1})",
+                           R"({"gains": []})",
+                           R"({"gains": {"jawopen": 1}})",
+                           R"({"gains": {"jawOpen": null}})",
+                           R"({"limits": 1})",
+                           R"({"limits": {"jawOpen": 1}})",
+                           R"({"limits": {"jawOpen": [0]}})",
+                           R"({"limits": {"jawOpen": [0, "1"]}})",
+                           R"({"limits": {"nose": [0, 1]}})",
+                           R"({"fallback": 1})",
+                           R"({"fallback": {"hold": 1}})",
+                           R"({"fallback": {"hold_s": {}}})",
+                           R"({"colour": 1})",
+                           R"({"smoothing": 1e999})"})
+    EXPECT_EQ(code(text), ErrorCode::malformed) << text;
+  for (const char* text : {R"({"smoothing": 1.1})", R"({"smoothing": -0.1})", R"({"gains": {"jawOpen": 5}})",
+                           R"({"gains": {"jawOpen": -1}})", R"({"limits": {"jawOpen": [0.5, 0.4]}})",
+                           R"({"limits": {"jawOpen": [-0.1, 1]}})", R"({"limits": {"jawOpen": [0, 1.5]}})",
+                           R"({"fallback": {"hold_s": -1}})", R"({"fallback": {"neutral_s": 0}})",
+                           R"({"fallback": {"return_s": 11}})"})
+    EXPECT_EQ(code(text), ErrorCode::out_of_range) << text;
+  EXPECT_EQ(parse_settings(R"({"smoothing": 2})", "page").error().message(),
+            "page: 'smoothing' is 2; give 0 to 1");
+}
+
+}  // namespace
+}  // namespace mien::shaping

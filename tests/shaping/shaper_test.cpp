@@ -1,0 +1,235 @@
+#include "mien/shaping/shaper.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/shaping/frames.h"
+
+namespace mien::shaping {
+namespace {
+
+using face::Provenance;
+using face::shape;
+
+ShaperSettings everything() {
+  ShaperSettings settings;
+  settings.smoothing = 0.5;
+  settings.smooth_head = true;
+  for (std::size_t i = 0; i < face::kShapeCount; ++i)
+    settings.limits.shapes[i] = {.gain = 1.5f, .low = i % 7 == 0 ? 0.1f : 0.0f, .high = 0.9f};
+  return settings;
+}
+
+void expect_in_bounds(const face::OutputFrame& frame) {
+  for (std::size_t i = 0; i < face::kShapeCount; ++i) {
+    ASSERT_GE(frame.weights[i], 0.0f);
+    ASSERT_LE(frame.weights[i], 1.0f);
+    ASSERT_GE(frame.confidence[i], 0.0f);
+    ASSERT_LE(frame.confidence[i], 1.0f);
+  }
+  ASSERT_GE(frame.tongue_out, 0.0f);
+  ASSERT_LE(frame.tongue_out, 1.0f);
+  ASSERT_LE(frame.weights[shape("mouthClose")], frame.weights[shape("jawOpen")]);
+  ASSERT_NEAR(frame.head.norm(), 1, 1e-6);
+  ASSERT_TRUE(frame.eyes_rad[0].allFinite() && frame.eyes_rad[1].allFinite());
+  ASSERT_LE(frame.eyes_rad[0].cwiseAbs().maxCoeff(), 1.6f);
+}
+
+TEST(Shaper, TheDefaultAddsNoDelayAndNoChange) {
+  Shaper shaper;
+  Random random(1);
+  for (int i = 0; i < 300; ++i) {
+    face::OutputFrame in = moving(i, random);
+    in.weights[shape("mouthClose")] = std::min(in.weights[shape("mouthClose")], in.weights[shape("jawOpen")]);
+    face::OutputFrame out = in;
+    shaper.apply(out, 12);
+    ASSERT_EQ(in.weights, out.weights);
+    ASSERT_EQ(in.head.coeffs(), out.head.coeffs());
+    ASSERT_EQ(in.tongue_out, out.tongue_out);
+    ASSERT_EQ(in.confidence, out.confidence);
+    ASSERT_EQ(in.provenance, out.provenance);
+    ASSERT_EQ(out.eyes_provenance, Provenance::predicted);
+  }
+}
+
+TEST(Shaper, KeepsItsPromisesWhateverComesIn) {
+  Random random(2);
+  const auto odd = [&random]() -> float {
+    switch (random.below(8)) {
+      case 0:
+        return std::numeric_limits<float>::quiet_NaN();
+      case 1:
+        return std::numeric_limits<float>::infinity();
+      case 2:
+        return -std::numeric_limits<float>::infinity();
+      case 3:
+        return std::numeric_limits<float>::max();
+      case 4:
+        return -3;
+      default:
+        return static_cast<float>(random.uniform(-0.2, 1.2));
+    }
+  };
+  for (int setting = 0; setting < 3; ++setting) {
+    ShaperSettings settings = setting == 0 ? ShaperSettings{} : everything();
+    if (setting == 2) {  // Even settings that no parser lets through.
+      settings.smoothing = std::nan("");
+      for (ShapeLimits& s : settings.limits.shapes) s = {.gain = odd(), .low = odd(), .high = odd()};
+      settings.fallback = {.hold_s = -1, .neutral_s = 0, .return_s = std::nan("")};
+    }
+    Shaper shaper(settings);
+    std::int64_t time = 0;
+    for (int i = 0; i < 5000; ++i) {
+      time += static_cast<std::int64_t>(random.below(4)) - (random.chance(0.01) ? 1000 : 0);
+      face::OutputFrame frame = measured(time);
+      for (float& w : frame.weights.values) w = odd();
+      for (float& c : frame.confidence) c = odd();
+      frame.head = Quat(odd(), odd(), odd(), odd());
+      frame.tongue_out = odd();
+      frame.head_confidence = odd();
+      frame.eyes_rad = {Eigen::Vector2f(odd(), odd()), Eigen::Vector2f(odd(), odd())};
+      frame.eyes_confidence = odd();
+      frame.eyes_provenance = random.chance(0.5) ? Provenance::measured : Provenance::neutral;
+      if (random.chance(0.005)) shaper.recentre();
+      if (random.chance(0.005)) (void)shaper.undo_recentre();
+      shaper.apply(frame, random.below(3));
+      expect_in_bounds(frame);
+    }
+  }
+}
+
+TEST(Shaper, GivesTheSameBitsForTheSameCalls) {
+  Shaper a(everything());
+  Shaper b(everything());
+  Random random_a(5);
+  Random random_b(5);
+  for (int i = 0; i < 1000; ++i) {
+    face::OutputFrame x = moving(i, random_a);
+    face::OutputFrame y = moving(i, random_b);
+    const std::size_t sensors = i % 300 > 200 ? 0 : static_cast<std::size_t>(10 + i / 100 % 2);
+    if (i == 320) {
+      a.recentre();
+      b.recentre();
+    }
+    a.apply(x, sensors);
+    b.apply(y, sensors);
+    ASSERT_TRUE(same_bits(x, y)) << i;
+  }
+}
+
+TEST(Shaper, ACopyInMidStreamGoesOnAlike) {
+  Shaper a(everything());
+  Random random(6);
+  for (int i = 0; i < 130; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    if (i == 100) a.recentre();
+    a.apply(frame, i < 90 || i > 95 ? 12 : 0);
+  }
+  Shaper b = a;
+  for (int i = 130; i < 400; ++i) {
+    face::OutputFrame x = moving(i, random);
+    face::OutputFrame y = x;
+    a.apply(x, 12);
+    b.apply(y, 12);
+    ASSERT_TRUE(same_bits(x, y));
+  }
+}
+
+TEST(Shaper, LostSensorsEndInAQuietNeutralFace) {
+  Shaper shaper;
+  Random random(7);
+  face::OutputFrame frame;
+  for (int i = 0; i < 60; ++i) {
+    frame = moving(i, random);
+    shaper.apply(frame, 12);
+  }
+  for (int i = 60; i < 120; ++i) {
+    face::OutputFrame next = moving(i, random);
+    shaper.apply(next, 0);
+    ASSERT_LE(largest_step(frame, next), 0.05) << i;
+    if (i == 61) {
+      EXPECT_EQ(next.provenance[0], Provenance::held);
+      EXPECT_EQ(next.eyes_provenance, Provenance::held);
+    }
+    frame = next;
+  }
+  EXPECT_EQ(frame.weights, face::BlendshapeWeights{});
+  EXPECT_EQ(frame.provenance[0], Provenance::neutral);
+  EXPECT_EQ(frame.eyes_provenance, Provenance::neutral);
+  EXPECT_EQ(frame.eyes_rad[0].norm(), 0);
+  EXPECT_EQ(frame.confidence[0], 0);
+  EXPECT_EQ(frame.tongue_out, 0);
+}
+
+TEST(Shaper, RecentresInOneActionAndTakesItBack) {
+  Shaper shaper;
+  int i = 0;
+  const auto play = [&](int frames) {
+    face::OutputFrame frame;
+    for (const int end = i + frames; i < end; ++i) {
+      frame = measured(i, 0.2f);
+      frame.head = exp_rotation({0, -0.4, 0});
+      shaper.apply(frame, 12);
+    }
+    return frame;
+  };
+  play(30);
+  shaper.recentre();
+  face::OutputFrame frame = play(95);
+  EXPECT_EQ(frame.weights, face::BlendshapeWeights{});
+  EXPECT_LT(angle_between(frame.head, Quat::Identity()), 1e-9);
+  const Centre centre = shaper.recentring().centre();
+  EXPECT_TRUE(shaper.undo_recentre());
+  EXPECT_EQ(play(40).weights[0], 0.2f);
+  shaper.use_centre(centre);
+  EXPECT_EQ(play(40).weights, face::BlendshapeWeights{});
+}
+
+TEST(Shaper, ARestWhileSensorsAreLostIsNotTaken) {
+  Shaper shaper;
+  face::OutputFrame frame = measured(0, 0.3f);
+  shaper.apply(frame, 12);
+  shaper.recentre();
+  for (int i = 1; i < 120; ++i) {
+    frame = measured(i, 0.3f);
+    shaper.apply(frame, 0);
+  }
+  EXPECT_EQ(shaper.recentring().state(), Recentre::State::failed);
+  EXPECT_EQ(shaper.recentring().centre(), Centre{});
+}
+
+TEST(Shaper, BeginsAnewWhenTimeRunsBack) {
+  Shaper shaper(everything());
+  Centre centre;
+  centre.rest[0] = 0.2f;
+  shaper.use_centre(centre);
+  Random random(8);
+  face::OutputFrame frame;
+  for (int i = 100; i < 200; ++i) {
+    frame = moving(i, random);
+    shaper.apply(frame, 12);
+  }
+  Shaper fresh(everything());
+  fresh.use_centre(centre);
+  fresh.reset();
+  for (int i = 0; i < 50; ++i) {
+    frame = moving(i, random);
+    face::OutputFrame other = frame;
+    shaper.apply(frame, 12);
+    fresh.apply(other, 12);
+    ASSERT_TRUE(same_bits(frame, other)) << i;
+  }
+}
+
+TEST(Shaper, MouthCloseRuleWinsOverLimits) {
+  ShaperSettings settings;
+  settings.limits.shapes[shape("mouthClose")] = {.gain = 4, .low = 0.5f};
+  Shaper shaper(settings);
+  face::OutputFrame frame = measured(0);
+  shaper.apply(frame, 1);
+  EXPECT_EQ(frame.weights[shape("mouthClose")], 0);
+}
+
+}  // namespace
+}  // namespace mien::shaping

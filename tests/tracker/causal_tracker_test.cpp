@@ -1,0 +1,176 @@
+#include "mien/tracker/causal_tracker.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <utility>
+
+#include "tests/tracker/tiny_model.h"
+#include "tests/tracker/turning_sensors.h"
+
+namespace {
+
+/// Allocations of this program so far.
+std::size_t allocations = 0;
+
+}  // namespace
+
+// Not inlined: g++ would take a malloc that it sees freed by delete for a mistake.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace mien::tracker {
+namespace {
+
+using ::testing::Each;
+using ::testing::HasSubstr;
+
+const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
+
+CausalTracker tiny_tracker(const std::vector<std::string>& rig = kSensors) {
+  return CausalTracker::create(test::tiny_causal_model(kSensors), rig).value();
+}
+
+std::vector<face::OutputFrame> run(CausalTracker& tracker, const std::vector<model::FeatureFrame>& features) {
+  std::vector<face::OutputFrame> out(features.size());
+  for (std::size_t f = 0; f < features.size(); ++f) tracker.step(features[f], out[f]);
+  return out;
+}
+std::vector<face::OutputFrame> run(const std::vector<model::FeatureFrame>& features,
+                                   const std::vector<std::string>& rig = kSensors) {
+  CausalTracker tracker = tiny_tracker(rig);
+  return run(tracker, features);
+}
+
+std::vector<face::BlendshapeWeights> weights_of(const std::vector<face::OutputFrame>& frames) {
+  std::vector<face::BlendshapeWeights> weights;
+  for (const face::OutputFrame& frame : frames) weights.push_back(frame.weights);
+  return weights;
+}
+
+TEST(CausalTracker, FillsAFrameAFrame) {
+  const auto features = test::turning(50);
+  const auto frames = run(features);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    EXPECT_EQ(frames[f].time, features[f].time);
+    for (const float w : frames[f].weights.values) {
+      EXPECT_GE(w, 0);
+      EXPECT_LE(w, 1);
+    }
+    EXPECT_THAT(frames[f].confidence, Each(1));
+    EXPECT_THAT(frames[f].provenance, Each(face::Provenance::measured));
+    EXPECT_EQ(frames[f].head_provenance, face::Provenance::neutral);
+    EXPECT_EQ(frames[f].eyes_provenance, face::Provenance::neutral);
+  }
+}
+
+TEST(CausalTracker, NothingIsLeftOfTheFrameBefore) {
+  auto features = test::turning(2);
+  features[0].head = exp_rotation(Vec3(0, 0.3, 0));
+  features[0].has_head = true;
+  CausalTracker tracker = tiny_tracker();
+  face::OutputFrame frame;
+  tracker.step(features[0], frame);
+  EXPECT_EQ(frame.head.coeffs(), features[0].head.coeffs());
+  EXPECT_EQ(frame.head_provenance, face::Provenance::measured);
+  EXPECT_EQ(frame.head_confidence, 1);
+  tracker.step(features[1], frame);
+  EXPECT_EQ(frame.head_provenance, face::Provenance::neutral);
+  EXPECT_EQ(frame.head_confidence, 0);
+}
+
+TEST(CausalTracker, WhatComesLaterChangesNothing) {
+  auto features = test::turning(40);
+  const auto once = weights_of(run(features));
+  features[20].sensors[1].rotation = {0.8F, 0.6F, 0, 0};
+  const auto changed = weights_of(run(features));
+  for (std::size_t f = 0; f < 20; ++f) EXPECT_EQ(once[f], changed[f]);
+  EXPECT_NE(once, changed);
+}
+
+TEST(CausalTracker, AResetBeginsAnew) {
+  const auto features = test::turning(40);
+  CausalTracker tracker = tiny_tracker();
+  const auto once = weights_of(run(tracker, features));
+  EXPECT_NE(weights_of(run(tracker, features)), once);
+  tracker.reset();
+  EXPECT_EQ(weights_of(run(tracker, features)), once);
+  CausalTracker moved = std::move(tracker);
+  moved.reset();
+  EXPECT_EQ(weights_of(run(moved, features)), once);
+}
+
+TEST(CausalTracker, AllocatesNothing) {
+  const auto features = test::turning(40);
+  CausalTracker tracker = tiny_tracker();
+  face::OutputFrame frame;
+  const std::size_t before = allocations;
+  for (const model::FeatureFrame& f : features) tracker.step(f, frame);
+  tracker.reset();
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(CausalTracker, ConfidenceIsTheShareOfTheSensorsThatFeelAShape) {
+  // The ridge of tiny_model() listens to the first sensor alone.
+  auto features = test::turning(3);
+  features[1].sensors[0] = {};
+  features[2].sensors[1] = {};
+  auto frames = run(features);
+  EXPECT_THAT(frames[1].confidence, Each(0));
+  EXPECT_THAT(frames[1].provenance, Each(face::Provenance::measured));
+  EXPECT_THAT(frames[2].confidence, Each(1));
+  // Without a ridge all sensors count alike.
+  model::ModelFile file = test::tiny_causal_model(kSensors);
+  file.ridge.clear();
+  CausalTracker alike = CausalTracker::create(std::move(file), kSensors).value();
+  frames = run(alike, features);
+  EXPECT_THAT(frames[1].confidence, Each(0.5F));
+  EXPECT_THAT(frames[2].confidence, Each(0.5F));
+}
+
+TEST(CausalTracker, SaysWhenItFeltNothing) {
+  auto features = test::turning(3);
+  for (model::SensorFeature& sensor : features[1].sensors) sensor = {};
+  const auto frames = run(features);
+  EXPECT_THAT(frames[1].confidence, Each(0));
+  EXPECT_THAT(frames[1].provenance, Each(face::Provenance::predicted));
+  EXPECT_THAT(frames[2].provenance, Each(face::Provenance::measured));
+}
+
+TEST(CausalTracker, AReadingThatIsNotFiniteIsMissingAndSpoilsNothing) {
+  auto features = test::turning(20), missing = features;
+  features[5].sensors[0].rotation[1] = std::numeric_limits<float>::quiet_NaN();
+  missing[5].sensors[0] = {};
+  EXPECT_EQ(weights_of(run(features)), weights_of(run(missing)));
+}
+
+TEST(CausalTracker, RefusesWhatItCannotRun) {
+  const auto code = [](model::ModelFile file, const std::vector<std::string>& rig = kSensors) {
+    return CausalTracker::create(std::move(file), rig).error().code;
+  };
+  EXPECT_EQ(code(test::tiny_causal_model(kSensors), {"frontalis_R"}), ErrorCode::mismatch);
+  EXPECT_EQ(code(test::tiny_causal_model(kSensors), {}), ErrorCode::mismatch);
+  EXPECT_EQ(code(test::tiny_model(kSensors)), ErrorCode::mismatch) << "a window network";
+  model::ModelFile file = test::tiny_causal_model(kSensors);
+  std::swap(file.shapes[0], file.shapes[1]);
+  EXPECT_EQ(code(file), ErrorCode::mismatch);
+  file = test::tiny_causal_model(kSensors);
+  file.network.pop_back();
+  EXPECT_EQ(code(file), ErrorCode::mismatch);
+  const auto refused = CausalTracker::create(test::tiny_model(kSensors), kSensors);
+  EXPECT_THAT(refused.error().message(), HasSubstr("live.safetensors"));
+}
+
+}  // namespace
+}  // namespace mien::tracker

@@ -1,0 +1,62 @@
+/** What buttons and keys do: one place for both, so that they do the same. */
+import type { Command, Reply } from "./protocol";
+import type { Session } from "./session";
+import type { ViewState } from "./view_state";
+
+export class Actions {
+  constructor(
+    private readonly session: Session,
+    private readonly view: ViewState,
+  ) {}
+
+  /** Sends a command and says what went wrong, if anything did. */
+  async send(command: Command): Promise<Reply> {
+    const reply = await this.session.send(command);
+    if (!reply.ok) this.view.say(reply.error || `The session refused: ${command.command}.`, "bad");
+    return reply;
+  }
+
+  async toggleRecording(name = ""): Promise<void> {
+    const on = !(this.session.status.value?.recording.on ?? false);
+    const reply = await this.send({ command: "record", on, name });
+    if (reply.ok && !on) void this.session.refreshTakes();
+  }
+
+  async calibrate(kind: "short" | "full" = "short"): Promise<void> {
+    if (this.session.status.value?.calibration.state === "running") return;
+    await this.send({ command: "calibrate", kind });
+  }
+
+  async cancelCalibration(): Promise<void> {
+    await this.send({ command: "cancel_calibration" });
+  }
+
+  async recentre(): Promise<void> {
+    const reply = await this.send({ command: "recentre" });
+    if (reply.ok) this.view.say("Hold a neutral face: it becomes the new neutral.", "good");
+  }
+
+  async togglePause(): Promise<void> {
+    const replay = this.session.status.value?.replay;
+    if (replay) await this.send({ command: "replay", paused: !replay.paused });
+  }
+
+  /** In a replay the space bar pauses; live it re-centres. */
+  async space(): Promise<void> {
+    await (this.session.status.value?.replay ? this.togglePause() : this.recentre());
+  }
+
+  async seek(seconds: number): Promise<void> {
+    await this.send({ command: "replay", seek: Math.max(0, seconds) });
+  }
+
+  /** The next device that is tapped is bound to this sensor; the same again stops waiting. */
+  async tap(sensor: string): Promise<void> {
+    const waiting = this.session.status.value?.tap === sensor;
+    await this.send({ command: "tap", sensor: waiting ? "" : sensor });
+  }
+
+  async stopTap(): Promise<void> {
+    await this.send({ command: "tap", sensor: "" });
+  }
+}

@@ -1,0 +1,134 @@
+/** The guided calibration over the face: what to do now, a ring that runs down, and afterwards how well it went. */
+import type { Actions } from "../actions";
+import { h, setAttribute, setHidden, setText, svg } from "../dom";
+import type { Session } from "../session";
+import type { Status } from "../protocol";
+import { scoreItems } from "../panels/calibration";
+
+const RADIUS = 34;
+const AROUND = 2 * Math.PI * RADIUS;
+const TITLES: Readonly<Record<string, string>> = { neutral: "Hold still", nod: "Nod", shake: "Shake your head", anchor: "Make this face" };
+
+export class CalibrationGuide {
+  readonly element = h("section", { class: "guide", "aria-label": "Calibration", hidden: true });
+  private readonly title = h("h2");
+  private readonly prompt = h("p", { "aria-live": "assertive" });
+  private readonly ring = svg("circle", { cx: 40, cy: 40, r: RADIUS, class: "ring-run", "stroke-dasharray": AROUND, "stroke-dashoffset": 0 });
+  private readonly seconds = h("span", { class: "ring-seconds" });
+  private readonly steps = h("ol", { class: "steps", "aria-hidden": "true" });
+  private readonly running = h("div", { class: "guide-running" });
+  private readonly done = h("div", { class: "guide-done", hidden: true });
+  /** The calibration that this page has seen running: only its end is news. */
+  private wasRunning = false;
+  private progress = 0;
+  private remaining = 0;
+  private duration = 0;
+  private heardAtMs = 0;
+  private step = "";
+
+  constructor(
+    session: Session,
+    private readonly actions: Actions,
+  ) {
+    this.running.append(
+      h(
+        "div",
+        { class: "ring" },
+        svg("svg", { viewBox: "0 0 80 80", "aria-hidden": "true" }, svg("circle", { cx: 40, cy: 40, r: RADIUS, class: "ring-back" }), this.ring),
+        this.seconds,
+      ),
+      h("div", { class: "guide-words" }, this.title, this.prompt, this.steps),
+      h("button", { type: "button", class: "button", text: "Cancel", onclick: () => void actions.cancelCalibration() }),
+    );
+    this.element.append(this.running, this.done);
+    session.status.listen((status) => {
+      if (status) this.update(status);
+    });
+  }
+
+  get open(): boolean {
+    return !this.element.hidden;
+  }
+
+  /** Escape: cancels what runs, closes what has ended. */
+  close(): void {
+    if (this.wasRunning) void this.actions.cancelCalibration();
+    else setHidden(this.element, true);
+  }
+
+  /** Moves the ring between two messages of the session; called at the display's rate while it is open. */
+  draw(nowMs: number): void {
+    if (!this.wasRunning) return;
+    const passed = (nowMs - this.heardAtMs) / 1000;
+    const progress = this.duration > 0 ? Math.min(1, this.progress + passed / this.duration) : this.progress;
+    this.ring.setAttribute("stroke-dashoffset", (AROUND * progress).toFixed(1));
+    setText(this.seconds, this.remaining > 0 ? String(Math.max(0, Math.ceil(this.remaining - passed))) : "");
+  }
+
+  private update(status: Status): void {
+    const { calibration } = status;
+    if (calibration.state === "running") {
+      if (!this.wasRunning) {
+        this.wasRunning = true;
+        setHidden(this.element, false);
+        setHidden(this.running, false);
+        setHidden(this.done, true);
+      }
+      const step = `${calibration.step} ${calibration.prompt}`;
+      if (step !== this.step) {
+        this.step = step;
+        this.prompt.classList.remove("fresh");
+        void this.prompt.offsetWidth;
+        this.prompt.classList.add("fresh");
+      }
+      setText(this.title, TITLES[calibration.step] ?? "Calibrating");
+      setText(this.prompt, calibration.prompt);
+      this.progress = calibration.progress;
+      this.remaining = calibration.remainingS ?? 0;
+      // What is left takes the time that is left: the ring needs the whole.
+      this.duration = this.progress < 1 ? this.remaining / (1 - this.progress) : 0;
+      this.heardAtMs = performance.now();
+      this.drawSteps(calibration.stepNumber, calibration.steps);
+      return;
+    }
+    if (!this.wasRunning) return;
+    this.wasRunning = false;
+    this.step = "";
+    const version = calibration.versions.find((one) => one.inForce);
+    const fresh = version !== undefined && version.time !== null && status.time !== null && status.time - version.time < 5;
+    if (calibration.state === "failed" || !fresh || !version) {
+      setHidden(this.element, calibration.state !== "failed");
+      if (calibration.state === "failed") this.finish("It did not work", calibration.prompt || "Try again, more slowly.", []);
+      return;
+    }
+    const failed = version.scores.filter((score) => !score.pass).length;
+    this.finish(
+      failed === 0 ? "Calibrated" : "Calibrated, with a doubt",
+      failed === 0 ? "Everything looks right." : "It is in force. What is marked below can be made better by another try.",
+      scoreItems(version.scores),
+    );
+  }
+
+  private drawSteps(at: number, of: number): void {
+    setHidden(this.steps, of < 2);
+    if (this.steps.childElementCount !== of) this.steps.replaceChildren(...Array.from({ length: of }, () => h("li")));
+    Array.from(this.steps.children).forEach((dot, i) => {
+      setAttribute(dot, "data-step", i + 1 < at ? "done" : i + 1 === at ? "now" : "later");
+    });
+  }
+
+  private finish(title: string, sentence: string, scores: HTMLElement[]): void {
+    const close = h("button", { type: "button", class: "button primary", text: "Done", onclick: () => setHidden(this.element, true) });
+    const again = h("button", { type: "button", class: "button", text: "Again", onclick: () => void this.actions.calibrate("short") });
+    this.done.replaceChildren(
+      h("h2", { text: title }),
+      h("p", { text: sentence }),
+      h("ul", { class: "scores" }, ...scores),
+      h("div", { class: "button-row" }, close, again),
+    );
+    setHidden(this.running, true);
+    setHidden(this.done, false);
+    setHidden(this.element, false);
+    if (document.activeElement === document.body) close.focus({ preventScroll: true });
+  }
+}

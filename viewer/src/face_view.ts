@@ -1,0 +1,342 @@
+/**
+ * The face in the middle of the page: which head is shown, what it is told, what stands beside it, and how honest it looks.
+ */
+import { withToken } from "./connection";
+import { h, setHidden, setText } from "./dom";
+import { fixed } from "./format";
+import { restingPose, type Pose } from "./playout";
+import type { CalibrationStatus } from "./protocol";
+import type { Session } from "./session";
+import { shapeLabel } from "./shapes";
+import type { Avatar } from "./scene/avatar";
+import { SkinDifference } from "./scene/difference";
+import { SensorDots } from "./scene/dots";
+import { acceptDrops, pickFile } from "./scene/drop";
+import { loadAvatar, refusal } from "./scene/load_avatar";
+import { Stage } from "./scene/stage";
+import { Signal } from "./signal";
+import type { ViewState } from "./view_state";
+
+/** What is beside the captured face. */
+type Second = "none" | "truth" | "target";
+
+/** The error read-out is renewed this often, ms. */
+const READOUT_MS = 250;
+
+export class FaceView {
+  readonly element = h("div", { class: "face-view" });
+  /** The file that stands in for the session's face; null while it is the session's own. */
+  readonly ownFile = new Signal<string | null>(null);
+  readonly loading = new Signal<boolean>(true);
+
+  private readonly stage: Stage | null;
+  private readonly dots: SensorDots;
+  private readonly left = h("div", { class: "face-label", hidden: true });
+  private readonly right = h("div", { class: "face-label", hidden: true });
+  private readonly difference = h("div", { class: "difference", hidden: true });
+  private readonly veil = h(
+    "div",
+    { class: "drop-veil", hidden: true },
+    h("p", { text: "Drop a .glb or .vrm to wear it" }),
+    h("p", { class: "quiet", text: "It stays in this browser." }),
+  );
+
+  private bytes: { data: ArrayBuffer; name: string; own: boolean } | null = null;
+  private first: Avatar | null = null;
+  private second: Avatar | null = null;
+  private secondWanted: Second = "none";
+  private secondLoading = false;
+  private skin: SkinDifference | null = null;
+  private readonly pose = restingPose();
+  private readonly truth = restingPose();
+  private readonly target = restingPose();
+  private lastReadout = 0;
+
+  constructor(
+    private readonly session: Session,
+    private readonly view: ViewState,
+  ) {
+    this.dots = new SensorDots((sensor) => {
+      view.sensor.set(view.sensor.value === sensor ? null : sensor);
+      if (view.sensor.value) {
+        view.panel.set("sensors");
+        view.panelOpen.set(true);
+      }
+    });
+    const host = h("div", { class: "stage-host" });
+    this.element.append(host, this.dots.element, this.left, this.right, this.difference, this.veil);
+    this.stage = this.makeStage(host);
+    if (!this.stage) return;
+
+    this.stage.onDraw = (now) => this.draw(now);
+    this.stage.onDrawn = () => this.afterDraw();
+    session.frame.listen(() => this.stage?.wake());
+    session.hello.listen((hello) => {
+      if (!hello) return;
+      this.dots.setSensors(hello.sensors);
+      this.refreshDots();
+      if (!this.bytes || this.bytes.own) void this.loadOwn(hello.face);
+    });
+    session.status.listen(() => {
+      this.refreshDots();
+      this.chooseSecond();
+    });
+    view.sensor.listen(() => this.refreshDots());
+    view.showTruth.listen(() => this.chooseSecond());
+    view.turnHead.listen(() => this.stage?.wake());
+    view.showDots.listen((shown) => setHidden(this.dots.element, !shown));
+    acceptDrops(
+      (file) => void this.wear(file),
+      (hanging) => setHidden(this.veil, !hanging),
+    );
+  }
+
+  /** Whether there is a picture at all. */
+  get drawn(): boolean {
+    return this.stage !== null;
+  }
+
+  resetView(): void {
+    this.stage?.resetView();
+  }
+
+  orbit(azimuth: number, polar: number): void {
+    this.stage?.orbit(azimuth, polar);
+  }
+
+  cover(margins: { top: number; right: number; bottom: number; left: number }): void {
+    this.stage?.cover(margins);
+  }
+
+  pick(): void {
+    pickFile((file) => void this.wear(file));
+  }
+
+  /** Shows a file of the person's own instead of the session's face. */
+  async wear(file: File): Promise<void> {
+    const why = refusal(file.name, file.size);
+    if (why) {
+      this.view.say(why, "bad");
+      return;
+    }
+    const data = await file.arrayBuffer();
+    if (await this.show({ data, name: file.name, own: false })) {
+      this.ownFile.set(file.name);
+      this.view.say(`${file.name}: ${this.first?.known ?? 0} of 53 shapes.`, "good");
+    }
+  }
+
+  /** Back to the session's face. */
+  async wearOwn(): Promise<void> {
+    this.ownFile.set(null);
+    this.bytes = null;
+    await this.loadOwn(this.session.hello.value?.face ?? "/face.glb");
+  }
+
+  private makeStage(host: HTMLElement): Stage | null {
+    try {
+      return new Stage(host, () => matchMedia("(prefers-reduced-motion: reduce)").matches);
+    } catch {
+      this.loading.set(false);
+      host.append(
+        h(
+          "div",
+          { class: "no-webgl", role: "alert" },
+          h("h2", { text: "No 3D here" }),
+          h("p", { text: "This browser gives no WebGL 2, so the face cannot be drawn. Weights, sensors and all else work." }),
+        ),
+      );
+      return null;
+    }
+  }
+
+  private async loadOwn(path: string): Promise<void> {
+    const url = withToken(path, window.location);
+    if (url.origin !== window.location.origin) return;
+    try {
+      const answer = await fetch(url);
+      if (!answer.ok) throw new Error(`The session did not give its face (${answer.status}).`);
+      const data = await answer.arrayBuffer();
+      if (this.bytes?.own && same(this.bytes.data, data)) return;
+      await this.show({ data, name: "the session's face", own: true });
+    } catch (error) {
+      this.loading.set(false);
+      this.view.say(error instanceof Error ? error.message : String(error), "bad");
+    }
+  }
+
+  private async show(bytes: { data: ArrayBuffer; name: string; own: boolean }): Promise<boolean> {
+    if (!this.stage) return false;
+    this.loading.set(true);
+    try {
+      const avatar = await loadAvatar(bytes.data, bytes.name, bytes.own);
+      this.bytes = bytes;
+      this.dropSecond();
+      this.first?.dispose();
+      this.first = avatar;
+      this.skin = null;
+      this.stage.put("first", avatar.object);
+      this.dots.setAvatar(avatar);
+      this.chooseSecond();
+      return true;
+    } catch (error) {
+      this.view.say(error instanceof Error ? error.message : String(error), "bad");
+      return false;
+    } finally {
+      this.loading.set(false);
+    }
+  }
+
+  private dropSecond(): void {
+    this.stage?.put("second", null);
+    this.second?.dispose();
+    this.second = null;
+  }
+
+  private refreshDots(): void {
+    const status = this.session.status.value;
+    this.dots.setHealth(status?.links ?? [], this.view.sensor.value, status?.tap ?? null);
+  }
+
+  private chooseSecond(): void {
+    const status = this.session.status.value;
+    const guided = status?.calibration.state === "running";
+    const shown = guided && (status.calibration.target !== null || isMotion(status.calibration));
+    const truth = !guided && status?.replay?.hasTruth === true && this.view.showTruth.value;
+    this.secondWanted = shown ? "target" : truth ? "truth" : "none";
+    setText(this.left, shown ? "Do this" : "Truth");
+    setText(this.right, shown ? "You" : "Capture");
+    setHidden(this.left, this.secondWanted === "none");
+    setHidden(this.right, this.secondWanted === "none");
+    setHidden(this.difference, this.secondWanted !== "truth");
+    this.element.dataset["second"] = this.secondWanted;
+    void this.bringSecond();
+    this.stage?.wake();
+  }
+
+  private async bringSecond(): Promise<void> {
+    if (!this.stage || !this.first || !this.bytes) return;
+    if (this.secondWanted === "none") {
+      this.stage.put("second", null);
+      return;
+    }
+    if (!this.second && !this.secondLoading) {
+      this.secondLoading = true;
+      const bytes = this.bytes;
+      try {
+        const avatar = await loadAvatar(bytes.data, bytes.name, bytes.own);
+        if (this.bytes === bytes) this.second = avatar;
+        else avatar.dispose();
+      } catch {
+        // The same bytes made the first one: this can only be a lack of memory, and one face is enough.
+      } finally {
+        this.secondLoading = false;
+      }
+    }
+    // What is wanted may have changed meanwhile; a status comes four times a second and asks again.
+    if (this.second) this.stage.put("second", this.secondNow() === "none" ? null : this.second.object);
+  }
+
+  private secondNow(): Second {
+    return this.secondWanted;
+  }
+
+  private draw(now: number): boolean {
+    let more = this.session.playout.pose(now, this.pose, this.truth);
+    if (!this.view.turnHead.value) still(this.pose), still(this.truth);
+    this.first?.apply(this.pose);
+    if (this.second && this.secondWanted === "truth") this.second.apply(this.truth);
+    if (this.second && this.secondWanted === "target") {
+      more = this.poseTarget(now) || more;
+      this.second.apply(this.target);
+    }
+    return more;
+  }
+
+  /** Eases the example into the face that is asked for, or lets it nod and shake as is asked. True while it moves. */
+  private poseTarget(now: number): boolean {
+    const calibration = this.session.status.value?.calibration;
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    let moving = false;
+    for (let k = 0; k < this.target.weights.length; ++k) {
+      const wanted = calibration?.target?.[k] ?? 0;
+      const before = this.target.weights[k] ?? 0;
+      const after = calm ? wanted : before + (wanted - before) * 0.12;
+      this.target.weights[k] = after;
+      if (Math.abs(after - wanted) > 1e-3) moving = true;
+    }
+    // A nod begins downwards; a turn by a positive angle about +X bows the head, one about +Y turns it to its left.
+    const angle = calm ? 0 : 0.3 * Math.sin(now / 420);
+    const half = angle / 2;
+    const nods = calibration?.step === "nod";
+    const shakes = calibration?.step === "shake";
+    this.target.head = [Math.cos(half), nods ? Math.sin(half) : 0, shakes ? Math.sin(half) : 0, 0];
+    if (!nods && !shakes) this.target.head = [1, 0, 0, 0];
+    return moving || nods || shakes;
+  }
+
+  private afterDraw(): void {
+    if (!this.stage) return;
+    this.dots.update(this.stage, "first");
+    if (this.secondWanted === "none") return;
+    for (const [label, place] of [[this.left, "second"], [this.right, "first"]] as const) {
+      const rect = this.stage.rectOf(place);
+      label.style.transform = `translate(${Math.round(rect.left + rect.width / 2)}px, ${Math.round(rect.top + 8)}px) translateX(-50%)`;
+    }
+    const now = performance.now();
+    if (this.secondWanted === "truth" && now - this.lastReadout > READOUT_MS) {
+      this.lastReadout = now;
+      this.readOut();
+    }
+  }
+
+  private readOut(): void {
+    const frame = this.session.playout.newest;
+    const mesh = this.first?.face;
+    if (!frame?.truth || !mesh) {
+      setText(this.difference, "");
+      return;
+    }
+    mesh.updateWorldMatrix(true, false);
+    this.skin ??= new SkinDifference(mesh, mesh.matrixWorld.getMaxScaleOnAxis());
+    const { meanMm, maxMm } = this.skin.between(frame.weights, frame.truth);
+    let worst = 0;
+    let sum = 0;
+    frame.weights.forEach((weight, k) => {
+      const apart = Math.abs(weight - (frame.truth?.[k] ?? 0));
+      sum += apart;
+      if (apart > Math.abs((frame.weights[worst] ?? 0) - (frame.truth?.[worst] ?? 0))) worst = k;
+    });
+    const figures: [string, string][] = [
+      [fixed(meanMm, 2), "mm of skin, mean"],
+      [fixed(maxMm, 1), "mm, worst place"],
+      [fixed(sum / frame.weights.length, 3), "weight, mean"],
+      [shapeLabel(worst), "furthest off"],
+    ];
+    if (this.difference.childElementCount !== figures.length) {
+      this.difference.replaceChildren(
+        ...figures.map(() => h("div", {}, h("span", { class: "figure" }), h("span", { class: "quiet" }))),
+      );
+    }
+    figures.forEach(([figure, unit], i) => {
+      const cell = this.difference.children[i];
+      if (cell?.firstElementChild) setText(cell.firstElementChild, figure);
+      if (cell?.lastElementChild) setText(cell.lastElementChild, unit);
+    });
+  }
+}
+
+function isMotion(calibration: CalibrationStatus): boolean {
+  return calibration.step === "nod" || calibration.step === "shake";
+}
+
+function still(pose: Pose): void {
+  pose.head = [1, 0, 0, 0];
+}
+
+function same(a: ArrayBuffer, b: ArrayBuffer): boolean {
+  if (a.byteLength !== b.byteLength) return false;
+  const left = new Uint8Array(a);
+  const right = new Uint8Array(b);
+  return left.every((value, i) => value === right[i]);
+}

@@ -1,0 +1,184 @@
+/** Calibrations: beginning one, the versions so far, two of them compared, and an earlier one put back in force. */
+import type { Actions } from "../actions";
+import { h, KeyedList, setHidden, setText } from "../dom";
+import { ago, fixed } from "../format";
+import type { CalibrationVersion, Score, Status } from "../protocol";
+import type { Session } from "../session";
+
+const ORIGINS: Readonly<Record<string, string>> = {
+  self: "By itself, from how you moved",
+  guided: "Guided",
+  recentre: "Re-centred",
+  restored: "From an earlier session",
+};
+
+export class CalibrationPanel {
+  readonly element = h("div", { class: "panel calibration-panel" });
+  private readonly sentence = h("p", { class: "summary" });
+  private readonly list = h("ul", { class: "versions" });
+  private readonly comparison = h("section", { class: "comparison", hidden: true });
+  private readonly compared = new Set<string>();
+  private readonly versions: KeyedList<CalibrationVersion, VersionRow>;
+  private readonly begin: HTMLButtonElement[];
+  private shownComparison = "";
+
+  constructor(
+    private readonly session: Session,
+    actions: Actions,
+  ) {
+    const short = h("button", { type: "button", class: "button primary", onclick: () => void actions.calibrate("short") }, "Calibrate");
+    const full = h("button", { type: "button", class: "button", onclick: () => void actions.calibrate("full") }, "With expressions");
+    const recentre = h("button", { type: "button", class: "button", onclick: () => void actions.recentre() }, "Re-centre");
+    this.begin = [short, full];
+    this.element.append(
+      this.sentence,
+      h("div", { class: "button-row" }, short, full, recentre),
+      h("p", {
+        class: "quiet",
+        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, for a closer fit. Re-centre: the face you have now is neutral again.",
+      }),
+      h("h3", { text: "Versions" }),
+      this.list,
+      this.comparison,
+    );
+    this.versions = new KeyedList(this.list, (one) => String(one.id), (one) => new VersionRow(one, actions, (on) => this.compare(one, on)));
+    session.status.listen((status) => this.update(status));
+  }
+
+  private update(status: Status | null): void {
+    if (!status) return;
+    const { calibration } = status;
+    const inForce = calibration.versions.find((one) => one.inForce);
+    const sentences: Record<typeof calibration.state, string> = {
+      none: "Not calibrated: the face stays neutral until it is.",
+      watching: calibration.prompt || "Not calibrated yet. Hold still, nod and shake your head: the session is watching for them.",
+      running: calibration.prompt,
+      done: inForce ? `Calibrated ${when(inForce, status)}.` : "Calibrated.",
+      failed: calibration.prompt || "The calibration failed. Try again, more slowly.",
+    };
+    setText(this.sentence, sentences[calibration.state]);
+    for (const button of this.begin) button.disabled = calibration.state === "running";
+    const newestFirst = [...calibration.versions].reverse();
+    this.versions.update(newestFirst);
+    for (const row of this.versionsRows()) row.tick(status);
+    if (this.list.childElementCount === 0) this.list.append(h("li", { class: "quiet", text: "None yet." }));
+    this.drawComparison(calibration.versions);
+  }
+
+  private versionsRows(): VersionRow[] {
+    return Array.from(this.list.children).flatMap((element) => rowOf.get(element) ?? []);
+  }
+
+  private compare(version: CalibrationVersion, on: boolean): void {
+    const key = String(version.id);
+    this.compared.delete(key);
+    if (on) this.compared.add(key);
+    while (this.compared.size > 2) {
+      const oldest = this.compared.values().next().value;
+      if (oldest === undefined) break;
+      this.compared.delete(oldest);
+      for (const row of this.versionsRows()) row.uncheck(oldest);
+    }
+    this.drawComparison(this.session.status.value?.calibration.versions ?? []);
+  }
+
+  private drawComparison(versions: readonly CalibrationVersion[]): void {
+    const [first, second] = [...this.compared].map((key) => versions.find((one) => String(one.id) === key));
+    setHidden(this.comparison, !first || !second);
+    if (!first || !second) {
+      this.shownComparison = "";
+      return;
+    }
+    const key = `${first.id} ${second.id}`;
+    if (key === this.shownComparison) return;
+    this.shownComparison = key;
+    const names = [...new Set([...first.scores, ...second.scores].map((score) => score.name))];
+    const cell = (score: Score | undefined) =>
+      h("td", { "data-pass": score ? String(score.pass) : null, text: score ? `${fixed(score.value, 1)} ${score.unit}` : "–" });
+    this.comparison.replaceChildren(
+      h("h3", { text: "Compared" }),
+      h(
+        "table",
+        { class: "compare" },
+        h("thead", {}, h("tr", {}, h("th", { scope: "col", text: "Score" }), h("th", { scope: "col", text: `Version ${first.id}` }), h("th", { scope: "col", text: `Version ${second.id}` }))),
+        h(
+          "tbody",
+          {},
+          ...names.map((name) =>
+            h(
+              "tr",
+              {},
+              h("th", { scope: "row", text: name }),
+              cell(first.scores.find((score) => score.name === name)),
+              cell(second.scores.find((score) => score.name === name)),
+            ),
+          ),
+        ),
+      ),
+    );
+  }
+}
+
+const rowOf = new WeakMap<Element, VersionRow>();
+
+class VersionRow {
+  readonly element = h("li", { class: "version" });
+  private readonly title = h("strong");
+  private readonly time = h("span", { class: "quiet" });
+  private readonly badge = h("span", { class: "badge", text: "in force" });
+  private readonly use: HTMLButtonElement;
+  private readonly check = h("input", { type: "checkbox" });
+  private readonly scores = h("ul", { class: "scores" });
+  private version: CalibrationVersion;
+
+  constructor(version: CalibrationVersion, actions: Actions, compare: (on: boolean) => void) {
+    this.version = version;
+    this.use = h("button", {
+      type: "button",
+      class: "button small",
+      text: "Use this",
+      onclick: () => void actions.send({ command: "use_calibration", version: version.id }),
+    });
+    this.check.addEventListener("change", () => compare(this.check.checked));
+    const details = h("details", {}, h("summary", { text: "Scores" }), this.scores);
+    this.element.append(
+      h("div", { class: "version-head" }, h("div", {}, this.title, this.time), this.badge, this.use),
+      h("div", { class: "version-foot" }, details, h("label", { class: "check" }, this.check, "Compare")),
+    );
+    rowOf.set(this.element, this);
+  }
+
+  uncheck(id: string): void {
+    if (String(this.version.id) === id) this.check.checked = false;
+  }
+
+  update(version: CalibrationVersion): void {
+    const changed = this.scores.childElementCount === 0 || version.scores.length !== this.version.scores.length;
+    this.version = version;
+    setText(this.title, `${version.id}. ${ORIGINS[version.origin] ?? (version.origin || "Calibration")}`);
+    setHidden(this.badge, !version.inForce);
+    setHidden(this.use, version.inForce);
+    this.element.classList.toggle("in-force", version.inForce);
+    if (changed) this.scores.replaceChildren(...scoreItems(version.scores));
+  }
+
+  tick(status: Status): void {
+    setText(this.time, when(this.version, status));
+  }
+}
+
+/** Each score as a sentence with a tick or a cross. */
+export function scoreItems(scores: readonly Score[]): HTMLElement[] {
+  return scores.map((score) =>
+    h(
+      "li",
+      { "data-pass": String(score.pass) },
+      h("span", { class: "verdict", text: score.pass ? "✓" : "✗", "aria-label": score.pass ? "passed" : "failed" }),
+      h("span", {}, score.sentence || score.name, score.value === null ? "" : h("span", { class: "quiet", text: ` ${fixed(score.value, 1)} ${score.unit}` })),
+    ),
+  );
+}
+
+function when(version: CalibrationVersion, status: Status): string {
+  return version.time === null || status.time === null ? "" : ago(status.time - version.time);
+}

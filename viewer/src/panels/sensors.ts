@@ -1,0 +1,224 @@
+/** Every sensor with the numbers of its link; what to do about a bad one; and devices that nobody has bound yet. */
+import type { Actions } from "../actions";
+import { h, KeyedList, setAttribute, setHidden, setText } from "../dom";
+import { fixed, milliseconds, percentage, sensorLabel } from "../format";
+import { healthOf } from "../health";
+import type { Link, UnboundDevice } from "../protocol";
+import type { Session } from "../session";
+import type { ViewState } from "../view_state";
+
+export class SensorsPanel {
+  readonly element = h("div", { class: "panel sensors-panel" });
+  private readonly summary = h("p", { class: "summary" });
+  private readonly body = h("tbody");
+  private readonly detail: Detail;
+  private readonly unboundSection = h("section", { class: "unbound" });
+  private readonly rows: KeyedList<Link, SensorRow>;
+  private readonly unbound: KeyedList<UnboundDevice, UnboundRow>;
+
+  constructor(
+    private readonly session: Session,
+    private readonly view: ViewState,
+    actions: Actions,
+  ) {
+    this.detail = new Detail(session, view, actions);
+    const head = h(
+      "thead",
+      {},
+      h(
+        "tr",
+        {},
+        ...[["Sensor", ""], ["Rate", "Samples a second"], ["Age", "Since its last sample"], ["Loss", "Share of packets lost over the last seconds"], ["Offset", "Its clock against ours"], ["Drift", "How fast its clock goes wrong, parts in a million"], ["Battery", ""]].map(
+          ([name, meaning]) => h("th", { scope: "col", text: name, title: meaning || null }),
+        ),
+      ),
+    );
+    const list = h("ul", { class: "unbound-list" });
+    this.unboundSection.append(
+      h("h3", { text: "Heard, but bound to no site" }),
+      list,
+    );
+    this.element.append(
+      this.summary,
+      this.detail.element,
+      h("div", { class: "table-scroll" }, h("table", { class: "links" }, h("caption", { class: "hidden-visually", text: "Sensors and their links" }), head, this.body)),
+      this.unboundSection,
+    );
+    this.rows = new KeyedList(this.body, (link) => link.sensor, (link) => new SensorRow(link.sensor, view));
+    this.unbound = new KeyedList(list, (one) => one.device, (one) => new UnboundRow(one, session, actions));
+    session.status.listen(() => this.update());
+    view.sensor.listen(() => this.update());
+  }
+
+  private update(): void {
+    const status = this.session.status.value;
+    if (!status) {
+      setText(this.summary, "No news from the session yet.");
+      return;
+    }
+    const bad = status.links.filter((link) => healthOf(link.state).severity === "bad");
+    const warned = status.links.filter((link) => healthOf(link.state).severity === "warn");
+    const good = status.links.filter((link) => healthOf(link.state).severity === "good").length;
+    const troubles = [...bad, ...warned].map((link) => `${sensorLabel(link.sensor)} ${healthOf(link.state).label}`);
+    setText(
+      this.summary,
+      troubles.length === 0 ? `${good} of ${status.links.length} sensors are well.` : `${good} of ${status.links.length} well; ${troubles.join(", ")}.`,
+    );
+    this.rows.update(status.links);
+    for (const row of this.body.children) {
+      setAttribute(row, "aria-selected", String(row instanceof HTMLElement && row.dataset["sensor"] === this.view.sensor.value));
+    }
+    setHidden(this.unboundSection, status.unbound.length === 0);
+    this.unbound.update(status.unbound);
+    this.detail.update();
+  }
+}
+
+class SensorRow {
+  readonly element: HTMLTableRowElement;
+  private readonly state = h("span", { class: "row-state" });
+  private readonly cells = Array.from({ length: 6 }, () => h("td"));
+  private readonly pip = h("span", { class: "pip" });
+
+  constructor(sensor: string, view: ViewState) {
+    const name = h(
+      "button",
+      {
+        type: "button",
+        class: "row-name",
+        onclick: () => view.sensor.set(view.sensor.value === sensor ? null : sensor),
+      },
+      this.pip,
+      h("span", {}, h("span", { text: sensorLabel(sensor) }), this.state),
+    );
+    this.element = h("tr", { "data-sensor": sensor }, h("th", { scope: "row" }, name), ...this.cells);
+  }
+
+  update(link: Link): void {
+    const health = healthOf(link.state);
+    this.element.dataset["severity"] = health.severity;
+    setText(this.pip, health.mark);
+    setText(this.state, link.estimated ? `${health.label}, time estimated` : health.label);
+    const texts = [
+      link.rateHz === null ? "–" : fixed(link.rateHz, 0),
+      milliseconds(link.ageMs),
+      percentage(link.loss),
+      milliseconds(link.offsetMs),
+      fixed(link.driftPpm, 1),
+      link.battery === null ? "–" : `${Math.round(link.battery)} %`,
+    ];
+    texts.forEach((text, i) => {
+      const cell = this.cells[i];
+      if (cell) setText(cell, text);
+    });
+    this.cells[5]?.classList.toggle("low", link.battery !== null && link.battery < 15);
+  }
+}
+
+/** The chosen sensor: what is wrong, what can be done, and the numbers that the table has no room for. */
+class Detail {
+  readonly element = h("section", { class: "detail", hidden: true, "aria-live": "polite" });
+  private readonly title = h("h3");
+  private readonly sentence = h("p");
+  private readonly facts = h("dl", { class: "facts" });
+  private readonly tap = h("button", { type: "button", class: "button" });
+  private readonly device = h("select", { "aria-label": "Device at this site" });
+
+  constructor(
+    private readonly session: Session,
+    private readonly view: ViewState,
+    private readonly actions: Actions,
+  ) {
+    this.tap.addEventListener("click", () => {
+      if (view.sensor.value) void actions.tap(view.sensor.value);
+    });
+    this.device.addEventListener("change", () => {
+      const sensor = view.sensor.value;
+      if (sensor && this.device.value) void this.actions.send({ command: "bind", sensor, device: this.device.value });
+    });
+    this.element.append(
+      h("div", { class: "detail-head" }, this.title, h("button", { type: "button", class: "text-button", text: "Close", onclick: () => view.sensor.set(null) })),
+      this.sentence,
+      h("div", { class: "button-row" }, this.tap, this.device),
+      this.facts,
+    );
+  }
+
+  update(): void {
+    const status = this.session.status.value;
+    const link = status?.links.find((one) => one.sensor === this.view.sensor.value);
+    setHidden(this.element, !link);
+    if (!link || !status) return;
+    const health = healthOf(link.state);
+    this.element.dataset["severity"] = health.severity;
+    setText(this.title, sensorLabel(link.sensor));
+    const waiting = status.tap === link.sensor;
+    setText(this.sentence, waiting ? "Waiting: tap the real sensor that sits here, two or three times." : `${capital(health.label)}. ${health.sentence}`);
+    setText(this.tap, waiting ? "Stop waiting" : "Tap it to bind it");
+    this.fillDevices(link, status.unbound);
+    const facts: [string, string][] = [
+      ["Device", link.device || "none"],
+      ["Clock known to", link.uncertaintyMs === null ? "–" : `±${milliseconds(link.uncertaintyMs)}`],
+      ["Heading known to", link.headingSigmaDeg === null ? "–" : `±${fixed(link.headingSigmaDeg, 1)}°`],
+      ["Lost", String(link.lost)],
+      ["Late", String(link.late)],
+      ["Doubled", String(link.doubled)],
+      ["Reordered", String(link.reordered)],
+      ["Malformed", String(link.malformed)],
+    ];
+    if (this.facts.childElementCount !== facts.length) {
+      this.facts.replaceChildren(...facts.map(([name]) => h("div", {}, h("dt", { text: name }), h("dd"))));
+    }
+    facts.forEach(([, value], i) => {
+      const place = this.facts.children[i]?.lastElementChild;
+      if (place) setText(place, value);
+    });
+  }
+
+  private fillDevices(link: Link, unbound: readonly UnboundDevice[]): void {
+    const devices = unbound.map((one) => one.device);
+    const key = [link.sensor, link.device, ...devices].join("\n");
+    if (this.device.dataset["key"] === key) return;
+    this.device.dataset["key"] = key;
+    this.device.replaceChildren(
+      h("option", { value: "", text: devices.length > 0 ? "Bind a device by name…" : "No unbound device is heard" }),
+      ...unbound.map((one) => h("option", { value: one.device, text: one.announces ? `${one.device} (says ${one.announces})` : one.device })),
+    );
+    this.device.disabled = devices.length === 0;
+  }
+}
+
+class UnboundRow {
+  readonly element = h("li", { class: "unbound-row" });
+  private readonly about = h("span", { class: "quiet" });
+  private readonly sensor = h("select", { "aria-label": "Site" });
+
+  constructor(one: UnboundDevice, session: Session, actions: Actions) {
+    const bind = h("button", {
+      type: "button",
+      class: "button small",
+      text: "Bind",
+      onclick: () => {
+        if (this.sensor.value) void actions.send({ command: "bind", sensor: this.sensor.value, device: one.device });
+      },
+    });
+    const names = (session.status.value?.links ?? []).map((link) => link.sensor);
+    this.sensor.append(
+      h("option", { value: "", text: "Which site?" }),
+      ...names.map((name) => h("option", { value: name, text: sensorLabel(name), selected: name === one.announces })),
+    );
+    this.element.append(
+      h("div", {}, h("strong", { class: "mono", text: one.device }), this.about),
+      h("div", { class: "button-row" }, this.sensor, bind),
+    );
+  }
+
+  update(one: UnboundDevice): void {
+    const says = one.announces ? `, says it is ${sensorLabel(one.announces)}` : "";
+    setText(this.about, `${one.protocol || "unknown protocol"}, heard ${milliseconds(one.ageMs)} ago${says}`);
+  }
+}
+
+function capital(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -1,0 +1,84 @@
+/** Recording a take, and the takes that can be played. */
+import type { Actions } from "../actions";
+import { h, KeyedList, setHidden, setText } from "../dom";
+import { clock, fixed } from "../format";
+import type { Take } from "../protocol";
+import type { Session } from "../session";
+
+export class TakesPanel {
+  readonly element = h("div", { class: "panel takes-panel" });
+  private readonly name = h("input", {
+    type: "text", class: "field", placeholder: "Name, if you like", "aria-label": "Name of the take", maxlength: 80, spellcheck: "false", autocomplete: "off",
+  });
+  private readonly record = h("button", { type: "button", class: "button record" });
+  private readonly about = h("p", { class: "summary" });
+  private readonly error = h("p", { class: "error", role: "alert", hidden: true });
+
+  constructor(session: Session, actions: Actions) {
+    const list = h("ul", { class: "takes" });
+    const empty = h("p", { class: "quiet", text: "No takes yet. What you record appears here." });
+    const refresh = h("button", { type: "button", class: "text-button", text: "Look again", onclick: () => void session.refreshTakes() });
+    this.element.append(
+      this.about,
+      this.error,
+      h("form", { class: "button-row", onsubmit: (event: Event) => {
+        event.preventDefault();
+        void actions.toggleRecording(this.name.value.trim());
+      } }, this.name, this.record),
+      h("div", { class: "section-head" }, h("h3", { text: "Takes" }), refresh),
+      list,
+      empty,
+    );
+    this.record.type = "submit";
+    const rows = new KeyedList<Take, TakeRow>(list, (take) => take.name, (take) => new TakeRow(take, actions));
+    session.takes.listen((takes) => {
+      rows.update(takes);
+      setHidden(empty, takes.length > 0);
+    });
+    session.status.listen((status) => {
+      if (!status) return;
+      const { recording, replay } = status;
+      setText(this.record, recording.on ? "Stop" : "Record");
+      this.record.classList.toggle("on", recording.on);
+      this.name.disabled = recording.on;
+      setText(
+        this.about,
+        recording.on
+          ? `Recording ${recording.path}: ${clock(recording.seconds)}, ${fixed(recording.megabytes, 1)} MB.`
+          : "A take keeps all that the sensors said, so it can be played, measured and solved again.",
+      );
+      setText(this.error, recording.error);
+      setHidden(this.error, recording.error === "");
+      for (const row of list.children) row.classList.toggle("playing", row instanceof HTMLElement && row.dataset["take"] === replay?.take);
+    });
+  }
+}
+
+class TakeRow {
+  readonly element: HTMLElement;
+  private readonly about = h("span", { class: "quiet" });
+
+  constructor(take: Take, actions: Actions) {
+    this.element = h(
+      "li",
+      { class: "take", "data-take": take.name },
+      h("div", {}, h("strong", { text: take.name.replace(/\.mien$/, "") }), this.about),
+      h("button", { type: "button", class: "button small", "aria-label": `Play ${take.name}`, text: "Play", onclick: () => void actions.send({ command: "replay", take: take.name }) }),
+    );
+  }
+
+  update(take: Take): void {
+    const parts = [
+      take.seconds === null ? "" : clock(take.seconds),
+      take.megabytes === null ? "" : `${fixed(take.megabytes, 1)} MB`,
+      recordedAt(take.recorded),
+    ];
+    setText(this.about, parts.filter((part) => part !== "").join(" · "));
+  }
+}
+
+function recordedAt(text: string): string {
+  const date = new Date(text);
+  if (text === "" || Number.isNaN(date.getTime())) return text;
+  return date.toLocaleString(undefined, { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit" });
+}

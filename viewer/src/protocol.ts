@@ -1,0 +1,483 @@
+/**
+ * What the page and the session say to each other (docs/page_protocol.md), typed, and read with care: whatever is missing
+ * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
+ * for what cannot be used at all.
+ */
+import { SHAPE_COUNT, SHAPES } from "./shapes";
+
+export interface RigSensor {
+  name: string;
+  kind: string;
+  site: string;
+  side: string;
+  role: string;
+  /** On the built-in face's neutral, frame H, metres; null where the rig does not say. */
+  position: readonly [number, number, number] | null;
+}
+
+export interface Hello {
+  type: "hello";
+  software: string;
+  /** For each shape of ours, its place in what the session sends, or -1. */
+  order: Int16Array;
+  rigName: string;
+  sensors: RigSensor[];
+  face: string;
+  model: string;
+  mode: "live" | "replay";
+  listening: string[];
+}
+
+export interface Frame {
+  type: "frame";
+  index: number;
+  /** Seconds of the reference's clock. */
+  time: number;
+  weights: Float32Array;
+  confidence: Float32Array;
+  /** `SHAPE_COUNT` letters. */
+  provenance: string;
+  tongueOut: number;
+  /** w, x, y, z; unit. */
+  head: readonly [number, number, number, number];
+  headConfidence: number;
+  headProvenance: string;
+  /** Yaw and pitch of the left, then of the right eye; radians, yaw to the performer's left, pitch up. */
+  eyes: readonly [number, number, number, number];
+  eyesConfidence: number;
+  eyesProvenance: string;
+  truth: Float32Array | null;
+}
+
+export interface Link {
+  sensor: string;
+  device: string;
+  state: string;
+  ageMs: number | null;
+  rateHz: number | null;
+  lost: number;
+  late: number;
+  doubled: number;
+  reordered: number;
+  malformed: number;
+  /** Share of packets over the last seconds, 0 to 1. */
+  loss: number | null;
+  offsetMs: number | null;
+  driftPpm: number | null;
+  uncertaintyMs: number | null;
+  battery: number | null;
+  headingSigmaDeg: number | null;
+  estimated: boolean;
+}
+
+export interface UnboundDevice {
+  device: string;
+  announces: string;
+  ageMs: number | null;
+  protocol: string;
+}
+
+export interface Score {
+  name: string;
+  value: number | null;
+  unit: string;
+  pass: boolean;
+  sentence: string;
+}
+
+export interface CalibrationVersion {
+  id: string | number;
+  time: number | null;
+  inForce: boolean;
+  origin: string;
+  scores: Score[];
+}
+
+export interface CalibrationStatus {
+  state: "none" | "watching" | "running" | "done" | "failed";
+  step: string;
+  prompt: string;
+  /** In our order; null when no face is to be shown. */
+  target: Float32Array | null;
+  /** Of the present step, 0 to 1. */
+  progress: number;
+  remainingS: number | null;
+  /** Which step this is, from 1, and of how many; 0 where the session does not say. */
+  stepNumber: number;
+  steps: number;
+  versions: CalibrationVersion[];
+}
+
+export interface SinkStatus {
+  id: string | number;
+  address: string;
+  on: boolean;
+  sent: number;
+  failed: number;
+  rateHz: number | null;
+  receivers: number | null;
+  note: string;
+}
+
+export interface Shaping {
+  smoothing: number;
+  gains: Map<string, number>;
+  limits: Map<string, readonly [number, number]>;
+}
+
+export interface ReplayStatus {
+  take: string;
+  time: number;
+  duration: number;
+  paused: boolean;
+  hasTruth: boolean;
+}
+
+export interface Status {
+  type: "status";
+  time: number | null;
+  frames: number;
+  missed: number;
+  latency: { p50: number; p99: number; max: number } | null;
+  links: Link[];
+  unbound: UnboundDevice[];
+  calibration: CalibrationStatus;
+  sinks: SinkStatus[];
+  recording: { on: boolean; path: string; seconds: number; megabytes: number; error: string };
+  shaping: Shaping;
+  replay: ReplayStatus | null;
+  /** The sensor that waits for a tap. */
+  tap: string | null;
+}
+
+export interface Reply {
+  type: "reply";
+  id: number;
+  ok: boolean;
+  error: string;
+  result: Fields | null;
+}
+
+export interface SessionEvent {
+  type: "event";
+  kind: string;
+  text: string;
+}
+
+export interface Take {
+  name: string;
+  seconds: number | null;
+  megabytes: number | null;
+  recorded: string;
+}
+
+export type Message = Hello | Frame | Status | Reply | SessionEvent;
+
+/** What the page may ask for; `id` is added by the connection. */
+export type Command =
+  | { command: "calibrate"; kind: "short" | "full" }
+  | { command: "cancel_calibration" }
+  | { command: "use_calibration"; version: string | number }
+  | { command: "recentre" }
+  | { command: "record"; on: boolean; name: string }
+  | { command: "sink"; add: string }
+  | { command: "sink"; id: string | number; on: boolean }
+  | { command: "sink"; id: string | number; remove: true }
+  | { command: "bind"; sensor: string; device: string }
+  | { command: "tap"; sensor: string }
+  | { command: "shape"; smoothing?: number; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
+  | { command: "takes" }
+  | { command: "replay"; take: string }
+  | { command: "replay"; paused: boolean }
+  | { command: "replay"; seek: number }
+  | { command: "replay"; stop: true };
+
+// ---- Reading ------------------------------------------------------------------------------------------------------
+
+type Fields = Record<string, unknown>;
+
+/** Lists longer than this are cut: no session has so many of anything. */
+const MOST = 256;
+/** Texts longer than this are cut. */
+const LONGEST = 500;
+
+function fieldsOf(value: unknown): Fields {
+  return typeof value === "object" && value !== null && !Array.isArray(value) ? (value as Fields) : {};
+}
+function number(value: unknown, otherwise = 0): number {
+  return typeof value === "number" && Number.isFinite(value) ? value : otherwise;
+}
+function numberOrNull(value: unknown): number | null {
+  return typeof value === "number" && Number.isFinite(value) ? value : null;
+}
+function text(value: unknown, otherwise = ""): string {
+  return typeof value === "string" ? value.slice(0, LONGEST) : otherwise;
+}
+function share(value: unknown): number {
+  return Math.min(1, Math.max(0, number(value)));
+}
+function list<T>(value: unknown, read: (fields: Fields) => T): T[] {
+  return Array.isArray(value) ? value.slice(0, MOST).map((one) => read(fieldsOf(one))) : [];
+}
+function texts(value: unknown): string[] {
+  return Array.isArray(value) ? value.slice(0, MOST).filter((one) => typeof one === "string").map((one) => text(one)) : [];
+}
+function idOf(value: unknown): string | number {
+  return typeof value === "number" ? number(value) : text(value);
+}
+
+/** Our order is the session's own until its `hello` says otherwise. */
+export const OWN_ORDER = Int16Array.from(SHAPES, (_, index) => index);
+
+function orderOf(value: unknown): Int16Array {
+  if (!Array.isArray(value)) return OWN_ORDER;
+  return Int16Array.from(SHAPES, (name) => value.indexOf(name));
+}
+
+function perShape(value: unknown, order: Int16Array): Float32Array | null {
+  if (!Array.isArray(value)) return null;
+  const numbers = new Float32Array(SHAPE_COUNT);
+  for (let i = 0; i < SHAPE_COUNT; ++i) numbers[i] = share(value[order[i] ?? -1]);
+  return numbers;
+}
+
+function lettersOf(value: unknown, order: Int16Array): string {
+  const sent = typeof value === "string" ? value : "";
+  let letters = "";
+  for (let i = 0; i < SHAPE_COUNT; ++i) letters += sent.charAt(order[i] ?? -1) || "n";
+  return letters;
+}
+
+function unitQuaternion(value: unknown): readonly [number, number, number, number] {
+  if (!Array.isArray(value)) return [1, 0, 0, 0];
+  const [w, x, y, z] = [number(value[0]), number(value[1]), number(value[2]), number(value[3])];
+  const size = Math.hypot(w, x, y, z);
+  return size > 1e-6 ? [w / size, x / size, y / size, z / size] : [1, 0, 0, 0];
+}
+
+/** No eye turns further than this, rad. */
+const WIDEST_LOOK = 1;
+
+function eyesOf(value: unknown): readonly [number, number, number, number] {
+  const angle = (i: number) =>
+    Array.isArray(value) ? Math.min(WIDEST_LOOK, Math.max(-WIDEST_LOOK, number(value[i]))) : 0;
+  return [angle(0), angle(1), angle(2), angle(3)];
+}
+
+function positionOf(value: unknown): readonly [number, number, number] | null {
+  if (!Array.isArray(value) || value.length !== 3) return null;
+  const [x, y, z] = value.map(numberOrNull);
+  return x == null || y == null || z == null ? null : [x, y, z];
+}
+
+function readHello(fields: Fields): Hello {
+  const rig = fieldsOf(fields["rig"]);
+  return {
+    type: "hello",
+    software: text(fields["software"]),
+    order: orderOf(fields["shapes"]),
+    rigName: text(rig["name"]),
+    sensors: list(rig["sensors"], (one) => ({
+      name: text(one["name"]),
+      kind: text(one["kind"]),
+      site: text(one["site"]),
+      side: text(one["side"]),
+      role: text(one["role"]),
+      position: positionOf(one["position_m"]),
+    })).filter((one) => one.name !== ""),
+    face: text(fields["face"], "/face.glb"),
+    model: text(fields["model"]),
+    mode: fields["mode"] === "replay" ? "replay" : "live",
+    listening: texts(fields["listening"]),
+  };
+}
+
+function readFrame(fields: Fields, order: Int16Array): Frame | null {
+  const weights = perShape(fields["weights"], order);
+  if (!weights) return null;
+  return {
+    type: "frame",
+    index: number(fields["index"]),
+    time: number(fields["time"]),
+    weights,
+    confidence: perShape(fields["confidence"], order) ?? new Float32Array(SHAPE_COUNT),
+    provenance: lettersOf(fields["provenance"], order),
+    tongueOut: share(fields["tongue_out"]),
+    head: unitQuaternion(fields["head"]),
+    headConfidence: share(fields["head_confidence"]),
+    headProvenance: text(fields["head_provenance"], "n"),
+    eyes: eyesOf(fields["eyes"]),
+    eyesConfidence: share(fields["eyes_confidence"]),
+    eyesProvenance: text(fields["eyes_provenance"], "n"),
+    truth: perShape(fields["truth"], order),
+  };
+}
+
+function readLink(one: Fields): Link {
+  return {
+    sensor: text(one["sensor"]),
+    device: text(one["device"]),
+    state: text(one["state"]),
+    ageMs: numberOrNull(one["age_ms"]),
+    rateHz: numberOrNull(one["rate_hz"]),
+    lost: number(one["lost"]),
+    late: number(one["late"]),
+    doubled: number(one["doubled"]),
+    reordered: number(one["reordered"]),
+    malformed: number(one["malformed"]),
+    loss: numberOrNull(one["loss"]),
+    offsetMs: numberOrNull(one["offset_ms"]),
+    driftPpm: numberOrNull(one["drift_ppm"]),
+    uncertaintyMs: numberOrNull(one["uncertainty_ms"]),
+    battery: numberOrNull(one["battery"]),
+    headingSigmaDeg: numberOrNull(one["heading_sigma_deg"]),
+    estimated: one["estimated"] === true,
+  };
+}
+
+function readVersion(one: Fields): CalibrationVersion {
+  return {
+    id: idOf(one["id"]),
+    time: numberOrNull(one["time"]),
+    inForce: one["in_force"] === true,
+    origin: text(one["origin"]),
+    scores: list(one["scores"], (score) => ({
+      name: text(score["name"]),
+      value: numberOrNull(score["value"]),
+      unit: text(score["unit"]),
+      pass: score["pass"] === true,
+      sentence: text(score["sentence"]),
+    })),
+  };
+}
+
+function readTarget(value: unknown): Float32Array | null {
+  if (typeof value !== "object" || value === null || Array.isArray(value)) return null;
+  const target = fieldsOf(value);
+  return Float32Array.from(SHAPES, (name) => share(target[name]));
+}
+
+function readCalibration(fields: Fields): CalibrationStatus {
+  const state = fields["state"];
+  return {
+    state: state === "watching" || state === "running" || state === "done" || state === "failed" ? state : "none",
+    step: text(fields["step"]),
+    prompt: text(fields["prompt"]),
+    target: readTarget(fields["target"]),
+    progress: share(fields["progress"]),
+    remainingS: numberOrNull(fields["remaining_s"]),
+    stepNumber: Math.max(0, Math.round(number(fields["step_number"]))),
+    steps: Math.min(64, Math.max(0, Math.round(number(fields["steps"])))),
+    versions: list(fields["versions"], readVersion),
+  };
+}
+
+function readShaping(fields: Fields): Shaping {
+  const gains = new Map<string, number>();
+  const limits = new Map<string, readonly [number, number]>();
+  const sentGains = fieldsOf(fields["gains"]);
+  const sentLimits = fieldsOf(fields["limits"]);
+  for (const name of [...SHAPES, "tongueOut"]) {
+    const gain = numberOrNull(sentGains[name]);
+    if (gain !== null) gains.set(name, gain);
+    const limit = sentLimits[name];
+    if (Array.isArray(limit)) limits.set(name, [number(limit[0], 0), number(limit[1], 1)]);
+  }
+  return { smoothing: share(fields["smoothing"]), gains, limits };
+}
+
+function readReplay(value: unknown): ReplayStatus | null {
+  if (typeof value !== "object" || value === null) return null;
+  const fields = fieldsOf(value);
+  return {
+    take: text(fields["take"]),
+    time: Math.max(0, number(fields["time"])),
+    duration: Math.max(0, number(fields["duration"])),
+    paused: fields["paused"] === true,
+    hasTruth: fields["has_truth"] === true,
+  };
+}
+
+function readStatus(fields: Fields): Status {
+  const latency = fieldsOf(fields["latency_ms"]);
+  const recording = fieldsOf(fields["recording"]);
+  const p50 = numberOrNull(latency["p50"]);
+  return {
+    type: "status",
+    time: numberOrNull(fields["time"]),
+    frames: number(fields["frames"]),
+    missed: number(fields["missed"]),
+    latency: p50 === null ? null : { p50, p99: number(latency["p99"], p50), max: number(latency["max"], p50) },
+    links: list(fields["links"], readLink).filter((one) => one.sensor !== ""),
+    unbound: list(fields["unbound"], (one) => ({
+      device: text(one["device"]),
+      announces: text(one["announces"]),
+      ageMs: numberOrNull(one["age_ms"]),
+      protocol: text(one["protocol"]),
+    })).filter((one) => one.device !== ""),
+    calibration: readCalibration(fieldsOf(fields["calibration"])),
+    sinks: list(fields["sinks"], (one) => ({
+      id: idOf(one["id"]),
+      address: text(one["address"]),
+      on: one["on"] === true,
+      sent: number(one["sent"]),
+      failed: number(one["failed"]),
+      rateHz: numberOrNull(one["rate_hz"]),
+      receivers: numberOrNull(one["receivers"]),
+      note: text(one["note"]),
+    })),
+    recording: {
+      on: recording["on"] === true,
+      path: text(recording["path"]),
+      seconds: number(recording["seconds"]),
+      megabytes: number(recording["megabytes"]),
+      error: text(recording["error"]),
+    },
+    shaping: readShaping(fieldsOf(fields["shaping"])),
+    replay: readReplay(fields["replay"]),
+    tap: text(fieldsOf(fields["tap"])["sensor"]) || null,
+  };
+}
+
+/** Reads one text of the session. `order` is that of the `hello`. Null: not for us. */
+export function readMessage(message: string, order: Int16Array): Message | null {
+  let parsed: unknown;
+  try {
+    parsed = JSON.parse(message);
+  } catch {
+    return null;
+  }
+  const fields = fieldsOf(parsed);
+  switch (fields["type"]) {
+    case "hello":
+      return readHello(fields);
+    case "frame":
+      return readFrame(fields, order);
+    case "status":
+      return readStatus(fields);
+    case "reply": {
+      const result = fields["result"];
+      return {
+        type: "reply",
+        id: number(fields["id"], -1),
+        ok: fields["ok"] === true,
+        error: text(fields["error"]),
+        result: typeof result === "object" && result !== null ? fieldsOf(result) : null,
+      };
+    }
+    case "event":
+      return { type: "event", kind: text(fields["kind"]), text: text(fields["text"]) };
+    default:
+      return null;
+  }
+}
+
+/** The answer to the command `takes`. */
+export function readTakes(result: Fields | null): Take[] {
+  return list(fieldsOf(result)["takes"], (one) => ({
+    name: text(one["name"]),
+    seconds: numberOrNull(one["seconds"]),
+    megabytes: numberOrNull(one["megabytes"]),
+    recorded: text(one["recorded"]),
+  })).filter((one) => one.name !== "");
+}

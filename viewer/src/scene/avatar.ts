@@ -1,0 +1,58 @@
+/** A head that can be told what to do: the session's own face, or a file that somebody dropped. */
+import { Box3, Group, Vector3, type Material, type Mesh, type Object3D, type Texture } from "three";
+import type { Pose } from "../playout";
+
+export interface Avatar {
+  /** Scaled and moved so that its face is where the built-in one's is: metres, +Y up, +Z out of the face. */
+  readonly object: Group;
+  readonly name: string;
+  /** The mesh on which sensors are placed; null where no mesh has our shapes by name. */
+  readonly face: Mesh | null;
+  /** How many of the 53 shapes it can show. */
+  readonly known: number;
+  apply(pose: Pose): void;
+  dispose(): void;
+}
+
+/** The part of the built-in face that moves, frame H, m: every other face is laid over it. */
+export const FACE_BOX = new Box3(new Vector3(-0.09, -0.105, -0.02), new Vector3(0.09, 0.105, 0.13));
+
+/** Puts `content`, whose moving face is `box`, where the built-in one's face is. */
+export function placeOver(content: Object3D, box: Box3, reference: Box3): Group {
+  const size = box.getSize(new Vector3());
+  const wanted = reference.getSize(new Vector3());
+  const scale = size.y > 1e-9 ? wanted.y / size.y : 1;
+  const group = new Group();
+  group.scale.setScalar(scale);
+  const centre = box.getCenter(new Vector3());
+  const target = reference.getCenter(new Vector3());
+  // By the front, not by the middle: how deep a face's moving part goes differs most between files.
+  group.position.set(
+    target.x - centre.x * scale,
+    target.y - centre.y * scale,
+    reference.max.z - box.max.z * scale,
+  );
+  group.add(content);
+  const outer = new Group();
+  outer.add(group);
+  return outer;
+}
+
+/** Gives back what the graphics card holds of a tree. */
+export function disposeTree(root: Object3D): void {
+  root.traverse((node) => {
+    const mesh = node as Mesh;
+    if (!mesh.isMesh) return;
+    mesh.geometry.dispose();
+    for (const material of materialsOf(mesh)) {
+      for (const value of Object.values(material)) {
+        if ((value as Partial<Texture> | null)?.isTexture) (value as Texture).dispose();
+      }
+      material.dispose();
+    }
+  });
+}
+
+export function materialsOf(mesh: Mesh): Material[] {
+  return Array.isArray(mesh.material) ? mesh.material : [mesh.material];
+}

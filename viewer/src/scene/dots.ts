@@ -1,0 +1,107 @@
+/** The sensors as dots on the face: ordinary buttons laid over the picture, so that they can be focused, named and pressed. */
+import { Vector3 } from "three";
+import { h, setAttribute, setText } from "../dom";
+import { sensorLabel } from "../format";
+import { healthOf } from "../health";
+import type { Link, RigSensor } from "../protocol";
+import type { Avatar } from "./avatar";
+import { nearestVertices, normalAt, vertexAt } from "./skin_points";
+import type { Place, Stage } from "./stage";
+
+interface Dot {
+  sensor: RigSensor;
+  element: HTMLButtonElement;
+  label: HTMLElement;
+  mark: HTMLElement;
+  vertex: number;
+  x: number;
+  y: number;
+  shown: string;
+}
+
+export class SensorDots {
+  readonly element = h("div", { class: "dots", role: "group", "aria-label": "Sensors on the face" });
+  private dots: Dot[] = [];
+  private avatar: Avatar | null = null;
+
+  constructor(private readonly choose: (sensor: string) => void) {}
+
+  /** Makes a dot for each sensor of the rig that has a place. */
+  setSensors(sensors: readonly RigSensor[]): void {
+    this.element.replaceChildren();
+    this.dots = sensors
+      .filter((sensor) => sensor.position !== null)
+      .map((sensor) => {
+        const mark = h("span", { class: "dot-mark" });
+        const label = h("span", { class: "dot-label", text: sensorLabel(sensor.name) });
+        const element = h("button", { class: "dot", type: "button", onclick: () => this.choose(sensor.name) }, mark, label);
+        this.element.append(element);
+        return { sensor, element, label, mark, vertex: -1, x: NaN, y: NaN, shown: "" };
+      });
+    this.place();
+  }
+
+  /** The face on which they sit. On another than the built-in one: the same place relative to the part that moves. */
+  setAvatar(avatar: Avatar | null): void {
+    this.avatar = avatar;
+    this.place();
+  }
+
+  setHealth(links: readonly Link[], chosen: string | null, tapped: string | null): void {
+    for (const dot of this.dots) {
+      const link = links.find((one) => one.sensor === dot.sensor.name);
+      const health = healthOf(link?.state ?? "unbound");
+      setAttribute(dot.element, "data-severity", health.severity);
+      setAttribute(dot.element, "data-state", link?.state ?? "unbound");
+      setAttribute(dot.element, "aria-label", `${sensorLabel(dot.sensor.name)}: ${health.label}`);
+      setAttribute(dot.element, "aria-pressed", String(chosen === dot.sensor.name));
+      dot.element.classList.toggle("tapped", tapped === dot.sensor.name);
+      setText(dot.mark, health.mark);
+    }
+  }
+
+  /** Lays the dots over the picture that has just been drawn. */
+  update(stage: Stage, place: Place): void {
+    const mesh = this.avatar?.face;
+    for (const dot of this.dots) {
+      if (!mesh || dot.vertex < 0) {
+        show(dot, "none");
+        continue;
+      }
+      vertexAt(mesh, dot.vertex, point, true);
+      normalAt(mesh, dot.vertex, normal);
+      const facing = normal.dot(toCamera.copy(stage.camera.position).sub(point).normalize());
+      stage.project(place, point);
+      show(dot, facing > 0.12 ? "front" : facing > -0.25 ? "edge" : "behind");
+      const x = Math.round(point.x * 2) / 2;
+      const y = Math.round(point.y * 2) / 2;
+      if (x !== dot.x || y !== dot.y) {
+        dot.x = x;
+        dot.y = y;
+        dot.element.style.transform = `translate(${x}px, ${y}px)`;
+      }
+    }
+  }
+
+  private place(): void {
+    const mesh = this.avatar?.face;
+    if (!mesh) return;
+    const places = this.dots.map((dot) => new Vector3(...(dot.sensor.position ?? [0, 0, 0])));
+    this.avatar?.object.updateMatrixWorld(true);
+    const vertices = nearestVertices(mesh, places);
+    this.dots.forEach((dot, i) => {
+      dot.vertex = vertices[i] ?? -1;
+    });
+  }
+}
+
+const point = new Vector3();
+const normal = new Vector3();
+const toCamera = new Vector3();
+
+function show(dot: Dot, how: string): void {
+  if (dot.shown === how) return;
+  dot.shown = how;
+  dot.element.dataset["seen"] = how;
+  dot.element.tabIndex = how === "none" || how === "behind" ? -1 : 0;
+}
