@@ -70,10 +70,9 @@ Result<void> run_network(const Options& options) {
 Result<void> run(Options options) {
   virt::PerformRequest& request = options.request;
   const bool to_network = !options.network.to.empty();
-  if (to_network == !request.take.empty())
-    return fail(ErrorCode::bad_usage,
-                to_network ? "both --take and --to were given" : "where to was not said", "perform",
-                "give one of --take FILE and --to udp://HOST:PORT");
+  if (!to_network && request.take.empty())
+    return fail(ErrorCode::bad_usage, "it was not said where to", "perform",
+                "give --take FILE or --to udp://HOST:PORT");
   if (to_network) {
     MIEN_TRY(parse_target(options.network.to));
     if (request.devices == "lab")

@@ -1,0 +1,60 @@
+// What a request for a performance becomes.
+#include "mien/virtual/stage.h"
+
+#include <gmock/gmock.h>
+
+#include "mien/core/files.h"
+#include "tests/folder.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::virt {
+namespace {
+
+/// The stage that a request sets.
+class SetStage : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(write_file(folder_ / "rig.toml", test::kRig));
+    request_.rig = folder_ / "rig.toml";
+    request_.motion = test::talking(45);
+    request_.script_name = "talking";
+  }
+  mien::test::Folder folder_;
+  StageRequest request_;
+};
+
+TEST_F(SetStage, IsTheSameForTheSameSeed) {
+  const Stage one = set_stage(request_).value();
+  const Stage same = set_stage(request_).value();
+  request_.seed = 2;
+  const Stage other = set_stage(request_).value();
+  EXPECT_EQ(one.rig_toml, test::kRig);
+  EXPECT_FALSE(one.lab);
+  EXPECT_EQ(one.sites.size(), 3U);
+  EXPECT_EQ(one.motion.motion.frames.size(), same.motion.motion.frames.size());
+  Random a = one.devices;
+  Random b = same.devices;
+  Random c = other.devices;
+  const std::uint64_t drawn = a.bits();
+  EXPECT_EQ(drawn, b.bits());
+  EXPECT_NE(drawn, c.bits());
+}
+
+TEST_F(SetStage, NodsInItsPrologueButInLab) {
+  EXPECT_GT(set_stage(request_)->motion.times.nod.end_s, set_stage(request_)->motion.times.nod.begin_s);
+  request_.devices = "lab";
+  const Stage lab = set_stage(request_).value();
+  EXPECT_TRUE(lab.lab);
+  EXPECT_EQ(lab.motion.times.nod.end_s, lab.motion.times.nod.begin_s);
+}
+
+TEST_F(SetStage, RefusesAMotionWithoutFrames) {
+  request_.motion = face::Motion{};
+  const auto refused = set_stage(request_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
+  EXPECT_THAT(refused.error().message(), ::testing::HasSubstr("talking"));
+}
+
+}  // namespace
+}  // namespace mien::virt
