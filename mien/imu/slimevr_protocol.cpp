@@ -137,11 +137,15 @@ void SlimeVrProtocol::take(Board& board, const slimevr::TrackerMessage& message,
 }
 
 void SlimeVrProtocol::finish(Board& board, HostTime arrival, std::uint64_t number, Inbox& inbox) {
+  const bool counted = number != 0;
+  const bool of_sampling = std::any_of(messages_.begin(), messages_.end(), [](const auto& message) {
+    return std::holds_alternative<slimevr::Rotation>(message) ||
+           std::holds_alternative<slimevr::Acceleration>(message) ||
+           std::holds_alternative<slimevr::RotationAndAcceleration>(message);
+  });
   for (Channel& channel : board.channels) {
-    if (!channel.rotation) {
-      channel.clock.pass(number);
-      continue;
-    }
+    if (counted && !of_sampling) channel.clock.pass();
+    if (!channel.rotation) continue;
     const auto& [x, y, z, w] = *channel.rotation;
     const Quat q_world_sensor = canonical(kUpright * Quat(w, x, y, z));
     Vec3 force = q_world_sensor.conjugate() * Vec3(0, kGravity, 0);
