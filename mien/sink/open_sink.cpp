@@ -41,14 +41,15 @@ Opened open_live_link(io_context& network, const Address& address, std::string_v
 }
 
 Opened open_vmc(io_context& network, const Address& address, std::string_view text) {
-  MIEN_TRY(address.expect_options({"shapes", "rate"}));
+  MIEN_TRY(address.expect_options({"shapes", "bones", "rate"}));
   MIEN_TRY_ASSIGN(const int rate_hz, rate_of(address));
-  VmcShapes shapes = VmcShapes::both;
+  MIEN_TRY_ASSIGN(const int bones, address.whole_option("bones", 1, 0, 1));
+  VmcOptions options{.bones = bones == 1};
   if (const std::string* const given = address.option("shapes")) {
     if (*given == "arkit")
-      shapes = VmcShapes::perfect_sync;
+      options.shapes = VmcShapes::perfect_sync;
     else if (*given == "presets")
-      shapes = VmcShapes::presets;
+      options.shapes = VmcShapes::presets;
     else if (*given != "both")
       return fail(ErrorCode::bad_usage, fmt::format("there are no shapes '{}'", *given), std::string(text),
                   "write shapes=arkit, presets or both");
@@ -56,8 +57,8 @@ Opened open_vmc(io_context& network, const Address& address, std::string_view te
   MIEN_TRY_ASSIGN(UdpTarget target, UdpTarget::open(network, address, kVmcPort));
   return std::make_unique<DatagramSink>(
       std::string(text), std::move(target), rate_hz,
-      [shapes](const face::OutputFrame& frame, std::int64_t /*index*/, Datagrams& out) {
-        encode_vmc(arkit_frame(frame), frame.time, shapes, out);
+      [options](const face::OutputFrame& frame, std::int64_t /*index*/, Datagrams& out) {
+        encode_vmc(arkit_frame(frame), frame.time, options, out);
       });
 }
 

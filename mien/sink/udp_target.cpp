@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
-#include <vector>
 
 namespace mien::sink {
 namespace {
@@ -50,9 +49,9 @@ Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const Addres
   if (code || found.empty())
     return fail(ErrorCode::not_found, fmt::format("the host '{}' is not found", address.host), where,
                 "check the name, or write its number");
-  std::vector<udp::endpoint> endpoints(found.begin(), found.end());
-  std::ranges::stable_sort(endpoints, {}, [](const udp::endpoint& e) { return e.address().is_v6(); });
-  return open(network, endpoints.front());
+  const auto v4 = std::find_if(found.begin(), found.end(),
+                               [](const auto& entry) { return entry.endpoint().address().is_v4(); });
+  return open(network, (v4 == found.end() ? found.begin() : v4)->endpoint());
 }
 
 Result<UdpTarget> UdpTarget::open(boost::asio::io_context& network, const udp::endpoint& endpoint) {

@@ -64,17 +64,19 @@ std::array<float, kVmcPresets.size()> vmc_presets(const ArkitFrame& frame) {
           0.5F * (frown + weight("browInnerUp")) * (1 - joy)};
 }
 
-void encode_vmc(const ArkitFrame& frame, DeviceTime time, VmcShapes shapes, Datagrams& out) {
+void encode_vmc(const ArkitFrame& frame, DeviceTime time, const VmcOptions& options, Datagrams& out) {
   OscBundles bundles(out);
   bundles.add("/VMC/Ext/OK", osc::int32{1});
   bundles.add("/VMC/Ext/T", static_cast<float>(to_seconds(time.time_since_epoch())));
-  add_bone(bundles, "Head", frame.head);
-  add_bone(bundles, "LeftEye", eye_rotation(frame.eyes_rad[0]));
-  add_bone(bundles, "RightEye", eye_rotation(frame.eyes_rad[1]));
-  if (shapes != VmcShapes::presets)
+  if (options.bones) {
+    add_bone(bundles, "Head", frame.head);
+    add_bone(bundles, "LeftEye", eye_rotation(frame.eyes_rad[0]));
+    add_bone(bundles, "RightEye", eye_rotation(frame.eyes_rad[1]));
+  }
+  if (options.shapes != VmcShapes::presets)
     for (std::size_t i = 0; i < clip_names().size(); ++i)
       bundles.add("/VMC/Ext/Blend/Val", clip_names()[i].c_str(), frame.weights.values[i]);
-  if (shapes != VmcShapes::perfect_sync) {
+  if (options.shapes != VmcShapes::perfect_sync) {
     const auto values = vmc_presets(frame);
     for (std::size_t i = 0; i < values.size(); ++i)
       bundles.add("/VMC/Ext/Blend/Val", kVmcPresets[i].data(), values[i]);

@@ -21,6 +21,11 @@ enum class VmcShapes {
   presets,       ///< VRM 0's presets, made from the 52.
 };
 
+struct VmcOptions {
+  VmcShapes shapes = VmcShapes::both;
+  bool bones = true;  ///< Head and eyes too; without them a body tracker's head stays its own.
+};
+
 /// VRM 0's presets as this room makes them; VRM 1 receivers map them to their own names. Fun is not among
 /// them: no face says it apart from Joy.
 inline constexpr std::array<std::string_view, 10> kVmcPresets = {
@@ -35,9 +40,9 @@ inline constexpr std::array<std::string_view, 10> kVmcPresets = {
 /// One frame in the VMC protocol: OSC bundles with /VMC/Ext/OK, /VMC/Ext/T (seconds), /VMC/Ext/Bone/Pos of
 /// Head, LeftEye and RightEye, /VMC/Ext/Blend/Val a clip, and /VMC/Ext/Blend/Apply as the last message of
 /// all. Bones are turned as in Unity, which is left-handed with +X the performer's right: (w, x, -y, -z) of
-/// ours. The whole turn of the head goes to the bone Head, its position is 0: a face knows no body. That
-/// receivers keep the position of the avatar's own bone is UNVERIFIED. Allocates only while `out` grows.
-/// Layout: facts 1.5.
-void encode_vmc(const ArkitFrame& frame, DeviceTime time, VmcShapes shapes, Datagrams& out);
+/// ours. The whole turn of the head goes to the bone Head, its position is 0, as other senders of faces have
+/// it: a face knows no body. That every receiver then keeps the position of the avatar's own bone is
+/// UNVERIFIED. Allocates only while `out` grows. Layout: facts 1.5.
+void encode_vmc(const ArkitFrame& frame, DeviceTime time, const VmcOptions& options, Datagrams& out);
 
 }  // namespace mien::sink

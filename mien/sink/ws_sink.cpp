@@ -174,9 +174,9 @@ Result<std::unique_ptr<Sink>> open_ws_sink(boost::asio::io_context& network, con
   if (code || found.empty())
     return fail(ErrorCode::not_found, fmt::format("the host '{}' is not found", address.host), where,
                 "check the name, or write its number");
-  std::vector<tcp::endpoint> endpoints(found.begin(), found.end());
-  std::ranges::stable_sort(endpoints, {}, [](const tcp::endpoint& e) { return e.address().is_v6(); });
-  const tcp::endpoint endpoint = endpoints.front();
+  const auto v4 = std::find_if(found.begin(), found.end(),
+                               [](const auto& entry) { return entry.endpoint().address().is_v4(); });
+  const tcp::endpoint endpoint = (v4 == found.end() ? found.begin() : v4)->endpoint();
 
   const auto hello = std::make_shared<const std::string>(hello_json({.software = "mien " MIEN_VERSION}));
   const auto audience = std::make_shared<Audience>(network, hello, token);

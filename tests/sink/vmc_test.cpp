@@ -11,9 +11,9 @@
 namespace mien::sink {
 namespace {
 
-std::vector<test::OscMessage> encoded(const face::OutputFrame& frame, VmcShapes shapes = VmcShapes::both) {
+std::vector<test::OscMessage> encoded(const face::OutputFrame& frame, const VmcOptions& options = {}) {
   Datagrams out;
-  encode_vmc(arkit_frame(frame), frame.time, shapes, out);
+  encode_vmc(arkit_frame(frame), frame.time, options, out);
   EXPECT_GE(out.size(), 2u);
   for (std::size_t i = 0; i < out.size(); ++i) EXPECT_LE(out[i].size(), 1500u);
   return test::osc_messages(out);
@@ -64,10 +64,11 @@ TEST(Vmc, SendsAllAndAppliesLast) {
   EXPECT_EQ(values.at("BrowInnerUp"), 0.625F);
   EXPECT_EQ(values.at("TongueOut"), 0.125F);
   EXPECT_EQ(values.at("A"), 0.75F);
-  EXPECT_EQ(clips(encoded(frame, VmcShapes::perfect_sync)).size(), 52u);
+  EXPECT_EQ(clips(encoded(frame, {.shapes = VmcShapes::perfect_sync})).size(), 52u);
   Datagrams out;
-  encode_vmc(arkit_frame(frame), frame.time, VmcShapes::presets, out);
+  encode_vmc(arkit_frame(frame), frame.time, {.shapes = VmcShapes::presets, .bones = false}, out);
   EXPECT_EQ(clips(test::osc_messages(out)).size(), kVmcPresets.size());
+  EXPECT_EQ(test::osc_messages(out).size(), kVmcPresets.size() + 3);
 }
 
 /// Unity's avatar looks along +Z with +X to its own right and +Y up. Unity turns about Y to the right and
