@@ -21,6 +21,8 @@ const FEWEST = 4;
 const LONG_ENOUGH_MS = 3000;
 /** Slower than this on the median, ms a picture, is too slow. */
 const TOO_SLOW_MS = 36;
+/** Slower than this, ms a picture, and buttons begin to lag: a browser draws everything with the same card. */
+const CRAWL_MS = 120;
 /** A pause longer than this, ms, was no drawing at all: nothing moved, or the page was hidden. */
 const PAUSE_MS = 8000;
 
@@ -28,6 +30,7 @@ export class Pace {
   private step: number;
   private last = -Infinity;
   private sum = 0;
+  private median = 0;
   private readonly intervals: number[] = [];
 
   /** `coarse`: begins, and so stays, at the last step. */
@@ -39,6 +42,11 @@ export class Pace {
     return STEPS[this.step] as Quality;
   }
 
+  /** How long to leave the card alone between two pictures, ms, so that the rest of the page stays quick. */
+  get rest(): number {
+    return this.median > CRAWL_MS ? Math.min(500, this.median / 2) : 0;
+  }
+
   /** Notes a picture drawn at `nowMs`. True when the quality has changed by it. */
   drew(nowMs: number): boolean {
     const interval = nowMs - this.last;
@@ -48,10 +56,10 @@ export class Pace {
     this.sum += interval;
     const count = this.intervals.length;
     if (count < FEWEST || (count < JUDGED && this.sum < LONG_ENOUGH_MS)) return false;
-    const median = this.intervals.sort((a, b) => a - b)[Math.floor(count / 2)] ?? 0;
+    this.median = this.intervals.sort((a, b) => a - b)[Math.floor(count / 2)] ?? 0;
     this.intervals.length = 0;
     this.sum = 0;
-    if (median <= TOO_SLOW_MS || this.step >= STEPS.length - 1) return false;
+    if (this.median <= TOO_SLOW_MS || this.step >= STEPS.length - 1) return false;
     ++this.step;
     return true;
   }

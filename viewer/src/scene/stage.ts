@@ -137,7 +137,10 @@ export class Stage {
   wake(): void {
     if (this.scheduled) return;
     this.scheduled = true;
-    requestAnimationFrame((now) => this.draw(now));
+    const next = () => requestAnimationFrame((now) => this.draw(now));
+    const rest = this.pace.rest;
+    if (rest > 0) window.setTimeout(next, rest);
+    else next();
   }
 
   /** Where a head is drawn, CSS pixels within the canvas. */
