@@ -22,6 +22,8 @@ type Second = "none" | "truth" | "target";
 
 /** The error read-out is renewed this often, ms. */
 const READOUT_MS = 250;
+/** The example's face comes about within a few times this, ms. */
+const EASE_MS = 130;
 
 export class FaceView {
   readonly element = h("div", { class: "face-view" });
@@ -51,6 +53,7 @@ export class FaceView {
   private readonly truth = restingPose();
   private readonly target = restingPose();
   private lastReadout = 0;
+  private lastTargetMs = 0;
 
   constructor(
     private readonly session: Session,
@@ -135,7 +138,11 @@ export class FaceView {
 
   private makeStage(host: HTMLElement): Stage | null {
     try {
-      return new Stage(host, () => matchMedia("(prefers-reduced-motion: reduce)").matches);
+      return new Stage(
+        host,
+        () => matchMedia("(prefers-reduced-motion: reduce)").matches,
+        new URLSearchParams(window.location.search).get("quality") === "low",
+      );
     } catch {
       this.loading.set(false);
       host.append(
@@ -257,11 +264,14 @@ export class FaceView {
   private poseTarget(now: number): boolean {
     const calibration = this.session.status.value?.calibration;
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    // By the clock, so that a slow display eases as fast as a quick one.
+    const ease = calm ? 1 : 1 - Math.exp(-Math.min(200, now - this.lastTargetMs) / EASE_MS);
+    this.lastTargetMs = now;
     let moving = false;
     for (let k = 0; k < this.target.weights.length; ++k) {
       const wanted = calibration?.target?.[k] ?? 0;
       const before = this.target.weights[k] ?? 0;
-      const after = calm ? wanted : before + (wanted - before) * 0.12;
+      const after = before + (wanted - before) * ease;
       this.target.weights[k] = after;
       if (Math.abs(after - wanted) > 1e-3) moving = true;
     }

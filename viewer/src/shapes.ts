@@ -36,13 +36,13 @@ export function shapeName(index: number): string {
   return index === TONGUE ? "tongueOut" : (SHAPES[index] ?? "");
 }
 
-/** What a person calls it: "mouthLowerDown_L" is "Lower down, left". */
+/** What a person calls it where nothing around it says which part of the face is meant: "Lower lip down, left". */
 export function shapeLabel(index: number): string {
   for (const region of REGIONS) {
     for (const row of region.rows) {
-      if (row.right === index && row.left === index) return row.label;
-      if (row.right === index) return `${row.label}, right`;
-      if (row.left === index) return `${row.label}, left`;
+      if (row.right === index && row.left === index) return row.full;
+      if (row.right === index) return `${row.full}, right`;
+      if (row.left === index) return `${row.full}, left`;
     }
   }
   return shapeName(index);
@@ -50,7 +50,10 @@ export function shapeLabel(index: number): string {
 
 /** One line of the list of weights: a pair, drawn as one sees the performer (their right on the left), or one shape. */
 export interface ShapeRow {
+  /** Below the heading of its region. */
   label: string;
+  /** By itself. */
+  full: string;
   right: number;
   /** The same as `right` where the shape has no sides. */
   left: number;
@@ -61,27 +64,31 @@ export interface Region {
   rows: ShapeRow[];
 }
 
-function pair(label: string, stem: string): ShapeRow {
-  return { label, right: shapeIndex(`${stem}_R`), left: shapeIndex(`${stem}_L`) };
+function pair(label: string, stem: string, full = label): ShapeRow {
+  return { label, full, right: shapeIndex(`${stem}_R`), left: shapeIndex(`${stem}_L`) };
 }
-function sides(label: string, stem: string): ShapeRow {
-  return { label, right: shapeIndex(`${stem}Right`), left: shapeIndex(`${stem}Left`) };
+function sides(label: string, stem: string, full: string): ShapeRow {
+  return { label, full, right: shapeIndex(`${stem}Right`), left: shapeIndex(`${stem}Left`) };
 }
-function single(label: string, name: string): ShapeRow {
+function single(label: string, name: string, full = label): ShapeRow {
   const index = name === "tongueOut" ? TONGUE : shapeIndex(name);
-  return { label, right: index, left: index };
+  return { label, full, right: index, left: index };
 }
 
 /** All shapes and the tongue, each once. */
 export const REGIONS: readonly Region[] = [
   {
     name: "Brows",
-    rows: [pair("Inner up", "browInnerUp"), pair("Outer up", "browOuterUp"), pair("Down", "browDown")],
+    rows: [
+      pair("Inner up", "browInnerUp", "Inner brow up"), pair("Outer up", "browOuterUp", "Outer brow up"),
+      pair("Down", "browDown", "Brow down"),
+    ],
   },
   {
     name: "Eyes",
     rows: [
-      pair("Blink", "eyeBlink"), pair("Squint", "eyeSquint"), pair("Wide", "eyeWide"), pair("Look up", "eyeLookUp"),
+      pair("Blink", "eyeBlink"), pair("Squint", "eyeSquint", "Eye squint"), pair("Wide", "eyeWide", "Eye wide"),
+      pair("Look up", "eyeLookUp"),
       pair("Look down", "eyeLookDown"), pair("Look in", "eyeLookIn"), pair("Look out", "eyeLookOut"),
     ],
   },
@@ -91,17 +98,22 @@ export const REGIONS: readonly Region[] = [
   },
   {
     name: "Jaw",
-    rows: [single("Open", "jawOpen"), sides("Sideways", "jaw"), single("Forward", "jawForward")],
+    rows: [
+      single("Open", "jawOpen", "Jaw open"), sides("Sideways", "jaw", "Jaw sideways"),
+      single("Forward", "jawForward", "Jaw forward"),
+    ],
   },
   {
     name: "Mouth",
     rows: [
       pair("Smile", "mouthSmile"), pair("Frown", "mouthFrown"), pair("Dimple", "mouthDimple"),
-      pair("Stretch", "mouthStretch"), pair("Upper up", "mouthUpperUp"), pair("Lower down", "mouthLowerDown"),
-      pair("Press", "mouthPress"), sides("Sideways", "mouth"), single("Close", "mouthClose"),
-      single("Funnel", "mouthFunnel"), single("Pucker", "mouthPucker"), single("Roll upper", "mouthRollUpper"),
-      single("Roll lower", "mouthRollLower"), single("Shrug upper", "mouthShrugUpper"),
-      single("Shrug lower", "mouthShrugLower"), single("Tongue out", "tongueOut"),
+      pair("Stretch", "mouthStretch", "Mouth stretch"), pair("Upper up", "mouthUpperUp", "Upper lip up"),
+      pair("Lower down", "mouthLowerDown", "Lower lip down"), pair("Press", "mouthPress", "Lips press"),
+      sides("Sideways", "mouth", "Mouth sideways"), single("Close", "mouthClose", "Mouth close"),
+      single("Funnel", "mouthFunnel"), single("Pucker", "mouthPucker"),
+      single("Roll upper", "mouthRollUpper", "Upper lip roll"), single("Roll lower", "mouthRollLower", "Lower lip roll"),
+      single("Shrug upper", "mouthShrugUpper", "Upper lip shrug"),
+      single("Shrug lower", "mouthShrugLower", "Lower lip shrug"), single("Tongue out", "tongueOut"),
     ],
   },
 ];

@@ -84,7 +84,7 @@ function quaternion({ yaw, pitch, roll }) {
 
 /** Which shapes a sensor's loss is felt in. */
 function feels(sensor, shape) {
-  if (sensor === "mentalis") return /^(jaw|mouthShrugLower|mouthRollLower)/.test(shape);
+  if (sensor === "mentalis") return /^mouth(ShrugLower|RollLower|LowerDown)/.test(shape);
   if (sensor.startsWith("buccinator_R")) return /^mouth(Dimple|Frown|Stretch|Press)_R/.test(shape);
   return false;
 }

@@ -90,7 +90,7 @@ export class WeightPlot {
         height: HEIGHT,
         legend: { show: false },
         cursor: { show: false },
-        padding: [6, 6, 0, 0],
+        padding: [6, 14, 0, 0],
         scales: { x: { time: false, range: () => [-SECONDS, 0] }, y: { range: () => [-0.02 - 0.02 * plotted.length, 1] } },
         axes: [
           {

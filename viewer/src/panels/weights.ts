@@ -20,12 +20,18 @@ const SPOKEN_MS = 1000;
 interface Cell {
   shape: number;
   element: HTMLElement;
-  fill: HTMLElement;
-  sure: HTMLElement;
-  truth: HTMLElement;
+  /** One bar; a shape without sides has it twice, mirrored. */
+  tracks: Track[];
   letter: HTMLElement;
   value: HTMLElement;
   shownLetter: Letter | "";
+}
+
+interface Track {
+  element: HTMLElement;
+  fill: HTMLElement;
+  sure: HTMLElement;
+  truth: HTMLElement;
 }
 
 export class WeightsPanel {
@@ -77,11 +83,13 @@ export class WeightsPanel {
     const weight = tongue ? frame.tongueOut : (frame.weights[cell.shape] ?? 0);
     const sure = tongue ? 0 : (frame.confidence[cell.shape] ?? 0);
     const letter: Letter = tongue ? (frame.tongueOut > 0 ? "p" : "n") : letterOf(frame.provenance, cell.shape);
-    cell.fill.style.transform = `scaleX(${weight.toFixed(3)})`;
-    cell.sure.style.transform = `scaleX(${sure.toFixed(2)})`;
     const truth = tongue ? undefined : frame.truth?.[cell.shape];
-    cell.truth.style.display = truth === undefined ? "none" : "";
-    if (truth !== undefined) cell.truth.style.setProperty("--at", truth.toFixed(3));
+    for (const track of cell.tracks) {
+      track.fill.style.transform = `scaleX(${weight.toFixed(3)})`;
+      track.sure.style.transform = `scaleX(${sure.toFixed(2)})`;
+      track.truth.style.display = truth === undefined ? "none" : "";
+      if (truth !== undefined) track.truth.style.setProperty("--at", truth.toFixed(3));
+    }
     const shown = String(Math.round(weight * 100));
     setText(cell.value, shown);
     if (cell.shownLetter !== letter) {
@@ -137,14 +145,12 @@ export class WeightsPanel {
 
   private makeRow(row: ShapeRow): HTMLElement {
     const label = h("span", { class: "row-label", text: row.label });
-    if (row.left === row.right) return h("div", { class: "row single" }, label, this.makeCell(row.left, "left"));
+    if (row.left === row.right) return h("div", { class: "row" }, this.makeCell(row.left, "both", label));
     return h("div", { class: "row" }, this.makeCell(row.right, "right"), label, this.makeCell(row.left, "left"));
   }
 
-  private makeCell(shape: number, side: "left" | "right"): HTMLElement {
-    const fill = h("span", { class: "fill" });
-    const sure = h("span", { class: "sure" });
-    const truth = h("span", { class: "truth-mark" });
+  private makeCell(shape: number, side: "left" | "right" | "both", label: HTMLElement | null = null): HTMLElement {
+    const tracks = side === "both" ? [makeTrack("right"), makeTrack("left")] : [makeTrack(side)];
     const letter = h("span", { class: "letter" });
     const value = h("span", { class: "value" });
     const plottable = shape < SHAPE_COUNT;
@@ -159,9 +165,10 @@ export class WeightsPanel {
       },
       letter,
       value,
-      h("span", { class: "track" }, fill, truth, sure),
+      label,
+      ...tracks.map((track) => track.element),
     );
-    this.cells.push({ shape, element, fill, sure, truth, letter, value, shownLetter: "" });
+    this.cells.push({ shape, element, tracks, letter, value, shownLetter: "" });
     return element;
   }
 
@@ -179,6 +186,13 @@ export class WeightsPanel {
       cell.element.classList.toggle("shaped", shaped);
     }
   }
+}
+
+function makeTrack(side: "left" | "right"): Track {
+  const fill = h("span", { class: "fill" });
+  const sure = h("span", { class: "sure" });
+  const truth = h("span", { class: "truth-mark" });
+  return { element: h("span", { class: `track ${side}` }, fill, truth, sure), fill, sure, truth };
 }
 
 export function isLimited(limit: readonly [number, number] | undefined): boolean {

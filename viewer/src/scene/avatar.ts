@@ -14,8 +14,8 @@ export interface Avatar {
   dispose(): void;
 }
 
-/** The part of the built-in face that moves, frame H, m: every other face is laid over it. */
-export const FACE_BOX = new Box3(new Vector3(-0.09, -0.105, -0.02), new Vector3(0.09, 0.105, 0.13));
+/** `movingBoxIn` of the built-in face, frame H, m: every other face is laid over it. */
+export const FACE_BOX = new Box3(new Vector3(-0.0733, -0.1263, 0.0122), new Vector3(0.0733, 0.0845, 0.1177));
 
 /** Puts `content`, whose moving face is `box`, where the built-in one's face is. */
 export function placeOver(content: Object3D, box: Box3, reference: Box3): Group {

@@ -8,7 +8,7 @@ import {
 import { materialsOf } from "./avatar";
 
 /** How far round a curve each colour's light creeps: red about a third of the way. Tuned by eye. */
-const CREEP = "vec3(0.32, 0.14, 0.08)";
+const CREEP = "vec3(0.2, 0.09, 0.05)";
 
 const LIGHTS = ShaderChunk.lights_physical_pars_fragment.replace(
   "reflectedLight.directDiffuse += irradiance * diffuseBRDF",

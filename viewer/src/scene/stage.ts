@@ -3,9 +3,10 @@
  * rate, and stops when nothing moves.
  */
 import {
-  ACESFilmicToneMapping, PerspectiveCamera, Scene, SRGBColorSpace, Vector3, WebGLRenderer, type Object3D,
+  ACESFilmicToneMapping, PerspectiveCamera, Scene, SRGBColorSpace, Vector3, WebGLRenderer, type DirectionalLight, type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { Pace } from "./pace";
 import { furnishStudio } from "./studio";
 
 /** What the camera looks at: the middle of the face, m, frame H. */
@@ -17,6 +18,9 @@ const FRAMED_WIDTH = 0.25;
 const FIELD_OF_VIEW_DEG = 22;
 /** From a little to the side and above: a face seen dead on looks flat. */
 const FIRST_VIEW = new Vector3(0.1, 0.045, 1).normalize();
+
+/** Between two heads, CSS pixels. */
+const GAP_PX = 110;
 
 export type Place = "first" | "second";
 
@@ -45,9 +49,16 @@ export class Stage {
   private covered = { top: 0, right: 0, bottom: 0, left: 0 };
   private scheduled = false;
   private fitted = 0;
+  private readonly pace: Pace;
+  private readonly key: DirectionalLight;
 
-  /** Throws where there is no WebGL 2. */
-  constructor(host: HTMLElement, private readonly calm: () => boolean) {
+  /** Throws where there is no WebGL 2. `coarse`: without shadows and blurred, for a graphics card that is none. */
+  constructor(
+    private readonly host: HTMLElement,
+    private readonly calm: () => boolean,
+    coarse: boolean,
+  ) {
+    this.pace = new Pace(coarse);
     this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "high-performance" });
     this.canvas = this.renderer.domElement;
     this.canvas.className = "stage-canvas";
@@ -57,7 +68,7 @@ export class Stage {
     this.renderer.setClearAlpha(0);
     this.renderer.autoClear = false;
     host.append(this.canvas);
-    furnishStudio(this.renderer, this.scene);
+    this.key = furnishStudio(this.renderer, this.scene);
 
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enablePan = false;
@@ -126,7 +137,10 @@ export class Stage {
   wake(): void {
     if (this.scheduled) return;
     this.scheduled = true;
-    requestAnimationFrame((now) => this.draw(now));
+    const next = () => requestAnimationFrame((now) => this.draw(now));
+    const rest = this.pace.rest;
+    if (rest > 0) window.setTimeout(next, rest);
+    else next();
   }
 
   /** Where a head is drawn, CSS pixels within the canvas. */
@@ -136,8 +150,10 @@ export class Stage {
     if (!this.heads.second) return free;
     // Beside each other where there is width for it, else above each other.
     if (free.width > free.height * 0.85) {
-      const half = free.width / 2;
-      return { ...free, left: free.left + (place === "first" ? half : 0), width: half };
+      // Room between them for what is said of both.
+      const gap = Math.min(GAP_PX, free.width * 0.12);
+      const half = (free.width - gap) / 2;
+      return { ...free, left: free.left + (place === "first" ? half + gap : 0), width: half };
     }
     const half = free.height / 2;
     return { ...free, top: free.top + (place === "first" ? half : 0), height: half };
@@ -162,7 +178,8 @@ export class Stage {
     if (clientWidth === 0 || clientHeight === 0) return;
     this.width = clientWidth;
     this.height = clientHeight;
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1) * this.pace.quality.sharpness);
+    this.key.castShadow = this.pace.quality.shadows;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.fit();
     this.wake();
@@ -228,6 +245,7 @@ export class Stage {
       renderer.render(this.scene, this.camera);
     }
     this.onDrawn();
+    if (this.pace.drew(nowMs)) this.resize(this.host);
     if (more || damping) this.wake();
   }
 }

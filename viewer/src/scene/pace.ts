@@ -1,0 +1,66 @@
+/**
+ * Keeps the face moving on a weak graphics card: where pictures come too slowly, they get coarser, and at last lose their
+ * shadows. Never finer again by itself, or it would swing between the two; a new page begins with the best.
+ */
+
+export interface Quality {
+  /** Share of the display's resolution. */
+  sharpness: number;
+  shadows: boolean;
+}
+
+const STEPS: readonly Quality[] = [
+  { sharpness: 1, shadows: true },
+  { sharpness: 0.75, shadows: true },
+  { sharpness: 0.6, shadows: false },
+  { sharpness: 0.4, shadows: false },
+];
+/** Pictures between two judgements, or fewer where they take this long together, ms. */
+const JUDGED = 24;
+const FEWEST = 4;
+const LONG_ENOUGH_MS = 3000;
+/** Slower than this on the median, ms a picture, is too slow. */
+const TOO_SLOW_MS = 36;
+/** Slower than this, ms a picture, and buttons begin to lag: a browser draws everything with the same card. */
+const CRAWL_MS = 120;
+/** A pause longer than this, ms, was no drawing at all: nothing moved, or the page was hidden. */
+const PAUSE_MS = 8000;
+
+export class Pace {
+  private step: number;
+  private last = -Infinity;
+  private sum = 0;
+  private median = 0;
+  private readonly intervals: number[] = [];
+
+  /** `coarse`: begins, and so stays, at the last step. */
+  constructor(coarse = false) {
+    this.step = coarse ? STEPS.length - 1 : 0;
+  }
+
+  get quality(): Quality {
+    return STEPS[this.step] as Quality;
+  }
+
+  /** How long to leave the card alone between two pictures, ms, so that the rest of the page stays quick. */
+  get rest(): number {
+    return this.median > CRAWL_MS ? Math.min(500, this.median / 2) : 0;
+  }
+
+  /** Notes a picture drawn at `nowMs`. True when the quality has changed by it. */
+  drew(nowMs: number): boolean {
+    const interval = nowMs - this.last;
+    this.last = nowMs;
+    if (!(interval > 0 && interval <= PAUSE_MS)) return false;
+    this.intervals.push(interval);
+    this.sum += interval;
+    const count = this.intervals.length;
+    if (count < FEWEST || (count < JUDGED && this.sum < LONG_ENOUGH_MS)) return false;
+    this.median = this.intervals.sort((a, b) => a - b)[Math.floor(count / 2)] ?? 0;
+    this.intervals.length = 0;
+    this.sum = 0;
+    if (this.median <= TOO_SLOW_MS || this.step >= STEPS.length - 1) return false;
+    ++this.step;
+    return true;
+  }
+}

@@ -1,0 +1,439 @@
+// The page in a real browser, against a mock session: the face moves, every button does what it says, files are worn, and it
+// holds together in dark, in light, on a phone, by keyboard, without WebGL and without its session.
+//
+//   npm run build && npm run test:page
+//
+//   MIEN_CHROMIUM     the browser (/usr/bin/chromium)
+//   MIEN_SCREENSHOTS  a folder that keeps what was seen
+//   MIEN_PROGRAM      the program that gives the real face; an egg without it
+import assert from "node:assert/strict";
+import { existsSync, mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
+import { startMockSession } from "./mock_session.mjs";
+import { sphereHead } from "./sphere_head.mjs";
+
+const executablePath = process.env.MIEN_CHROMIUM ?? "/usr/bin/chromium";
+const pictures = process.env.MIEN_SCREENSHOTS ?? "";
+if (pictures) mkdirSync(pictures, { recursive: true });
+
+// A graphics card made of software is slow, and the machine may be busy.
+const PATIENCE = 90_000;
+const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+
+let browser;
+let mock;
+const troubles = [];
+
+before(async () => {
+  assert.ok(existsSync(executablePath), `There is no browser at ${executablePath}; MIEN_CHROMIUM says where it is.`);
+  mock = await startMockSession({ quick: true });
+  browser = await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", ...GL], timeout: PATIENCE });
+});
+after(async () => {
+  await browser?.close();
+  await mock?.close();
+});
+
+async function open(options = {}, url = mock.url) {
+  const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, reducedMotion: "reduce", ...options });
+  context.setDefaultTimeout(PATIENCE);
+  const page = await context.newPage();
+  page.on("pageerror", (error) => troubles.push(String(error.stack)));
+  page.on("console", (message) => {
+    if (message.type() === "error" && !/ERR_CONNECTION_REFUSED|WebSocket connection|40[34]/.test(message.text())) troubles.push(message.text());
+  });
+  const address = new URL(url);
+  if (!options.fine) address.searchParams.set("quality", "low");
+  await page.goto(address.href, { timeout: PATIENCE });
+  return page;
+}
+
+async function settled(page, condition, what, argument) {
+  await page.waitForFunction(condition, argument, { timeout: PATIENCE, polling: 100 }).catch((error) => {
+    throw new Error(`${what}: ${error.message}`);
+  });
+}
+
+async function picture(page, name) {
+  if (pictures) await page.screenshot({ path: join(pictures, `${name}.png`), timeout: PATIENCE });
+}
+
+/** The last command of this name that the session got, once it satisfies `check`. */
+async function obeyed(name, check = () => true) {
+  const deadline = Date.now() + PATIENCE;
+  for (;;) {
+    const found = mock.session.commands.findLast((command) => command.command === name && check(command));
+    if (found) return found;
+    if (Date.now() > deadline) assert.fail(`The session was never told: ${name}. It got ${JSON.stringify(mock.session.commands.slice(-4))}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
+async function drop(page, name, bytes) {
+  await page.evaluate(
+    ([file, data]) => {
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], file));
+      for (const type of ["dragenter", "dragover", "drop"]) {
+        window.dispatchEvent(new DragEvent(type, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+      }
+    },
+    [name, Buffer.from(bytes).toString("base64")],
+  );
+}
+
+const tab = (page, name) => page.getByRole("tab", { name });
+const button = (page, name) => page.getByRole("button", { name, exact: true });
+
+test("the face is drawn and moves", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  await settled(page, () => [...document.querySelectorAll(".dot")].filter((dot) => dot.style.transform !== "").length >= 11, "sensors on the face");
+  const seen = async () => (await page.locator(".stage-canvas").screenshot({ timeout: PATIENCE })).toString("base64");
+  const first = await seen();
+  let moved = false;
+  for (let i = 0; i < 10 && !moved; ++i) {
+    await page.waitForTimeout(700);
+    moved = (await seen()) !== first;
+  }
+  assert.ok(moved, "two pictures of a talking face are the same");
+  const colours = await page.evaluate(async () => {
+    const canvas = document.querySelector(".stage-canvas");
+    const image = await createImageBitmap(canvas);
+    const small = new OffscreenCanvas(32, 32);
+    small.getContext("2d").drawImage(image, 0, 0, 32, 32);
+    const { data } = small.getContext("2d").getImageData(0, 0, 32, 32);
+    let opaque = 0;
+    for (let i = 3; i < data.length; i += 4) if (data[i] > 128) ++opaque;
+    return opaque;
+  });
+  assert.ok(colours >= 0);
+  await page.context().close();
+});
+
+test("weights: bars, provenance, plot and knobs", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await tab(page, "Weights").click();
+  const bar = page.locator(".cell[title=mouthSmile_L]");
+  await settled(page, () => document.querySelector(".cell[title=jawOpen]")?.dataset.prov === "m", "a measured jaw");
+  assert.equal(await page.locator(".cell").count(), 54);
+  const letters = await page.locator(".cell").evaluateAll((cells) => cells.map((cell) => [cell.dataset.prov, cell.querySelector(".letter").textContent]));
+  assert.ok(letters.every(([prov, letter]) => prov === letter));
+  assert.ok(new Set(letters.map(([prov]) => prov)).size >= 4);
+  await settled(page, () => /percent, \w+, confidence/.test(document.querySelector(".cell[title=mouthSmile_L]").getAttribute("aria-label")), "a bar that says its value");
+  await page.locator(".cell[title=jawOpen]").click();
+  assert.equal(await page.locator(".cell[title=jawOpen]").getAttribute("aria-pressed"), "false");
+  for (const shape of ["mouthFunnel", "jawOpen", "browDown_L"]) await page.locator(`.cell[title=${shape}]`).click();
+  assert.equal(await page.locator(".plot-key").count(), 5);
+  await page.locator(".plot-key").first().click();
+  assert.equal(await page.locator(".plot-key").count(), 4);
+  assert.ok((await page.locator(".plot canvas").count()) > 0);
+
+  await bar.scrollIntoViewIfNeeded();
+  await page.locator(".knobs summary").click();
+  await page.getByLabel("Gain", { exact: false }).fill("1.5");
+  const gain = await obeyed("shape", (command) => command.gains?.browDown_L === 1.5);
+  assert.deepEqual(gain.limits, { browDown_L: [0, 1] });
+  await page.getByLabel("Least", { exact: false }).fill("0.2");
+  await obeyed("shape", (command) => command.limits?.browDown_L?.[0] === 0.2);
+  await page.getByRole("button", { name: "As it was" }).click();
+  await obeyed("shape", (command) => command.gains?.browDown_L === 1 && command.limits.browDown_L[0] === 0);
+  await picture(page, "weights");
+  await page.context().close();
+});
+
+test("sensors: numbers, one picked on the face, tapped, bound", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await tab(page, "Sensors").click();
+  await settled(page, () => document.querySelectorAll(".links tbody tr").length === 12, "a row a sensor");
+  const row = page.locator(".links tr[data-sensor=zygomaticus_lower_L]");
+  assert.equal(await row.getAttribute("data-severity"), "warn");
+  assert.match(await row.innerText(), /lossy[\s\S]*208[\s\S]*ms[\s\S]*1[2-4] %/);
+  assert.match(await page.locator(".links tr[data-sensor=mentalis]").innerText(), /lost/);
+  assert.match(await page.locator(".sensors-panel .summary").innerText(), /buccinator R frozen/);
+  // A dot on the face opens its sensor; the keyboard does it, since a moving target is hard to click.
+  await page.locator(".dot[aria-label^='frontalis L']").focus();
+  await page.keyboard.press("Enter");
+  await settled(page, () => document.querySelector(".detail h3")?.textContent === "frontalis L", "the sensor's details");
+  await page.locator(".links tr[data-sensor=mentalis] button").click();
+  assert.match(await page.locator(".detail").innerText(), /Nothing heard any more/);
+  await picture(page, "sensor");
+  await button(page, "Tap it to bind it").click();
+  await obeyed("tap", (command) => command.sensor === "mentalis");
+  await page.locator(".tap-banner").waitFor({ state: "visible" });
+  await page.locator(".tap-banner").waitFor({ state: "hidden" });
+  await settled(page, () => /good/.test(document.querySelector(".links tr[data-sensor=mentalis]").textContent), "a bound sensor");
+  await button(page, "Close").first().click();
+
+  await page.locator(".unbound-row select").selectOption("buccinator_R");
+  await page.locator(".unbound-row").getByRole("button", { name: "Bind" }).click();
+  await obeyed("bind", (command) => command.sensor === "buccinator_R" && command.device.startsWith("5C:CF"));
+  await page.locator(".unbound").waitFor({ state: "hidden" });
+  await page.context().close();
+});
+
+test("calibration: guided to its scores, compared, undone, re-centred", { timeout: 5 * PATIENCE }, async () => {
+  const page = await open();
+  await tab(page, "Calibration").click();
+  await page.locator(".version").first().waitFor();
+  const versions = await page.locator(".version").count();
+  await button(page, "With expressions").click();
+  await page.locator(".guide-running").waitFor({ state: "visible" });
+  await settled(page, () => document.querySelectorAll(".steps li").length === 8, "a dot a step");
+  await settled(page, () => document.querySelector(".guide h2").textContent === "Make this face", "an expression to make");
+  assert.ok(/\w/.test(await page.locator(".guide-words p").innerText()));
+  await picture(page, "guide");
+  await page.locator(".guide-done").waitFor({ state: "visible" });
+  assert.equal(await page.locator(".guide-done .scores li").count(), 4);
+  await page.locator(".guide-done").getByRole("button", { name: "Done" }).click();
+  await settled(page, (count) => document.querySelectorAll(".version").length === count, "a new version", versions + 1);
+  assert.match(await page.locator(".version.in-force strong").innerText(), new RegExp(`^${versions + 1}\\.`));
+
+  const boxes = page.locator(".version input[type=checkbox]");
+  for (let i = 0; i < 3; ++i) await boxes.nth(i).check();
+  assert.equal(await boxes.nth(0).isChecked(), false, "only two are compared");
+  assert.equal(await page.locator(".compare thead th").count(), 3);
+  await page.locator(".version summary").first().click();
+  await picture(page, "versions");
+  await page.getByRole("button", { name: "Use this" }).last().click();
+  await obeyed("use_calibration", (command) => command.version === 1);
+  await settled(page, () => document.querySelector(".version.in-force strong")?.textContent.startsWith("1."), "version 1 in force");
+  await page.locator(".calibration-panel").getByRole("button", { name: "Re-centre" }).click();
+  await obeyed("recentre");
+  await settled(page, () => document.querySelector(".version.in-force strong")?.textContent.includes("Re-centred"), "the re-centred version");
+
+  await page.keyboard.press("c");
+  await page.locator(".guide-running").waitFor({ state: "visible" });
+  await page.keyboard.press("Escape");
+  await obeyed("cancel_calibration");
+  await page.locator(".guide").waitFor({ state: "hidden" });
+  await page.context().close();
+});
+
+test("takes: recorded, replayed beside the truth, moved in time, left", { timeout: 5 * PATIENCE }, async () => {
+  const page = await open();
+  await tab(page, "Takes").click();
+  await page.getByLabel("Name of the take").fill("my take");
+  await page.locator(".takes-panel .record").click();
+  assert.equal((await obeyed("record", (command) => command.on)).name, "my take");
+  await settled(page, () => document.querySelector(".chip").textContent === "recording", "a sign that it records");
+  await page.getByRole("button", { name: "Stop recording" }).click();
+  await obeyed("record", (command) => command.on === false);
+  await page.locator(".take", { hasText: "my take" }).waitFor();
+
+  await page.getByRole("button", { name: "Play reading_aloud.mien" }).click();
+  await page.locator(".timeline").waitFor({ state: "visible" });
+  await settled(page, () => document.querySelector(".face-view").dataset.second === "truth", "two faces");
+  await settled(page, () => /mm of skin/.test(document.querySelector(".difference").textContent), "the error");
+  await page.keyboard.press(" ");
+  await obeyed("replay", (command) => command.paused === true);
+  await page.getByRole("button", { name: "Play", exact: true }).first().waitFor();
+  await page.getByLabel("Time in the take").fill("10");
+  await obeyed("replay", (command) => command.seek === 10);
+  await settled(page, () => document.querySelector(".timeline .mono").textContent === "0:10", "the new time");
+  await picture(page, "replay");
+  await page.keyboard.press("t");
+  await settled(page, () => document.querySelector(".face-view").dataset.second === "none", "one face");
+  await page.keyboard.press("t");
+  await button(page, "Leave replay").click();
+  await page.locator(".timeline").waitFor({ state: "hidden" });
+  await page.context().close();
+});
+
+test("output: receivers on, off, added, removed; smoothing; refusals are said", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await tab(page, "Output").click();
+  const vmc = page.getByRole("switch", { name: /vmc/ });
+  await vmc.click();
+  await obeyed("sink", (command) => command.id === 2 && command.on === true);
+  await settled(page, () => document.querySelectorAll(".switch")[1].getAttribute("aria-checked") === "true", "a switch that is on");
+  const add = page.getByLabel("Address of a new receiver");
+  await add.fill("nonsense");
+  await page.keyboard.press("Enter");
+  await page.locator(".notice", { hasText: "no address of a sink" }).waitFor();
+  await add.fill("vrchat://127.0.0.1:9000");
+  await page.getByRole("button", { name: "Add" }).click();
+  await page.getByRole("button", { name: "Remove vrchat://127.0.0.1:9000" }).click();
+  await obeyed("sink", (command) => command.remove === true && command.id === 4);
+  await page.getByLabel("Smoothing").fill("0.6");
+  await obeyed("shape", (command) => command.smoothing === 0.6);
+  await page.getByRole("button", { name: "Undo the shaping of jawOpen" }).click();
+  await obeyed("shape", (command) => command.gains?.jawOpen === 1);
+  assert.match(await page.locator(".output-panel").innerText(), /99 % within \d/);
+  await picture(page, "output");
+  await page.context().close();
+});
+
+test("faces are worn: .glb of other names, .vrm, and back; what is none is refused", { timeout: 5 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  await drop(page, "friend.glb", sphereHead({ names: "pascal", scale: 100 }));
+  await page.locator(".notice", { hasText: "friend.glb: 53 of 53 shapes" }).waitFor();
+  await picture(page, "worn_glb");
+  await drop(page, "hero.vrm", sphereHead({ names: "pascal", vrm: true }));
+  await page.locator(".notice", { hasText: "hero.vrm: 53 of 53 shapes" }).waitFor();
+  await settled(page, () => document.querySelectorAll(".dot:not([data-seen=none])").length >= 11, "sensors on the worn face");
+  await drop(page, "head.fbx", Buffer.from("FBX"));
+  await page.locator(".notice", { hasText: "not a .glb or .vrm" }).waitFor();
+  await drop(page, "broken.glb", Buffer.alloc(4000));
+  await page.locator(".notice", { hasText: "not a glTF binary" }).waitFor();
+  await page.getByRole("button", { name: "View" }).click();
+  await page.getByRole("button", { name: "The session's face again" }).click();
+  await page.getByRole("button", { name: "View" }).click();
+  await page.getByRole("button", { name: "The session's face again" }).waitFor({ state: "hidden" });
+  await page.getByRole("button", { name: /Camera to the front/ }).click();
+  await page.context().close();
+});
+
+test("the keyboard reaches everything", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.querySelectorAll(".links tbody tr").length === 12, "a status");
+  for (const [key, name] of [["2", "Sensors"], ["3", "Calibration"], ["4", "Takes"], ["5", "Output"], ["1", "Weights"]]) {
+    await page.keyboard.press(key);
+    await settled(page, (label) => document.querySelector("[role=tab][aria-selected=true]")?.textContent === label, name, name);
+  }
+  await page.keyboard.press("1");
+  assert.equal(await page.locator("html").getAttribute("data-panel"), "closed");
+  await page.keyboard.press("1");
+  await page.keyboard.press("?");
+  await page.locator("dialog.help[open]").waitFor();
+  await picture(page, "help");
+  await page.keyboard.press("Escape");
+  await page.locator("dialog.help[open]").waitFor({ state: "detached" });
+  await page.keyboard.press("f");
+  assert.equal(await page.locator("html").getAttribute("data-bare"), "true");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("html").getAttribute("data-bare"), "false");
+  await page.keyboard.press("d");
+  await page.locator(".dots").waitFor({ state: "hidden" });
+  await page.keyboard.press("d");
+  for (const key of ["h", "h", "v", "ArrowLeft", "ArrowUp"]) await page.keyboard.press(key);
+  const before = mock.session.commands.length;
+  await page.keyboard.press("r");
+  await obeyed("record", (command) => command.on === true && mock.session.commands.indexOf(command) >= before);
+  await page.keyboard.press("r");
+  await obeyed("record", (command) => command.on === false && mock.session.commands.indexOf(command) >= before);
+  await page.keyboard.press(" ");
+  await obeyed("recentre", (command) => mock.session.commands.indexOf(command) >= before);
+  // Letters typed into a field are letters.
+  await page.keyboard.press("4");
+  const told = mock.session.commands.length;
+  await page.getByLabel("Name of the take").fill("");
+  await page.getByLabel("Name of the take").pressSequentially("rc 1?");
+  assert.equal(await page.getByLabel("Name of the take").inputValue(), "rc 1?");
+  assert.ok(!mock.session.commands.slice(told).some((command) => ["record", "calibrate", "recentre"].includes(command.command)));
+  await page.context().close();
+});
+
+test("a face that nothing measures says so", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  try {
+    mock.session.allProvenance = "h";
+    await page.locator(".standing", { hasText: "Held" }).waitFor();
+    await picture(page, "held");
+    mock.session.allProvenance = "n";
+    await page.locator(".standing", { hasText: "Neutral" }).waitFor();
+  } finally {
+    mock.session.allProvenance = null;
+  }
+  await page.locator(".standing").waitFor({ state: "hidden" });
+  await page.context().close();
+});
+
+test("a lost connection is said, and comes back by itself", { timeout: 4 * PATIENCE }, async () => {
+  const own = await startMockSession({ quick: true, token: "secret" });
+  const page = await open({}, own.url);
+  await settled(page, () => document.documentElement.dataset.standing === "live", "the token is passed on");
+  own.session.silent = true;
+  await page.locator(".standing", { hasText: "Nothing heard" }).waitFor();
+  own.session.silent = false;
+  await page.locator(".standing").waitFor({ state: "hidden" });
+  await own.close();
+  await page.locator(".standing", { hasText: "Connection lost" }).waitFor();
+  await picture(page, "lost");
+  const again = await startMockSession({ quick: true, token: "secret", port: own.port });
+  await settled(page, () => document.documentElement.dataset.standing === "live", "the connection again");
+  await again.close();
+  const refusing = await startMockSession({ quick: true, token: "another", port: own.port });
+  await page.locator(".standing", { hasText: "token" }).waitFor();
+  await refusing.close();
+  await page.context().close();
+});
+
+test("nonsense from the session is survived", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  for (const nonsense of ["", "{", "null", '{"type":"frame"}', '{"type":"frame","weights":{}}', '{"type":"status"}', '{"type":"hello"}', '{"type":"status","links":[{"sensor":7}],"sinks":"x"}', '{"type":"event"}', '{"type":"reply"}']) {
+    for (const client of mock.session.clients) client.send(nonsense);
+  }
+  await page.waitForTimeout(500);
+  await settled(page, () => document.documentElement.dataset.standing === "live" && document.querySelectorAll(".links tbody tr").length === 12, "all well again");
+  await page.context().close();
+});
+
+test("without WebGL the weights are still there", { timeout: 4 * PATIENCE }, async () => {
+  const blind = await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-3d-apis", "--disable-webgl"], timeout: PATIENCE });
+  const page = await (await blind.newContext({ viewport: { width: 1000, height: 640 } })).newPage();
+  page.on("pageerror", (error) => troubles.push(String(error.stack)));
+  await page.goto(mock.url);
+  await page.locator(".no-webgl").waitFor({ timeout: PATIENCE });
+  await settled(page, () => document.querySelector(".cell[title=jawOpen]")?.dataset.prov === "m", "weights");
+  await picture(page, "no_webgl");
+  await blind.close();
+});
+
+test("dark, light and phone", { timeout: 6 * PATIENCE }, async () => {
+  const paper = (page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const dark = await open({ colorScheme: "dark", viewport: { width: 1280, height: 800 } });
+  await settled(dark, () => document.documentElement.dataset.standing === "live", "a living face");
+  const night = await paper(dark);
+  await picture(dark, "dark");
+  await dark.getByRole("button", { name: /^Colours/ }).click();
+  assert.notEqual(await paper(dark), night, "the switch makes it light");
+  await dark.context().close();
+  const light = await open({ colorScheme: "light", viewport: { width: 1280, height: 800 } });
+  await settled(light, () => document.documentElement.dataset.standing === "live", "a living face");
+  assert.notEqual(await paper(light), night);
+  await picture(light, "light");
+  await light.context().close();
+
+  const phone = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  await settled(phone, () => document.documentElement.dataset.standing === "live", "a living face");
+  const size = await phone.evaluate(() => ({ wide: document.documentElement.scrollWidth, panel: document.querySelector(".dock-body").scrollWidth, view: innerWidth }));
+  assert.ok(size.wide <= size.view && size.panel <= size.view, JSON.stringify(size));
+  for (const name of ["Sensors", "Calibration", "Takes", "Output", "Weights"]) {
+    await tab(phone, name).tap();
+    const wide = await phone.evaluate(() => document.querySelector(".dock-body").scrollWidth);
+    assert.ok(wide <= 390, `${name} is ${wide} wide`);
+  }
+  const bar = await phone.locator(".action-bar").boundingBox();
+  assert.ok(bar.x >= 0 && bar.x + bar.width <= 390, JSON.stringify(bar));
+  await picture(phone, "phone");
+  await phone.context().close();
+});
+
+test("memory stays flat", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  const elements = () => page.evaluate(() => document.querySelectorAll("*").length);
+  const first = await elements();
+  // Ten minutes of frames and statuses at once.
+  for (let i = 0; i < 100; ++i) {
+    for (let k = 0; k < 24; ++k) mock.session.say(mock.session.status());
+    for (let k = 0; k < 60; ++k) mock.session.tick();
+    mock.session.event("note", `Note ${i}`);
+    await page.waitForTimeout(10);
+  }
+  await page.waitForTimeout(1000);
+  const last = await elements();
+  // The log of events is the one thing that grew: to its limit.
+  assert.ok(last - first < 150, `${first} elements became ${last}`);
+  await page.context().close();
+});
+
+test("nothing was said on the console that should not be", () => {
+  assert.deepEqual(troubles, []);
+});

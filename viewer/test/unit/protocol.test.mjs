@@ -1,0 +1,135 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { load } from "./load.mjs";
+
+const { readMessage, readTakes, OWN_ORDER } = await load("protocol.ts");
+const { SHAPES, SHAPE_COUNT } = await load("shapes.ts");
+
+const read = (message, order = OWN_ORDER) => readMessage(typeof message === "string" ? message : JSON.stringify(message), order);
+
+function frame(fields = {}) {
+  return {
+    type: "frame", index: 7, time: 1.5, weights: SHAPES.map((_, i) => i / 100), confidence: SHAPES.map(() => 0.5),
+    provenance: "m".repeat(SHAPE_COUNT), tongue_out: 0.25, head: [1, 0, 0, 0], head_confidence: 1, head_provenance: "m",
+    eyes: [0.1, 0, 0.1, 0], eyes_confidence: 0.4, eyes_provenance: "p", ...fields,
+  };
+}
+
+test("a whole frame is read", () => {
+  const message = read(frame({ truth: SHAPES.map(() => 0.5) }));
+  assert.equal(message.type, "frame");
+  assert.equal(message.index, 7);
+  assert.equal(message.weights.length, SHAPE_COUNT);
+  assert.ok(Math.abs(message.weights[30] - 0.3) < 1e-6);
+  assert.equal(message.provenance, "m".repeat(SHAPE_COUNT));
+  assert.equal(message.truth[52], 0.5);
+  assert.deepEqual([...message.eyes], [0.1, 0, 0.1, 0]);
+});
+
+test("the session's order is brought into ours by name", () => {
+  const hello = read({ type: "hello", shapes: [...SHAPES].reverse() });
+  const message = read(frame({ weights: [...SHAPES].map((_, i) => i / 100).reverse(), provenance: "mh".padEnd(SHAPE_COUNT, "n") }), hello.order);
+  assert.ok(Math.abs(message.weights[10] - 0.1) < 1e-6);
+  assert.equal(message.provenance.slice(-2), "hm");
+});
+
+test("a shape that the session does not have is zero and neutral", () => {
+  const hello = read({ type: "hello", shapes: ["jawOpen"] });
+  const message = read(frame({ weights: [0.8], provenance: "m" }), hello.order);
+  assert.ok(Math.abs(message.weights[SHAPES.indexOf("jawOpen")] - 0.8) < 1e-6);
+  assert.equal(message.weights[0], 0);
+  assert.equal(message.provenance.charAt(0), "n");
+});
+
+test("a frame with odd values becomes a harmless one", () => {
+  const message = read(frame({
+    weights: [NaN, "x", null, 7, -3], confidence: "no", provenance: 5, head: [0, 0, 0, 0], eyes: [99, {}, -99], tongue_out: [], truth: {}, time: "late",
+  }));
+  assert.equal(message.weights[0], 0);
+  assert.equal(message.weights[3], 1);
+  assert.equal(message.weights[4], 0);
+  assert.equal(message.provenance, "n".repeat(SHAPE_COUNT));
+  assert.deepEqual([...message.head], [1, 0, 0, 0]);
+  assert.deepEqual([...message.eyes], [1, 0, -1, 0]);
+  assert.equal(message.truth, null);
+  assert.equal(message.time, 0);
+});
+
+test("a frame without weights is no frame", () => {
+  assert.equal(read(frame({ weights: undefined })), null);
+  assert.equal(read(frame({ weights: "m" })), null);
+});
+
+test("what is no message is null, and nothing throws", () => {
+  for (const nonsense of ["", "{", "null", "[]", "7", '"frame"', "{}", '{"type":"odd"}', '{"type":7}', '{"type":["frame"]}']) {
+    assert.equal(read(nonsense), null, nonsense);
+  }
+});
+
+test("every message survives every field being of a wrong kind", () => {
+  const samples = [
+    { type: "hello", shapes: SHAPES, rig: { name: "r", sensors: [{ name: "a", position_m: [0, 0, 0] }] }, listening: ["udp://"] },
+    frame(),
+    {
+      type: "status", time: 1, latency_ms: { p50: 1, p99: 2, max: 3 }, links: [{ sensor: "a", state: "good" }], unbound: [{ device: "d" }],
+      calibration: { state: "running", target: { jawOpen: 1 }, versions: [{ id: 1, scores: [{ name: "s" }] }] }, sinks: [{ id: 1 }],
+      recording: { on: true }, shaping: { gains: { jawOpen: 1.5 }, limits: { jawOpen: [0, 0.5] } }, replay: { take: "t" }, tap: { sensor: "a" },
+    },
+    { type: "reply", id: 1, ok: true, result: {} },
+    { type: "event", kind: "k", text: "t" },
+  ];
+  const odd = [undefined, null, 0, -1, 1e300, "", "x", true, [], [null], [[]], {}, { a: { b: [] } }, "toString", ["__proto__"]];
+  const spoil = (value, path) => {
+    if (typeof value !== "object" || value === null) return;
+    for (const key of Object.keys(value)) {
+      if (path.length === 0 && key === "type") continue;
+      const before = value[key];
+      for (const other of odd) {
+        value[key] = other;
+        assert.doesNotThrow(() => read(root), `${path.concat(key).join(".")} = ${JSON.stringify(other)}`);
+      }
+      value[key] = before;
+      spoil(before, path.concat(key));
+    }
+  };
+  let root;
+  for (root of samples) spoil(root, []);
+});
+
+test("a status is read", () => {
+  const message = read({
+    type: "status", time: 3, frames: 180, missed: 1, latency_ms: { p50: 7, p99: 12, max: 20 },
+    links: [{ sensor: "mentalis", device: "d", state: "lossy", age_ms: 3, rate_hz: 239.8, loss: 0.1, battery: null, heading_sigma_deg: 2 }],
+    calibration: { state: "running", step: "anchor", prompt: "Smile.", target: { mouthSmile_L: 1 }, progress: 0.5, remaining_s: 1.5, step_number: 4, steps: 8, versions: [] },
+    sinks: [{ id: 2, address: "vmc://h:1", on: true, rate_hz: 60, receivers: null }], shaping: { smoothing: 0.4, gains: { jawOpen: 1.2, nonsense: 3 }, limits: {} },
+    replay: null, tap: { sensor: "mentalis" },
+  });
+  assert.equal(message.links[0].loss, 0.1);
+  assert.equal(message.links[0].battery, null);
+  assert.equal(message.calibration.target[SHAPES.indexOf("mouthSmile_L")], 1);
+  assert.equal(message.calibration.steps, 8);
+  assert.equal(message.sinks[0].id, 2);
+  assert.deepEqual([...message.shaping.gains], [["jawOpen", 1.2]]);
+  assert.equal(message.tap, "mentalis");
+  assert.equal(message.replay, null);
+});
+
+test("endless lists and texts are cut", () => {
+  const message = read({ type: "status", links: Array.from({ length: 5000 }, (_, i) => ({ sensor: `s${i}`, state: "x".repeat(1000) })) });
+  assert.ok(message.links.length <= 256);
+  assert.ok(message.links[0].state.length <= 500);
+});
+
+test("takes are read", () => {
+  assert.deepEqual(readTakes(null), []);
+  assert.deepEqual(readTakes({ takes: [{ name: "a.mien", seconds: 3, megabytes: 0.5, recorded: "2026" }, {}, 7] }), [
+    { name: "a.mien", seconds: 3, megabytes: 0.5, recorded: "2026" },
+  ]);
+});
+
+test("the shapes are those of the program", () => {
+  const header = readFileSync(new URL("../../../mien/face/profile.h", import.meta.url), "utf8");
+  const list = /kShapeNames = \{([^}]*)\}/.exec(header)[1];
+  assert.deepEqual([...list.matchAll(/"(\w+)"/g)].map((match) => match[1]), [...SHAPES]);
+});

@@ -1,0 +1,50 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { load } from "./load.mjs";
+
+const { ago, clock, fixed, milliseconds, percentage } = await load("format.ts");
+const { countLetters, letterOf, standingOf } = await load("provenance.ts");
+const { healthOf, HEALTH_STATES } = await load("health.ts");
+
+test("numbers read as a person says them", () => {
+  assert.equal(milliseconds(4.21), "4.2 ms");
+  assert.equal(milliseconds(87.4), "87 ms");
+  assert.equal(milliseconds(-31_900), "-31.9 s");
+  assert.equal(milliseconds(720_000), "12 min");
+  assert.equal(milliseconds(null), "–");
+  assert.equal(percentage(0), "0 %");
+  assert.equal(percentage(0.004), "0.4 %");
+  assert.equal(percentage(0.126), "13 %");
+  assert.equal(clock(65.9), "1:05");
+  assert.equal(clock(3723), "1:02:03");
+  assert.equal(clock(-1), "0:00");
+  assert.equal(ago(2), "just now");
+  assert.equal(ago(185), "3 min ago");
+  assert.equal(fixed(null, 1), "–");
+  assert.equal(fixed(Infinity, 1), "–");
+});
+
+test("a face is live while anything of it is", () => {
+  assert.equal(standingOf("nnnnhm"), "live");
+  assert.equal(standingOf("aaaa"), "live");
+  assert.equal(standingOf("hhhh"), "held");
+  assert.equal(standingOf("nnnn"), "neutral");
+  assert.equal(standingOf("nnhh"), "resting");
+  assert.equal(standingOf("xxxx"), "neutral");
+  assert.equal(standingOf(""), "neutral");
+});
+
+test("letters that nobody knows are not taken for measured", () => {
+  assert.equal(letterOf("z", 0), "?");
+  assert.equal(letterOf("", 5), "?");
+  assert.deepEqual([...countLetters("mmhz")], [["m", 2], ["h", 1], ["?", 1]]);
+});
+
+test("every state of a link has words and a mark of its own severity", () => {
+  for (const state of HEALTH_STATES) {
+    const health = healthOf(state);
+    assert.ok(health.sentence.endsWith("."), state);
+    assert.equal(health.mark === "", state === "good", state);
+  }
+  for (const odd of ["", "toString", "constructor", "__proto__", "GOOD"]) assert.equal(healthOf(odd).label, "unknown", odd);
+});
