@@ -72,7 +72,7 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   if (page.assets.empty())
     return fail(ErrorCode::not_found, "this program was built without its page", request.page,
                 "run with --page off, or build it with npm installed");
-  page.assets.push_back({"/face.glb", "model/gltf-binary", face_glb});
+  page.assets.push_back({"/face.glb", "model/gltf-binary", face_glb, false});
   return std::optional(std::move(page));
 }
 

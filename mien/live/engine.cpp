@@ -349,13 +349,27 @@ Result<std::string> Engine::State::obey_replay(const json& command) {
 }
 
 std::string Engine::State::list_takes() const {
-  json takes = json::array();
+  struct Found {
+    std::string name;
+    double megabytes = 0;
+    std::time_t written = 0;
+  };
+  std::vector<Found> found;
   std::error_code code;
   for (const auto& file : std::filesystem::directory_iterator(settings.takes, code)) {
-    if (file.path().extension() != ".mien" || takes.size() == kMaxTakes) continue;
-    takes.push_back({{"name", file.path().filename().string()},
-                     {"megabytes", static_cast<double>(file.file_size(code)) / 1e6}});
+    if (file.path().extension() != ".mien") continue;
+    const auto written = std::chrono::file_clock::to_sys(file.last_write_time(code));
+    found.push_back({file.path().filename().string(), static_cast<double>(file.file_size(code)) / 1e6,
+                     std::chrono::system_clock::to_time_t(
+                         std::chrono::time_point_cast<std::chrono::system_clock::duration>(written))});
   }
+  std::ranges::sort(found, std::ranges::greater(), &Found::written);
+  json takes = json::array();
+  for (std::size_t i = 0; i < std::min(found.size(), kMaxTakes); ++i)
+    takes.push_back({{"name", found[i].name},
+                     {"seconds", nullptr},
+                     {"megabytes", found[i].megabytes},
+                     {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(found[i].written))}});
   return json({{"takes", std::move(takes)}}).dump();
 }
 

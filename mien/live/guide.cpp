@@ -80,21 +80,14 @@ bool Guide::after(const face::OutputFrame& frame) {
   return true;
 }
 
-const Guide::Part* Guide::part_at(DeviceTime frame) const {
-  for (const Part& part : parts_)
-    if (frame < part.end) return &part;
-  return nullptr;
-}
-
-double Guide::progress(DeviceTime frame) const {
-  if (parts_.empty()) return 0;
-  const DeviceTime begin = parts_.front().begin - kLeadIn;
-  return std::clamp(to_seconds(frame - begin) / to_seconds(parts_.back().end - begin), 0.0, 1.0);
-}
-
-Duration Guide::remaining(DeviceTime frame) const {
-  const Part* part = part_at(frame);
-  return part == nullptr ? Duration::zero() : part->end - std::max(frame, part->begin - kLeadIn);
+Guide::Place Guide::place(DeviceTime frame) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    if (frame >= part.end) continue;
+    const double share = to_seconds(frame - part.begin) / to_seconds(part.end - part.begin);
+    return {&part, i + 1, std::clamp(share, 0.0, 1.0), part.end - frame};
+  }
+  return {};
 }
 
 }  // namespace mien::live

@@ -38,10 +38,15 @@ class Guide {
     DeviceTime begin, end;
   };
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
-  /// The part that runs at this frame or comes next; none when not running.
-  [[nodiscard]] const Part* part_at(DeviceTime frame) const;
-  [[nodiscard]] double progress(DeviceTime frame) const;
-  [[nodiscard]] Duration remaining(DeviceTime frame) const;
+  /// Where the run is at a frame: the part that runs or comes next, how far it is (0 to 1; 0 before its
+  /// begin), and the time until its end.
+  struct Place {
+    const Part* part = nullptr;  ///< None when not running.
+    std::size_t number = 0;      ///< Of the part, from 1.
+    double progress = 0;
+    Duration remaining{};
+  };
+  [[nodiscard]] Place place(DeviceTime frame) const;
 
  private:
   enum class State { idle, wanted, running };

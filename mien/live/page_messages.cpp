@@ -75,6 +75,8 @@ json calibration_json(const Report::Calibration& calibration) {
           {"target", std::move(target)},
           {"progress", rounded(calibration.progress)},
           {"remaining_s", rounded(calibration.remaining_s)},
+          {"step_number", calibration.step_number},
+          {"steps", calibration.steps},
           {"versions", std::move(versions)}};
 }
 

@@ -70,7 +70,8 @@ struct PageServer::State : std::enable_shared_from_this<PageServer::State> {
       : network(context), settings(std::move(s)), acceptor(context) {}
 
   void accept();
-  [[nodiscard]] bool allows(const http::request<http::empty_body>& request, std::string_view token) const;
+  [[nodiscard]] bool knows_token(std::string_view token) const;
+  [[nodiscard]] bool knows_host(const http::request<http::empty_body>& request) const;
   [[nodiscard]] bool allows_origin(const http::request<http::empty_body>& request) const;
 
   asio::io_context& network;
@@ -127,6 +128,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
       return refuse(http::status::forbidden, "a token is missing or wrong");
     if (websocket::is_upgrade(request)) {
       if (path != "/ws") return refuse(http::status::not_found, "no such page");
+      if (!state_->knows_token(token)) return refuse(http::status::forbidden, "a token is missing or wrong");
       if (!state_->allows_origin(request)) return refuse(http::status::forbidden, "a page from elsewhere");
       return open_socket(request);
     }
@@ -134,7 +136,13 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
       return refuse(http::status::method_not_allowed, "only GET");
     const std::string_view wanted = path == "/" ? std::string_view("/index.html") : std::string_view(path);
     for (const Asset& asset : state_->settings.assets)
-      if (asset.path == wanted) return give(asset, request);
+      if (asset.path == wanted) {
+        // The page's own files hold nothing of the session, and a page cannot put a token into their
+        // addresses.
+        if (!asset.open && !state_->knows_token(token))
+          return refuse(http::status::forbidden, "a token is missing or wrong");
+        return give(asset, request);
+      }
     refuse(http::status::not_found, "no such page");
   }
 
@@ -230,10 +238,14 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   std::shared_ptr<const std::string> frame_;  // The newest that has not been sent.
 };
 
-bool PageServer::State::allows(const http::request<http::empty_body>& request, std::string_view token) const {
-  if (!settings.token.empty()) return same_secret(token, settings.token);
-  // A page from elsewhere can make a browser call this address by another name.
-  return is_loopback_name(host_of(view(request[http::field::host])));
+bool PageServer::State::knows_token(std::string_view token) const {
+  return settings.token.empty() || same_secret(token, settings.token);
+}
+
+bool PageServer::State::knows_host(const http::request<http::empty_body>& request) const {
+  // A page from elsewhere can make a browser call a loopback address by another name; with a token it gains
+  // nothing.
+  return !settings.token.empty() || is_loopback_name(host_of(view(request[http::field::host])));
 }
 
 bool PageServer::State::allows_origin(const http::request<http::empty_body>& request) const {

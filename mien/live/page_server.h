@@ -19,12 +19,13 @@ struct Asset {
   std::string_view path;  ///< "/index.html"; "/" gives that one.
   std::string_view type;  ///< "text/html; charset=utf-8".
   std::span<const std::byte> bytes;
+  bool open = true;  ///< Given without a token, too: it says nothing of the session.
 };
 
 struct PageSettings {
   std::string host = "127.0.0.1";
   std::uint16_t port = 8740;  ///< 0: any that is free.
-  /// What every request must carry as `?token=`; empty only on loopback.
+  /// What requests must carry as `?token=`, but for open assets; empty only on loopback.
   std::string token;
   std::vector<Asset> assets;
 };

@@ -104,6 +104,7 @@ void Player::pause(bool paused, HostTime now) {
 void Player::seek(double seconds, HostTime now) {
   from_s_ = std::clamp(seconds, 0.0, view(now).duration_s);
   since_ = now;
+  shown_ = -1;  // Shown also while paused.
 }
 
 Player::View Player::view(HostTime now) const {

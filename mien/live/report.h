@@ -41,7 +41,9 @@ struct Report {
     std::string step;
     std::string prompt;
     std::optional<face::BlendshapeWeights> target;
-    double progress = 0;
+    std::size_t step_number = 0;  ///< From 1; 0 when none runs.
+    std::size_t steps = 0;
+    double progress = 0;  ///< Of the step, 0 to 1.
     double remaining_s = 0;
     std::int64_t in_force = 0;
     std::vector<CalibrationVersion> versions;  ///< Without their JSON.

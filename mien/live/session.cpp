@@ -379,14 +379,19 @@ void Session::report(HostTime now, Report& out) const {
   calibration.in_force = in_force_;
   calibration.target.reset();
   calibration.progress = calibration.remaining_s = 0;
+  calibration.step_number = calibration.steps = 0;
   if (guide_.running()) {
     calibration.state = "running";
-    calibration.progress = guide_.progress(newest_frame_);
-    calibration.remaining_s = to_seconds(guide_.remaining(newest_frame_));
-    const Guide::Part* part = guide_.part_at(newest_frame_);
-    calibration.step = part == nullptr ? "" : part->target != nullptr ? "anchor" : part->name;
-    calibration.prompt = part == nullptr ? std::string_view() : part->prompt;
-    if (part != nullptr && part->target != nullptr) calibration.target = *part->target;
+    const Guide::Place place = guide_.place(newest_frame_);
+    calibration.step_number = place.number;
+    calibration.steps = guide_.parts().size();
+    calibration.progress = place.progress;
+    calibration.remaining_s = to_seconds(place.remaining);
+    calibration.step = place.part == nullptr           ? ""
+                       : place.part->target != nullptr ? "anchor"
+                                                       : place.part->name;
+    calibration.prompt = place.part == nullptr ? std::string_view() : place.part->prompt;
+    if (place.part != nullptr && place.part->target != nullptr) calibration.target = *place.part->target;
   } else if (!failure_.empty()) {
     calibration.state = "failed";
     calibration.step.clear();

@@ -181,8 +181,8 @@ export type Command =
   | { command: "recentre" }
   | { command: "record"; on: boolean; name: string }
   | { command: "sink"; add: string }
-  | { command: "sink"; id: string | number; on: boolean }
-  | { command: "sink"; id: string | number; remove: true }
+  | { command: "sink"; sink: string | number; on: boolean }
+  | { command: "sink"; sink: string | number; remove: true }
   | { command: "bind"; sensor: string; device: string }
   | { command: "tap"; sensor: string }
   | { command: "shape"; smoothing?: number; gains?: Record<string, number>; limits?: Record<string, [number, number]> }

@@ -313,7 +313,7 @@ class MockSession {
           this.sinks.push({ id: 1 + Math.max(0, ...this.sinks.map((one) => one.id)), address: command.add, on: true, sent: 0, failed: 0, receivers: null, note: "" });
           return null;
         }
-        const sink = this.sinks.find((one) => one.id === command.id);
+        const sink = this.sinks.find((one) => one.id === command.sink);
         if (!sink) throw new Error("There is no such sink.");
         if (command.remove) this.sinks = this.sinks.filter((one) => one !== sink);
         else sink.on = command.on === true;

@@ -200,14 +200,14 @@ class SinkRow {
   constructor(sink: SinkStatus, actions: Actions) {
     this.toggle = h("button", {
       type: "button", class: "switch", role: "switch", "aria-label": `Send to ${sink.address}`,
-      onclick: () => void actions.send({ command: "sink", id: sink.id, on: !this.on }),
+      onclick: () => void actions.send({ command: "sink", sink: sink.id, on: !this.on }),
     });
     this.element.append(
       this.toggle,
       h("div", {}, h("strong", { class: "mono", text: sink.address }), this.about),
       h("button", {
         type: "button", class: "text-button", text: "Remove", "aria-label": `Remove ${sink.address}`,
-        onclick: () => void actions.send({ command: "sink", id: sink.id, remove: true }),
+        onclick: () => void actions.send({ command: "sink", sink: sink.id, remove: true }),
       }),
     );
   }
