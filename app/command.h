@@ -55,6 +55,7 @@ class Commands {
 /// Clears the line on which terminal_progress() stands, for what is printed next.
 void clear_progress();
 
+void add_bench_command(Commands& commands);
 void add_demo_command(Commands& commands);
 void add_evaluate_command(Commands& commands);
 void add_export_command(Commands& commands);

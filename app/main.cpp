@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   app::add_render_command(commands);
   app::add_face_command(commands);
   app::add_take_command(commands);
+  app::add_bench_command(commands);
 
   try {
     program.parse(argc, argv);

@@ -1,0 +1,191 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include <fmt/format.h>
+
+#include <array>
+#include <atomic>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <cstring>
+#include <memory>
+#include <thread>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/live_session.h"
+#include "app/perform_network.h"
+#include "mien/core/files.h"
+#include "mien/live/latency.h"
+#include "mien/model/kernels.h"
+
+namespace mien::app {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  double seconds = 20;
+  std::string model;
+  bool json = false;
+};
+
+udp::socket loopback(asio::io_context& io) {
+  return udp::socket(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
+}
+
+/// What the network and the scheduler take by themselves: a datagram through loopback to a thread that does
+/// nothing but send it on, sixty times a second, as the session's are.
+class Relay {
+ public:
+  Relay() : in_(loopback(io_)), out_(loopback(io_)) {
+    relay_ = std::thread([this] {
+      std::array<std::byte, 512> bytes{};
+      for (;;) {
+        const std::size_t size = in_.receive(asio::buffer(bytes));
+        if (size <= 1) return;
+        in_.send_to(asio::buffer(bytes.data(), size), out_.local_endpoint());
+      }
+    });
+    sender_ = std::thread([this] { send(); });
+  }
+  ~Relay() { stop(); }
+
+  live::Latencies stop() {
+    stopping_ = true;
+    if (sender_.joinable()) sender_.join();
+    if (relay_.joinable()) {
+      const std::byte end{};
+      loopback(io_).send_to(asio::buffer(&end, 1), in_.local_endpoint());
+      relay_.join();
+    }
+    return took_;
+  }
+
+ private:
+  void send() {
+    // A Live Link frame's size.
+    std::array<std::byte, 310> bytes{};
+    auto next = Clock::now();
+    while (!stopping_) {
+      next += std::chrono::nanoseconds(16'666'667);
+      std::this_thread::sleep_until(next);
+      const auto from = Clock::now();
+      out_.send_to(asio::buffer(bytes), in_.local_endpoint());
+      out_.receive(asio::buffer(bytes));
+      took_.add(Clock::now() - from);
+    }
+  }
+
+  asio::io_context io_;
+  udp::socket in_, out_;
+  std::atomic<bool> stopping_ = false;
+  live::Latencies took_;
+  std::thread relay_, sender_;
+};
+
+nlohmann::ordered_json figures(const live::Latencies& took) {
+  const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
+  return {{"p50_ms", ms(took.percentile(0.5))},
+          {"p99_ms", ms(took.percentile(0.99))},
+          {"max_ms", ms(took.largest())},
+          {"count", took.count()}};
+}
+
+Result<void> run_live(const Options& options) {
+  // Somebody receives the face, and counts.
+  asio::io_context io;
+  udp::socket receiver = loopback(io);
+  std::atomic<std::uint64_t> received = 0;
+  std::thread receiving([&] {
+    std::array<std::byte, 2048> bytes{};
+    while (receiver.receive(asio::buffer(bytes)) > 1) ++received;
+  });
+
+  LiveRequest request;
+  request.model = options.model;
+  request.listen = {"udp://127.0.0.1:0"};
+  request.out = {fmt::format("livelink://127.0.0.1:{}", receiver.local_endpoint().port())};
+  request.page = "off";
+  const auto measure = [&]() -> Result<nlohmann::ordered_json> {
+    MIEN_TRY_ASSIGN(const LiveSession session, open_live(request));
+    std::atomic<bool> stop = false;
+    Result<live::EngineSummary> summary = fail(ErrorCode::internal, "the session did not run");
+    std::thread running([&] { summary = session.engine->run(stop, {}); });
+    Relay relay;
+
+    virt::StageRequest performance;
+    performance.script = virt::default_script(virt::Block::mixed, options.seconds);
+    performance.script_name = "mixed";
+    NetworkOptions network;
+    network.to = session.engine->listening().front();
+    Result<NetworkSummary> performed = fail(ErrorCode::internal, "nothing was performed");
+    const auto rig = find_resource("rigs/default.toml");
+    if (rig) {
+      performance.rig = *rig;
+      performed = perform_to_network(performance, network);
+    }
+    const live::Latencies network_took = relay.stop();
+    stop = true;
+    running.join();
+    if (!performed) return std::unexpected(performed.error());
+    if (!summary) return std::unexpected(summary.error());
+    const live::Latencies& took = summary->latency;
+    return nlohmann::ordered_json{
+        {"live", figures(took)},
+        {"network", figures(network_took)},
+        {"vs_network_p50", to_seconds(took.percentile(0.5)) / to_seconds(network_took.percentile(0.5))},
+        {"vs_network_p99", to_seconds(took.percentile(0.99)) / to_seconds(network_took.percentile(0.99))},
+        {"frames", summary->frames},
+        {"missed", summary->missed},
+        {"received", received.load()},
+        {"packets", performed->packets},
+        {"kernels", model::kernel_name()},
+        {"hash", summary->hash}};
+  };
+  const Result<nlohmann::ordered_json> measured = measure();
+  const std::byte end{};
+  loopback(io).send_to(asio::buffer(&end, 1), receiver.local_endpoint());
+  receiving.join();
+  if (!measured) return std::unexpected(measured.error());
+  clear_progress();
+  if (options.json) {
+    print_json(*measured);
+    return {};
+  }
+  const auto line = [](const char* what, const nlohmann::ordered_json& f) {
+    fmt::print("{:<44} {:7.3f} {:7.3f} {:7.3f}\n", what, f["p50_ms"].get<double>(), f["p99_ms"].get<double>(),
+               f["max_ms"].get<double>());
+  };
+  fmt::print("{:<44} {:>7} {:>7} {:>7}   ms\n", "", "p50", "p99", "max");
+  line("last sample in to the sink's packet out", (*measured)["live"]);
+  line("a thread that only sends datagrams on", (*measured)["network"]);
+  fmt::print("{} frames, {} missed, {} received; kernels {}, hash {}\n",
+             (*measured)["frames"].get<std::uint64_t>(), (*measured)["missed"].get<std::uint64_t>(),
+             received.load(), model::kernel_name(), (*measured)["hash"].get<std::string>());
+  return {};
+}
+
+}  // namespace
+
+void add_bench_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* bench = commands.add("bench", "How fast it is on this machine, beside what it is compared with",
+                                 "mien bench live", nullptr);
+  bench->require_subcommand(1);
+  CLI::App* live = commands.add_under(
+      bench, "live",
+      "From the arrival of the last sample of a frame to the packet that leaves, with a virtual performer on "
+      "real sockets; beside it what loopback and the scheduler take by themselves",
+      "mien bench live --seconds 20 --json", [options] { return run_live(*options); });
+  live->add_option("--seconds", options->seconds, "How long the performer performs")
+      ->check(number_between(2.0, 3600.0))
+      ->capture_default_str();
+  live->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  live->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app
