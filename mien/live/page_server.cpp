@@ -124,8 +124,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   void answer() {
     const http::request<http::empty_body> request = parser_->get();
     const auto [path, token] = split_target(view(request.target()));
-    if (!state_->allows(request, token))
-      return refuse(http::status::forbidden, "a token is missing or wrong");
+    if (!state_->knows_host(request)) return refuse(http::status::forbidden, "this host is not meant");
     if (websocket::is_upgrade(request)) {
       if (path != "/ws") return refuse(http::status::not_found, "no such page");
       if (!state_->knows_token(token)) return refuse(http::status::forbidden, "a token is missing or wrong");

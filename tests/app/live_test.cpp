@@ -1,0 +1,238 @@
+// `mien live` from outside: packets into its port, a take and a hash out; killed, and with a full disk.
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "mien/core/random.h"
+#include "mien/take/take.h"
+#include "mien/virtual/performer_prologue.h"
+#include "mien/virtual/session.h"
+#include "tests/app/program.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::app::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+/// Sends a performer's packets to a port as they would arrive, from a socket of its own.
+class Sender {
+ public:
+  Sender(std::uint16_t port, double seconds) {
+    const virt::PrologueMotion motion = virt::with_prologue(
+        virt::test::talking(static_cast<int>(60 * seconds)), virt::PrologueKind::brief, Random(3));
+    performed_ = virt::play_devices(motion, virt::test::three_sites(), virt::test::three_sensors(),
+                                    virt::test::mild_faults(), Random(11))
+                     .value();
+    thread_ = std::thread([this, port] { send(port); });
+  }
+  ~Sender() {
+    stop_ = true;
+    thread_.join();
+  }
+  void wait() {
+    while (!done_) std::this_thread::sleep_for(milliseconds(20));
+  }
+  [[nodiscard]] bool begun() const { return sent_ > 50; }
+
+ private:
+  void send(std::uint16_t port) {
+    const int out = ::socket(AF_INET, SOCK_DGRAM, 0);
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(port);
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const auto begun = Clock::now();
+    for (const take::LogEntry& entry : performed_.entries) {
+      if (stop_) break;
+      std::this_thread::sleep_until(begun + entry.arrival.time_since_epoch());
+      ::sendto(out, entry.bytes.data(), entry.bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+               sizeof(to));
+      ++sent_;
+    }
+    ::close(out);
+    done_ = true;
+  }
+  virt::VirtualSession performed_;
+  std::atomic<bool> stop_ = false;
+  std::atomic<bool> done_ = false;
+  std::atomic<int> sent_ = 0;
+  std::thread thread_;
+};
+
+/// A session that runs, and the port that it listens on.
+struct Live {
+  pid_t process = -1;
+  std::uint16_t port = 0;
+  Clock::time_point listening;
+};
+
+/// The number behind "127.0.0.1:" in what a session says of its port; 0 while it says nothing.
+std::uint16_t port_in(const std::string& text) {
+  const std::size_t at = text.find("udp://127.0.0.1:");
+  if (at == std::string::npos || text.find('\n', at) == std::string::npos) return 0;
+  return static_cast<std::uint16_t>(std::atoi(text.c_str() + at + std::strlen("udp://127.0.0.1:")));
+}
+
+void wait_for_port(Live& live, const std::string& said) {
+  for (int i = 0; i < 3000 && live.port == 0; ++i) {
+    std::this_thread::sleep_for(milliseconds(10));
+    live.port = port_in(content(said));
+  }
+  live.listening = Clock::now();
+}
+
+int finish(pid_t process) {
+  int status = 0;
+  ::waitpid(process, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+class LiveProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(std::filesystem::path(MIEN_SOURCE_DIR) / "models/live.safetensors"))
+      GTEST_SKIP() << "there is no models/live.safetensors";
+    write(folder / "rig.toml", virt::test::kRig);
+  }
+  Live start_live(const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {
+        "live", "--rig", folder / "rig.toml", "--listen", "udp://127.0.0.1:0", "--page", "off"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    Live live;
+    live.process = start(arguments, folder / (name + ".out"), folder / (name + ".err"));
+    wait_for_port(live, folder / (name + ".err"));
+    return live;
+  }
+  Folder folder;
+};
+
+TEST_F(LiveProgram, ATakeReplaysTenTimesToTheBitsOfTheSessionThatRecordedIt) {
+  const std::string take = folder / "live.mien";
+  const Live live = start_live("live", {"--record", take, "--json", "--out", "csv:" + (folder / "live.csv"),
+                                        "--out", "livelink://127.0.0.1:9"});
+  ASSERT_GT(live.port, 0) << content(folder / "live.err");
+  {
+    Sender sender(live.port, 2);
+    sender.wait();
+    std::this_thread::sleep_for(milliseconds(300));
+  }
+  ::kill(live.process, SIGINT);
+  ASSERT_EQ(finish(live.process), 0) << content(folder / "live.err");
+  const auto summary = nlohmann::json::parse(content(folder / "live.out"));
+  EXPECT_GT(summary["frames"], 800);
+  EXPECT_EQ(summary["missed"], 0);
+  EXPECT_EQ(summary["malformed"], 0);
+  EXPECT_GE(summary["calibrations"], 1);
+  for (int i = 0; i < 10; ++i) {
+    const Outcome again = run({"live", "--replay", take, "--json"});
+    ASSERT_EQ(again.status, 0) << again.err;
+    const auto replayed = nlohmann::json::parse(again.out);
+    EXPECT_EQ(replayed["hash"], summary["hash"]);
+    EXPECT_EQ(replayed["frames"], summary["frames"]);
+    EXPECT_EQ(replayed["kernels"], summary["kernels"]);
+    EXPECT_EQ(replayed["live_hash"], summary["hash"]);
+  }
+  EXPECT_EQ(run({"take", "check", take}).status, 0);
+  // The CSV is one that any importer takes.
+  const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
+  EXPECT_EQ(imported.status, 0) << imported.err;
+}
+
+TEST_F(LiveProgram, KilledWhileRecordingItLosesASecondAtMost) {
+  const char* wanted = std::getenv("MIEN_KILLS");
+  const int kills = wanted == nullptr ? 6 : std::atoi(wanted);
+  Random random(7);
+  double worst_s = 0, total_s = 0;
+  for (int i = 0; i < kills; ++i) {
+    const std::string name = "kill" + std::to_string(i);
+    const std::string take = folder / (name + ".mien");
+    const Live there = start_live(name, {"--record", take, "--json"});
+    ASSERT_GT(there.port, 0) << content(folder / (name + ".err"));
+    Sender sender(there.port, 30);
+    while (!sender.begun()) std::this_thread::sleep_for(milliseconds(5));
+    std::this_thread::sleep_for(milliseconds(static_cast<int>(random.uniform(500, 3000))));
+    ::kill(there.process, SIGKILL);
+    const double killed_s = std::chrono::duration<double>(Clock::now() - there.listening).count();
+    finish(there.process);
+    ASSERT_EQ(run({"take", "check", take}).status, 0);
+    const auto opened = take::Take::open(take);
+    ASSERT_TRUE(opened) << opened.error().message();
+    const auto entries = opened->entries().value();
+    ASSERT_FALSE(entries.empty());
+    const double lost_s = killed_s - to_seconds(entries.back().arrival.time_since_epoch());
+    EXPECT_LE(lost_s, 1.0);
+    worst_s = std::max(worst_s, lost_s);
+    total_s += lost_s;
+    std::filesystem::remove(take);
+  }
+  std::printf("%d kills: mean loss %.3f s, worst %.3f s\n", kills, total_s / kills, worst_s);
+}
+
+TEST_F(LiveProgram, AFullDiskIsSaidAndTheCaptureGoesOn) {
+  // A limit on the size of files stands for the disk: 400 blocks of 512 bytes, and no signal for who exceeds
+  // it.
+  const std::string take = folder / "full.mien";
+  const std::string line = std::string("ulimit -f 400; trap '' XFSZ; exec ") + MIEN_PROGRAM + " live --rig " +
+                           (folder / "rig.toml") + " --listen udp://127.0.0.1:0 --page off --json --record " +
+                           take;
+  Live live;
+  live.process = ::fork();
+  if (live.process == 0) {
+    std::freopen((folder / "full.out").c_str(), "w", stdout);
+    std::freopen((folder / "full.err").c_str(), "w", stderr);
+    ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
+    ::_exit(127);
+  }
+  wait_for_port(live, folder / "full.err");
+  ASSERT_GT(live.port, 0) << content(folder / "full.err");
+  {
+    Sender sender(live.port, 2);
+    sender.wait();
+    std::this_thread::sleep_for(milliseconds(300));
+  }
+  ::kill(live.process, SIGINT);
+  EXPECT_EQ(finish(live.process), 1);
+  const std::string said = content(folder / "full.err");
+  EXPECT_NE(said.find("the recording ended"), std::string::npos) << said;
+  const auto summary = nlohmann::json::parse(content(folder / "full.out"));
+  EXPECT_GT(summary["frames"], 800);
+  EXPECT_FALSE(summary["recording_error"].get<std::string>().empty());
+  // What was written until then is whole.
+  EXPECT_EQ(run({"take", "check", take}).status, 0);
+}
+
+TEST_F(LiveProgram, BadInputIsOneLine) {
+  const auto line = [](std::vector<std::string> arguments, const std::string& part) {
+    arguments.insert(arguments.begin(), "live");
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << joined(arguments) << outcome.out;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  };
+  line({"--listen", "tcp://127.0.0.1:1", "--page", "off"}, "not an address to listen on");
+  line({"--listen", "udp://127.0.0.1:99999", "--page", "off"}, "the port is no number");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "nowhere"}, "not an address for the page");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "fax://127.0.0.1"}, "livelink");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--record", folder / "x.txt"}, ".mien");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--key", folder / "rig.toml"}, "not a key file");
+  line({"--model", (std::filesystem::path(MIEN_SOURCE_DIR) / "models/default.safetensors").string(), "--page",
+        "off", "--listen", "udp://127.0.0.1:0"},
+       "causal");
+}
+
+}  // namespace
+}  // namespace mien::app::test
