@@ -99,17 +99,6 @@ test("the face is drawn and moves", { timeout: 4 * PATIENCE }, async () => {
     moved = (await seen()) !== first;
   }
   assert.ok(moved, "two pictures of a talking face are the same");
-  const colours = await page.evaluate(async () => {
-    const canvas = document.querySelector(".stage-canvas");
-    const image = await createImageBitmap(canvas);
-    const small = new OffscreenCanvas(32, 32);
-    small.getContext("2d").drawImage(image, 0, 0, 32, 32);
-    const { data } = small.getContext("2d").getImageData(0, 0, 32, 32);
-    let opaque = 0;
-    for (let i = 3; i < data.length; i += 4) if (data[i] > 128) ++opaque;
-    return opaque;
-  });
-  assert.ok(colours >= 0);
   await page.context().close();
 });
 

@@ -16,6 +16,7 @@ export class CalibrationPanel {
   readonly element = h("div", { class: "panel calibration-panel" });
   private readonly sentence = h("p", { class: "summary" });
   private readonly list = h("ul", { class: "versions" });
+  private readonly empty = h("p", { class: "quiet", text: "None yet." });
   private readonly comparison = h("section", { class: "comparison", hidden: true });
   private readonly compared = new Set<string>();
   private readonly versions: KeyedList<CalibrationVersion, VersionRow>;
@@ -39,6 +40,7 @@ export class CalibrationPanel {
       }),
       h("h3", { text: "Versions" }),
       this.list,
+      this.empty,
       this.comparison,
     );
     this.versions = new KeyedList(this.list, (one) => String(one.id), (one) => new VersionRow(one, actions, (on) => this.compare(one, on)));
@@ -61,7 +63,7 @@ export class CalibrationPanel {
     const newestFirst = [...calibration.versions].reverse();
     this.versions.update(newestFirst);
     for (const row of this.versionsRows()) row.tick(status);
-    if (this.list.childElementCount === 0) this.list.append(h("li", { class: "quiet", text: "None yet." }));
+    setHidden(this.empty, newestFirst.length > 0);
     this.drawComparison(calibration.versions);
   }
 

@@ -1,5 +1,5 @@
 /** A head that can be told what to do: the session's own face, or a file that somebody dropped. */
-import { Box3, Group, Vector3, type Material, type Mesh, type Object3D, type Texture } from "three";
+import { Box3, Group, Vector3, type Material, type Mesh, type Object3D, type SkinnedMesh, type Texture } from "three";
 import type { Pose } from "../playout";
 
 export interface Avatar {
@@ -44,6 +44,7 @@ export function disposeTree(root: Object3D): void {
     const mesh = node as Mesh;
     if (!mesh.isMesh) return;
     mesh.geometry.dispose();
+    (mesh as Partial<SkinnedMesh>).skeleton?.dispose();
     for (const material of materialsOf(mesh)) {
       for (const value of Object.values(material)) {
         if ((value as Partial<Texture> | null)?.isTexture) (value as Texture).dispose();

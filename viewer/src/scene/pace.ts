@@ -21,6 +21,8 @@ const FEWEST = 4;
 const LONG_ENOUGH_MS = 3000;
 /** Slower than this on the median, ms a picture, is too slow. */
 const TOO_SLOW_MS = 36;
+/** At the last step the card rests at least this long, ms: 15 pictures a second are enough for what it is. */
+const LEAST_REST_MS = 50;
 /** Slower than this, ms a picture, and buttons begin to lag: a browser draws everything with the same card. */
 const CRAWL_MS = 120;
 /** A pause longer than this, ms, was no drawing at all: nothing moved, or the page was hidden. */
@@ -44,7 +46,8 @@ export class Pace {
 
   /** How long to leave the card alone between two pictures, ms, so that the rest of the page stays quick. */
   get rest(): number {
-    return this.median > CRAWL_MS ? Math.min(500, this.median / 2) : 0;
+    if (this.median > CRAWL_MS) return Math.min(500, this.median / 2);
+    return this.step === STEPS.length - 1 ? LEAST_REST_MS : 0;
   }
 
   /** Notes a picture drawn at `nowMs`. True when the quality has changed by it. */

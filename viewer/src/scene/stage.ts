@@ -59,7 +59,7 @@ export class Stage {
     coarse: boolean,
   ) {
     this.pace = new Pace(coarse);
-    this.renderer = new WebGLRenderer({ antialias: true, alpha: true, powerPreference: "high-performance" });
+    this.renderer = new WebGLRenderer({ antialias: !coarse, alpha: true, powerPreference: "high-performance" });
     this.canvas = this.renderer.domElement;
     this.canvas.className = "stage-canvas";
     this.renderer.outputColorSpace = SRGBColorSpace;
@@ -91,6 +91,7 @@ export class Stage {
   /** Puts a head in its place; what was there is given back, to be disposed of. */
   put(place: Place, head: Object3D | null): Object3D | null {
     const before = this.heads[place];
+    if (before === head) return null;
     if (before) this.scene.remove(before);
     this.heads[place] = head;
     if (head) this.scene.add(head);
