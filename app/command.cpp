@@ -1,6 +1,7 @@
 #include "app/command.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -72,6 +73,15 @@ Result<void> check_output(const std::filesystem::path& path,
 const std::atomic<bool>& stop_asked() {
   catch_signals();
   return interrupted;
+}
+
+void draw_line(std::string_view line) {
+  winsize size{};
+  if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1)
+    line = line.substr(0, size.ws_col - 1U);  // A line that wraps cannot be drawn again.
+  line_is_open = true;
+  fmt::print(stderr, "\r\x1b[K{}", line);
+  std::fflush(stderr);
 }
 
 void clear_progress() {

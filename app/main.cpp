@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   app::Commands commands(program);
   app::add_demo_command(commands);
   app::add_live_command(commands);
+  app::add_calibrate_command(commands);
   app::add_perform_command(commands);
   app::add_train_command(commands);
   app::add_solve_command(commands);

@@ -9,21 +9,13 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/one_line.h"
 #include "mien/take/summary.h"
 
 namespace mien::app {
 namespace {
 
 using nlohmann::ordered_json;
-
-/// A take may come from anyone: what it says is shown without anything that a terminal would obey, on one
-/// line.
-std::string shown(std::string_view text, std::size_t max_bytes = 120) {
-  std::string line;
-  for (const char letter : text.substr(0, max_bytes))
-    line += static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F ? ' ' : letter;
-  return text.size() > max_bytes ? line + "..." : line;
-}
 
 const char* state_of(const take::Take& take) {
   return take.finished() ? "finished" : "cut off, or still recording";
@@ -87,12 +79,12 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
 Result<void> print_text(const take::Take& take, const take::Summary& summary) {
   const take::Header& header = take.header();
   fmt::print("{}: {:.1f} s, {}\n", take.path().string(), summary.duration_s, state_of(take));
-  fmt::print("  performer  {}\n", shown(header.performer));
-  fmt::print("  performs   {}\n", shown(header.script));
-  fmt::print("  face       {}\n", shown(header.face));
-  fmt::print("  devices    {}, seed {}, prologue {}\n", shown(header.devices), header.seed,
-             shown(header.prologue));
-  fmt::print("  made by    {}, {}\n", shown(header.software), shown(header.created_utc));
+  fmt::print("  performer  {}\n", one_line(header.performer));
+  fmt::print("  performs   {}\n", one_line(header.script));
+  fmt::print("  face       {}\n", one_line(header.face));
+  fmt::print("  devices    {}, seed {}, prologue {}\n", one_line(header.devices), header.seed,
+             one_line(header.prologue));
+  fmt::print("  made by    {}, {}\n", one_line(header.software), one_line(header.created_utc));
   fmt::print("  log        {} entries, {:.1f} MB, {} ticks\n", summary.entries,
              static_cast<double>(summary.entry_bytes) * 1e-6, summary.ticks);
   if (summary.truth_frames > 0)
@@ -102,21 +94,21 @@ Result<void> print_text(const take::Take& take, const take::Summary& summary) {
     fmt::print("  sound      {:.1f} s at {} Hz\n", summary.audio_s, summary.audio_rate_hz);
   MIEN_TRY_ASSIGN(const auto calibrations, take.calibrations());
   for (const take::CalibrationVersion& calibration : calibrations)
-    fmt::print("  calibrated {} (version {}) at {:.2f} s\n", shown(calibration.modality), calibration.id,
+    fmt::print("  calibrated {} (version {}) at {:.2f} s\n", one_line(calibration.modality), calibration.id,
                to_seconds(calibration.made.time_since_epoch()));
   MIEN_TRY_ASSIGN(const auto events, take.events());
   constexpr std::size_t kEventsShown = 20;
   for (std::size_t i = 0; i < std::min(events.size(), kEventsShown); ++i)
-    fmt::print("  event      {:<12} {:8.2f} to {:.2f} s\n", shown(events[i].kind),
+    fmt::print("  event      {:<12} {:8.2f} to {:.2f} s\n", one_line(events[i].kind),
                to_seconds(events[i].begin.time_since_epoch()), to_seconds(events[i].end.time_since_epoch()));
   if (events.size() > kEventsShown) fmt::print("  event      and {} more\n", events.size() - kEventsShown);
   MIEN_TRY_ASSIGN(const auto notes, take.notes());
   for (const take::Note& note : notes)
-    fmt::print("  note       {}: {}\n", shown(note.key), shown(note.value));
-  fmt::print("\n  {:<24} {:>9} {:>9} {:>8} {:>6} {:>12}\n", "sensor (rig " + shown(take.rig().name) + ")",
+    fmt::print("  note       {}: {}\n", one_line(note.key), one_line(note.value));
+  fmt::print("\n  {:<24} {:>9} {:>9} {:>8} {:>6} {:>12}\n", "sensor (rig " + one_line(take.rig().name) + ")",
              "samples", "rate, Hz", "loss, %", "gaps", "longest, ms");
   for (const take::SensorSummary& sensor : summary.sensors)
-    fmt::print("  {:<24} {:>9} {:>9.2f} {:>8.2f} {:>6} {:>12.1f}{}\n", shown(sensor.name), sensor.samples,
+    fmt::print("  {:<24} {:>9} {:>9.2f} {:>8.2f} {:>6} {:>12.1f}{}\n", one_line(sensor.name), sensor.samples,
                sensor.rate_hz, 100 * sensor.loss, sensor.gaps, 1e3 * sensor.longest_gap_s,
                sensor.time_estimated ? "  times estimated" : "");
   return {};

@@ -128,7 +128,9 @@ struct Pipeline::State {
   [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
   void run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear);
   void watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear);
-  void see_prologue_frame(DeviceTime frame, const FusedSample& ear);
+  /// `only_fresh`: a rotation that is held over a gap counts as missing.
+  void see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh);
+  [[nodiscard]] bool fresh(std::uint16_t sensor, DeviceTime frame) const;
   void put_in_force(const Calibration& made);
   [[nodiscard]] bool watches() const {
     return settings.calibrates_itself && windows.empty() &&
@@ -230,14 +232,20 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   }
 }
 
-void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ear) {
+bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {
+  const Channel& channel = channels[sensor];
+  return channel.may_be_unchanged ||
+         lines.from_line(sensor, frame) - channel.track.newest().time <= settings.prediction;
+}
+
+void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh) {
   prologue_frame.q_world_ear = ear.orientation;
   prologue_frame.ear_rate_rad_s = ear.rate_rad_s;
   prologue_frame.ear_force_world_m_s2 = ear.force_world_m_s2;
   for (std::size_t i = 0; i < face.size(); ++i) {
     const auto sensor = pose(face[i], frame);
-    prologue_frame.face[i].present = sensor.has_value();
-    if (!sensor) continue;
+    prologue_frame.face[i].present = sensor.has_value() && (!only_fresh || fresh(face[i], frame));
+    if (!prologue_frame.face[i].present) continue;
     prologue_frame.face[i].q_world_face = sensor->orientation;
     prologue_frame.face[i].force_world_m_s2 = sensor->force_world_m_s2;
     prologue_frame.face[i].rate_rad_s = sensor->rate_rad_s;
@@ -245,8 +253,8 @@ void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ea
 }
 
 void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear) {
-  if (ear) {
-    see_prologue_frame(frame, *ear);
+  if (ear && fresh(*head, frame)) {
+    see_prologue_frame(frame, *ear, true);
     switch (watch.add(frame, prologue_frame)) {
       case SelfCalibration::Outcome::nothing:
         break;
@@ -330,7 +338,7 @@ void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSa
     if (!ear) continue;
     // In the first half of the hold the gyroscopes' biases are still being found.
     if (window.phase == Phase::neutral && frame < window.begin + (window.end - window.begin) / 2) continue;
-    see_prologue_frame(frame, *ear);
+    see_prologue_frame(frame, *ear, false);
     if (window.phase == Phase::neutral) prologue.add_neutral(prologue_frame);
     if (window.phase == Phase::nod) prologue.add_nod(prologue_frame);
     if (window.phase == Phase::shake) prologue.add_shake(prologue_frame);

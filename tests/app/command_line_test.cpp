@@ -63,7 +63,7 @@ TEST(Program, EveryCommandExplainsItselfWithAnExample) {
   EXPECT_EQ(help.err, "");
   const std::vector<std::string> commands = commands_in(help.out);
   for (const char* command :
-       {"demo", "perform", "train", "solve", "evaluate", "export", "render", "face", "take"})
+       {"demo", "calibrate", "perform", "train", "solve", "evaluate", "export", "render", "face", "take"})
     EXPECT_THAT(commands, ::testing::Contains(command));
   for (const std::string& command : commands) expect_help({command});
 }

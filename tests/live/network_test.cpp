@@ -92,7 +92,7 @@ TEST(SessionBehindANetwork, StaysSoundWhateverItDoes) {
     const double step = test::largest_step(played, kPrologue_s);
     std::cout << c.name << ": jawOpen " << rms << " RMS over " << count << " frames, largest step " << step
               << ", calibrations " << session->versions().size() << "\n";
-    EXPECT_GE(session->versions().size(), 1u);
+    EXPECT_GE(session->versions().size(), 1u) << played.report.calibration.prompt;
     EXPECT_LE(step, c.largest_step);
     EXPECT_LE(rms, c.largest_error);
     if (std::string_view(c.name).starts_with("loss")) {
