@@ -59,12 +59,12 @@ std::string performed_by(const Options& options) {
 }
 
 void print_table(const study::LossStudy& study) {
-  fmt::print("{:<28} {:>8} {:>8} {:>8} {:>7} {:>7} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise", "felt MSE",
-             "PVE mm", "felt", "step", "truth's", "unsound", "mistold");
+  fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
+             "given up", "felt MSE", "PVE mm", "felt", "step", "truth's", "unsound", "mistold");
   for (const study::LossRow& row : study.rows)
-    fmt::print("{:<28} {:8.5f} {:+6.1f} % {:8.5f} {:7.3f} {:5.1f} % {:6.3f} {:7.3f} {:7} {:7}\n",
-               row.condition.name(), row.mse, 100 * row.rise, row.mse_felt, row.pve_mm, 100 * row.felt,
-               row.largest_step, row.truth_step, row.unsound, row.mistold);
+    fmt::print("{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:8.5f} {:7.3f} {:5.1f} % {:6.3f} {:7.3f} {:7} {:7}\n",
+               row.condition.name(), row.mse, 100 * row.rise, 100 * row.given_up, row.mse_felt, row.pve_mm,
+               100 * row.felt, row.largest_step, row.truth_step, row.unsound, row.mistold);
   fmt::print("\nmean pose {:.5f}\n", study.mean_pose_mse);
   if (const study::LossRow* tenth = study.find(study::Fault::loss, 10))
     fmt::print("10 % lost: {:+.1f} %, allowed {:+.0f} %\n", 100 * tenth->rise,
@@ -80,6 +80,7 @@ nlohmann::ordered_json to_json(const study::LossRow& row) {
           {"frames", row.frames},
           {"mse", row.mse},
           {"rise", row.rise},
+          {"given_up", row.given_up},
           {"mse_felt", row.mse_felt},
           {"pve_mm", row.pve_mm},
           {"felt", row.felt},

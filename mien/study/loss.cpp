@@ -314,10 +314,13 @@ const LossRow* LossStudy::find(Fault fault, double amount) const {
 }
 
 const LossRow* LossStudy::worst_sensor() const {
+  // An error that is no number is worse than any.
+  const auto worse = [](const LossRow& one, const LossRow& other) {
+    return !std::isnan(other.rise) && !(one.rise <= other.rise);
+  };
   const LossRow* worst = nullptr;
   for (const LossRow& row : rows)
-    if (row.condition.fault == Fault::sensor_silent && (worst == nullptr || row.rise > worst->rise))
-      worst = &row;
+    if (row.condition.fault == Fault::sensor_silent && (worst == nullptr || worse(row, *worst))) worst = &row;
   return worst;
 }
 
@@ -386,7 +389,11 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
     study.mean_pose_mse += one.mean_pose_mse * static_cast<double>(one.metrics.frames);
   study.mean_pose_mse /= static_cast<double>(clean.frames);
   const double clean_mse = clean.mse;
-  for (LossRow& row : study.rows) row.rise = row.mse / clean_mse - 1;
+  const double known = study.mean_pose_mse - clean_mse;
+  for (LossRow& row : study.rows) {
+    row.rise = row.mse / clean_mse - 1;
+    row.given_up = known > 0 ? (row.mse - clean_mse) / known : 0;
+  }
   return study;
 }
 

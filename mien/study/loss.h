@@ -72,6 +72,9 @@ struct LossRow {
   double mse_felt = 0;
   double pve_mm = 0;
   double rise = 0;  ///< mse over that of Fault::none, less one.
+  /// Share gone of what the model knows, which is by how much it beats the mean pose with Fault::none: 0 is
+  /// as good as there, 1 as good as knowing nothing; may be more or less. 0 where it knows nothing there.
+  double given_up = 0;
   double felt = 0;  ///< Share of the face sensors' rotations that the model was given.
   /// Largest change of any weight from one frame to the next, of the answer and of the truth.
   double largest_step = 0;
