@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/study_loss.h"
 #include "mien/core/files.h"
 #include "mien/face/load.h"
 #include "mien/sensor/rig.h"
@@ -154,6 +155,7 @@ void add_study_command(Commands& commands) {
       commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
   study->require_subcommand(0, 1);
   add_drift(commands, study);
+  add_study_loss(commands, study);
   auto bound = std::make_shared<BoundOptions>();
   CLI::App* command = commands.add_under(study, "bound", "What a rig can see at best on a face, by theory",
                                          "mien study bound --face FaceXModel --noise 1",

@@ -5,8 +5,9 @@ namespace {
 
 constexpr std::size_t kHoldFrames = 60;  // hold_last: the truth one second ago.
 
-/// The frames of one take that count, as stretches without a gap: [begin, end).
-std::vector<std::pair<std::size_t, std::size_t>> counted(const std::vector<take::TruthFrame>& truth) {
+}  // namespace
+
+std::vector<std::pair<std::size_t, std::size_t>> evaluated_runs(std::span<const take::TruthFrame> truth) {
   std::vector<std::pair<std::size_t, std::size_t>> runs;
   for (std::size_t i = 0; i < truth.size();) {
     if (!truth[i].evaluated || !truth[i].has_face) {
@@ -20,8 +21,6 @@ std::vector<std::pair<std::size_t, std::size_t>> counted(const std::vector<take:
   }
   return runs;
 }
-
-}  // namespace
 
 Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
                             const face::BlendshapeWeights& mean_pose) {
@@ -51,7 +50,7 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   const auto measure = [&](auto&& track_of) {
     std::vector<Stretch> stretches;
     for (std::size_t t = 0; t < takes.size(); ++t)
-      for (const auto& [begin, end] : counted(takes[t].truth)) {
+      for (const auto& [begin, end] : evaluated_runs(takes[t].truth)) {
         const std::span<const face::BlendshapeWeights> truth(truths[t]);
         const std::span<const face::BlendshapeWeights> estimate(track_of(t));
         stretches.push_back({truth.subspan(begin, end - begin), estimate.subspan(begin, end - begin)});

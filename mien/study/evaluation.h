@@ -1,6 +1,8 @@
 #pragma once
 
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mien/core/progress.h"
@@ -26,6 +28,10 @@ struct Evaluation {
   Metrics hold_last;
   std::optional<Metrics> ridge;
 };
+
+/// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).
+[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> evaluated_runs(
+    std::span<const take::TruthFrame> truth);
 
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
 /// Errors: not_found when no frame is left to measure.

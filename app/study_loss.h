@@ -1,0 +1,10 @@
+#pragma once
+
+#include "app/command.h"
+
+namespace mien::app {
+
+/// `mien study loss`, beneath `mien study`.
+void add_study_loss(Commands& commands, CLI::App* study);
+
+}  // namespace mien::app

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
+#include "mien/face/motion.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+
+namespace mien::study {
+
+/// What is made worse: the network, the devices' clocks, or the devices themselves.
+enum class Fault : std::uint8_t {
+  none,            ///< Nothing beyond the rig's own faults, which are there in every condition.
+  loss,            ///< `amount` percent of the packets are lost, each by itself.
+  bursts,          ///< The same, ten in a row on average.
+  jitter,          ///< Every packet takes up to any time more, `amount` ms on average (exponential).
+  lag,             ///< Every packet takes `amount` ms more.
+  disorder,        ///< `amount` percent come twice, and packets overtake each other by up to 40 ms.
+  clock_drift,     ///< Every clock is `amount` ppm off, either way, and stepped by 500 us every ten seconds.
+  restart,         ///< One face sensor restarts half-way, with a new clock.
+  shared_id,       ///< One face sensor speaks with another's id.
+  sensor_silent,   ///< The face sensor `sensor` is never heard.
+  sensors_silent,  ///< `amount` face sensors are never heard.
+  head_silent,     ///< The head's sensor is not heard for `amount` seconds, half-way.
+};
+
+/// One setting that performances are heard under. Sensors that are not named are drawn for each performance.
+struct LossCondition {
+  Fault fault = Fault::none;
+  double amount = 0;
+  std::string sensor;  ///< Of Fault::sensor_silent.
+
+  /// As a table's row has it.
+  [[nodiscard]] std::string name() const;
+};
+
+/// The study's own conditions for a rig, in the order in which they are shown: loss and bursts to 20 %,
+/// jitter and lag to 100 ms, disorder, clocks, a restart, two nodes with one id, every face sensor silent,
+/// two and three at once, the head's for two seconds. Without Fault::none, and without what the rig has too
+/// few sensors for.
+[[nodiscard]] std::vector<LossCondition> loss_conditions(const sensor::Rig& rig);
+
+/// A recorded performance, and the face that it is played on.
+struct GivenMotion {
+  face::Motion motion;
+  std::size_t face = 0;  ///< In LossRequest::faces.
+};
+
+/// Who performs: virtual performers of the built-in family, whom no training has (their random streams are
+/// the study's own), or given motions; after a brief prologue, in the rig's *device* profile.
+struct LossRequest {
+  int performers = 12;  ///< 1 or more; 0 is 1. Passed over where motions are given.
+  double seconds = 60;  ///< Of each virtual performance after the prologue, above 0.
+  std::vector<GivenMotion> motions;
+  std::vector<face::Face> faces;
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: one a core.
+};
+
+/// How well the model did under one condition, over the evaluated frames of all performances.
+struct LossRow {
+  LossCondition condition;
+  std::size_t frames = 0;
+  double mse = 0;  ///< As study::Metrics has these three; each performance on its own face.
+  double mse_felt = 0;
+  double pve_mm = 0;
+  double rise = 0;  ///< mse over that of Fault::none, less one.
+  /// Share gone of what the model knows, which is by how much it beats the mean pose with Fault::none: 0 is
+  /// as good as there, 1 as good as knowing nothing; may be more or less. 0 where it knows nothing there.
+  double given_up = 0;
+  double felt = 0;  ///< Share of the face sensors' rotations that the model was given.
+  /// Largest change of any weight from one frame to the next, of the answer and of the truth.
+  double largest_step = 0;
+  double truth_step = 0;
+  std::size_t unsound = 0;  ///< Frames with a weight that is not finite or outside [0, 1]; of all frames.
+  /// Frames that say "measured" where no sensor had a rotation, or not where all had; of all frames.
+  std::size_t mistold = 0;
+  std::vector<double> performance_mse;  ///< Of each, in their order.
+};
+
+/// What is promised of the live model.
+inline constexpr double kRiseAllowedAt10Percent = 0.25;
+inline constexpr double kRiseAllowedWithoutASensor = 0.30;
+
+struct LossStudy {
+  std::vector<LossRow> rows;  ///< Fault::none first, then as the conditions were given.
+  double mean_pose_mse = 0;   ///< Of the training set's mean pose on the first row's frames: knowing nothing.
+
+  /// The first row under these; nullptr where there is none.
+  [[nodiscard]] const LossRow* find(Fault fault, double amount) const;
+  /// Of the rows with one face sensor silent, that with the largest rise; nullptr where there is none.
+  [[nodiscard]] const LossRow* worst_sensor() const;
+  /// Of all rows.
+  [[nodiscard]] std::size_t unsound() const;
+  [[nodiscard]] std::size_t mistold() const;
+  /// Whether every promise that its rows can tell of is kept.
+  [[nodiscard]] bool kept() const;
+};
+
+/// Every performance under every condition, through virt::impair, the IMU pipeline with the prologue's marks,
+/// and the live tracker. Each condition meets the same performances, devices and network's draws; the result
+/// does not depend on the number of threads. Errors: mismatch (a model that is no live one, or of other
+/// sensors), not_found (a condition's sensor; no frame to measure), bad_usage (a motion without frames, or of
+/// no face), those of the faults and of virt::impair; cancelled. Cost: about a second of one core a minute
+/// of performance and condition.
+[[nodiscard]] Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
+                                           const model::ModelFile& model,
+                                           const std::vector<LossCondition>& conditions,
+                                           const Progress& progress);
+
+}  // namespace mien::study
