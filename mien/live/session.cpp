@@ -15,6 +15,10 @@ const char* const kWhere = "session";
 
 /// A device that was heard from one place lately is not believed from another: two with one id.
 constexpr Duration kSamePlace = std::chrono::seconds(1);
+/// Nor is one whose time is so far from what it said last, ...
+constexpr Duration kSameClock = std::chrono::seconds(1);
+/// ... unless it was silent for as long as a board takes to begin anew.
+constexpr Duration kSameBoard = std::chrono::milliseconds(300);
 /// A sensor is lost when nothing was heard of it for this long, ...
 constexpr Duration kLost = std::chrono::milliseconds(100);
 /// ... or, where the board sends nothing while nothing changes, for this.
@@ -111,10 +115,15 @@ void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t prot
     ++refused_;
     return;
   }
-  const bool impostor = from->peer != peer && arrival - from->heard < kSamePlace;
+  // Another place, or another clock, while the one that is known still speaks.
+  const Duration silent = arrival - from->heard;
+  const Duration off = (reading.sample.time - from->newest) - silent;
+  const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
+  const bool impostor = (from->peer != peer && silent < kSamePlace) || (other_clock && silent < kSameBoard);
   if (!impostor) {
     from->peer = peer;
     from->heard = arrival;
+    from->newest = reading.sample.time;
     if (const auto tapped = tap_.add(arrival, reading)) {
       const auto sensor = rig_.find(tap_.armed());
       tap_.arm({});

@@ -88,6 +88,7 @@ class Session {
     std::optional<std::uint16_t> sensor;
     sensor::Peer peer = 0;
     HostTime heard;
+    DeviceTime newest;  // Of what was believed.
     std::size_t protocol = 0;
     std::string announces;
   };
