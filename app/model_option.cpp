@@ -38,9 +38,9 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
   } else {
-    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                    tracker::CausalTracker::create(std::get<model::ModelFile>(model_),
-                                                   take.rig().face_sensor_names()));
+    MIEN_TRY_ASSIGN(
+        tracker::CausalTracker tracker,
+        tracker::CausalTracker::create(std::get<model::ModelFile>(model_), take.rig().face_sensor_names()));
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, tracker, from, progress));
   }
   if (solution.felt == 0)
@@ -60,12 +60,10 @@ void ModelOption::add_to(CLI::App* command) {
       command->add_option("--model", path, "Model file (default: models/default.safetensors)");
   CLI::Option* counted =
       command
-          ->add_option(
-              "--steps", steps,
-              "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
+          ->add_option("--steps", steps,
+                       "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
           ->check(CLI::Range(1, 1000));
-  command
-      ->add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
+  command->add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
       ->excludes(named)
       ->excludes(counted);
 }

@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
   CLI::App* speed_command =
       commands.add("speed", "Measures how fast this machine trains", "mien-train speed --architecture light",
                    [&] { return run_speed(speed); });
-  speed_command->add_option("--architecture", speed.architecture, "light or faithful");
+  speed_command->add_option("--architecture", speed.architecture, "light, faithful or causal");
   speed_command->add_option("--precision", speed.precision, "bf16 or fp32")
       ->check(CLI::IsMember({"bf16", "fp32"}));
   speed_command->add_option("--batch", speed.batch, "Windows a step")->check(CLI::Range(1, 4096));

@@ -15,7 +15,8 @@ namespace mien::model {
 /// What a network is, which decides how it is run.
 enum class NetworkKind {
   /// The denoiser: a post-LN transformer over one window of frames, the noise level as a token before them.
-  /// Source of the structure: EgoEgo (Li et al. 2023, arXiv:2212.04636), which CAPUS follows. model::Denoiser.
+  /// Source of the structure: EgoEgo (Li et al. 2023, arXiv:2212.04636), which CAPUS follows.
+  /// model::Denoiser.
   window,
   /// A recurrent network that answers each frame when it comes: gated recurrent units (Cho et al. 2014), each
   /// layer added to what it reads. model::CausalNetwork.

@@ -30,13 +30,14 @@ class CausalNetwork {
 
    private:
     friend class CausalNetwork;
-    std::vector<AlignedFloats> layers_;  ///< d_model a layer.
-    AlignedFloats x_;                    ///< d_model: what the next layer reads.
+    std::vector<AlignedFloats> layers_;      ///< d_model a layer.
+    AlignedFloats x_;                        ///< d_model: what the next layer reads.
     AlignedFloats from_input_, from_state_;  ///< 3 d_model each: a unit's three parts.
     AlignedFloats answer_;                   ///< padded(outputs).
   };
 
-  /// The next frame. `condition`: architecture().condition numbers; `out`: architecture().outputs, nominally in
+  /// The next frame. `condition`: architecture().condition numbers; `out`: architecture().outputs, nominally
+  /// in
   /// [-1, 1] (from_network() makes weights of them). No allocation. A condition that is not finite spoils the
   /// state until reset(). Cost: flop_count(), about 30 us for two layers of 256.
   void step(std::span<const float> condition, State& state, std::span<float> out) const;

@@ -182,7 +182,8 @@ void apply_gates(std::size_t width, const float* HWY_RESTRICT from_input,
   const Lanes d;
   for (std::size_t i = 0; i < width; i += hn::Lanes(d)) {
     const auto reset = sigmoid(hn::Add(hn::Load(d, from_input + i), hn::Load(d, from_state + i)));
-    const auto keep = sigmoid(hn::Add(hn::Load(d, from_input + width + i), hn::Load(d, from_state + width + i)));
+    const auto keep =
+        sigmoid(hn::Add(hn::Load(d, from_input + width + i), hn::Load(d, from_state + width + i)));
     const auto fresh = hn::Tanh(d, hn::MulAdd(reset, hn::Load(d, from_state + 2 * width + i),
                                               hn::Load(d, from_input + 2 * width + i)));
     hn::Store(hn::MulAdd(keep, hn::Sub(hn::Load(d, state + i), fresh), fresh), d, state + i);

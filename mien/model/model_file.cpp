@@ -85,7 +85,8 @@ bool read_architecture(const Json& from, Architecture& a) {
   for (std::size_t i = 0; i < std::size(kSizes); ++i) {
     const Json& value = from.at(kSizeNames[i]);
     // A wrong number becomes one that check() refuses.
-    a.*kSizes[i] = value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
+    a.*kSizes[i] =
+        value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
   }
   return true;
 }

@@ -57,9 +57,9 @@ std::string against(double ours, const std::optional<double>& ridge) {
 
 Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& context) {
   Report report("Capture against truth",
-                fmt::format("{} frames of {} take{} on the face {}, {} profile, {}",
-                            evaluation.frames, evaluation.takes, evaluation.takes == 1 ? "" : "s",
-                            context.face, context.devices, asked_how(context)));
+                fmt::format("{} frames of {} take{} on the face {}, {} profile, {}", evaluation.frames,
+                            evaluation.takes, evaluation.takes == 1 ? "" : "s", context.face, context.devices,
+                            asked_how(context)));
   const Metrics& m = evaluation.model;
   const auto ridge = [&](auto&& pick) -> std::optional<double> {
     if (!evaluation.ridge) return std::nullopt;

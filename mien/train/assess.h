@@ -44,9 +44,9 @@ inline constexpr double kSeamLimit = 1.2;
 [[nodiscard]] double third_difference(std::span<const float> weights, std::size_t width, std::size_t window,
                                       bool at_joins);
 
-/// Fits the ridge of each profile in the data, and measures a causal network or chooses the sampler: of the recipe's steps and both ways
-/// to hold the overlap, the one of least error among those without a seam. Fills model.ridge and
-/// model.sampler. Errors: cancelled.
+/// Fits the ridge of each profile in the data, and measures a causal network or chooses the sampler: of the
+/// recipe's steps and both ways to hold the overlap, the one of least error among those without a seam. Fills
+/// model.ridge and model.sampler. Errors: cancelled.
 [[nodiscard]] Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training,
                                         const BatchMaker& validation, model::ModelFile& model,
                                         const Progress& progress);

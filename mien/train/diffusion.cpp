@@ -57,10 +57,10 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
   const at::NoGradGuard no_gradients;
   DeviceBatch all = to_device(windows, recipe, device);
   if (recipe.architecture.kind == model::NetworkKind::causal) {
-    const torch::Tensor error = predict_causal(recipe.architecture, parameters, all.condition,
-                                               {.dropout = 0, .bf16 = recipe.bf16})
-                                    .clamp(-1, 1) -
-                                all.clean;
+    const torch::Tensor error =
+        predict_causal(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16})
+            .clamp(-1, 1) -
+        all.clean;
     // Half the distance in [-1, 1] is the distance of weights.
     return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};
   }

@@ -22,11 +22,10 @@ Result<Parity> measure_causal(const model::ModelFile& model) {
   std::vector<float> condition(a.window * a.condition), answer(a.outputs);
   for (float& v : condition) v = static_cast<float>(random.normal());
   const torch::Tensor expected =
-      predict_causal(
-          a, parameters,
-          torch::tensor(condition)
-              .view({1, static_cast<std::int64_t>(a.window), static_cast<std::int64_t>(a.condition)}),
-          {})
+      predict_causal(a, parameters,
+                     torch::tensor(condition).view(
+                         {1, static_cast<std::int64_t>(a.window), static_cast<std::int64_t>(a.condition)}),
+                     {})
           .contiguous();
   const auto* data = expected.data_ptr<float>();
   for (std::size_t f = 0; f < a.window; ++f) {

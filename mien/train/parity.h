@@ -11,12 +11,13 @@ namespace mien::train {
 inline constexpr double kParityLimit = 1e-4;
 
 struct Parity {
-  double largest_difference = 0;  ///< Over all outputs of all calls (or frames), in the network's range of -1 to 1.
+  double largest_difference =
+      0;  ///< Over all outputs of all calls (or frames), in the network's range of -1 to 1.
   std::size_t calls = 0;
 };
 
-/// Compares the run time with libtorch in fp32 on random input: model::Denoiser on windows, full and short, at
-/// levels from first to last; model::CausalNetwork on whole sequences, frame by frame.
+/// Compares the run time with libtorch in fp32 on random input: model::Denoiser on windows, full and short,
+/// at levels from first to last; model::CausalNetwork on whole sequences, frame by frame.
 [[nodiscard]] Result<Parity> measure_parity(const model::ModelFile& model);
 
 }  // namespace mien::train

@@ -82,8 +82,8 @@ class Recurrent : public torch::autograd::Function<Recurrent> {
       at::mul_out(gated, fresh, all.reset[t]);
       carried.mul_(all.update[t]).addmm_(of_state[t], weight);
     }
-    return {of_input, summed_product(of_state, states.narrow(0, 0, frames), bf16), of_state.sum(at::IntArrayRef{0, 1}),
-            torch::Tensor()};
+    return {of_input, summed_product(of_state, states.narrow(0, 0, frames), bf16),
+            of_state.sum(at::IntArrayRef{0, 1}), torch::Tensor()};
   }
 };
 

@@ -346,24 +346,24 @@ class Training {
       for (const study::Sequence& s : dataset.sequences) sum += s.frames;
       return sum;
     };
-    Json results = {
-            {"validation",
-             {{"hash", validation_hash_},
-              {"score", state_.best_score},
-              {"loss", score.loss},
-              {"mse", score.mse},
-              {"frames", frames(validation_)},
-              {"profiles", profiles}}},
-            {"training",
-             {{"steps", state_.step},
-              {"best_step", state_.best_step},
-              {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
-              {"frames", frames(training_)},
-              {"seconds", std::round(state_.seconds)},
-              {"device", options_.device},
-              {"parameters", model::parameter_count(recipe_.architecture)}}}};
+    Json results = {{"validation",
+                     {{"hash", validation_hash_},
+                      {"score", state_.best_score},
+                      {"loss", score.loss},
+                      {"mse", score.mse},
+                      {"frames", frames(validation_)},
+                      {"profiles", profiles}}},
+                    {"training",
+                     {{"steps", state_.step},
+                      {"best_step", state_.best_step},
+                      {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
+                      {"frames", frames(training_)},
+                      {"seconds", std::round(state_.seconds)},
+                      {"device", options_.device},
+                      {"parameters", model::parameter_count(recipe_.architecture)}}}};
     if (assessment.causal)
-      results["causal"] = {{"mse", assessment.causal->mse}, {"jitter_ratio", assessment.causal->jitter_ratio}};
+      results["causal"] = {{"mse", assessment.causal->mse},
+                           {"jitter_ratio", assessment.causal->jitter_ratio}};
     else
       results["samplers"] = samplers;
     return results;
