@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "mien/core/bytes.h"
+#include "mien/imu/node_protocol.h"
+
+namespace {
+
+using mien::imu::NodeProtocol;
+
+mien::imu::SealKey key() {
+  mien::imu::SealKey key{.id = 3};
+  for (std::size_t i = 0; i < key.secret.size(); ++i) key.secret[i] = static_cast<std::byte>(i);
+  return key;
+}
+
+NodeProtocol make(std::vector<mien::imu::SealKey> keys) {
+  auto made = NodeProtocol::create({.session = 0x1122334455667788, .keys = std::move(keys)});
+  if (!made) std::abort();
+  return std::move(*made);
+}
+
+void check(NodeProtocol& host, std::span<const std::byte> datagram) {
+  mien::sensor::Inbox inbox;
+  const auto verdict = host.receive(mien::HostTime(), 1, datagram, inbox);
+  const bool empty = inbox.readings.empty() && inbox.announcements.empty() && inbox.batteries.empty() &&
+                     inbox.pulses.empty() && !inbox.alive && inbox.reply.empty();
+  if (verdict != mien::sensor::Verdict::taken && !empty) std::abort();
+  if (!inbox.reply.empty() && !host.recognises(inbox.reply)) std::abort();
+  // What was accepted goes back to the same bytes.
+  const auto message = mien::imu::parse_node_message(datagram);
+  if (!message) return;
+  mien::ByteWriter writer;
+  if (!encode_node_message(*message, writer)) std::abort();
+  const auto again = writer.bytes();
+  if (!std::equal(again.begin(), again.end(), datagram.begin(), datagram.end())) std::abort();
+}
+
+}  // namespace
+
+// Datagrams, each after its length of two bytes, as they come; with its checksum put right; and sealed.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const mien::imu::SealKey kKey = key();
+  NodeProtocol open = make({});
+  NodeProtocol keyed = make({kKey});
+  mien::ByteReader reader(std::as_bytes(std::span(data, size)));
+  std::uint64_t counter = 0;
+  while (reader.left() > 2) {
+    const std::size_t length = std::min<std::size_t>(reader.little<std::uint16_t>(), reader.left());
+    const auto datagram = reader.take(length);
+    check(open, datagram);
+    check(keyed, datagram);
+    if (length < 4) continue;
+    mien::ByteWriter right;
+    right.append(datagram.first(length - 4));
+    right.little(mien::crc32(datagram.first(length - 4)));
+    check(open, right.bytes());
+    check(keyed, right.bytes());
+    mien::ByteReader device(right.bytes());
+    device.take(8);
+    mien::ByteWriter sealed;
+    if (!seal_packet(kKey,
+                     {.key_id = 3,
+                      .device = device.little<std::uint64_t>(),
+                      .counter = ++counter,
+                      .session = 0x1122334455667788},
+                     right.bytes(), sealed))
+      continue;
+    check(keyed, sealed.bytes());
+  }
+  return 0;
+}
