@@ -58,11 +58,8 @@ void draw_line(std::string_view line);
 /// Clears the line on which terminal_progress() or draw_line() stands, for what is printed next.
 void clear_progress();
 
-<<<<<<< HEAD
 void add_bench_command(Commands& commands);
-=======
 void add_calibrate_command(Commands& commands);
->>>>>>> calibrate
 void add_demo_command(Commands& commands);
 void add_evaluate_command(Commands& commands);
 void add_export_command(Commands& commands);
