@@ -46,6 +46,8 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
           {"dropped", summary.dropped},
           {"malformed", summary.malformed},
           {"calibrations", summary.report.calibration.versions.size()},
+          {"calibration", summary.report.calibration.state},
+          {"prompt", summary.report.calibration.prompt},
           {"take", summary.take ? nlohmann::ordered_json(summary.take->string()) : nlohmann::ordered_json()},
           {"recording_error", summary.recording_error},
           {"sinks", std::move(sinks)},
@@ -68,10 +70,14 @@ Result<void> run_replay(Options options) {
   progress(1, "replayed");
   const std::string hash = session->hash();
   MIEN_TRY_ASSIGN(const std::string live_hash, take.note("live.hash"));
+  live::Report report;
+  session->report(ticks.back().fired, report);
   if (options.json) {
     print_json({{"take", options.replay.string()},
                 {"frames", session->frames()},
                 {"calibrated_frames", calibrated},
+                {"calibration", report.calibration.state},
+                {"prompt", report.calibration.prompt},
                 {"kernels", model::kernel_name()},
                 {"hash", hash},
                 {"live_hash", live_hash}});

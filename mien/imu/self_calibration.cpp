@@ -29,6 +29,10 @@ constexpr double kMaxGesture_s = 12;
 constexpr double kWaitForShake_s = 4;
 constexpr double kNod = 10 * kDeg;  // Smaller is none.
 constexpr double kVerticalShare = 0.8;
+/// A heading as unsure as this is still better than none: the trackers go on from it, and its score says so.
+/// Boards without a time of their own reach 4 to 12 degrees in their first seconds; a face that talks through
+/// the nod, 20 and more.
+constexpr double kUsefulHeading = 15 * kDeg;
 
 bool turns_about_vertical(const Prologue::Frame& frame) {
   const Vec3 rate = frame.q_world_ear * frame.ear_rate_rad_s;
@@ -121,9 +125,9 @@ SelfCalibration::Outcome SelfCalibration::end_nod(DeviceTime time) {
   spans_[1].end = time;
   const Calibration made = prologue_.solve();
   const auto valid = std::ranges::count_if(made.sensors, &SensorCalibration::valid);
-  std::ptrdiff_t headed = 0;
-  for (const sensor::Score& score : made.scores)
-    if (score.pass && score.name.starts_with("heading ")) ++headed;
+  const auto headed = std::ranges::count_if(made.sensors, [](const SensorCalibration& sensor) {
+    return sensor.valid && sensor.heading_sigma_rad <= kUsefulHeading;
+  });
   if (made.complete && passes(made.scores, "neutral face") && passes(made.scores, "nod") &&
       passes(made.scores, "nod axis") && valid > 0 && 2 * headed >= valid) {
     solution_ = made;

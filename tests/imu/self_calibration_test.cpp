@@ -106,6 +106,19 @@ TEST(SelfCalibration, AMovingHeadOrFaceCalibratesNothing) {
   EXPECT_LT(watch(record(nods, Faults{}, 5, 52, busy_skin)).calibrated_at, 0);
 }
 
+/// Talks from the nod on.
+Quat talks_through_the_nod(std::size_t sensor, double t) {
+  return t < 3.1 ? Quat::Identity() : busy_skin(sensor, t);
+}
+
+TEST(SelfCalibration, AFaceThatTalksThroughTheNodCalibratesNothing) {
+  Script nods;
+  nods.end = 9;
+  nods.move_begin = 9;
+  nods.shake_begin = nods.shake_end = 0;
+  EXPECT_LT(watch(record(nods, Faults{}, 11, 55, talks_through_the_nod)).calibrated_at, 0);
+}
+
 TEST(SelfCalibration, AShakeIsNoNodAndSaysSo) {
   Script shakes;
   shakes.nod_begin = shakes.nod_end = 0;
