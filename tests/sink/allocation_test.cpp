@@ -13,15 +13,16 @@ namespace {
 std::atomic<std::size_t> allocations = 0;
 }
 
-void* operator new(std::size_t size) {
+// Not inlined: g++ would then see free() beside somebody else's new.
+[[gnu::noinline]] void* operator new(std::size_t size) {
   ++allocations;
   if (void* const place = std::malloc(size)) return place;
   throw std::bad_alloc();
 }
-void operator delete(void* place) noexcept {
+[[gnu::noinline]] void operator delete(void* place) noexcept {
   std::free(place);
 }
-void operator delete(void* place, std::size_t /*size*/) noexcept {
+[[gnu::noinline]] void operator delete(void* place, std::size_t /*size*/) noexcept {
   std::free(place);
 }
 
