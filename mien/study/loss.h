@@ -20,12 +20,12 @@ enum class Fault : std::uint8_t {
   none,            ///< Nothing beyond the rig's own faults, which are there in every condition.
   loss,            ///< `amount` percent of the packets are lost, each by itself.
   bursts,          ///< The same, ten in a row on average.
-  jitter,          ///< Every packet takes up to any time more, `amount` ms on average (exponential).
+  jitter,          ///< Every packet takes some time more, `amount` ms on average (exponential).
   lag,             ///< Every packet takes `amount` ms more.
   disorder,        ///< `amount` percent come twice, and packets overtake each other by up to 40 ms.
   clock_drift,     ///< Every clock is `amount` ppm off, either way, and stepped by 500 us every ten seconds.
   restart,         ///< One face sensor restarts half-way, with a new clock.
-  shared_id,       ///< One face sensor speaks with another's id.
+  shared_id,       ///< One face sensor speaks with another's id, and both are heard.
   sensor_silent,   ///< The face sensor `sensor` is never heard.
   sensors_silent,  ///< `amount` face sensors are never heard.
   head_silent,     ///< The head's sensor is not heard for `amount` seconds, half-way.
