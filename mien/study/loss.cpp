@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -30,11 +31,13 @@ constexpr double kBurstLength = 10;       // Packets: a sixth of a second.
 constexpr double kDisorderJitterMs = 20;  // Even, up to twice it; packets are 17 ms apart.
 constexpr double kClockStepUs = 500;
 constexpr double kClockStepEveryS = 10;
+constexpr double kDegPerRad = 180 / std::numbers::pi;
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 /// What one performer does, on whose face, and what the devices sent.
 struct Performance {
   face::Face face;
+  std::vector<virt::SkinSite> sites;  // Of the rig's sensors.
   virt::VirtualSession session;
   double begin_s = 0;  // Of the motion, after the prologue.
   double end_s = 0;
@@ -45,7 +48,9 @@ struct Performance {
 struct Outcome {
   Metrics metrics;
   double mean_pose_mse = 0;  // Of the first condition alone.
+  double asked = 0;          // Rotations of face sensors that there could have been, and that there were.
   double felt = 0;
+  double rotation_squares = 0;  // Of their errors, rad^2.
   double largest_step = 0;
   double truth_step = 0;
   std::size_t unsound = 0;
@@ -154,10 +159,10 @@ Result<Performance> perform_one(const LossRequest& request, const sensor::Rig& r
   }
   const std::vector<Vec3> placement_m =
       virt::draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"));
-  MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> sites, virt::skin_sites(out.face, rig, placement_m));
+  MIEN_TRY_ASSIGN(out.sites, virt::skin_sites(out.face, rig, placement_m));
   const virt::PrologueMotion begun =
       virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
-  MIEN_TRY_ASSIGN(out.session, virt::play_devices(begun, sites, rig, faults, root.fork("devices")));
+  MIEN_TRY_ASSIGN(out.session, virt::play_devices(begun, out.sites, rig, faults, root.fork("devices")));
   out.begin_s = begun.times.motion_start_s;
   out.end_s = begun.motion.duration_s();
   out.random = root.fork("faults");
@@ -181,6 +186,21 @@ std::vector<face::BlendshapeWeights> answer(const std::vector<model::FeatureFram
     if (measured ? felt == 0 : felt == std::ssize(feature.sensors)) ++outcome.mistold;
   }
   return weights;
+}
+
+/// How many rotations there are in a frame, and how right they are.
+void look_at_rotations(const model::FeatureFrame& features, const face::BlendshapeWeights& truth,
+                       const sensor::Rig& rig, const Performance& performance, Outcome& outcome) {
+  const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+  outcome.asked += static_cast<double>(face_sensors.size());
+  for (std::size_t i = 0; i < face_sensors.size(); ++i) {
+    const model::SensorFeature& sensor = features.sensors[i];
+    if (!sensor.has_rotation) continue;
+    const auto& [w, x, y, z] = sensor.rotation;
+    const Quat skin = performance.sites[face_sensors[i]].rotation(truth);
+    outcome.rotation_squares += log_rotation(Quat(w, x, y, z) * skin.conjugate()).squaredNorm();
+    ++outcome.felt;
+  }
 }
 
 double largest_step(const std::vector<Stretch>& stretches,
@@ -212,17 +232,11 @@ Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig,
   for (const take::TruthFrame& frame : heard.truth) truth.push_back(frame.weights);
 
   std::vector<Stretch> stretches;
-  double felt = 0, asked = 0;
   for (const auto& [begin, end] : evaluated_runs(heard.truth)) {
     stretches.push_back(
         {std::span(truth).subspan(begin, end - begin), std::span(estimate).subspan(begin, end - begin)});
-    for (std::size_t f = begin; f < end; ++f) {
-      const auto there = std::ranges::count_if(features[f].sensors, &model::SensorFeature::has_rotation);
-      felt += static_cast<double>(there);
-      asked += static_cast<double>(features[f].sensors.size());
-    }
+    for (std::size_t f = begin; f < end; ++f) look_at_rotations(features[f], truth[f], rig, performance, out);
   }
-  out.felt = felt / std::max(1.0, asked);
   out.metrics = meter.measure(stretches);
   out.largest_step = largest_step(stretches, &Stretch::estimate);
   out.truth_step = largest_step(stretches, &Stretch::truth);
@@ -239,13 +253,16 @@ Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig,
 /// One condition over all performances, each frame counting alike.
 LossRow pooled(const LossCondition& condition, const std::vector<Outcome>& outcomes) {
   LossRow row{.condition = condition};
+  double asked = 0, felt = 0, rotation_squares = 0;
   for (const Outcome& one : outcomes) {
     const auto frames = static_cast<double>(one.metrics.frames);
     row.frames += one.metrics.frames;
     row.mse += frames * one.metrics.mse;
     row.mse_felt += frames * one.metrics.mse_felt;
     row.pve_mm += frames * one.metrics.pve_mm.mean;
-    row.felt += frames * one.felt;
+    asked += one.asked;
+    felt += one.felt;
+    rotation_squares += one.rotation_squares;
     row.largest_step = std::max(row.largest_step, one.largest_step);
     row.truth_step = std::max(row.truth_step, one.truth_step);
     row.unsound += one.unsound;
@@ -253,7 +270,9 @@ LossRow pooled(const LossCondition& condition, const std::vector<Outcome>& outco
     row.performance_mse.push_back(one.metrics.mse);
   }
   const double all = std::max(1.0, static_cast<double>(row.frames));
-  for (double* mean : {&row.mse, &row.mse_felt, &row.pve_mm, &row.felt}) *mean /= all;
+  for (double* mean : {&row.mse, &row.mse_felt, &row.pve_mm}) *mean /= all;
+  row.felt = felt / std::max(1.0, asked);
+  row.rotation_rms_deg = kDegPerRad * std::sqrt(rotation_squares / std::max(1.0, felt));
   return row;
 }
 

@@ -76,6 +76,9 @@ struct LossRow {
   /// as good as there, 1 as good as knowing nothing; may be more or less. 0 where it knows nothing there.
   double given_up = 0;
   double felt = 0;  ///< Share of the face sensors' rotations that the model was given.
+  /// How far the rotations that were given lie from the truth, in the head frame, degrees, RMS: what the
+  /// condition does to the sensing, whatever the model makes of it.
+  double rotation_rms_deg = 0;
   /// Largest change of any weight from one frame to the next, of the answer and of the truth.
   double largest_step = 0;
   double truth_step = 0;

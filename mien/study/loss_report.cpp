@@ -56,15 +56,15 @@ BarPlot sensors(const LossStudy& study) {
 Table conditions(const LossStudy& study) {
   Table table;
   table.caption = "Every condition, on the same performances";
-  table.columns = {"",        "MSE",          "rise, %", "given up, %", "MSE felt", "PVE, mm",
-                   "felt, %", "largest step", "truth's", "unsound",     "mistold"};
+  table.columns = {"",        "MSE",         "rise, %",      "given up, %", "MSE felt", "PVE, mm",
+                   "felt, %", "rotation, °", "largest step", "truth's",     "unsound",  "mistold"};
   for (const LossRow& row : study.rows)
     table.rows.push_back({row.condition.name(), fmt::format("{:.5f}", row.mse),
                           fmt::format("{:+.1f}", 100 * row.rise), fmt::format("{:+.1f}", 100 * row.given_up),
                           fmt::format("{:.5f}", row.mse_felt), fmt::format("{:.3f}", row.pve_mm),
-                          fmt::format("{:.1f}", 100 * row.felt), fmt::format("{:.3f}", row.largest_step),
-                          fmt::format("{:.3f}", row.truth_step), fmt::format("{}", row.unsound),
-                          fmt::format("{}", row.mistold)});
+                          fmt::format("{:.1f}", 100 * row.felt), fmt::format("{:.1f}", row.rotation_rms_deg),
+                          fmt::format("{:.3f}", row.largest_step), fmt::format("{:.3f}", row.truth_step),
+                          fmt::format("{}", row.unsound), fmt::format("{}", row.mistold)});
   table.strong_rows = {0};
   return table;
 }
@@ -92,7 +92,8 @@ Report loss_report(const LossStudy& study, const std::string& subtitle) {
       "clean. Rise is of the MSE, against clean. Given up is the share gone of what the model knows, by "
       "which "
       "it beats the mean pose when all is well: 100 is as good as knowing nothing. Felt is the share of the "
-      "face sensors' rotations that the model was given. Largest step is "
+      "face sensors' rotations that the model was given; rotation is how far these are off, RMS. Largest "
+      "step is "
       "the largest change of any weight from one frame to the next, beside the truth's own. Unsound are "
       "frames with a weight that is no number or outside 0 to 1; mistold are frames that say measured where "
       "no sensor was there, or do not where all were. MSE and PVE: docs/metrics.md.");

@@ -94,6 +94,8 @@ TEST(StudyLoss, TakesFromTheModelWhatTheConditionSays) {
   const LossRow& clean = whole().rows[0];
   EXPECT_EQ(clean.rise, 0);
   EXPECT_EQ(clean.felt, 1) << "perfect devices";
+  EXPECT_GT(clean.rotation_rms_deg, 0);
+  EXPECT_LT(clean.rotation_rms_deg, 1);
   const LossRow* lag = whole().find(Fault::lag, 100);
   ASSERT_NE(lag, nullptr);
   EXPECT_EQ(lag->felt, 1) << "late alike is not lost";
@@ -109,6 +111,7 @@ TEST(StudyLoss, TakesFromTheModelWhatTheConditionSays) {
   const LossRow* bursts = whole().find(Fault::bursts, 10);
   ASSERT_NE(bursts, nullptr);
   EXPECT_LT(bursts->felt, 1);
+  EXPECT_GT(bursts->rotation_rms_deg, clean.rotation_rms_deg);
   const LossRow* head = whole().find(Fault::head_silent, 2);
   ASSERT_NE(head, nullptr);
   EXPECT_LT(head->felt, 0.7);
