@@ -183,9 +183,12 @@ Session::Received Session::receive(HostTime arrival, sensor::Peer peer, std::spa
   for (const sensor::Inbox::Battery& battery : inbox_.batteries)
     if (const Device* from = device(battery.from); from != nullptr && from->sensor)
       links_[*from->sensor].health.set_battery(battery.percent);
-  if (inbox_.alive)
+  // A board that says anything at all is there, whichever of its sensors it speaks of.
+  const std::optional<DeviceKey> speaker =
+      !inbox_.readings.empty() ? std::optional(inbox_.readings.front().from) : inbox_.alive;
+  if (speaker)
     for (const Device& known : devices_)
-      if (known.key.device == inbox_.alive->device && known.sensor)
+      if (known.key.device == speaker->device && known.sensor)
         links_[*known.sensor].health.add_alive(arrival);
   out.samples = samples_;
   if (!inbox_.opened.empty()) out.log = inbox_.opened;
