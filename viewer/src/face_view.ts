@@ -309,17 +309,17 @@ export class FaceView {
     }
     mesh.updateWorldMatrix(true, false);
     this.skin ??= new SkinDifference(mesh, mesh.matrixWorld.getMaxScaleOnAxis());
-    const { meanMm, maxMm } = this.skin.between(frame.weights, frame.truth);
+    const apart = this.skin.between(frame.weights, frame.truth);
     let worst = 0;
     let sum = 0;
     frame.weights.forEach((weight, k) => {
-      const apart = Math.abs(weight - (frame.truth?.[k] ?? 0));
-      sum += apart;
-      if (apart > Math.abs((frame.weights[worst] ?? 0) - (frame.truth?.[worst] ?? 0))) worst = k;
+      const off = Math.abs(weight - (frame.truth?.[k] ?? 0));
+      sum += off;
+      if (off > Math.abs((frame.weights[worst] ?? 0) - (frame.truth?.[worst] ?? 0))) worst = k;
     });
     const figures: [string, string][] = [
-      [fixed(meanMm, 2), "mm of skin, mean"],
-      [fixed(maxMm, 1), "mm, worst place"],
+      [fixed(apart?.meanMm ?? null, 2), "mm of skin, mean"],
+      [fixed(apart?.maxMm ?? null, 1), "mm, worst place"],
       [fixed(sum / frame.weights.length, 3), "weight, mean"],
       [shapeLabel(worst), "furthest off"],
     ];

@@ -27,4 +27,10 @@ export function listenKeys(keys: readonly Key[]): void {
     event.preventDefault();
     key.act();
   });
+  // A button pressed by mouse or finger gives the focus back, or the next press of the space bar would press it again.
+  window.addEventListener("click", (event) => {
+    if (event.detail === 0 || !(event.target instanceof Element)) return;
+    const button = event.target.closest("button");
+    if (button && button === document.activeElement) button.blur();
+  });
 }

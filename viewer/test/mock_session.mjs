@@ -105,6 +105,8 @@ class MockSession {
   /** While set, frames have this letter for all shapes: "h" or "n". */
   allProvenance = null;
   silent = false;
+  /** While set, a calibration that has reached this step stays there, half way through. */
+  holdAt = "";
 
   constructor({ quick = false, uncalibrated = false } = {}) {
     this.quick = quick;
@@ -256,6 +258,7 @@ class MockSession {
   advanceCalibration() {
     const run = this.calibration.run;
     if (!run) return;
+    if (this.holdAt !== "" && this.calibration.step === this.holdAt && this.calibration.stepSeconds > run.steps[run.at].seconds / 2) return;
     this.calibration.stepSeconds += (this.quick ? 6 : 1) / 60;
     if (this.calibration.stepSeconds < run.steps[run.at].seconds) return;
     if (++run.at < run.steps.length) {

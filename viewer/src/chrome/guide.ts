@@ -20,6 +20,8 @@ export class CalibrationGuide {
   private readonly done = h("div", { class: "guide-done", hidden: true });
   /** The calibration that this page has seen running: only its end is news. */
   private wasRunning = false;
+  /** The versions that there were when it began: a cancelled one brings no other. */
+  private before: ReadonlySet<string | number> = new Set();
   private progress = 0;
   private remaining = 0;
   private duration = 0;
@@ -70,6 +72,7 @@ export class CalibrationGuide {
     if (calibration.state === "running") {
       if (!this.wasRunning) {
         this.wasRunning = true;
+        this.before = new Set(calibration.versions.map((one) => one.id));
         setHidden(this.element, false);
         setHidden(this.running, false);
         setHidden(this.done, true);
@@ -95,8 +98,7 @@ export class CalibrationGuide {
     this.wasRunning = false;
     this.step = "";
     const version = calibration.versions.find((one) => one.inForce);
-    const fresh = version !== undefined && version.time !== null && status.time !== null && status.time - version.time < 5;
-    if (calibration.state === "failed" || !fresh || !version) {
+    if (calibration.state === "failed" || !version || this.before.has(version.id)) {
       setHidden(this.element, calibration.state !== "failed");
       if (calibration.state === "failed") this.finish("It did not work", calibration.prompt || "Try again, more slowly.", []);
       return;

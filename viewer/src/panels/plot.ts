@@ -91,7 +91,7 @@ export class WeightPlot {
         legend: { show: false },
         cursor: { show: false },
         padding: [6, 14, 0, 0],
-        scales: { x: { time: false, range: () => [-SECONDS, 0] }, y: { range: () => [-0.02 - 0.02 * plotted.length, 1] } },
+        scales: { x: { time: false, range: () => [-SECONDS, 0] }, y: { range: () => [-0.03 - 0.035 * plotted.length, 1] } },
         axes: [
           {
             ...axis, size: 20, gap: 2, grid: { show: false },

@@ -47,7 +47,10 @@ export class SensorsPanel {
     this.rows = new KeyedList(this.body, (link) => link.sensor, (link) => new SensorRow(link.sensor, view));
     this.unbound = new KeyedList(list, (one) => one.device, (one) => new UnboundRow(one, session, actions));
     session.status.listen(() => this.update());
-    view.sensor.listen(() => this.update());
+    view.sensor.listen((sensor) => {
+      this.update();
+      if (sensor !== null) this.detail.element.scrollIntoView({ block: "nearest" });
+    });
   }
 
   private update(): void {

@@ -6,7 +6,7 @@ export interface Avatar {
   /** Scaled and moved so that its face is where the built-in one's is: metres, +Y up, +Z out of the face. */
   readonly object: Group;
   readonly name: string;
-  /** The mesh on which sensors are placed; null where no mesh has our shapes by name. */
+  /** The mesh on which sensors are placed; null where no mesh has morph targets. */
   readonly face: Mesh | null;
   /** How many of the 53 shapes it can show. */
   readonly known: number;

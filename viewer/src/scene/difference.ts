@@ -55,8 +55,9 @@ export class SkinDifference {
     }
   }
 
-  /** Between two sets of 53 weights. */
-  between(a: Float32Array, b: Float32Array): Difference {
+  /** Between two sets of 53 weights; null where the mesh does not name its shapes. */
+  between(a: Float32Array, b: Float32Array): Difference | null {
+    if (this.count === 0) return null;
     const apart = this.shapes.map((shapes) => {
       let sum = 0;
       for (const shape of shapes) sum += (a[shape] ?? 0) - (b[shape] ?? 0);
@@ -77,6 +78,6 @@ export class SkinDifference {
       sum += distance;
       if (distance > max) max = distance;
     }
-    return { meanMm: this.count > 0 ? (1000 * sum) / this.count : 0, maxMm: 1000 * max };
+    return { meanMm: (1000 * sum) / this.count, maxMm: 1000 * max };
   }
 }

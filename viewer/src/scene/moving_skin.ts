@@ -19,6 +19,21 @@ export function faceMesh(root: Object3D): Mesh | null {
   return best;
 }
 
+/** The mesh with the most morph targets, whatever they are called: the face of a file that names its shapes elsewhere. */
+export function richestMesh(root: Object3D): Mesh | null {
+  let best: Mesh | null = null;
+  let most = 0;
+  root.traverse((node) => {
+    const mesh = node as Mesh;
+    const targets = mesh.isMesh ? (mesh.geometry.morphAttributes.position?.length ?? 0) : 0;
+    if (targets > most) {
+      most = targets;
+      best = mesh;
+    }
+  });
+  return best;
+}
+
 /** The box of all that moves by more than a hundredth of the mesh's size, in the mesh's own coordinates. */
 export function movingBox(mesh: Mesh): Box3 {
   const positions = mesh.geometry.attributes["position"];

@@ -23,6 +23,7 @@ const LONG_ENOUGH_MS = 3000;
 const TOO_SLOW_MS = 36;
 /** At the last step the card rests at least this long, ms: 15 pictures a second are enough for what it is. */
 const LEAST_REST_MS = 50;
+const LONGEST_REST_MS = 1000;
 /** Slower than this, ms a picture, and buttons begin to lag: a browser draws everything with the same card. */
 const CRAWL_MS = 120;
 /** A pause longer than this, ms, was no drawing at all: nothing moved, or the page was hidden. */
@@ -32,7 +33,8 @@ export class Pace {
   private step: number;
   private last = -Infinity;
   private sum = 0;
-  private median = 0;
+  /** Median time of a picture without the rest before it, ms. */
+  private cost = 0;
   private readonly intervals: number[] = [];
 
   /** `coarse`: begins, and so stays, at the last step. */
@@ -46,7 +48,7 @@ export class Pace {
 
   /** How long to leave the card alone between two pictures, ms, so that the rest of the page stays quick. */
   get rest(): number {
-    if (this.median > CRAWL_MS) return Math.min(500, this.median / 2);
+    if (this.cost > CRAWL_MS) return Math.min(LONGEST_REST_MS, this.cost);
     return this.step === STEPS.length - 1 ? LEAST_REST_MS : 0;
   }
 
@@ -54,15 +56,16 @@ export class Pace {
   drew(nowMs: number): boolean {
     const interval = nowMs - this.last;
     this.last = nowMs;
+    const rest = this.rest;
     if (!(interval > 0 && interval <= PAUSE_MS)) return false;
     this.intervals.push(interval);
     this.sum += interval;
     const count = this.intervals.length;
     if (count < FEWEST || (count < JUDGED && this.sum < LONG_ENOUGH_MS)) return false;
-    this.median = this.intervals.sort((a, b) => a - b)[Math.floor(count / 2)] ?? 0;
+    this.cost = Math.max(0, (this.intervals.sort((a, b) => a - b)[Math.floor(count / 2)] ?? 0) - rest);
     this.intervals.length = 0;
     this.sum = 0;
-    if (this.median <= TOO_SLOW_MS || this.step >= STEPS.length - 1) return false;
+    if (this.cost <= TOO_SLOW_MS || this.step >= STEPS.length - 1) return false;
     ++this.step;
     return true;
   }

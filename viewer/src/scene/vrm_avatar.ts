@@ -8,7 +8,7 @@ import type { Pose } from "../playout";
 import { shapeIndex } from "../shapes";
 import { disposeTree, FACE_BOX, placeOver, type Avatar } from "./avatar";
 import { bindNames, driven, type Drive } from "./binding";
-import { faceMesh, movingBoxIn } from "./moving_skin";
+import { faceMesh, movingBoxIn, richestMesh } from "./moving_skin";
 
 /** With at least this many shapes of its own a file speaks for itself, and the presets stay out of it. */
 const ENOUGH_SHAPES = 20;
@@ -64,7 +64,7 @@ export class VrmAvatar implements Avatar {
     this.usePresets = known.size < ENOUGH_SHAPES;
     this.head = vrm.humanoid.getNormalizedBoneNode("head");
     if (this.head) this.rest.copy(this.head.quaternion);
-    this.face = faceMesh(vrm.scene);
+    this.face = faceMesh(vrm.scene) ?? richestMesh(vrm.scene);
     this.object = this.placed();
   }
 
