@@ -102,6 +102,7 @@ Result<void> run(Options options) {
   for (const std::string& address : engine->listening()) fmt::print(out, "Listening on {}\n", address);
   for (const std::string& address : sinks) fmt::print(out, "Sending to {}\n", address);
   if (!engine->page().empty()) fmt::print(out, "The page is at {}\n", engine->page());
+  fmt::print(out, "Ctrl-C ends it\n");
   std::fflush(out);
 
   MIEN_TRY_ASSIGN(const live::EngineSummary summary,
@@ -119,7 +120,7 @@ Result<void> run(Options options) {
     for (const sink::Status& sink : summary.sinks)
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);
-    if (summary.take) fmt::print("{}\n", summary.take->string());
+    if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
     fmt::print("hash {}\n", summary.hash);
   }
   if (!summary.recording_error.empty())
@@ -137,21 +138,24 @@ void add_live_command(Commands& commands) {
       "mien live --listen udp://0.0.0.0:5005 --out livelink://192.168.1.7 --out vmc://127.0.0.1 --record "
       "take.mien",
       [options] { return run(*options); });
-  command->add_option(
+  CLI::Option* listen = command->add_option(
       "--listen", request.listen,
       "Where devices send to: udp://HOST:PORT; may be given often. Our own nodes and SlimeVR's "
       "are told apart by what they say (default: udp://0.0.0.0:5005 and udp://0.0.0.0:6969)");
-  command->add_option(
+  CLI::Option* sinks = command->add_option(
       "--out", request.out,
       "Where the face goes: livelink://, vmc://, vrchat://, ifacialmocap://, ws://HOST[:PORT] "
       "or csv:FILE; may be given often");
   command->add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
   command->add_option("--model", request.model, "The live model (default: models/live.safetensors)");
-  command->add_option("--record", request.record, "The take to write, from the first packet on");
+  CLI::Option* record =
+      command->add_option("--record", request.record, "The take to write, from the first packet on");
   command->add_flag("--force", request.force, "Replace an existing take");
-  command->add_option("--takes", request.takes, "The folder of takes that the page records and shows")
-      ->check(CLI::ExistingDirectory)
-      ->capture_default_str();
+  command
+      ->add_option("--takes", request.takes,
+                   "The folder of takes that the page records and shows (default: that of --record, or the "
+                   "present one)")
+      ->check(CLI::ExistingDirectory);
   command
       ->add_option(
           "--page", request.page,
@@ -172,7 +176,10 @@ void add_live_command(Commands& commands) {
   command
       ->add_option("--replay", options->replay,
                    "Instead of devices a take's log, as fast as it goes: prints frames, kernels and hash")
-      ->check(CLI::ExistingFile);
+      ->check(CLI::ExistingFile)
+      ->excludes(listen)
+      ->excludes(sinks)
+      ->excludes(record);
   command->add_flag("--json", options->json, "Print one JSON object at the end");
 }
 

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <ctime>
@@ -61,6 +63,12 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   if (page.host.starts_with('[') && page.host.ends_with(']'))
     page.host = page.host.substr(1, page.host.size() - 2);
   page.token = request.token;
+  const bool plain = std::ranges::all_of(page.token, [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == '~';
+  });
+  if (!page.token.empty() && (!plain || page.token.size() < 8 || page.token.size() > 128))
+    return fail(ErrorCode::bad_usage, "a token has 8 to 128 letters, digits, or - . _ ~", "--token",
+                "leave it out, and one is drawn");
   const bool loopback = page.host == "localhost" || page.host == "::1" || page.host.starts_with("127.");
   if (!loopback && page.token.empty()) {
     // Whoever opens the page to a network gets a token, whether they thought of one or not.
@@ -110,7 +118,8 @@ Result<LiveSession> open_live(LiveRequest request) {
   settings.out = request.out;
   if (!request.record.empty()) settings.record = request.record;
   settings.replace = request.force;
-  settings.takes = request.takes;
+  if (request.takes.empty()) request.takes = request.record.parent_path();
+  settings.takes = request.takes.empty() ? "." : request.takes;
   if (request.seconds > 0) settings.seconds = request.seconds;
   settings.model = std::filesystem::path(request.model).filename().string();
   settings.header.software = "mien " MIEN_VERSION;

@@ -20,7 +20,7 @@ struct LiveRequest {
   std::vector<std::string> out;
   std::filesystem::path record;  ///< Empty: the page's visitors may record.
   bool force = false;
-  std::filesystem::path takes = ".";
+  std::filesystem::path takes;          ///< Empty: the folder of `record`, or the present one.
   std::string page = "127.0.0.1:8740";  ///< Or "off".
   std::string token;
   std::string face = "builtin";

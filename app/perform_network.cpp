@@ -197,7 +197,10 @@ Result<NetworkSummary> Broadcast::run() {
     if (round > summary_.rounds && round > 1)
       progress = terminal_progress(fmt::format("perform, round {}", round));
     summary_.rounds = round;
-    if (options_.enough && options_.enough(round)) break;
+    if (options_.enough && options_.enough(round)) {
+      summary_.answered = answered();
+      return summary_;
+    }
     summary_.stopped =
         !progress(std::min(0.999, share), fmt::format("{} of {} nodes answered", answered(), nodes_.size()));
 

@@ -224,6 +224,7 @@ std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTim
 void Pipeline::State::put_in_force(const Calibration& made) {
   calibration = made;
   ++calibrations;
+  watched = false;
   for (std::size_t i = 0; i < face.size(); ++i)
     trackers[i].start(made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
   for (Channel& channel : channels) {
@@ -291,15 +292,24 @@ void Pipeline::State::rejoin_face(std::size_t i, const FusedSample& ear, const F
 void Pipeline::State::rejoin_head(DeviceTime frame, const FusedSample& ear) {
   // All the face's headings against the head have turned alike.
   double cosine = 0, sine = 0;
+  bool anew = false;
   for (std::size_t i = 0; i < face.size(); ++i) {
-    if (!calibration.sensors[i].valid || channels[face[i]].began_anew) continue;
+    if (!calibration.sensors[i].valid) continue;
     const auto sensor = pose(face[i], frame);
     if (!sensor) continue;
+    if (channels[face[i]].began_anew) {
+      anew = true;
+      continue;
+    }
     const double turned = nearest_neutral(i, ear, *sensor) - trackers[i].heading_rad();
     cosine += std::cos(turned);
     sine += std::sin(turned);
   }
-  if (cosine == 0 && sine == 0) return;  // Nobody there to ask yet.
+  if (cosine == 0 && sine == 0) {
+    if (!anew) return;  // Nobody there to ask yet.
+    // All that are there began anew with it, as a mask that was switched off: each is placed by its neutral.
+    for (const std::uint16_t s : face) channels[s].began_anew = true;
+  }
   const double turned = std::atan2(sine, cosine);
   for (HeadingTracker& tracker : trackers)
     tracker.start(std::remainder(tracker.heading_rad() + turned, 2 * std::numbers::pi),

@@ -12,6 +12,8 @@ namespace {
 using nlohmann::json;
 
 const char* const kWhere = "command";
+/// No command is deeper; what is would be copied level by level.
+constexpr int kMaxDepth = 8;
 
 Result<std::string> text_of(const json& object, const char* key) {
   const auto found = object.find(key);
@@ -62,9 +64,17 @@ bool is_session_command(std::string_view name) {
 }
 
 Result<Command> parse_command(std::string_view text) {
-  if (text.size() > kMaxCommandBytes) return fail(ErrorCode::out_of_range, "a command too long", kWhere);
-  const json object = json::parse(text, nullptr, false);
-  if (!object.is_object()) return fail(ErrorCode::malformed, "not a JSON object", kWhere);
+  if (text.size() > kMaxCommandBytes)
+    return fail(ErrorCode::out_of_range, "a command of more than 64 KB", kWhere, "make it shorter");
+  bool deep = false;
+  const auto shallow = [&deep](int depth, json::parse_event_t, json&) {
+    deep = deep || depth > kMaxDepth;
+    return !deep;
+  };
+  const json object = json::parse(text, shallow, false);
+  if (deep || !object.is_object())
+    return fail(ErrorCode::malformed, "not a JSON object of a command", kWhere,
+                "docs/page_protocol.md lists the commands");
   MIEN_TRY_ASSIGN(const std::string name, text_of(object, "command"));
   if (name == "calibrate") {
     MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
@@ -20,6 +21,7 @@
 #include "mien/live/recorder.h"
 #include "mien/live/tracker_loop.h"
 #include "mien/model/kernels.h"
+#include "mien/sink/address.h"
 
 namespace mien::live {
 namespace {
@@ -29,7 +31,7 @@ using nlohmann::json;
 
 constexpr auto kFrame = std::chrono::milliseconds(8);  // Half a frame: none is shown late by more.
 constexpr auto kBeat = std::chrono::milliseconds(100);
-/// Status messages go out each second beat and a half: four a second would be 2.5 beats.
+/// Status messages: five a second.
 constexpr int kBeatsPerStatus = 2;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
 constexpr std::size_t kPieces = 10;
@@ -50,6 +52,25 @@ Result<std::filesystem::path> take_path(const std::filesystem::path& folder, con
     return fail(ErrorCode::bad_usage, "not a name for a take", name.substr(0, 40),
                 "letters, digits, - and _");
   return folder / (name.ends_with(".mien") ? name : name + ".mien");
+}
+
+/// A sink that a page may ask for: neither a path, which is not its business, nor a host's name, since
+/// looking it up takes seconds.
+Result<void> check_page_sink(const std::string& text) {
+  MIEN_TRY_ASSIGN(const sink::Address address, sink::parse_address(text));
+  if (address.scheme == "csv" || address.option("avatar") != nullptr)
+    return fail(ErrorCode::bad_usage, "the page opens no files", text, "start mien live with --out for it");
+  boost::system::error_code code;
+  static_cast<void>(asio::ip::make_address(address.host, code));
+  if (code && address.host != "localhost")
+    return fail(ErrorCode::bad_usage, "the page sends to IP addresses and localhost only", text,
+                "start mien live with --out for a host's name");
+  return {};
+}
+
+/// Names of files need not be UTF-8.
+std::string text(const json& object) {
+  return object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::string text_of(const json& command, const char* key) {
@@ -81,6 +102,7 @@ struct Engine::State {
     std::int64_t id = 0;
     bool on = true;
     std::unique_ptr<sink::Sink> sink;
+    std::string told;  // What is wrong with it, as it was said last.
   };
 
   Result<void> add_sink(const std::string& address);
@@ -91,6 +113,7 @@ struct Engine::State {
   void on_beat();
   [[nodiscard]] Status status() const;
   void on_message(std::uint64_t client, std::string_view text);
+  void answer(std::uint64_t client, std::string_view text);
   Result<std::string> obey(const json& command);
   Result<std::string> obey_record(const json& command);
   Result<std::string> obey_sink(const json& command);
@@ -98,7 +121,7 @@ struct Engine::State {
   [[nodiscard]] std::string list_takes() const;
   void wait_for_play();
   Result<void> start_recording(const std::filesystem::path& path, bool replace);
-  Result<void> finish_recording();
+  [[nodiscard]] std::vector<take::Note> notes() const;
   void tell(const std::string& kind, const std::string& text);
 
   EngineSettings settings;
@@ -125,6 +148,7 @@ struct Engine::State {
   std::string frame_text;
   std::optional<std::filesystem::path> take;
   std::string recording_error;  // Already told.
+  bool was_recording = false;
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
   std::function<void(const std::string&)> told;
@@ -135,7 +159,7 @@ Result<void> Engine::State::add_sink(const std::string& address) {
     return fail(ErrorCode::bad_usage, fmt::format("{} sinks are enough", kMaxSinks), address,
                 "remove one first");
   MIEN_TRY_ASSIGN(std::unique_ptr<sink::Sink> opened, sink::open_sink(network, address));
-  outlets.push_back({next_sink++, true, std::move(opened)});
+  outlets.push_back({next_sink++, true, std::move(opened), {}});
   return {};
 }
 
@@ -218,10 +242,20 @@ void Engine::State::on_beat() {
     piece = (piece + 1) % kPieces;
     pieces[piece].clear();
   }
-  if (const Recorder::State state = recorder.state(); state.error != recording_error) {
-    recording_error = state.error;
+  const Recorder::State recorded = recorder.state();
+  if (was_recording && !recorded.on && recorded.error.empty())
+    tell("recorded", recorded.path.string() + " is written");
+  was_recording = recorded.on;
+  if (recorded.error != recording_error) {
+    recording_error = recorded.error;
     if (!recording_error.empty())
       tell("recording_failed", "the recording ended: " + recording_error + "; the capture goes on");
+  }
+  for (Outlet& outlet : outlets) {
+    const sink::Status state = outlet.sink->status();
+    if (!outlet.on || state.note == outlet.told) continue;
+    outlet.told = state.note;
+    if (!state.note.empty()) tell("sink", state.address + ": " + state.note);
   }
   if (page && page->clients() > 0 && beats % kBeatsPerStatus == 0)
     page->send(status_json(status(), session->rig()));
@@ -262,25 +296,29 @@ Result<void> Engine::State::start_recording(const std::filesystem::path& path, b
   return {};
 }
 
-Result<void> Engine::State::finish_recording() {
-  const std::array notes = {take::Note{"live.model", settings.model},
-                            take::Note{"live.kernels", std::string(model::kernel_name())}};
-  const bool was_on = recorder.state().on;
-  const auto finished = recorder.finish(notes);
-  if (was_on && finished && take) tell("recorded", take->string() + " is written");
-  return finished;
+std::vector<take::Note> Engine::State::notes() const {
+  return {{"live.model", settings.model}, {"live.kernels", std::string(model::kernel_name())}};
 }
 
 void Engine::State::on_message(std::uint64_t client, std::string_view text) {
+  try {
+    answer(client, text);
+  } catch (const std::exception& error) {
+    page->send(client, reply_json(0, error.what()));  // Nothing that a page says ends the session.
+  }
+}
+
+void Engine::State::answer(std::uint64_t client, std::string_view text) {
   const json command = json::parse(text, nullptr, false);
   if (!command.is_object() || !command.contains("command") || !command["command"].is_string()) {
-    page->send(client, reply_json(0, "not a command"));
+    page->send(client, reply_json(0, "not a command; docs/page_protocol.md lists them"));
     return;
   }
   const std::int64_t number =
       command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
   if (is_session_command(command["command"].get<std::string>())) {
-    if (!intake.command(client, number, text)) page->send(client, reply_json(number, "the session is busy"));
+    if (!intake.command(client, number, text))
+      page->send(client, reply_json(number, "the session is busy; try again"));
     return;
   }
   const Result<std::string> done = obey(command);
@@ -301,19 +339,17 @@ Result<std::string> Engine::State::obey_record(const json& command) {
   if (on == command.end() || !on->is_boolean())
     return fail(ErrorCode::malformed, "\"on\" is missing", "record");
   if (!on->get<bool>()) {
-    MIEN_TRY(finish_recording());
+    recorder.end(notes());
     return std::string();
   }
   MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_of(command, "name")));
   MIEN_TRY(start_recording(path, false));
-  return json({{"take", path.string()}}).dump();
+  return text(json({{"take", path.string()}}));
 }
 
 Result<std::string> Engine::State::obey_sink(const json& command) {
   if (const std::string address = text_of(command, "add"); !address.empty()) {
-    if (address.starts_with("csv:"))
-      return fail(ErrorCode::bad_usage, "the page opens no files", address,
-                  "start mien live with --out csv:FILE");
+    MIEN_TRY(check_page_sink(address));
     MIEN_TRY(add_sink(address));
     return std::string();
   }
@@ -321,7 +357,8 @@ Result<std::string> Engine::State::obey_sink(const json& command) {
   const auto outlet = std::ranges::find_if(outlets, [&](const Outlet& o) {
     return number != command.end() && number->is_number_integer() && o.id == number->get<std::int64_t>();
   });
-  if (outlet == outlets.end()) return fail(ErrorCode::not_found, "there is no such sink", "sink");
+  if (outlet == outlets.end())
+    return fail(ErrorCode::not_found, "there is no such sink", "sink", "name one of the status' list");
   if (command.contains("remove"))
     outlets.erase(outlet);
   else if (command.contains("on") && command["on"].is_boolean())
@@ -356,10 +393,13 @@ std::string Engine::State::list_takes() const {
   };
   std::vector<Found> found;
   std::error_code code;
-  for (const auto& file : std::filesystem::directory_iterator(settings.takes, code)) {
-    if (file.path().extension() != ".mien") continue;
-    const auto written = std::chrono::file_clock::to_sys(file.last_write_time(code));
-    found.push_back({file.path().filename().string(), static_cast<double>(file.file_size(code)) / 1e6,
+  using Folder = std::filesystem::directory_iterator;
+  for (Folder file(settings.takes, code); !code && file != Folder(); file.increment(code)) {
+    if (file->path().extension() != ".mien") continue;
+    std::error_code gone;
+    const auto written = std::chrono::file_clock::to_sys(file->last_write_time(gone));
+    if (gone) continue;
+    found.push_back({file->path().filename().string(), static_cast<double>(file->file_size(gone)) / 1e6,
                      std::chrono::system_clock::to_time_t(
                          std::chrono::time_point_cast<std::chrono::system_clock::duration>(written))});
   }
@@ -370,7 +410,7 @@ std::string Engine::State::list_takes() const {
                      {"seconds", nullptr},
                      {"megabytes", found[i].megabytes},
                      {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(found[i].written))}});
-  return json({{"takes", std::move(takes)}}).dump();
+  return text(json({{"takes", std::move(takes)}}));
 }
 
 Engine::Engine(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -441,12 +481,11 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,
   out.malformed = out.report.malformed;
   for (const State::Outlet& outlet : s.outlets) out.sinks.push_back(outlet.sink->status());
   out.take = s.take;
-  const std::array notes = {take::Note{"live.model", s.settings.model},
-                            take::Note{"live.kernels", std::string(model::kernel_name())},
-                            take::Note{"live.hash", out.hash},
-                            take::Note{"live.frames", std::to_string(out.frames)}};
-  if (const auto finished = s.recorder.finish(notes); !finished)
-    out.recording_error = finished.error().message();
+  std::vector<take::Note> notes = s.notes();
+  notes.push_back({"live.hash", out.hash});
+  notes.push_back({"live.frames", std::to_string(out.frames)});
+  s.recorder.end(std::move(notes));
+  if (const auto finished = s.recorder.wait(); !finished) out.recording_error = finished.error().message();
   return out;
 }
 

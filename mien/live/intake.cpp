@@ -78,7 +78,11 @@ Result<std::string> Intake::listen(std::string_view address) {
   const udp::endpoint endpoint(ip, number);
   port->socket.open(endpoint.protocol(), code);
   if (!code) port->socket.bind(endpoint, code);
-  if (code) return bad("cannot listen there: " + code.message());
+  if (code)
+    return fail(ErrorCode::bad_usage, "cannot listen there: " + code.message(), std::string(address),
+                code == asio::error::address_in_use
+                    ? "another program has that port, another mien live perhaps; give another with --listen"
+                    : "name an address of this machine, or 0.0.0.0 for all of them");
   boost::system::error_code ignored;
   port->socket.set_option(asio::socket_base::receive_buffer_size(kSocketBytes), ignored);
   port->socket.non_blocking(true, ignored);
@@ -113,8 +117,7 @@ void Intake::take(Port& port, std::size_t size) {
     ++counts_.too_long;
     return;
   }
-  const std::pair key{static_cast<const Port*>(&port), port.from};
-  auto known = known_.find(key);
+  auto known = known_.find(port.from);
   if (known == known_.end()) {
     if (known_.size() == kMaxPeers) {
       ++counts_.too_many;
@@ -127,9 +130,10 @@ void Intake::take(Port& port, std::size_t size) {
         &port,
         fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port()),
         {kMaxRatePerPeer, now}};
-    known = known_.emplace(key, peer).first;
+    known = known_.emplace(port.from, peer).first;
   }
   PeerState& peer = peers_[known->second];
+  peer.port = &port;  // Answers go out where it last came in.
   if (!peer.budget.spend(now, kMaxRatePerPeer) || !port.budget.spend(now, kMaxRatePerPort)) {
     ++counts_.too_fast;
     return;

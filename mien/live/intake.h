@@ -39,7 +39,7 @@ class Intake {
  public:
   /// No device of ours sends more than 300 a second.
   static constexpr double kMaxRatePerPeer = 1000;
-  static constexpr double kMaxRatePerPort = 20000;
+  static constexpr double kMaxRatePerPort = 10000;
   static constexpr std::size_t kMaxPeers = 256;
   /// Longer datagrams cannot be devices': a network's frame has no more.
   static constexpr std::size_t kMaxDatagram = 1472;
@@ -96,7 +96,8 @@ class Intake {
   Signal signal_;
   std::vector<std::unique_ptr<Port>> ports_;
   std::array<PeerState, kMaxPeers> peers_;  // Names are written once, before a peer's first datagram is seen.
-  std::map<std::pair<const Port*, boost::asio::ip::udp::endpoint>, sensor::Peer> known_;
+  /// By where they send from, whatever port they send to: as a replay tells them apart.
+  std::map<boost::asio::ip::udp::endpoint, sensor::Peer> known_;
   Counts counts_;
 };
 

@@ -1,5 +1,7 @@
 #include "mien/live/page_messages.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -174,7 +176,13 @@ std::string event_text(const take::Event& event) {
   if (event.kind == "recentre_failed") return "not re-centred: " + text("why");
   if (event.kind != "calibrated") return {};
   const std::string origin = text("origin");
-  if (origin == "self") return "calibrated by the nod";
+  if (origin == "self") {
+    const auto failed = details.value("failed", 0);
+    if (failed == 0) return "calibrated by the nod";
+    return fmt::format(
+        "calibrated by the nod, but {} of {} scores failed; mien calibrate, or the page, does better", failed,
+        details.value("scores", 0));
+  }
   if (origin == "guided") return "calibrated";
   if (origin == "recentre") return "re-centred";
   if (origin == "restored") return "a calibration from elsewhere is in force";

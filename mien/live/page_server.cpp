@@ -124,7 +124,9 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   void answer() {
     const http::request<http::empty_body> request = parser_->get();
     const auto [path, token] = split_target(view(request.target()));
-    if (!state_->knows_host(request)) return refuse(http::status::forbidden, "this host is not meant");
+    if (!state_->knows_host(request))
+      return refuse(http::status::forbidden,
+                    "open it as http://127.0.0.1 with the port that mien live printed");
     if (websocket::is_upgrade(request)) {
       if (path != "/ws") return refuse(http::status::not_found, "no such page");
       if (!state_->knows_token(token)) return refuse(http::status::forbidden, "a token is missing or wrong");
@@ -163,6 +165,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
                   "frame-ancestors 'none'; base-uri 'none'");
     response->content_length(asset.bytes.size());
     response->keep_alive(request.keep_alive());
+    stream_.expires_after(4 * kPatience);
     http::async_write(stream_, *response,
                       [self = shared_from_this(), response](beast::error_code code, std::size_t) {
                         if (code || response->need_eof())
@@ -178,6 +181,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
     response->body() = fmt::format("{}\n", why);
     response->prepare_payload();
     response->keep_alive(false);
+    stream_.expires_after(kPatience);
     http::async_write(
         stream_, *response,
         [self = shared_from_this(), response](beast::error_code, std::size_t) { self->stream_.close(); });
@@ -198,11 +202,11 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   }
 
   void read_message() {
-    socket_->async_read(buffer_, [self = shared_from_this()](beast::error_code code, std::size_t) {
+    socket_->async_read(message_, [self = shared_from_this()](beast::error_code code, std::size_t) {
       if (code) return;
-      const auto data = self->buffer_.cdata();
+      const auto data = self->message_.cdata();
       self->state_->on_message(self->client_, {static_cast<const char*>(data.data()), data.size()});
-      self->buffer_.consume(self->buffer_.size());
+      self->message_.consume(self->message_.size());
       self->read_message();
     });
   }
@@ -229,6 +233,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   beast::tcp_stream stream_;
   std::shared_ptr<State> state_;
   beast::flat_buffer buffer_;
+  beast::flat_buffer message_{kMaxMessageBytes};
   std::optional<http::request_parser<http::empty_body>> parser_;
   std::optional<websocket::stream<beast::tcp_stream>> socket_;
   std::uint64_t client_ = 0;
@@ -249,9 +254,9 @@ bool PageServer::State::knows_host(const http::request<http::empty_body>& reques
 
 bool PageServer::State::allows_origin(const http::request<http::empty_body>& request) const {
   const std::string_view origin = view(request[http::field::origin]);
-  if (origin.empty()) return true;  // No browser.
-  constexpr std::string_view kScheme = "http://";
-  return origin.starts_with(kScheme) && origin.substr(kScheme.size()) == view(request[http::field::host]);
+  if (origin.empty()) return true;                // No browser.
+  const std::size_t scheme = origin.find("://");  // https where a proxy stands before us.
+  return scheme != std::string_view::npos && origin.substr(scheme + 3) == view(request[http::field::host]);
 }
 
 void PageServer::State::accept() {

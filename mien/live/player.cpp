@@ -27,6 +27,11 @@ struct Player::Job {
 
   Result<void> read(const MakeSession& make_session) {
     MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
+    MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
+    if (ticks.size() > kMaxFrames)
+      return fail(ErrorCode::out_of_range, "the take is longer than half an hour", path.string(),
+                  "solve it with mien solve, and look at that");
+    if (cancelled) return {};
     MIEN_TRY_ASSIGN(const std::unique_ptr<Session> session, make_session(take.rig()));
     MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> known, take.truth());
     std::map<DeviceTime, const face::BlendshapeWeights*> by_time;
@@ -38,7 +43,7 @@ struct Player::Job {
         const auto found = by_time.find(tick.frame);
         truth.push_back(found == by_time.end() ? std::nullopt : std::optional(*found->second));
       }
-      return frames.size() < kMaxFrames && !cancelled;
+      return !cancelled.load();
     }));
     return {};
   }
@@ -46,27 +51,35 @@ struct Player::Job {
 
 Player::~Player() {
   stop();
+  for (Reader& reader : readers_) reader.thread.join();
 }
 
 void Player::load(const std::filesystem::path& take) {
   stop();
+  std::erase_if(readers_, [](Reader& reader) {
+    if (!reader.job->ready) return false;
+    reader.thread.join();
+    return true;
+  });
   job_ = std::make_shared<Job>();
   job_->path = take;
   paused_ = false;
   from_s_ = 0;
   since_.reset();
   shown_ = -1;
-  reader_ = std::thread([job = job_, make_session = make_session_] {
-    if (const auto done = job->read(make_session); !done)
-      job->error = job->frames.size() >= kMaxFrames ? "the take is longer than half an hour; cut it first"
-                                                    : done.error().message();
-    job->ready = true;
-  });
+  readers_.push_back({job_, std::thread([job = job_, make_session = make_session_] {
+                        try {
+                          if (const auto done = job->read(make_session); !done)
+                            job->error = done.error().message();
+                        } catch (const std::exception& error) {
+                          job->error = error.what();
+                        }
+                        job->ready = true;
+                      })});
 }
 
 void Player::stop() {
-  if (job_) job_->cancelled = true;
-  if (reader_.joinable()) reader_.join();
+  if (job_) job_->cancelled = true;  // Its reader ends by itself: nobody waits for it.
   job_.reset();
 }
 

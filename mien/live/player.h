@@ -55,7 +55,11 @@ class Player {
 
   MakeSession make_session_;
   std::shared_ptr<Job> job_;
-  std::thread reader_;
+  struct Reader {
+    std::shared_ptr<Job> job;
+    std::thread thread;
+  };
+  std::vector<Reader> readers_;  // The newest, and those that have not ended yet.
   bool paused_ = false;
   double from_s_ = 0;  // Position at `since_`.
   std::optional<HostTime> since_;

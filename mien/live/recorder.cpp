@@ -1,6 +1,7 @@
 #include "mien/live/recorder.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -16,9 +17,10 @@ namespace {
 
 /// What the disk may be behind: about twenty seconds of twelve sensors.
 constexpr std::size_t kRingBytes = std::size_t{1} << 23U;
-/// What is kept of a session that is not recorded, so that a take can begin with its beginning: about ten
-/// hours.
+/// What is kept of a session, so that a take can begin with its beginning: about three hours of twelve
+/// sensors.
 constexpr std::uint64_t kMaxSpoolBytes = std::uint64_t{4} << 30U;
+constexpr std::size_t kSliceBytes = std::size_t{1} << 22U;
 constexpr Duration kPatience = std::chrono::milliseconds(100);
 
 template <class T>
@@ -63,6 +65,7 @@ struct CalibrationHead {
 /// A take that is being written.
 struct Recorder::Writing {
   take::TakeWriter writer;
+  std::uint64_t at = 0;    // How much of the temporary file is in it, bytes.
   std::int64_t entry = 0;  // Id of the newest.
   HostTime newest;
   std::vector<std::string> names;  // Of peers.
@@ -141,39 +144,109 @@ void Recorder::calibration(std::int64_t id, DeviceTime made, std::string_view mo
 void Recorder::run() {
   while (!stopping_) {
     signal_.wait(kPatience);
-    const std::lock_guard lock(mutex_);
-    while (drain()) {
+    try {
+      turn();
+    } catch (const std::exception& error) {
+      give_up(error.what());
     }
-    if (overrun_.exchange(false)) {
-      fail_recording("the disk is too slow; record to another one");
-      spool_error_ = "a part of the session was lost while the disk was too slow";
-    }
-    if (writing_)
-      if (const auto status = writing_->writer.status(); !status) fail_recording(status.error().message());
   }
 }
 
+void Recorder::turn() {
+  bool ending = false;  // What was handed over before that was asked for is still to be taken.
+  {
+    const std::lock_guard lock(mutex_);
+    if (wanted_) writing_ = std::move(wanted_);
+    ending = end_notes_.has_value();
+  }
+  bool behind = false;
+  do {
+    while (drain()) {
+    }
+    if (overrun_.exchange(false)) give_up("the disk is too slow; record to another one");
+    behind = feed();
+    if (writing_)
+      if (const auto status = writing_->writer.status(); !status) {
+        const std::string why = status.error().message();
+        [[maybe_unused]] const auto kept = writing_->writer.finish();  // What was written stays.
+        writing_.reset();
+        const std::lock_guard lock(mutex_);
+        state_.on = false;
+        state_.error = why;
+        ended_.notify_all();
+      }
+  } while (behind && !stopping_);
+
+  const std::lock_guard lock(mutex_);
+  if (writing_) state_.seconds = to_seconds(writing_->newest.time_since_epoch());
+  if (writing_ && ending && end_notes_) conclude();
+}
+
+/// One record of the ring into the temporary file; false when there is none.
 bool Recorder::drain() {
   const std::span<const std::byte> record = ring_.front();
   if (record.empty()) return false;
-  keep(record);
-  if (writing_) write(record);
+  if (spool_ != nullptr) {
+    const auto size = static_cast<std::uint32_t>(record.size());
+    const bool kept = spooled_ < kMaxSpoolBytes && std::fwrite(&size, sizeof(size), 1, spool_) == 1 &&
+                      std::fwrite(record.data(), 1, record.size(), spool_) == record.size();
+    spooled_ += sizeof(size) + record.size();
+    if (!kept)
+      give_up(spooled_ >= kMaxSpoolBytes
+                  ? "the session has run for too long to be recorded from its beginning"
+                  : fmt::format("the temporary folder does not take the session ({})",
+                                std::generic_category().message(errno)));
+  }
   ring_.release();
   return true;
 }
 
-void Recorder::keep(std::span<const std::byte> record) {
-  if (!spool_error_.empty()) return;
-  if (spooled_ > kMaxSpoolBytes) {
-    spool_error_ = "the session has run for too long to be recorded from its beginning";
-    return;
+/// A slice of the temporary file into the take; true when there is more.
+bool Recorder::feed() {
+  if (!writing_ || spool_ == nullptr || writing_->at >= spooled_) return false;
+  if (std::fflush(spool_) != 0) {
+    give_up(fmt::format("the temporary folder does not take the session ({})",
+                        std::generic_category().message(errno)));
+    return false;
   }
-  const auto size = static_cast<std::uint32_t>(record.size());
-  if (std::fwrite(&size, sizeof(size), 1, spool_) != 1 ||
-      std::fwrite(record.data(), 1, record.size(), spool_) != record.size())
-    spool_error_ = fmt::format("the temporary folder does not take the session's beginning ({})",
-                               std::generic_category().message(errno));
-  spooled_ += sizeof(size) + record.size();
+  slice_.resize(kSliceBytes);
+  const auto got = ::pread(::fileno(spool_), slice_.data(), slice_.size(), static_cast<off_t>(writing_->at));
+  std::span<const std::byte> left(slice_.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  bool any = false;
+  while (left.size() >= sizeof(std::uint32_t)) {
+    std::span<const std::byte> rest = left;
+    const auto size = get<std::uint32_t>(rest);
+    if (rest.size() < size) break;
+    write(rest.first(size));
+    left = rest.subspan(size);
+    writing_->at += sizeof(size) + size;
+    any = true;
+  }
+  if (!any) give_up("the temporary file of the session cannot be read back");
+  return writing_ && writing_->at < spooled_;
+}
+
+/// Ends the take; mutex_ is held.
+void Recorder::conclude() {
+  for (const take::Note& note : *end_notes_) writing_->writer.add_note(note.key, note.value);
+  end_notes_.reset();
+  if (const auto finished = writing_->writer.finish(); !finished) state_.error = finished.error().message();
+  writing_.reset();
+  state_.on = false;
+  ended_.notify_all();
+}
+
+/// The temporary file has a hole from here on: what is recorded ends, and nothing can be recorded any more.
+void Recorder::give_up(const std::string& why) {
+  if (writing_) [[maybe_unused]]
+    const auto kept = writing_->writer.finish();
+  const std::lock_guard lock(mutex_);
+  if (spool_error_.empty()) spool_error_ = why;
+  if (writing_ || wanted_) state_.error = why;
+  writing_.reset();
+  wanted_.reset();
+  state_.on = false;
+  ended_.notify_all();
 }
 
 void Recorder::write(std::span<const std::byte> record) {
@@ -216,58 +289,39 @@ void Recorder::write(std::span<const std::byte> record) {
   }
 }
 
-void Recorder::fail_recording(const std::string& why) {
-  if (!writing_) return;
-  [[maybe_unused]] const auto finished = writing_->writer.finish();  // What was written stays.
-  writing_.reset();
-  state_.on = false;
-  state_.error = why;
-}
-
 Result<void> Recorder::start(const std::filesystem::path& path, const take::Header& header, bool replace) {
-  const std::lock_guard lock(mutex_);
-  if (writing_) return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string());
-  while (drain()) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (state_.on)
+      return fail(ErrorCode::bad_usage, "a recording runs already", state_.path.string(), "end it first");
+    if (!spool_error_.empty())
+      return fail(ErrorCode::io, spool_error_, path.string(), "start the session again to record");
   }
-  if (!spool_error_.empty())
-    return fail(ErrorCode::io, spool_error_, path.string(), "start the session again to record");
   MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(path, header, replace));
-  writing_ = std::make_unique<Writing>(Writing{std::move(writer), 0, {}, {}});
+  const std::lock_guard lock(mutex_);
+  wanted_ = std::make_unique<Writing>(Writing{std::move(writer), 0, 0, {}, {}});
+  end_notes_.reset();
   state_ = {true, path, 0, {}};
-  // From the session's beginning.
-  std::rewind(spool_);
-  std::vector<std::byte> record;
-  std::uint32_t size = 0;
-  while (std::fread(&size, sizeof(size), 1, spool_) == 1) {
-    record.resize(size);
-    if (std::fread(record.data(), 1, size, spool_) != size) break;
-    write(record);
-  }
-  std::fseek(spool_, 0, SEEK_END);
+  signal_.give();
   return {};
 }
 
-Result<void> Recorder::finish(std::span<const take::Note> notes) {
+void Recorder::end(std::vector<take::Note> notes) {
   const std::lock_guard lock(mutex_);
-  while (drain()) {
-  }
-  if (!writing_) {
-    if (state_.error.empty()) return {};
-    return fail(ErrorCode::io, state_.error, state_.path.string(), "what was recorded until then is kept");
-  }
-  for (const take::Note& note : notes) writing_->writer.add_note(note.key, note.value);
-  const auto finished = writing_->writer.finish();
-  state_.seconds = to_seconds(writing_->newest.time_since_epoch());
-  writing_.reset();
-  state_.on = false;
-  return finished;
+  if (state_.on) end_notes_ = std::move(notes);
+  signal_.give();
+}
+
+Result<void> Recorder::wait() {
+  std::unique_lock lock(mutex_);
+  ended_.wait(lock, [this] { return !state_.on; });
+  if (state_.error.empty()) return {};
+  return fail(ErrorCode::io, state_.error, state_.path.string(), "what was recorded until then is kept");
 }
 
 Recorder::State Recorder::state() const {
   const std::lock_guard lock(mutex_);
-  State state = state_;
-  if (writing_) state.seconds = to_seconds(writing_->newest.time_since_epoch());
-  return state;
+  return state_;
 }
 
 }  // namespace mien::live

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -10,7 +11,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/live/byte_ring.h"
@@ -22,13 +25,14 @@
 namespace mien::live {
 
 /// Writes a session's log into takes, on a thread of its own: the tracker's thread hands over and goes on,
-/// whatever the disk does. A take begins with the session's beginning, whenever its recording was asked for:
-/// what came before is kept in a temporary file, so that every take replays to what was seen.
+/// and nobody waits for the disk but who asks for a take's end. Everything goes into a temporary file first,
+/// and from there into the take that is recorded: so a take begins with the session's beginning, whenever its
+/// recording was asked for, and replays to what was seen.
 class Recorder {
  public:
   /// `peer_name` tells a peer's source text; called on the recorder's thread for peers already seen.
   explicit Recorder(std::function<std::string(sensor::Peer)> peer_name);
-  ~Recorder();  ///< As stop().
+  ~Recorder();  ///< Ends the thread; a take that is recorded stays as far as it came.
 
   // Tracker's thread. What does not fit any more is lost to the recording, which then ends with an error.
   void entry(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
@@ -38,19 +42,22 @@ class Recorder {
   void event(const take::Event& event);
   void calibration(std::int64_t id, DeviceTime made, std::string_view modality, std::string_view json);
 
-  // Any thread.
-  /// Errors: bad_usage (a recording runs, the file exists and not `replace`), io; those of TakeWriter.
+  // Another thread, always the same.
+  /// Makes the take's file; what the session was so far follows in the background. Errors: bad_usage (a
+  /// recording runs, the file exists and not `replace`), io (what has to come first was lost); TakeWriter's.
   [[nodiscard]] Result<void> start(const std::filesystem::path& path, const take::Header& header,
                                    bool replace);
-  /// Ends the recording with notes; everything is on the disk when this returns. Nothing happens when none
-  /// runs. Errors: what went wrong while recording.
-  [[nodiscard]] Result<void> finish(std::span<const take::Note> notes);
+  /// Asks for the end of the recording, with notes; state() tells when it is reached. Nothing happens when
+  /// none runs.
+  void end(std::vector<take::Note> notes);
+  /// Waits for that. Everything is on the disk when this returns. Errors: why the recording ended early.
+  [[nodiscard]] Result<void> wait();
 
   struct State {
-    bool on = false;
+    bool on = false;  ///< From start() until all is on the disk.
     std::filesystem::path path;
     double seconds = 0;  ///< Of the session, in the take.
-    std::string error;   ///< Why a recording ended early; empty when none did.
+    std::string error;   ///< Why the recording ended early; empty when it did not.
   };
   [[nodiscard]] State state() const;
 
@@ -59,10 +66,12 @@ class Recorder {
   enum class Kind : std::uint8_t { entry, command, tick, event, calibration };
   std::span<std::byte> claim(std::size_t size);
   void run();
+  void turn();
   bool drain();
-  void keep(std::span<const std::byte> record);
+  bool feed();
   void write(std::span<const std::byte> record);
-  void fail_recording(const std::string& why);
+  void conclude();
+  void give_up(const std::string& why);
 
   std::function<std::string(sensor::Peer)> peer_name_;
   ByteRing ring_;
@@ -70,12 +79,18 @@ class Recorder {
   std::atomic<bool> overrun_ = false;
   std::atomic<bool> stopping_ = false;
 
-  mutable std::mutex mutex_;  // Of what follows; never taken by the tracker's thread.
+  // The recorder's thread alone.
   std::unique_ptr<Writing> writing_;
-  State state_;
   std::FILE* spool_ = nullptr;
   std::uint64_t spooled_ = 0;  // Bytes.
-  std::string spool_error_;
+  std::vector<std::byte> slice_;
+
+  mutable std::mutex mutex_;  // Held for moments only.
+  std::condition_variable ended_;
+  std::unique_ptr<Writing> wanted_;
+  std::optional<std::vector<take::Note>> end_notes_;
+  State state_;
+  std::string spool_error_;  // Why no recording can begin any more.
   std::thread thread_;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace mien::live {
@@ -25,13 +26,15 @@ constexpr Duration kLost = std::chrono::milliseconds(100);
 constexpr Duration kLostEstimated = std::chrono::seconds(1);
 /// A shake that judges a calibration ends within this time of it.
 constexpr Duration kShakeFollows = std::chrono::seconds(20);
+/// Calibrations of one session.
+constexpr std::size_t kMaxVersions = 256;
 /// Samples that one datagram can hold.
 constexpr std::size_t kMostSamples = 256;
 /// Ids of virtual nodes: "MIEN" and the sensor's place in the rig.
 constexpr std::uint64_t kVirtualNode = 0x024D'4945'4E00ULL;
 
 std::string quoted(std::string_view key, std::string_view value) {
-  return fmt::format(R"({{"{}": "{}"}})", key, value);
+  return nlohmann::json({{std::string(key), std::string(value)}}).dump();
 }
 
 }  // namespace
@@ -49,7 +52,7 @@ Session::Session(Parts parts)
       shaper_(parts.shaping),
       ticks_(rig_),
       links_(rig_.sensors.size()) {
-  devices_.reserve(kMaxDevices);
+  devices_.reserve(kMaxDevices + rig_.sensors.size());
   bound_.reserve(kMaxDevices + rig_.sensors.size());
   samples_.reserve(kMostSamples);
   inbox_.readings.reserve(kMostSamples);
@@ -84,7 +87,9 @@ Session::Device* Session::device(const DeviceKey& key) {
 Session::Device* Session::meet(const DeviceKey& key, sensor::Peer peer, std::size_t protocol,
                                HostTime arrival) {
   if (Device* known = device(key)) return known;
-  if (devices_.size() == kMaxDevices) return nullptr;
+  // A stranger's inventions must not keep the rig's own boards out.
+  const bool expected = std::ranges::any_of(bound_, [&](const auto& b) { return b.first == key; });
+  if (devices_.size() >= kMaxDevices && !expected) return nullptr;
   Device& met = devices_.emplace_back();
   met.key = key;
   met.peer = peer;
@@ -100,12 +105,14 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
   bound_.emplace_back(key, sensor);
   for (Device& known : devices_) {
     if (known.sensor == sensor) known.sensor.reset();
-    if (known.key == key) known.sensor = sensor;
+    if (known.key != key) continue;
+    if (known.sensor) links_[*known.sensor] = Link();
+    known.sensor = sensor;
   }
   links_[sensor] = Link();
-  add_event("bind", newest_frame_, newest_frame_,
-            fmt::format(R"({{"sensor": "{}", "device": "{}"}})", rig_.sensors[sensor].name,
-                        sensor::format_device(key)));
+  add_event(
+      "bind", newest_frame_, newest_frame_,
+      nlohmann::json({{"sensor", rig_.sensors[sensor].name}, {"device", sensor::format_device(key)}}).dump());
 }
 
 void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
@@ -143,6 +150,11 @@ void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t prot
   tracker_->add(arrival, sample);
 }
 
+bool Session::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
+  const auto found = std::ranges::find(devices_, key, &Device::key);
+  return found != devices_.end() && found->peer == peer;
+}
+
 Session::Received Session::receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram) {
   inbox_.clear();
   samples_.clear();
@@ -175,20 +187,20 @@ Session::Received Session::receive(HostTime arrival, sensor::Peer peer, std::spa
   for (const sensor::Inbox::Pulse& pulse : inbox_.pulses) {
     // A board's sensors share its clock.
     for (const auto& [key, sensor] : bound_) {
-      if (key.device != pulse.from.device) continue;
+      if (key.device != pulse.from.device || !speaks_from(key, peer)) continue;
       ticks_.pulse(sensor, pulse.index, pulse.edge);
       tracker_->pulse(sensor, pulse.index, pulse.edge);
     }
   }
   for (const sensor::Inbox::Battery& battery : inbox_.batteries)
-    if (const Device* from = device(battery.from); from != nullptr && from->sensor)
+    if (const Device* from = device(battery.from); from != nullptr && from->sensor && from->peer == peer)
       links_[*from->sensor].health.set_battery(battery.percent);
   // A board that says anything at all is there, whichever of its sensors it speaks of.
   const std::optional<DeviceKey> speaker =
       !inbox_.readings.empty() ? std::optional(inbox_.readings.front().from) : inbox_.alive;
   if (speaker)
     for (const Device& known : devices_)
-      if (known.key.device == speaker->device && known.sensor)
+      if (known.key.device == speaker->device && known.peer == peer && known.sensor)
         links_[*known.sensor].health.add_alive(arrival);
   out.samples = samples_;
   if (!inbox_.opened.empty()) out.log = inbox_.opened;
@@ -256,7 +268,11 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
   version.centre = shaping::write_centre(shaper_.recentring().centre());
   version.scores = std::move(scores);
   in_force_ = version.id;
-  add_event("calibrated", frame, frame, quoted("origin", origin));
+  const auto failed = std::ranges::count(version.scores, false, &sensor::Score::pass);
+  add_event(
+      "calibrated", frame, frame,
+      nlohmann::json({{"origin", std::string(origin)}, {"failed", failed}, {"scores", version.scores.size()}})
+          .dump());
 }
 
 void Session::watch_links(DeviceTime frame, HostTime fired) {
@@ -284,6 +300,7 @@ Result<void> Session::command(HostTime, std::string_view json) {
 }
 
 Result<void> Session::obey(const Calibrate& command) {
+  MIEN_TRY(check_versions());
   tracker_->cancel_guidance();
   failure_ = {};
   guide_.begin(command.full);
@@ -302,8 +319,9 @@ Result<void> Session::use_version(std::int64_t id) {
   if (found == versions_.end())
     return fail(ErrorCode::not_found, fmt::format("there is no calibration {}", id), kWhere,
                 "choose one of the list");
-  if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
   MIEN_TRY_ASSIGN(const shaping::Centre centre, shaping::parse_centre(found->centre, kWhere));
+  MIEN_TRY(obey(CancelCalibration{}));
+  if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
   shaper_.use_centre(centre);
   calibrations_ = tracker_->calibration_count();
   in_force_ = id;
@@ -312,11 +330,18 @@ Result<void> Session::use_version(std::int64_t id) {
 }
 
 Result<void> Session::obey(const UseCalibration& command) {
-  MIEN_TRY(obey(CancelCalibration{}));
   return use_version(command.version);
 }
 
+Result<void> Session::check_versions() const {
+  if (versions_.size() < kMaxVersions) return {};
+  return fail(ErrorCode::out_of_range,
+              fmt::format("{} calibrations are enough for one session", kMaxVersions), kWhere,
+              "start a new one");
+}
+
 Result<void> Session::obey(const RestoreCalibration& command) {
+  MIEN_TRY(check_versions());
   MIEN_TRY(obey(CancelCalibration{}));
   MIEN_TRY(tracker_->restore(command.json));
   calibrations_ = tracker_->calibration_count();
@@ -325,6 +350,7 @@ Result<void> Session::obey(const RestoreCalibration& command) {
 }
 
 Result<void> Session::obey(const Recentre&) {
+  MIEN_TRY(check_versions());
   shaper_.recentre();
   recentring_ = true;
   add_event("recentre", newest_frame_, newest_frame_);
@@ -334,7 +360,8 @@ Result<void> Session::obey(const Recentre&) {
 Result<void> Session::obey(const Bind& command) {
   const auto sensor = rig_.find(command.sensor);
   if (!sensor)
-    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kWhere);
+    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kWhere,
+                "the page lists its sensors");
   bind(*sensor, command.device);
   return {};
 }

@@ -105,6 +105,9 @@ class Session {
   Device* device(const sensor::DeviceKey& key);
   Device* meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
   void bind(std::uint16_t sensor, const sensor::DeviceKey& key);
+  /// Whether the readings of a device come from there: nobody else is believed about it.
+  [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;
+  [[nodiscard]] Result<void> check_versions() const;
   void take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
                     const sensor::Reading& reading);
   void watch_links(DeviceTime frame, HostTime fired);

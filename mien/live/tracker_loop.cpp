@@ -1,5 +1,7 @@
 #include "mien/live/tracker_loop.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -14,6 +16,9 @@ constexpr std::size_t kAnswers = 64;
 constexpr std::size_t kSaidBytes = std::size_t{1} << 18U;
 /// How often devices are greeted, and a report is made each second time.
 constexpr Duration kLook = std::chrono::milliseconds(100);
+
+/// So many sensors at once are said in one sentence.
+constexpr std::ptrdiff_t kMany = 3;
 
 struct SaidHead {
   Said::Kind kind;
@@ -52,7 +57,9 @@ void TrackerLoop::stop() {
 
 void TrackerLoop::run() {
   while (!stopping_) {
-    while (const auto arrived = intake_.front()) {
+    while (!stopping_) {
+      const auto arrived = intake_.front();
+      if (!arrived) break;
       // The order here is the log's: nothing arrives before what was known when the last tick fired.
       newest_ = std::max(newest_, arrived->arrival);
       fire(newest_, newest_);
@@ -61,6 +68,7 @@ void TrackerLoop::run() {
       take(inside);
       fire(newest_, arrived->arrival);
       intake_.release();
+      look_around(newest_);
     }
     newest_ = std::max(newest_, clock_());
     fire(newest_, newest_);
@@ -123,8 +131,19 @@ std::optional<Said> TrackerLoop::front_said() {
 }
 
 void TrackerLoop::hand_over_news() {
-  for (const take::Event& event : session_.take_events()) {
+  const std::vector<take::Event> events = session_.take_events();
+  for (const char* kind : {"sensor_lost", "sensor_back"}) {
+    const auto count = std::ranges::count(events, kind, &take::Event::kind);
+    if (count < kMany) continue;
+    const std::string text = fmt::format("{} {} sensors are {}", kind, count,
+                                         kind == std::string_view("sensor_lost") ? "lost" : "back");
+    say({Said::Kind::event, 0, 0, true, bytes_of(text)});
+  }
+  for (const take::Event& event : events) {
     recorder_.event(event);
+    if (event.kind.starts_with("sensor_") &&
+        std::ranges::count(events, event.kind, &take::Event::kind) >= kMany)
+      continue;
     if (const std::string words = event_text(event); !words.empty()) {
       const std::string text = event.kind + " " + words;
       say({Said::Kind::event, 0, 0, true, bytes_of(text)});
@@ -145,6 +164,7 @@ void TrackerLoop::look_around(HostTime now) {
   session_.say(now, outgoing_);
   for (const sensor::Protocol::Outgoing& said : outgoing_)
     say({Said::Kind::datagram, said.peer, 0, true, said.datagram});
+  if (++looks_ % 2 == 0) return;
   session_.report(now, draft_);
   // A reader that holds it gets the next one.
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);

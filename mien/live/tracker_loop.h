@@ -35,8 +35,8 @@ struct Said {
 };
 
 /// Runs a session on a thread of its own: takes what arrived, fires the ticks that are due, hands answers and
-/// words to the network's thread and the log to the recorder. Allocates nothing and takes no lock that
-/// anybody else may hold for long.
+/// words to the network's thread and the log to the recorder. Waits for nobody. What it allocates: heartbeats
+/// and reports between frames, calibrations, and devices that are new.
 class TrackerLoop {
  public:
   using Clock = std::function<HostTime()>;
@@ -79,6 +79,7 @@ class TrackerLoop {
   std::atomic<std::uint64_t> missed_ = 0;
   HostTime newest_;
   HostTime next_look_;
+  unsigned looks_ = 0;
   std::int64_t versions_ = 0;  // Handed over.
   std::vector<sensor::Protocol::Outgoing> outgoing_;
   Report draft_;

@@ -180,6 +180,7 @@ void TimeLines::add(HostTime arrival, const Sample& sample) {
     return;
   }
   const bool jumped = clock.model.add(sample.time, arrival);
+  clock.newest = sample.time;
   const bool is_reference = reference_ == sample.sensor;
   if (jumped) {
     // What pulses told was of the clock before.
@@ -222,6 +223,7 @@ void TimeLines::pair(Clock& clock, const Pulse& own, const Pulse& reference) {
   // The reference's clock in the place of the host's: a pulse "arrives" exactly when it stands there.
   if (clock.wire.add(own.edge, HostTime(reference.edge.time_since_epoch()))) clock.pairs = 0;
   ++clock.pairs;
+  clock.last_edge = own.edge;
 }
 
 HostTime TimeLines::to_host(DeviceTime line) const {

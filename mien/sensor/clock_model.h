@@ -117,15 +117,18 @@ class TimeLines {
     DeviceTime edge;
   };
   static constexpr std::size_t kPulses = 8;  // A pulse may be told of this many later.
+  static constexpr Duration kPulseHolds = std::chrono::seconds(10);  // Then the cable is out.
   struct Clock {
     ClockModel model;
     bool on_line = false;  // The lab profile's times stand on the line already.
     std::array<std::optional<Pulse>, kPulses> pulses;
     ClockModel wire;  // From its time to the reference's, by pulses; nothing delays these.
     int pairs = 0;
+    DeviceTime last_edge;  // Of the newest pair.
+    DeviceTime newest;     // Of its samples.
   };
   [[nodiscard]] bool by_wire(const Clock& clock) const {
-    return basis_ == Basis::reference && clock.pairs >= 2;
+    return basis_ == Basis::reference && clock.pairs >= 2 && clock.newest - clock.last_edge < kPulseHolds;
   }
   void pair(Clock& clock, const Pulse& own, const Pulse& reference);
   std::vector<Clock> clocks_;

@@ -59,6 +59,9 @@ std::vector<Case> cases() {
   virt::DeviceTroubles reference;
   reference.restarts = {{2, kPrologue_s + 3, 1.5}};
   all.push_back({"reference restarts", {}, reference, 0.4, 0.4});
+  virt::DeviceTroubles mask;
+  mask.restarts = {{0, kPrologue_s + 3, 1.5}, {1, kPrologue_s + 3, 1.5}, {2, kPrologue_s + 3, 1.5}};
+  all.push_back({"the whole mask restarts", {}, mask, 0.4, 0.4});
   virt::DeviceTroubles shared;
   shared.shared_ids = {{1, 0}};
   all.push_back({"two with one id", {}, shared, 1.0, 1.0});
@@ -100,6 +103,10 @@ TEST(SessionBehindANetwork, StaysSoundWhateverItDoes) {
       EXPECT_TRUE(!session->versions().empty() || !played.report.calibration.prompt.empty());
     EXPECT_LE(step, c.largest_step);
     EXPECT_LE(rms, c.largest_error);
+    // Whatever happened in between, at the end the face is measured.
+    if (c.calibrates) {
+      EXPECT_EQ(played.frames.back().frame.provenance[shape("jawOpen")], Provenance::measured);
+    }
     if (std::string_view(c.name).starts_with("loss")) {
       EXPECT_GT(count, 1000u);
       EXPECT_GT(measured, 1000u);

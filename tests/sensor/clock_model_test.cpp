@@ -159,6 +159,24 @@ TEST(TimeLines, PulsesOnAWireLeaveTheRadioOut) {
   EXPECT_NEAR(to_seconds(back - face.clock(t)), 0, 1e-6);
 }
 
+// After two pulses the rate is not known: it must not be held for an hour.
+TEST(TimeLines, APulledCableLeavesTheClockToTheRadio) {
+  Random random(16);
+  Device ear, face;
+  face.rate = 1 + 90e-6;
+  ear.rate = 1;
+  TimeLines lines(2, std::uint16_t{1});
+  for (double t = 0; t < 1200; t += 0.1) {
+    lines.add(ear.arrival(t, random), sample_of(1, ear.clock(t)));
+    lines.add(face.arrival(t, random), sample_of(0, face.clock(t)));
+    if (t < 2 && std::abs(t - std::round(t)) < 0.01) {
+      lines.pulse(1, static_cast<std::uint32_t>(std::lround(t)), ear.clock(t));
+      lines.pulse(0, static_cast<std::uint32_t>(std::lround(t)), face.clock(t));
+    }
+  }
+  EXPECT_NEAR(to_seconds(lines.to_line(0, face.clock(1200)) - ear.clock(1200)), 0, 0.005);
+}
+
 TEST(TimeLines, ABoardThatRestartsForgetsItsPulses) {
   Random random(15);
   Device ear, face;

@@ -36,7 +36,7 @@ export class CalibrationPanel {
       h("div", { class: "button-row" }, short, full, recentre),
       h("p", {
         class: "quiet",
-        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, for a closer fit. Re-centre: the face you have now is neutral again.",
+        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Re-centre: the face you have now is neutral again.",
       }),
       h("h3", { text: "Versions" }),
       this.list,

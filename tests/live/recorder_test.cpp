@@ -1,0 +1,80 @@
+#include "mien/live/recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <thread>
+
+#include "tests/folder.h"
+
+namespace mien::live {
+namespace {
+
+constexpr const char* kRig =
+    "name = \"one\"\nreference = \"ear\"\n[[sensor]]\nname = \"ear\"\nkind = \"imu\"\nsite = \"mastoid\"\n"
+    "side = \"L\"\nrole = \"head\"\n";
+
+take::Header header() {
+  take::Header header;
+  header.software = "test";
+  header.rig_toml = kRig;
+  return header;
+}
+
+void record_seconds(Recorder& recorder, int from, int to) {
+  const std::array<std::byte, 40> bytes{};
+  for (int i = 60 * from; i < 60 * to; ++i) {
+    const HostTime arrival(frame_offset(i));
+    sensor::Sample sample;
+    sample.time = DeviceTime(frame_offset(i));
+    sample.sequence = static_cast<std::uint32_t>(i);
+    sample.count = 6;
+    recorder.entry(arrival, 0, bytes, {&sample, 1});
+    recorder.tick({i, DeviceTime(frame_offset(i)), arrival, true});
+    if (i % 600 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
+TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
+  const test::Folder folder(test::Folder::On::memory);
+  Recorder recorder([](sensor::Peer) { return std::string("udp://127.0.0.1:1"); });
+  record_seconds(recorder, 0, 20);
+  ASSERT_TRUE(recorder.start(folder / "late.mien", header(), false));
+  EXPECT_FALSE(recorder.start(folder / "other.mien", header(), false));
+  record_seconds(recorder, 20, 25);
+  recorder.command(HostTime(std::chrono::seconds(26)), R"({"command": "recentre"})");
+  recorder.end({{"live.hash", "abc"}});
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_FALSE(recorder.state().on);
+
+  const auto take = take::Take::open(folder / "late.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  EXPECT_TRUE(take->finished());
+  EXPECT_EQ(take->ticks().value().size(), 25u * 60);
+  const auto entries = take->entries().value();
+  ASSERT_EQ(entries.size(), 25u * 60 + 1);
+  EXPECT_EQ(entries.back().source, "page");
+  EXPECT_EQ(take->samples().value().size(), 25u * 60);
+  EXPECT_EQ(take->note("live.hash").value(), "abc");
+
+  // And once more, from the beginning again.
+  ASSERT_TRUE(recorder.start(folder / "again.mien", header(), false));
+  recorder.end({});
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_EQ(take::Take::open(folder / "again.mien").value().ticks().value().size(), 25u * 60);
+}
+
+TEST(Recorder, SaysWhyItCannotBegin) {
+  const test::Folder folder(test::Folder::On::memory);
+  Recorder recorder([](sensor::Peer) { return std::string("x"); });
+  EXPECT_FALSE(recorder.start(folder / "no" / "such.mien", header(), false));
+  ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
+  recorder.end({});
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_FALSE(recorder.start(folder / "a.mien", header(), false)) << "it exists";
+  EXPECT_TRUE(recorder.start(folder / "a.mien", header(), true));
+}
+
+}  // namespace
+}  // namespace mien::live
