@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
+#include <tuple>
 
 #include "tests/live/live_run.h"
 
@@ -140,7 +141,8 @@ TEST(Session, ASecondDeviceWithTheSameIdIsNotBelieved) {
       entries.push_back(entry);
       entries.back().source = "udp://10.0.0.66:5005";
     }
-  std::ranges::stable_sort(entries, {}, &take::LogEntry::arrival);
+  std::ranges::sort(entries, {},
+                    [](const take::LogEntry& e) { return std::tuple(e.arrival, e.source, e.id); });
   const auto session = test::session();
   const Played run = test::run(*session, entries);
   test::expect_sound(run);
