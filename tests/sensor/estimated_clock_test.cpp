@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "mien/core/random.h"
@@ -81,8 +82,7 @@ std::vector<Packet> play(const Board& board, std::uint64_t seed) {
     for (std::size_t i = 1; i < sent.size(); ++i)
       sent[i].arrival_s = std::max(sent[i].arrival_s, sent[i - 1].arrival_s + 1e-5);
   std::erase_if(sent, [&](const Packet&) { return delays.chance(board.loss); });
-  std::stable_sort(sent.begin(), sent.end(),
-                   [](const Packet& a, const Packet& b) { return a.arrival_s < b.arrival_s; });
+  std::ranges::sort(sent, {}, [](const Packet& p) { return std::pair(p.arrival_s, p.number); });
   std::uint64_t newest = 0;
   std::erase_if(sent, [&](const Packet& p) {
     if (p.number <= newest) return true;
