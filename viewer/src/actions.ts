@@ -3,7 +3,30 @@ import type { Command, Reply } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
 
+/** The session reports a switch four times a second; what was just asked of it counts until then, this long, ms. */
+const REPORTED_MS = 1000;
+
+/** A switch of the session's, as it will be once it has done what was asked. */
+class Switch {
+  private asked: boolean | null = null;
+
+  /** The other way round than it stands or was asked to stand. */
+  flip(reported: boolean): boolean {
+    this.asked = !(this.asked ?? reported);
+    return this.asked;
+  }
+
+  /** After the reply: what is reported counts again. */
+  settle(reply: Reply): void {
+    if (!reply.ok) this.asked = null;
+    else window.setTimeout(() => (this.asked = null), REPORTED_MS);
+  }
+}
+
 export class Actions {
+  private readonly recording = new Switch();
+  private readonly pause = new Switch();
+
   constructor(
     private readonly session: Session,
     private readonly view: ViewState,
@@ -17,8 +40,9 @@ export class Actions {
   }
 
   async toggleRecording(name = ""): Promise<void> {
-    const on = !(this.session.status.value?.recording.on ?? false);
+    const on = this.recording.flip(this.session.status.value?.recording.on ?? false);
     const reply = await this.send({ command: "record", on, name });
+    this.recording.settle(reply);
     if (reply.ok && !on) void this.session.refreshTakes();
   }
 
@@ -38,7 +62,7 @@ export class Actions {
 
   async togglePause(): Promise<void> {
     const replay = this.session.status.value?.replay;
-    if (replay) await this.send({ command: "replay", paused: !replay.paused });
+    if (replay) this.pause.settle(await this.send({ command: "replay", paused: this.pause.flip(replay.paused) }));
   }
 
   /** In a replay the space bar pauses; live it re-centres. */

@@ -17,6 +17,7 @@ export function listenKeys(keys: readonly Key[]): void {
   window.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || event.repeat) return;
     const pressed = event.key.toLowerCase();
+    if (document.querySelector("dialog[open]") && pressed !== "escape" && pressed !== "?") return;
     const target = event.target instanceof Element ? event.target : null;
     if (pressed !== "escape" && target?.closest("input, select, textarea, [contenteditable]")) {
       if (!(target instanceof HTMLInputElement && target.type === "range") || /^(arrow|home|end|page)/.test(pressed)) return;

@@ -75,7 +75,8 @@ listenKeys(keys);
 document.body.append(makeHelp(keys, view));
 
 function escape(): void {
-  if (view.bare.value) view.bare.set(false);
+  if (view.helpOpen.value) view.helpOpen.set(false);
+  else if (view.bare.value) view.bare.set(false);
   else if (guide.open) guide.close();
   else if (session.status.value?.tap) void actions.stopTap();
   else if (view.sensor.value !== null) view.sensor.set(null);

@@ -188,6 +188,13 @@ export class OutputPanel {
       trace(pick);
       context.stroke();
     }
+    const last = points[points.length - 1];
+    if (!last) return;
+    context.font = `${11 * ratio}px system-ui`;
+    context.fillStyle = ink("--quiet");
+    context.textBaseline = "bottom";
+    context.fillText("p99", 0, height - (last.p99 / top) * height - 3 * ratio);
+    context.fillText("p50", 0, height - (last.p50 / top) * height - 3 * ratio);
   }
 }
 
