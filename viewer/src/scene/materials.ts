@@ -129,7 +129,9 @@ float pores(vec3 rest) { return smoothGrain(rest * 900.0) + 0.6 * smoothGrain(re
   float texel = length(fwidth(vRest)) * 900.0;
   float depth = ${pores.toFixed(3)} * 0.0008 * (1.0 - smoothstep(0.4, 1.6, texel));
   vec3 slope = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
-  normal = normalize(abs(det) * normal - depth * slope);
+  // At a grazing edge the screen says little of the surface: no pore tilts the light by more than this.
+  vec3 tilt = depth * slope / max(abs(det), 1e-12);
+  normal = normalize(normal - tilt * min(1.0, 0.3 / max(length(tilt), 1e-6)));
 }`,
       )
       .replace("#include <lights_physical_pars_fragment>", LIGHTS)

@@ -83,9 +83,12 @@ export class Stage {
     this.controls.addEventListener("change", () => this.wake());
     this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
     this.canvas.addEventListener("webglcontextrestored", () => this.wake());
-    new ResizeObserver(() => this.resize(host)).observe(host);
-    this.resize(host);
+    this.size();
     this.resetView();
+    new ResizeObserver(() => {
+      this.size();
+      this.draw(performance.now());
+    }).observe(host);
   }
 
   /** Puts a head in its place; what was there is given back, to be disposed of. */
@@ -174,8 +177,8 @@ export class Stage {
     return { ...this.renderer.info.memory };
   }
 
-  private resize(host: HTMLElement): void {
-    const { clientWidth, clientHeight } = host;
+  private size(): void {
+    const { clientWidth, clientHeight } = this.host;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.width = clientWidth;
     this.height = clientHeight;
@@ -183,7 +186,6 @@ export class Stage {
     this.key.castShadow = this.pace.quality.shadows;
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.fit();
-    this.wake();
   }
 
   /** Distance at which the face fits its rectangle; a view that somebody chose keeps its direction and its zoom. */
@@ -220,6 +222,8 @@ export class Stage {
 
   private draw(nowMs: number): void {
     this.scheduled = false;
+    // Before the picture: a canvas that has changed its size is empty.
+    if (this.pace.drew(nowMs)) this.size();
     const more = this.onDraw(nowMs);
     const damping = this.controls.update();
     const renderer = this.renderer;
@@ -246,7 +250,6 @@ export class Stage {
       renderer.render(this.scene, this.camera);
     }
     this.onDrawn();
-    if (this.pace.drew(nowMs)) this.resize(this.host);
     if (more || damping) this.wake();
   }
 }

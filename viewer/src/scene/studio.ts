@@ -24,9 +24,9 @@ export function furnishStudio(renderer: WebGLRenderer, scene: Scene): Directiona
 
   const fill = new DirectionalLight(0xcfe0ff, 0.55);
   fill.position.set(0.9, 0.1, 0.7);
-  const rim = new DirectionalLight(0xffffff, 1.9);
+  const rim = new DirectionalLight(0xffffff, 1.4);
   rim.position.set(0.75, 0.55, -0.9);
-  const kicker = new DirectionalLight(0xbfd4ff, 0.9);
+  const kicker = new DirectionalLight(0xbfd4ff, 0.4);
   kicker.position.set(-0.9, 0.2, -0.7);
   scene.add(key, fill, rim, kicker, new AmbientLight(0xffffff, 0.12));
 
