@@ -474,6 +474,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
       s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(world_to_ear * Vec3::UnitY()));
       relative = world_to_ear * s.turn_of(i) * sensor->orientation;
     }
+    if (!s.settings.magnetometer && s.trackers[i].sigma_rad() > s.settings.unsure_rad) continue;
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
 
     // Without the arm, what is left of the head's own acceleration would be taken for the skin's.
