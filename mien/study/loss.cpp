@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "mien/face/builtin.h"
-#include "mien/shaping/fallback.h"
+#include "mien/shaping/shaper.h"
 #include "mien/study/evaluation.h"
 #include "mien/study/performers.h"
 #include "mien/study/trace_features.h"
@@ -183,7 +183,7 @@ Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalT
   out.weights.reserve(features.size());
   out.shown.reserve(features.size());
   face::OutputFrame frame;
-  shaping::Fallback fallback;
+  shaping::Shaper shaper;
   tracker.reset();
   for (const model::FeatureFrame& feature : features) {
     tracker.step(feature, frame);
@@ -193,7 +193,7 @@ Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalT
     const auto felt = std::ranges::count_if(feature.sensors, &model::SensorFeature::has_rotation);
     const bool measured = frame.provenance.front() == face::Provenance::measured;
     if (measured ? felt == 0 : felt == std::ssize(feature.sensors)) ++outcome.mistold;
-    fallback.apply(frame, static_cast<std::size_t>(felt));
+    shaper.apply(frame, static_cast<std::size_t>(felt));
     out.shown.push_back(frame.weights);
   }
   return out;

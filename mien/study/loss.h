@@ -80,7 +80,7 @@ struct LossRow {
   /// condition does to the sensing, whatever the model makes of it.
   double rotation_rms_deg = 0;
   /// Largest change of any weight from one frame to the next, of what a session shows of the answer
-  /// (shaping::Fallback eases over sensors that come and go) and of the truth.
+  /// (shaping::Shaper, without settings of a user) and of the truth.
   double largest_step = 0;
   double truth_step = 0;
   std::size_t unsound = 0;  ///< Frames with a weight that is not finite or outside [0, 1]; of all frames.
