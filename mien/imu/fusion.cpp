@@ -105,7 +105,8 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
     last_raw_ = gyro_rad_s;
   } else if (last_dt_s_ > 0 && dt_s > kGapSteps * last_dt_s_) {
     // The rate between the two ends is a guess; so much may it be off.
-    const double change = 0.25 * (gyro_rad_s - last_raw_).norm() * dt_s;
+    const double change =
+        std::hypot(0.25 * (gyro_rad_s - last_raw_).norm(), settings_.unseen_rate_rad_s) * dt_s;
     gap_sigma_ = std::hypot(gap_sigma_, change);
     if (dt_s > settings_.max_gap_s) {
       gap_sigma_ = std::hypot(gap_sigma_, std::numbers::pi * std::min(1.0, dt_s / 10));

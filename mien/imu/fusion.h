@@ -71,6 +71,9 @@ struct FusionSettings {
   /// A gap between samples longer than this restarts the inclination correction, s: the held rate cannot be
   /// trusted.
   double max_gap_s = 0.25;
+  /// How fast a sensor may have turned there and stopped again, unseen between the two ends of a gap, rad/s,
+  /// one standard deviation (17 deg/s).
+  double unseen_rate_rad_s = 0.3;
 };
 
 /// Second-order low-pass of N values with a free step: a Butterworth filter as a state-variable filter, whose

@@ -140,8 +140,20 @@ void HeadingTracker::measure(double error_rad, double sigma_rad) {
   cov_ = (cov_ - kalman * row).eval();
 }
 
+bool HeadingTracker::find_again(double dt_s, double turn_rad) {
+  const bool away = std::abs(turn_rad) > settings_.lost_turn_rad && sigma_rad() > settings_.lost_sigma_rad;
+  if (!away || turn_rad * away_least_rad_ < 0) away_s_ = 0;
+  if (!away) return false;
+  if (away_s_ == 0 || std::abs(turn_rad) < std::abs(away_least_rad_)) away_least_rad_ = turn_rad;
+  away_s_ += dt_s;
+  if (away_s_ <= settings_.lost_after_s) return false;
+  heading_ = wrap(heading_ - away_least_rad_);
+  away_s_ = 0;
+  return true;
+}
+
 void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad) {
-  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0) return;
+  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad)) return;
   const double skin2 = settings_.neutral_sigma_rad * settings_.neutral_sigma_rad;
   if (turn_rad * turn_rad > settings_.neutral_gate * settings_.neutral_gate * (cov_(0, 0) + skin2)) return;
   measure(turn_rad, std::sqrt(skin2 * settings_.neutral_every_s / dt_s));

@@ -76,6 +76,11 @@ struct HeadingSettings {
   double neutral_every_s = 4;
   /// Beyond this many sigmas (heading's and skin's together) it is an expression and says nothing.
   double neutral_gate = 2;
+  /// A heading that got lost: no skin stays this far from neutral, rad (15 deg), to one side, for so long, s,
+  /// while the heading is as unsure as this, rad (7 deg). Then the least of those turns was the heading's.
+  double lost_turn_rad = 0.26;
+  double lost_after_s = 6;
+  double lost_sigma_rad = 0.12;
   /// How the heading itself wanders, rad per root s (0.03 deg).
   double heading_walk = 5e-4;
 };
@@ -99,7 +104,8 @@ class HeadingTracker {
   /// sensor against the ear sensor, `head_rate_rad_s` the ear sensor's own; both in its axes.
   void add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
            const Vec3& head_rate_rad_s);
-  /// The skin's turn about the vertical at heading_rad() in the same frame, rad: for the slow re-centring.
+  /// The skin's turn about the vertical at heading_rad() in the same frame, rad: for the slow re-centring,
+  /// and for finding a lost heading again.
   void add_turn_from_neutral(double dt_s, double turn_rad);
   /// One frame in which the sensor or the ear's was missing.
   void skip(double dt_s);
@@ -107,6 +113,8 @@ class HeadingTracker {
  private:
   void predict(double dt_s);
   void begin(const Quat& q_ear_face);
+  /// True when it has just found a lost heading again.
+  bool find_again(double dt_s, double turn_rad);
   void measure(double error_rad, double sigma_rad);
 
   HeadingSettings settings_;
@@ -115,6 +123,8 @@ class HeadingTracker {
   Eigen::Matrix2d cov_ = Eigen::Matrix2d::Zero();
   Vec3 smooth_rate_ = Vec3::Zero();
   double still_s_ = 0;
+  double away_s_ = 0;          // How long the skin has been far to one side, ...
+  double away_least_rad_ = 0;  // ... and its smallest turn meanwhile.
   // The running stretch.
   double stretch_s_ = 0;
   double n_ = 0;

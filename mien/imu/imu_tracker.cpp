@@ -51,6 +51,10 @@ void ImuTracker::add(HostTime arrival, const sensor::Sample& sample) {
   pipeline_.add(arrival, sample);
 }
 
+void ImuTracker::forget(std::uint16_t sensor) {
+  pipeline_.forget(sensor);
+}
+
 void ImuTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
   pipeline_.pulse(sensor, index, edge);
 }

@@ -19,6 +19,7 @@ class ImuTracker final : public tracker::Tracker {
 
   [[nodiscard]] std::string_view modality() const override { return "imu"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
+  void forget(std::uint16_t sensor) override;
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
   std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;

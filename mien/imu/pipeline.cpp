@@ -405,6 +405,20 @@ void Pipeline::add(HostTime arrival, const Sample& sample) {
   }
 }
 
+void Pipeline::forget(std::uint16_t sensor) {
+  State& s = *state_;
+  if (sensor >= s.channels.size()) return;
+  s.lines.forget(sensor);
+  s.channels[sensor] = Channel(s.settings.fusion);
+  if (sensor == s.head) {
+    s.calibration.complete = false;
+    s.watch.forget();
+    s.watched = false;
+  }
+  for (std::size_t i = 0; i < s.face.size(); ++i)
+    if (s.face[i] == sensor) s.calibration.sensors[i].valid = false;
+}
+
 void Pipeline::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
   state_->lines.pulse(sensor, index, edge);
 }
@@ -474,6 +488,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
       s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(world_to_ear * Vec3::UnitY()));
       relative = world_to_ear * s.turn_of(i) * sensor->orientation;
     }
+    if (!s.settings.magnetometer && s.trackers[i].sigma_rad() > s.settings.unsure_rad) continue;
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
 
     // Without the arm, what is left of the head's own acceleration would be taken for the skin's.

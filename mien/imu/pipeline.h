@@ -42,6 +42,9 @@ struct PipelineSettings {
   bool magnetometer = false;
   /// Follow the headings' drift after the prologue. Off: they stay as the prologue found them.
   bool track_heading = true;
+  /// A sensor whose heading is less sure than this is missing, rad (17 deg): a wrong rotation costs a face
+  /// more than none. Above what a self-calibration accepts.
+  double unsure_rad = 0.3;
   /// While there is no calibration, watch for a still face, a nod and a shake, and calibrate by them.
   bool calibrates_itself = false;
   /// A sensor whose newest sample is older than this at a frame is missing. Raising hides drop-outs behind
@@ -82,6 +85,10 @@ class Pipeline {
   /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
   /// ignored.
   void add(HostTime arrival, const sensor::Sample& sample);
+  /// The sensor's next samples are another board's: another bias, clock and heading, and fixed in another way.
+  /// Without a neutral of its own a face sensor is missing until the next calibration; without the ear's
+  /// there is none.
+  void forget(std::uint16_t sensor);
   /// As sensor::TimeLines::pulse.
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
 

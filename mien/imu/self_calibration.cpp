@@ -78,6 +78,13 @@ void SelfCalibration::restart() {
   next_s_ = -1;
 }
 
+void SelfCalibration::forget() {
+  restart();
+  hint_ = {};
+  spans_ = {};
+  last_.reset();
+}
+
 void SelfCalibration::measure(const Prologue::Frame& frame, double dt_s) {
   const double share = dt_s / (kSmoothing_s + dt_s);
   head_rate_ += share * (frame.ear_rate_rad_s.norm() - head_rate_);

@@ -29,6 +29,9 @@ class SelfCalibration {
   Outcome add(DeviceTime time, const Prologue::Frame& frame);
   [[nodiscard]] const Calibration& solution() const { return solution_; }
 
+  /// Begins anew, as if nothing had been seen: the ear sensor is another one.
+  void forget();
+
   /// What is waited for, or runs: "neutral", "nod", "shake".
   [[nodiscard]] std::string_view step() const;
   [[nodiscard]] std::string_view hint() const { return hint_; }

@@ -101,6 +101,7 @@ Session::Device* Session::meet(const DeviceKey& key, sensor::Peer peer, std::siz
 }
 
 void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
+  if (std::ranges::find(bound_, std::pair(key, sensor)) != bound_.end()) return;
   std::erase_if(bound_, [&](const auto& b) { return b.first == key || b.second == sensor; });
   bound_.emplace_back(key, sensor);
   for (Device& known : devices_) {
@@ -110,6 +111,8 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
     known.sensor = sensor;
   }
   links_[sensor] = Link();
+  ticks_.forget(sensor);
+  tracker_->forget(sensor);
   add_event(
       "bind", newest_frame_, newest_frame_,
       nlohmann::json({{"sensor", rig_.sensors[sensor].name}, {"device", sensor::format_device(key)}}).dump());

@@ -219,6 +219,10 @@ void TimeLines::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge
   }
 }
 
+void TimeLines::forget(std::uint16_t sensor) {
+  if (sensor < clocks_.size() && reference_ != sensor) clocks_[sensor] = Clock();
+}
+
 void TimeLines::pair(Clock& clock, const Pulse& own, const Pulse& reference) {
   // The reference's clock in the place of the host's: a pulse "arrives" exactly when it stands there.
   if (clock.wire.add(own.edge, HostTime(reference.edge.time_since_epoch()))) clock.pairs = 0;

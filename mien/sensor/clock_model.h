@@ -98,6 +98,10 @@ class TimeLines {
   /// delays play no part in it.
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
 
+  /// The sensor's next samples are another board's, with another clock. The reference's is not forgotten: it
+  /// is joined on where it left off, as after a restart.
+  void forget(std::uint16_t sensor);
+
   /// True once the line is decided; the conversions below need it.
   [[nodiscard]] bool ready() const { return basis_ != Basis::open; }
   [[nodiscard]] bool on_host_time() const { return basis_ == Basis::host; }

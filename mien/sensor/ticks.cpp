@@ -88,6 +88,11 @@ std::optional<HostTime> TickRule::deadline() const {
   return lines_.to_host(carried_by) + kWait;
 }
 
+void TickRule::forget(std::uint16_t sensor) {
+  lines_.forget(sensor);
+  if (sensor < heard_.size()) heard_[sensor] = {};
+}
+
 std::optional<FrameTick> TickRule::due(HostTime now) {
   if (!next_) return std::nullopt;
   const DeviceTime frame{frame_offset(*next_)};

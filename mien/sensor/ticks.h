@@ -40,6 +40,8 @@ class TickRule {
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
     lines_.pulse(sensor, index, edge);
   }
+  /// As TimeLines::forget; frames do not wait for the board that was there.
+  void forget(std::uint16_t sensor);
   /// The next frame that is due, in order; ask until there is none. `now` never runs back.
   [[nodiscard]] std::optional<FrameTick> due(HostTime now);
   /// When the next frame fires if nothing more arrives; none before the line is known.

@@ -52,4 +52,12 @@ void bound(face::OutputFrame& frame) {
   close = std::min(close, frame.weights[face::shape("jawOpen")]);
 }
 
+void bound_steps(face::OutputFrame& frame, const face::OutputFrame& before) {
+  const auto most = static_cast<float>(kStepAtMost * kFrameRateHz * to_seconds(frame.time - before.time));
+  const auto near = [most](float w, float was) { return std::clamp(w, was - most, was + most); };
+  for (std::size_t i = 0; i < face::kShapeCount; ++i)
+    frame.weights[i] = near(frame.weights[i], before.weights[i]);
+  frame.tongue_out = near(frame.tongue_out, before.tongue_out);
+}
+
 }  // namespace mien::shaping

@@ -20,4 +20,13 @@ void mend(face::OutputFrame& frame, const face::OutputFrame& last);
 /// mouthClose is a corrective of jawOpen, not "lips closed": alone it turns the lips inside out.
 void bound(face::OutputFrame& frame);
 
+/// The largest change of a weight in a 60th of a second that is shown; a blink, the fastest thing that faces
+/// do, reaches 0.3 in recordings.
+inline constexpr float kStepAtMost = 0.5f;
+
+/// Holds weights and tongue within kStepAtMost a 60th of a second of `before`, the last frame that was shown:
+/// what a network's or a sensor's trouble makes jump arrives a frame or two later instead. Changes no bit of
+/// a frame that steps less.
+void bound_steps(face::OutputFrame& frame, const face::OutputFrame& before);
+
 }  // namespace mien::shaping

@@ -28,13 +28,15 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_there) {
   if (begun_ && frame.time <= last_.time) reset();
   mend(frame, last_);
   last_ = frame;
-  begun_ = true;
   fallback_.apply(frame, sensors_there);
   recentre_.apply(frame);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
+  if (begun_) bound_steps(frame, shown_);
   bound(frame);
   eyes_from_weights(frame);
+  shown_ = frame;
+  begun_ = true;
 }
 
 }  // namespace mien::shaping

@@ -11,9 +11,10 @@
 namespace mien::shaping {
 
 /// What is done to a tracker's frames before they leave, in a fixed order: mend (not finite values),
-/// fallback, re-centring, gains and limits, smoothing, bounds ([0, 1], mouthClose <= jawOpen), eyes. Whatever
-/// comes in, what goes out is finite and within bounds. With default settings a frame that is well, followed
-/// without a change, keeps the bits of its weights (but for mouthClose above jawOpen) and of its head.
+/// fallback, re-centring, gains and limits, smoothing, bounds ([0, 1], no step above kStepAtMost, mouthClose
+/// <= jawOpen), eyes. Whatever comes in, what goes out is finite and within bounds. With default settings a
+/// frame that is well, followed without a change, keeps the bits of its weights (but for mouthClose above
+/// jawOpen) and of its head.
 ///
 /// A pure function of the calls; on frame time, which rises: a frame that is not later than the last begins
 /// anew (a replay that was wound back), with settings and centre kept. No allocation. Thread: one at a time.
@@ -49,7 +50,8 @@ class Shaper {
   ShaperSettings settings_;
   bool limited_ = false;  // Some gain or limit is not the default.
   bool begun_ = false;
-  face::OutputFrame last_;  // As it came in, mended.
+  face::OutputFrame last_;   // As it came in, mended.
+  face::OutputFrame shown_;  // As it left.
   Fallback fallback_;
   Recentre recentre_;
   Smoothing smoothing_;

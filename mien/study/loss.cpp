@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "mien/face/builtin.h"
+#include "mien/shaping/shaper.h"
 #include "mien/study/evaluation.h"
 #include "mien/study/performers.h"
 #include "mien/study/trace_features.h"
@@ -169,23 +170,33 @@ Result<Performance> perform_one(const LossRequest& request, const sensor::Rig& r
   return out;
 }
 
-/// Steps the tracker through the features, and looks at what every frame says of itself.
-std::vector<face::BlendshapeWeights> answer(const std::vector<model::FeatureFrame>& features,
-                                            tracker::CausalTracker& tracker, Outcome& outcome) {
+/// What the tracker answers, and what a session shows of it.
+struct Answer {
   std::vector<face::BlendshapeWeights> weights;
-  weights.reserve(features.size());
+  std::vector<face::BlendshapeWeights> shown;
+};
+
+/// Steps the tracker through the features, and looks at what every frame says of itself.
+Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalTracker& tracker,
+              Outcome& outcome) {
+  Answer out;
+  out.weights.reserve(features.size());
+  out.shown.reserve(features.size());
   face::OutputFrame frame;
+  shaping::Shaper shaper;
   tracker.reset();
   for (const model::FeatureFrame& feature : features) {
     tracker.step(feature, frame);
-    weights.push_back(frame.weights);
+    out.weights.push_back(frame.weights);
     const auto sound = [](float w) { return w >= 0 && w <= 1; };  // What is not finite is neither.
     if (!std::ranges::all_of(frame.weights.values, sound)) ++outcome.unsound;
     const auto felt = std::ranges::count_if(feature.sensors, &model::SensorFeature::has_rotation);
     const bool measured = frame.provenance.front() == face::Provenance::measured;
     if (measured ? felt == 0 : felt == std::ssize(feature.sensors)) ++outcome.mistold;
+    shaper.apply(frame, static_cast<std::size_t>(felt));
+    out.shown.push_back(frame.weights);
   }
-  return weights;
+  return out;
 }
 
 /// How many rotations there are in a frame, and how right they are.
@@ -226,19 +237,22 @@ Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig,
   const std::vector<model::FeatureFrame> features =
       trace_features(rig, heard.events, heard.samples, heard.ticks);
   Outcome out;
-  const std::vector<face::BlendshapeWeights> estimate = answer(features, tracker, out);
+  const Answer answered = answer(features, tracker, out);
   std::vector<face::BlendshapeWeights> truth;
   truth.reserve(heard.truth.size());
   for (const take::TruthFrame& frame : heard.truth) truth.push_back(frame.weights);
 
-  std::vector<Stretch> stretches;
+  std::vector<Stretch> stretches, shown;
   for (const auto& [begin, end] : evaluated_runs(heard.truth)) {
-    stretches.push_back(
-        {std::span(truth).subspan(begin, end - begin), std::span(estimate).subspan(begin, end - begin)});
+    const auto run = [&](const std::vector<face::BlendshapeWeights>& track) {
+      return std::span(track).subspan(begin, end - begin);
+    };
+    stretches.push_back({run(truth), run(answered.weights)});
+    shown.push_back({run(truth), run(answered.shown)});
     for (std::size_t f = begin; f < end; ++f) look_at_rotations(features[f], truth[f], rig, performance, out);
   }
   out.metrics = meter.measure(stretches);
-  out.largest_step = largest_step(stretches, &Stretch::estimate);
+  out.largest_step = largest_step(shown, &Stretch::estimate);
   out.truth_step = largest_step(stretches, &Stretch::truth);
   if (condition.fault == Fault::none) {
     face::BlendshapeWeights mean;

@@ -79,7 +79,8 @@ struct LossRow {
   /// How far the rotations that were given lie from the truth, in the head frame, degrees, RMS: what the
   /// condition does to the sensing, whatever the model makes of it.
   double rotation_rms_deg = 0;
-  /// Largest change of any weight from one frame to the next, of the answer and of the truth.
+  /// Largest change of any weight from one frame to the next, of what a session shows of the answer
+  /// (shaping::Shaper, without settings of a user) and of the truth.
   double largest_step = 0;
   double truth_step = 0;
   std::size_t unsound = 0;  ///< Frames with a weight that is not finite or outside [0, 1]; of all frames.

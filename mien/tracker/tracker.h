@@ -53,6 +53,8 @@ class Tracker {
 
   /// A decoded sample as it arrives; `sample.sensor` is bound. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
+  /// The sensor's next samples are another device's: nothing that was learned of the one before holds.
+  virtual void forget(std::uint16_t sensor) = 0;
   /// A shared pulse's edge on a sensor's own clock (sensor::TimeLines::pulse).
   virtual void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) = 0;
 

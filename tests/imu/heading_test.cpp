@@ -84,6 +84,25 @@ TEST(HeadingTracker, FollowsADriftWhileTheHeadNods) {
   EXPECT_LT(tracker.sigma_rad(), 1 * kDeg);
 }
 
+TEST(HeadingTracker, FindsALostHeadingAgainByTheSkinThatStaysAway) {
+  const HeadingSettings settings;
+  // Heading 60 degrees off; expressions of up to 40 degrees on top, to neutral every other second.
+  const auto off_after = [](double seconds, double sigma_rad) {
+    HeadingTracker tracker;
+    tracker.start(60 * kDeg, sigma_rad);
+    for (int i = 0; i < static_cast<int>(60 * seconds); ++i) {
+      const double skin = 40 * kDeg * std::max(0.0, std::sin(std::numbers::pi * i / 60.0));
+      tracker.skip(1 / 60.0);
+      tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + skin);
+    }
+    return tracker.heading_rad();
+  };
+  EXPECT_GT(off_after(settings.lost_after_s - 0.5, 10 * kDeg), 50 * kDeg);  // It may be an expression.
+  EXPECT_NEAR(off_after(settings.lost_after_s + 0.5, 10 * kDeg), 0, 8 * kDeg);
+  EXPECT_NEAR(off_after(30, 10 * kDeg), 0, 8 * kDeg);
+  EXPECT_GT(off_after(30, 3 * kDeg), 50 * kDeg);  // Sure of itself: the face holds an expression.
+}
+
 TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
   HeadingTracker turning;
   HeadingTracker moving;

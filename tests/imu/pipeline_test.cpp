@@ -219,6 +219,30 @@ TEST(Pipeline, LostSensorsAreMissingAndTheOthersAreNot) {
   EXPECT_GT(pipeline.status(3).lost, 200u);
 }
 
+TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
+  Script script;
+  script.end = 24;
+  Recording recording = record(script, Faults{}, 3, 26, still_skin);
+  // Sensor 1 is away for three seconds, long enough to have turned anywhere.
+  std::erase_if(recording.entries, [](const Entry& entry) {
+    const double t = to_seconds(entry.arrival.time_since_epoch());
+    return entry.samples[0].sensor == 1 && t > 14 && t < 17;
+  });
+  Pipeline pipeline(recording.rig);
+  const PipelineSettings settings;
+  std::size_t unsure = 0, sure = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline& p) {
+    if (t < 17.05) return;
+    const SensorStatus status = p.status(1);
+    EXPECT_TRUE(status.present);
+    EXPECT_EQ(frame.sensors[1].has_rotation, status.heading_sigma_rad <= settings.unsure_rad) << t;
+    EXPECT_TRUE(frame.sensors[0].has_rotation);
+    ++(frame.sensors[1].has_rotation ? sure : unsure);
+  });
+  EXPECT_GT(unsure, 0u);
+  EXPECT_GT(sure, 300u);
+}
+
 TEST(Pipeline, NodesThatFuseEnterAfterTheFusion) {
   // Perfect fusions, each with a heading of its own, forty degrees apart.
   Script script;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
 #include <iostream>
 #include <tuple>
 
@@ -210,6 +211,28 @@ TEST(Session, BindsByRigByPlaceByAnnouncementAndByOrder) {
   parts.rig = rig;
   parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<test::TwoShapes>());
   EXPECT_FALSE(Session::create(std::move(parts)));
+}
+
+TEST(Session, AnotherBoardBeginsAnewAndTheSameOneDoesNot) {
+  const virt::VirtualSession performed = performance(4);
+  const double bind_s = kPrologue_s + 2;
+  const auto bound = [&](const char* sensor, const char* device) {
+    return test::run(
+        *test::session(), performed.entries,
+        {{bind_s, fmt::format(R"({{"command": "bind", "sensor": "{}", "device": "{}"}})", sensor, device)}});
+  };
+  const Played plain = test::run(*test::session(), performed.entries);
+  const Played same = bound("mentalis", "02:4D:49:45:4E:00");
+  EXPECT_EQ(same.hash, plain.hash);
+
+  // A cheek's board goes to the other cheek: it has no neutral there, and the one that was there is gone.
+  const Played other = bound("buccinator_L", "02:4D:49:45:4E:00");
+  EXPECT_NE(other.hash, plain.hash);
+  EXPECT_EQ(other.report.calibration.state, "done");
+
+  // The head's: there is no calibration until the next nod.
+  const Played head = bound("mastoid_L", "02:4D:49:45:4E:00");
+  EXPECT_EQ(head.report.calibration.state, "watching");
 }
 
 TEST(Session, GarbageIsCountedAndChangesNothing) {

@@ -117,6 +117,22 @@ TEST(TimeLines, BringTwoDevicesTogether) {
   EXPECT_FALSE(lines.on_host_time());
 }
 
+TEST(TimeLines, AnotherBoardInItsPlaceHasAClockOfItsOwn) {
+  TimeLines lines(2, std::uint16_t{1});
+  const auto hear = [&](double t, double offset_s) {
+    lines.add(HostTime(from_seconds(t)), sample_of(0, DeviceTime(from_seconds(t + offset_s))));
+    lines.add(HostTime(from_seconds(t)), sample_of(1, DeviceTime(from_seconds(t))));
+  };
+  for (int i = 0; i < 600; ++i) hear(i / 60.0, 3);
+  lines.forget(0);
+  EXPECT_FALSE(lines.heard(0));
+  lines.forget(1);  // The reference carries the line.
+  EXPECT_TRUE(lines.heard(1));
+  // So near to the one before that it would pass for it.
+  hear(10, 3.05);
+  EXPECT_NEAR(to_seconds(lines.to_line(0, DeviceTime(from_seconds(13.05))).time_since_epoch()), 10, 1e-3);
+}
+
 // The radio lies by tens of milliseconds, and more for one than for the other; the wire does not.
 TEST(TimeLines, PulsesOnAWireLeaveTheRadioOut) {
   Random random(14);

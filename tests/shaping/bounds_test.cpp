@@ -97,5 +97,22 @@ TEST(NeutralFrame, SaysThatItIsNeutral) {
   EXPECT_EQ(frame.weights, face::BlendshapeWeights{});
 }
 
+TEST(BoundSteps, ALargeStepTakesTwoFramesAndASmallOneKeepsItsBits) {
+  face::OutputFrame before = neutral_frame(DeviceTime{});
+  before.weights[3] = 0.1f;
+  face::OutputFrame frame = neutral_frame(DeviceTime(frame_offset(1)));
+  frame.weights[3] = 0.95f;
+  frame.weights[4] = 0.4321f;
+  frame.tongue_out = 1;
+  face::OutputFrame late = frame;
+  bound_steps(frame, before);
+  EXPECT_NEAR(frame.weights[3], 0.6, 1e-4);
+  EXPECT_EQ(frame.weights[4], 0.4321f);
+  EXPECT_NEAR(frame.tongue_out, 0.5, 1e-4);
+  late.time = DeviceTime(frame_offset(2));
+  bound_steps(late, before);
+  EXPECT_EQ(late.weights[3], 0.95f);
+}
+
 }  // namespace
 }  // namespace mien::shaping

@@ -80,6 +80,11 @@ export class Actions {
     await this.send({ command: "tap", sensor: waiting ? "" : sensor });
   }
 
+  async bind(sensor: string, device: string): Promise<void> {
+    const reply = await this.send({ command: "bind", sensor, device });
+    if (reply.ok) this.view.say("Bound. Calibrate once all sensors are in their places: this one has no neutral yet.", "good");
+  }
+
   async stopTap(): Promise<void> {
     await this.send({ command: "tap", sensor: "" });
   }

@@ -137,7 +137,7 @@ class Detail {
     });
     this.device.addEventListener("change", () => {
       const sensor = view.sensor.value;
-      if (sensor && this.device.value) void this.actions.send({ command: "bind", sensor, device: this.device.value });
+      if (sensor && this.device.value) void this.actions.bind(sensor, this.device.value);
     });
     this.element.append(
       h("div", { class: "detail-head" }, this.title, h("button", { type: "button", class: "text-button", text: "Close", onclick: () => view.sensor.set(null) })),
@@ -202,7 +202,7 @@ class UnboundRow {
       class: "button small",
       text: "Bind",
       onclick: () => {
-        if (this.sensor.value) void actions.send({ command: "bind", sensor: this.sensor.value, device: one.device });
+        if (this.sensor.value) void actions.bind(this.sensor.value, one.device);
       },
     });
     const names = (session.status.value?.links ?? []).map((link) => link.sensor);
