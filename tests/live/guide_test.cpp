@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "mien/face/anchors.h"
-#include "mien/sensor/ticks.h"
 
 namespace mien::live {
 namespace {

@@ -29,7 +29,7 @@ bool run_until(boost::asio::io_context& network, Done done) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (!done()) {
     if (std::chrono::steady_clock::now() > end) return false;
-    network.run_for(std::chrono::milliseconds(2));
+    network.run_one_for(std::chrono::milliseconds(2));
   }
   return true;
 }
