@@ -16,6 +16,7 @@
 #include "app/json_output.h"
 #include "app/live_session.h"
 #include "app/perform_network.h"
+#include "app/running_session.h"
 #include "mien/core/files.h"
 #include "mien/live/latency.h"
 #include "mien/model/kernels.h"
@@ -37,35 +38,49 @@ udp::socket loopback(asio::io_context& io) {
   return udp::socket(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
 }
 
+/// Wakes who receives there: one byte is the end.
+void end_receiving(const udp::endpoint& there) {
+  try {
+    asio::io_context io;
+    const std::byte end{};
+    loopback(io).send_to(asio::buffer(&end, 1), there);
+  } catch (const boost::system::system_error&) {  // Then it hears nothing more anyway.
+  }
+}
+
 /// What the network and the scheduler take by themselves: a datagram through loopback to a thread that does
 /// nothing but send it on, sixty times a second, as the session's are.
 class Relay {
  public:
-  Relay() : in_(loopback(io_)), out_(loopback(io_)) {
-    relay_ = std::thread([this] {
-      std::array<std::byte, 512> bytes{};
-      for (;;) {
-        const std::size_t size = in_.receive(asio::buffer(bytes));
-        if (size <= 1) return;
-        in_.send_to(asio::buffer(bytes.data(), size), out_.local_endpoint());
-      }
-    });
-    sender_ = std::thread([this] { send(); });
+  Relay()
+      : in_(loopback(io_)),
+        out_(loopback(io_)),
+        in_end_(in_.local_endpoint()),
+        out_end_(out_.local_endpoint()) {
+    relay_ = std::jthread([this] { relay(); });
+    sender_ = std::jthread([this] { send(); });
   }
   ~Relay() { stop(); }
 
   live::Latencies stop() {
     stopping_ = true;
+    end_receiving(out_end_);  // Nothing may be on its way back, when a socket has failed.
     if (sender_.joinable()) sender_.join();
-    if (relay_.joinable()) {
-      const std::byte end{};
-      loopback(io_).send_to(asio::buffer(&end, 1), in_.local_endpoint());
-      relay_.join();
-    }
+    end_receiving(in_end_);
+    if (relay_.joinable()) relay_.join();
     return took_;
   }
 
  private:
+  void relay() {
+    std::array<std::byte, 512> bytes{};
+    boost::system::error_code failed;
+    while (!failed) {
+      const std::size_t size = in_.receive(asio::buffer(bytes), 0, failed);
+      if (failed || size <= 1) return;
+      in_.send_to(asio::buffer(bytes.data(), size), out_end_, 0, failed);
+    }
+  }
   void send() {
     // A Live Link frame's size.
     std::array<std::byte, 310> bytes{};
@@ -74,17 +89,20 @@ class Relay {
       next += std::chrono::nanoseconds(16'666'667);
       std::this_thread::sleep_until(next);
       const auto from = Clock::now();
-      out_.send_to(asio::buffer(bytes), in_.local_endpoint());
-      out_.receive(asio::buffer(bytes));
+      boost::system::error_code failed;
+      out_.send_to(asio::buffer(bytes), in_end_, 0, failed);
+      if (!failed && out_.receive(asio::buffer(bytes), 0, failed) <= 1) return;
+      if (failed) return;  // The figures say how many there were.
       took_.add(Clock::now() - from);
     }
   }
 
   asio::io_context io_;
   udp::socket in_, out_;
+  udp::endpoint in_end_, out_end_;
   std::atomic<bool> stopping_ = false;
   live::Latencies took_;
-  std::thread relay_, sender_;
+  std::jthread relay_, sender_;
 };
 
 nlohmann::ordered_json figures(const live::Latencies& took) {
@@ -100,9 +118,10 @@ Result<void> run_live(const Options& options) {
   asio::io_context io;
   udp::socket receiver = loopback(io);
   std::atomic<std::uint64_t> received = 0;
-  std::thread receiving([&] {
+  std::jthread receiving([&] {
     std::array<std::byte, 2048> bytes{};
-    while (receiver.receive(asio::buffer(bytes)) > 1) ++received;
+    boost::system::error_code failed;
+    while (receiver.receive(asio::buffer(bytes), 0, failed) > 1 && !failed) ++received;
   });
 
   LiveRequest request;
@@ -112,9 +131,7 @@ Result<void> run_live(const Options& options) {
   request.page = "off";
   const auto measure = [&]() -> Result<nlohmann::ordered_json> {
     MIEN_TRY_ASSIGN(const LiveSession session, open_live(request));
-    std::atomic<bool> stop = false;
-    Result<live::EngineSummary> summary = fail(ErrorCode::internal, "the session did not run");
-    std::thread running([&] { summary = session.engine->run(stop, {}); });
+    RunningSession running(*session.engine);
     Relay relay;
 
     virt::StageRequest performance;
@@ -129,8 +146,7 @@ Result<void> run_live(const Options& options) {
       performed = perform_to_network(performance, network);
     }
     const live::Latencies network_took = relay.stop();
-    stop = true;
-    running.join();
+    const auto summary = running.finish();
     if (!performed) return std::unexpected(performed.error());
     if (!summary) return std::unexpected(summary.error());
     const live::Latencies& took = summary->latency;
@@ -146,9 +162,14 @@ Result<void> run_live(const Options& options) {
         {"kernels", model::kernel_name()},
         {"hash", summary->hash}};
   };
-  const Result<nlohmann::ordered_json> measured = measure();
-  const std::byte end{};
-  loopback(io).send_to(asio::buffer(&end, 1), receiver.local_endpoint());
+  const Result<nlohmann::ordered_json> measured = [&]() -> Result<nlohmann::ordered_json> {
+    try {
+      return measure();
+    } catch (const std::exception& error) {  // Who receives is to be told, too.
+      return fail(ErrorCode::internal, error.what(), "bench live");
+    }
+  }();
+  end_receiving(receiver.local_endpoint());
   receiving.join();
   if (!measured) return std::unexpected(measured.error());
   clear_progress();

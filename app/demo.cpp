@@ -1,12 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <span>
-#include <thread>
 #include <utility>
 
 #include "app/command.h"
@@ -17,6 +15,7 @@
 #include "app/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
+#include "app/running_session.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
@@ -69,17 +68,14 @@ Result<Captured> capture_live(const Options& options, const virt::PerformRequest
     std::fflush(stderr);
   }
 
-  std::atomic<bool> stop = false;
-  Result<live::EngineSummary> summary = fail(ErrorCode::internal, "the session did not run");
-  std::thread session([&] { summary = engine.run(stop, {}); });
+  RunningSession session(engine);
   NetworkOptions network;
   network.to = engine.listening().front();
   network.loop = true;
   // Once, when nobody watches; else until the page is closed.
   network.enough = [&](std::size_t round) { return round > 1 && engine.watchers() == 0; };
   auto performed = perform_to_network(performance, network);
-  stop = true;
-  session.join();
+  auto summary = session.finish();
   if (!performed) return std::unexpected(performed.error());
   if (!summary) return std::unexpected(summary.error());
   if (performed->stopped) return fail(ErrorCode::cancelled, "stopped", options.out.string());

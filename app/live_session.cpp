@@ -1,24 +1,26 @@
 #include "app/live_session.h"
 
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sodium.h>
 
-#include <algorithm>
 #include <array>
-#include <cctype>
+#include <boost/asio/ip/address.hpp>
 #include <charconv>
 #include <chrono>
 #include <ctime>
 #include <optional>
-#include <utility>
 
 #include "app/command.h"
 #include "app/page_files.h"
 #include "mien/core/files.h"
+#include "mien/core/host_port.h"
 #include "mien/face/load.h"
 #include "mien/live/registry.h"
 #include "mien/render/gltf_export.h"
+#include "mien/sink/ws_admission.h"
 
 namespace mien::app {
 namespace {
@@ -53,24 +55,19 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
                                                         std::span<const std::byte> face_glb) {
   if (request.page == "off") return std::optional<live::PageSettings>();
   live::PageSettings page;
-  const std::size_t colon = request.page.rfind(':');
-  const std::string digits = colon == std::string::npos ? "" : request.page.substr(colon + 1);
-  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), page.port);
-  if (wrong != std::errc{} || end != digits.data() + digits.size())
-    return fail(ErrorCode::bad_usage, "not an address for the page", request.page,
+  const auto address = parse_host_port(request.page);
+  boost::system::error_code no_number;
+  if (address) static_cast<void>(boost::asio::ip::make_address(address->host, no_number));
+  if (!address || (no_number && address->host != "localhost"))
+    return fail(ErrorCode::bad_usage, "not an address for the page", "--page " + request.page,
                 "write it as 127.0.0.1:8740, or off");
-  page.host = request.page.substr(0, colon);
-  if (page.host.starts_with('[') && page.host.ends_with(']'))
-    page.host = page.host.substr(1, page.host.size() - 2);
+  page.host = address->host;
+  page.port = address->port.value_or(page.port);
   page.token = request.token;
-  const bool plain = std::ranges::all_of(page.token, [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == '~';
-  });
-  if (!page.token.empty() && (!plain || page.token.size() < 8 || page.token.size() > 128))
+  if (!page.token.empty() && !sink::is_token(page.token))
     return fail(ErrorCode::bad_usage, "a token has 8 to 128 letters, digits, or - . _ ~", "--token",
                 "leave it out, and one is drawn");
-  const bool loopback = page.host == "localhost" || page.host == "::1" || page.host.starts_with("127.");
-  if (!loopback && page.token.empty()) {
+  if (!is_loopback(page.host) && page.token.empty()) {
     // Whoever opens the page to a network gets a token, whether they thought of one or not.
     std::array<unsigned char, 16> bytes{};
     randombytes_buf(bytes.data(), bytes.size());

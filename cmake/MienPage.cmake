@@ -25,6 +25,11 @@ function(mien_embed_page target)
               "${CMAKE_SOURCE_DIR}/viewer/vite.config.mjs" "${CMAKE_SOURCE_DIR}/viewer/tsconfig.json"
       COMMENT "Building the page" VERBATIM)
     set(built "${folder}/index.html")
+  else()
+    # Another name for each: a build folder that had the page keeps it, and must not take it in.
+    set(folder "${CMAKE_CURRENT_BINARY_DIR}/no_page")
+    set(embedded "${CMAKE_CURRENT_BINARY_DIR}/no_page_files.cpp")
+    set(built "")
   endif()
   add_custom_command(
     OUTPUT "${embedded}"

@@ -87,7 +87,7 @@ struct Engine::State {
         begun(std::chrono::steady_clock::now()),
         network(1),
         intake(network, [this] { return now(); }),
-        recorder([this](sensor::Peer peer) { return intake.peer_name(peer); }),
+        recorder(settings.takes, [this](sensor::Peer peer) { return intake.peer_name(peer); }),
         loop(*session, intake, recorder, [this] { return now(); }),
         player(settings.make_session),
         wake(network),
@@ -478,6 +478,7 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,
   out.datagrams = counts.received;
   out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.overrun;
   s.session->report(s.now(), out.report);
+  out.evicted = counts.evicted;
   out.malformed = out.report.malformed;
   for (const State::Outlet& outlet : s.outlets) out.sinks.push_back(outlet.sink->status());
   out.take = s.take;

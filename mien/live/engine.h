@@ -25,7 +25,8 @@ struct EngineSettings {
   std::vector<std::string> out;     ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.
-  /// Where takes go that the page asks for, and where it finds those to show.
+  /// Where takes go that the page asks for, where it finds those to show, and where the session is kept while
+  /// it runs, in a file without a name.
   std::filesystem::path takes = ".";
   std::optional<PageSettings> page;
   std::optional<double> seconds;     ///< Ends by itself after this time.
@@ -42,6 +43,7 @@ struct EngineSummary {
   Latencies latency;  ///< From the arrival of the entry that fired a frame to its packets sent.
   std::uint64_t datagrams = 0;
   std::uint64_t dropped = 0;  ///< Too fast, too long, too many, or while the tracker was behind.
+  std::uint64_t evicted = 0;  ///< Senders that were forgotten for others; none of them said anything sound.
   std::uint64_t malformed = 0;
   std::vector<sink::Status> sinks;
   std::optional<std::filesystem::path> take;

@@ -6,8 +6,9 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
-#include <charconv>
 #include <cstring>
+
+#include "mien/core/host_port.h"
 
 namespace mien::live {
 namespace {
@@ -39,7 +40,8 @@ struct Intake::Port {
 };
 
 bool Intake::Budget::spend(HostTime now, double rate) {
-  tokens = std::min(rate, tokens + rate * to_seconds(now - refilled));
+  // The clock begins anew when the session does, after its ports were opened.
+  tokens = std::min(rate, tokens + rate * to_seconds(std::max(now - refilled, Duration{})));
   refilled = now;
   if (tokens < 1) return false;
   --tokens;
@@ -58,16 +60,11 @@ Result<std::string> Intake::listen(std::string_view address) {
   };
   std::string_view rest = address;
   if (rest.starts_with("udp://")) rest.remove_prefix(6);
-  const std::size_t colon = rest.rfind(':');
-  if (rest.find("://") != std::string_view::npos || colon == std::string_view::npos)
-    return bad("not an address to listen on");
-  std::uint16_t number = 0;
-  const std::string_view digits = rest.substr(colon + 1);
-  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (wrong != std::errc{} || end != digits.data() + digits.size())
-    return bad("the port is no number to 65535");
-  std::string host(rest.substr(0, colon));
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  if (rest.find("://") != std::string_view::npos) return bad("not an address to listen on");
+  const auto parsed = parse_host_port(rest);
+  if (!parsed) return bad(parsed.error().what);
+  if (!parsed->port) return bad("not an address to listen on");
+  std::string host(parsed->host);
   if (host.empty() || host == "*") host = "0.0.0.0";
   if (host == "localhost") host = "127.0.0.1";
   boost::system::error_code code;
@@ -75,7 +72,7 @@ Result<std::string> Intake::listen(std::string_view address) {
   if (code) return bad("the host is no IP address of this machine");
 
   auto port = std::make_unique<Port>(network_);
-  const udp::endpoint endpoint(ip, number);
+  const udp::endpoint endpoint(ip, *parsed->port);
   port->socket.open(endpoint.protocol(), code);
   if (!code) port->socket.bind(endpoint, code);
   if (code)
@@ -118,26 +115,28 @@ void Intake::take(Port& port, std::size_t size) {
     return;
   }
   auto known = known_.find(port.from);
-  if (known == known_.end()) {
-    if (known_.size() == kMaxPeers) {
-      ++counts_.too_many;
-      return;
-    }
-    const auto peer = static_cast<sensor::Peer>(known_.size());
-    const std::string host = port.from.address().to_string();
-    peers_[peer] = {
-        port.from,
-        &port,
-        fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port()),
-        {kMaxRatePerPeer, now}};
-    known = known_.emplace(port.from, peer).first;
-  }
-  PeerState& peer = peers_[known->second];
-  peer.port = &port;  // Answers go out where it last came in.
-  if (!peer.budget.spend(now, kMaxRatePerPeer) || !port.budget.spend(now, kMaxRatePerPort)) {
+  const bool slow = known == known_.end() || peers_[known->second].budget.spend(now, kMaxRatePerPeer);
+  if (!slow || !port.budget.spend(now, kMaxRatePerPort)) {
     ++counts_.too_fast;
     return;
   }
+  if (known == known_.end()) {
+    const auto place = place_for_another();
+    if (!place) {
+      ++counts_.too_many;
+      return;
+    }
+    const std::string host = port.from.address().to_string();
+    PeerState& peer = peers_[*place];
+    peer.endpoint = port.from;
+    peer.name =
+        fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port());
+    peer.budget = {kMaxRatePerPeer - 1, now};
+    peer.met = counts_.received;
+    known = known_.emplace(port.from, *place).first;
+  }
+  PeerState& peer = peers_[known->second];
+  peer.port = &port;  // Answers go out where it last came in.
   const std::span<std::byte> room = ring_.claim(sizeof(Head) + size);
   if (room.empty()) {
     ++counts_.overrun;
@@ -146,8 +145,25 @@ void Intake::take(Port& port, std::size_t size) {
   const Head head{Arrived::Kind::datagram, known->second, now, 0, 0};
   std::memcpy(room.data(), &head, sizeof(head));
   if (size > 0) std::memcpy(room.data() + sizeof(head), port.bytes.data(), size);
+  ++peer.handed_over;
   ring_.publish();
   signal_.give();
+}
+
+/// A free place in the table, or that of whom has to go: the oldest of those who never sent anything that was
+/// understood, and of whom nothing is on its way to be.
+std::optional<sensor::Peer> Intake::place_for_another() {
+  if (known_.size() < kMaxPeers) return static_cast<sensor::Peer>(known_.size());
+  const PeerState* oldest = nullptr;
+  for (const PeerState& peer : peers_) {
+    const bool judged = peer.judged.load(std::memory_order_acquire) == peer.handed_over;
+    if (!judged || peer.vouched.load(std::memory_order_relaxed)) continue;
+    if (oldest == nullptr || peer.met < oldest->met) oldest = &peer;
+  }
+  if (oldest == nullptr) return std::nullopt;
+  known_.erase(oldest->endpoint);
+  ++counts_.evicted;
+  return static_cast<sensor::Peer>(oldest - peers_.data());
 }
 
 bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {
@@ -178,7 +194,19 @@ std::optional<Arrived> Intake::front() {
   if (record.empty()) return std::nullopt;
   Head head{};
   std::memcpy(&head, record.data(), sizeof(head));
+  front_ = head.kind == Arrived::Kind::datagram ? std::optional(head.peer) : std::nullopt;
   return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head))};
+}
+
+void Intake::release() {
+  // Released in that order: who sees that it was judged sees how, and that nobody reads its name any more.
+  if (front_) peers_[*front_].judged.fetch_add(1, std::memory_order_release);
+  front_.reset();
+  ring_.release();
+}
+
+void Intake::vouch(sensor::Peer peer) {
+  peers_[peer].vouched.store(true, std::memory_order_relaxed);
 }
 
 }  // namespace mien::live

@@ -33,8 +33,9 @@ struct Arrived {
 };
 
 /// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
-/// hands over. What is too much, too long or from too many is dropped and counted. Network thread, but where
-/// said otherwise.
+/// hands over. What is too much, too long or from too many is dropped and counted. When the table of senders
+/// is full, the oldest that never said anything that was understood gives its place to the next: addresses
+/// that somebody invents keep no device out. Network thread, but where said otherwise.
 class Intake {
  public:
   /// No device of ours sends more than 300 a second.
@@ -59,17 +60,20 @@ class Intake {
   // Tracker's thread.
   /// The oldest, valid until release(); none when all is taken.
   [[nodiscard]] std::optional<Arrived> front();
-  void release() { ring_.release(); }
+  void release();
+  /// A peer said something that was understood: it is not forgotten. Before release(), of the oldest's.
+  void vouch(sensor::Peer peer);
   [[nodiscard]] Signal& signal() { return signal_; }
 
-  /// Source text of a peer that was handed over: "udp://192.168.1.7:5005". Any thread.
+  /// Source text of a peer: "udp://192.168.1.7:5005". Any thread, of one that was vouched for.
   [[nodiscard]] const std::string& peer_name(sensor::Peer peer) const { return peers_[peer].name; }
 
   struct Counts {
     std::uint64_t received = 0;
     std::uint64_t too_fast = 0;  ///< Beyond a peer's or a port's rate.
     std::uint64_t too_long = 0;
-    std::uint64_t too_many = 0;  ///< Of a peer beyond kMaxPeers.
+    std::uint64_t too_many = 0;  ///< Of a peer beyond kMaxPeers, when none can be forgotten.
+    std::uint64_t evicted = 0;   ///< Peers, not datagrams: forgotten for others.
     std::uint64_t overrun = 0;   ///< The tracker was too far behind.
   };
   [[nodiscard]] const Counts& counts() const { return counts_; }
@@ -86,7 +90,12 @@ class Intake {
     Port* port = nullptr;
     std::string name;
     Budget budget;
+    std::uint64_t met = 0;                  // Lower: earlier.
+    std::uint64_t handed_over = 0;          // Datagrams, ...
+    std::atomic<std::uint64_t> judged = 0;  // ... and how many of them the tracker's thread is done with.
+    std::atomic<bool> vouched = false;
   };
+  std::optional<sensor::Peer> place_for_another();
   void receive(Port& port);
   void take(Port& port, std::size_t size);
 
@@ -95,7 +104,10 @@ class Intake {
   ByteRing ring_;
   Signal signal_;
   std::vector<std::unique_ptr<Port>> ports_;
-  std::array<PeerState, kMaxPeers> peers_;  // Names are written once, before a peer's first datagram is seen.
+  // Names are written before a peer's first datagram is handed over, and again only for another peer when all
+  // of the first's were judged and none was understood: what is in a log has its name for ever.
+  std::array<PeerState, kMaxPeers> peers_;
+  std::optional<sensor::Peer> front_;  // Tracker's thread: who sent what front() gave.
   /// By where they send from, whatever port they send to: as a replay tells them apart.
   std::map<boost::asio::ip::udp::endpoint, sensor::Peer> known_;
   Counts counts_;

@@ -26,6 +26,7 @@ Duration Latencies::percentile(double share) const {
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += bins_[bin];
     if (seen >= std::max<std::uint64_t>(wanted, 1)) {
+      if (bin == kBins - 1) return largest_;  // It has no upper end: from a third of a second on.
       const double ns = kLeast_ns * std::exp(kLogStep * (static_cast<double>(bin) + 1));
       return std::min(largest_, Duration(static_cast<std::int64_t>(ns)));
     }

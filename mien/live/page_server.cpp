@@ -3,7 +3,6 @@
 #include "mien/live/page_server.h"
 
 #include <fmt/format.h>
-#include <sodium.h>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
@@ -13,6 +12,10 @@
 #include <deque>
 #include <map>
 #include <optional>
+
+#include "mien/core/host_port.h"
+#include "mien/core/secret.h"
+#include "mien/sink/ws_admission.h"
 
 namespace mien::live {
 namespace {
@@ -32,35 +35,6 @@ constexpr auto kPatience = std::chrono::seconds(15);
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
-}
-
-/// The path without its query, and what the query gives for `token`.
-std::pair<std::string, std::string> split_target(std::string_view target) {
-  const std::size_t question = target.find('?');
-  std::string path(target.substr(0, question));
-  std::string token;
-  if (question == std::string_view::npos) return {path, token};
-  std::string_view query = target.substr(question + 1);
-  while (!query.empty()) {
-    const std::string_view part = query.substr(0, query.find('&'));
-    if (part.starts_with("token=")) token = part.substr(6);
-    query.remove_prefix(std::min(query.size(), part.size() + 1));
-  }
-  return {path, token};
-}
-
-bool same_secret(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && sodium_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-/// "localhost:8740" without its port.
-std::string_view host_of(std::string_view authority) {
-  if (authority.starts_with('[')) return authority.substr(0, authority.find(']') + 1);
-  return authority.substr(0, authority.find(':'));
-}
-
-bool is_loopback_name(std::string_view host) {
-  return host == "127.0.0.1" || host == "localhost" || host == "[::1]";
 }
 
 }  // namespace
@@ -123,7 +97,9 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
  private:
   void answer() {
     const http::request<http::empty_body> request = parser_->get();
-    const auto [path, token] = split_target(view(request.target()));
+    const std::string_view target = view(request.target());
+    const std::string_view path = target.substr(0, target.find('?'));
+    const std::string_view token = sink::token_of(target);
     if (!state_->knows_host(request))
       return refuse(http::status::forbidden,
                     "open it as http://127.0.0.1 with the port that mien live printed");
@@ -135,7 +111,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
     }
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return refuse(http::status::method_not_allowed, "only GET");
-    const std::string_view wanted = path == "/" ? std::string_view("/index.html") : std::string_view(path);
+    const std::string_view wanted = path == "/" ? std::string_view("/index.html") : path;
     for (const Asset& asset : state_->settings.assets)
       if (asset.path == wanted) {
         // The page's own files hold nothing of the session, and a page cannot put a token into their
@@ -249,7 +225,7 @@ bool PageServer::State::knows_token(std::string_view token) const {
 bool PageServer::State::knows_host(const http::request<http::empty_body>& request) const {
   // A page from elsewhere can make a browser call a loopback address by another name; with a token it gains
   // nothing.
-  return !settings.token.empty() || is_loopback_name(host_of(view(request[http::field::host])));
+  return !settings.token.empty() || is_loopback(host_of(view(request[http::field::host])));
 }
 
 bool PageServer::State::allows_origin(const http::request<http::empty_body>& request) const {

@@ -67,7 +67,7 @@ void Player::load(const std::filesystem::path& take) {
   from_s_ = 0;
   since_.reset();
   shown_ = -1;
-  readers_.push_back({job_, std::thread([job = job_, make_session = make_session_] {
+  readers_.push_back({job_, std::jthread([job = job_, make_session = make_session_] {
                         try {
                           if (const auto done = job->read(make_session); !done)
                             job->error = done.error().message();

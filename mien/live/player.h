@@ -57,7 +57,7 @@ class Player {
   std::shared_ptr<Job> job_;
   struct Reader {
     std::shared_ptr<Job> job;
-    std::thread thread;
+    std::jthread thread;
   };
   std::vector<Reader> readers_;  // The newest, and those that have not ended yet.
   bool paused_ = false;

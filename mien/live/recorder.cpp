@@ -1,6 +1,8 @@
 #include "mien/live/recorder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include <array>
@@ -60,6 +62,20 @@ struct CalibrationHead {
   std::uint32_t modality_bytes;
 };
 
+/// A file without a name, which goes when it is closed; null with errno when the folder takes none.
+std::FILE* open_spool(const std::filesystem::path& folder) {
+  int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0) {  // Not every file system has such files: a name for a moment, then.
+    std::string name = (folder / ".mien-session-XXXXXX").string();
+    file = ::mkostemp(name.data(), O_CLOEXEC);
+    if (file < 0) return nullptr;
+    ::unlink(name.c_str());
+  }
+  std::FILE* const spool = ::fdopen(file, "w+b");
+  if (spool == nullptr) ::close(file);
+  return spool;
+}
+
 }  // namespace
 
 /// A take that is being written.
@@ -68,13 +84,15 @@ struct Recorder::Writing {
   std::uint64_t at = 0;    // How much of the temporary file is in it, bytes.
   std::int64_t entry = 0;  // Id of the newest.
   HostTime newest;
-  std::vector<std::string> names;  // Of peers.
+  std::vector<std::string> names;  // Of peers; empty: not asked for yet.
 };
 
-Recorder::Recorder(std::function<std::string(sensor::Peer)> peer_name)
-    : peer_name_(std::move(peer_name)), ring_(kRingBytes), spool_(std::tmpfile()) {
-  if (spool_ == nullptr) spool_error_ = std::generic_category().message(errno);
-  thread_ = std::thread([this] { run(); });
+Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name)
+    : peer_name_(std::move(peer_name)), ring_(kRingBytes), spool_(open_spool(folder.empty() ? "." : folder)) {
+  if (spool_ == nullptr)
+    spool_error_ = fmt::format("the folder of takes, {}, does not take the session ({})", folder.string(),
+                               std::generic_category().message(errno));
+  thread_ = std::jthread([this] { run(); });
 }
 
 Recorder::~Recorder() {
@@ -194,7 +212,7 @@ bool Recorder::drain() {
     if (!kept)
       give_up(spooled_ >= kMaxSpoolBytes
                   ? "the session has run for too long to be recorded from its beginning"
-                  : fmt::format("the temporary folder does not take the session ({})",
+                  : fmt::format("the folder of takes does not take the session ({})",
                                 std::generic_category().message(errno)));
   }
   ring_.release();
@@ -205,7 +223,7 @@ bool Recorder::drain() {
 bool Recorder::feed() {
   if (!writing_ || spool_ == nullptr || writing_->at >= spooled_) return false;
   if (std::fflush(spool_) != 0) {
-    give_up(fmt::format("the temporary folder does not take the session ({})",
+    give_up(fmt::format("the folder of takes does not take the session ({})",
                         std::generic_category().message(errno)));
     return false;
   }
@@ -254,8 +272,9 @@ void Recorder::write(std::span<const std::byte> record) {
   switch (get<Kind>(record)) {
     case Kind::entry: {
       const auto head = get<EntryHead>(record);
-      while (w.names.size() <= head.peer)
-        w.names.push_back(peer_name_(static_cast<sensor::Peer>(w.names.size())));
+      // Only of peers that are in the log: others may be forgotten, and their numbers given to the next.
+      if (w.names.size() <= head.peer) w.names.resize(head.peer + std::size_t{1});
+      if (w.names[head.peer].empty()) w.names[head.peer] = peer_name_(head.peer);
       w.newest = head.arrival;
       w.entry = w.writer.add_entry(head.arrival, w.names[head.peer], record.first(head.bytes));
       record = record.subspan(head.bytes);

@@ -30,8 +30,10 @@ namespace mien::live {
 /// recording was asked for, and replays to what was seen.
 class Recorder {
  public:
-  /// `peer_name` tells a peer's source text; called on the recorder's thread for peers already seen.
-  explicit Recorder(std::function<std::string(sensor::Peer)> peer_name);
+  /// The temporary file has no name and stands in `folder`, that of the takes (empty: the present one): where
+  /// takes have room, it has; where there is no such folder, nothing can be recorded. `peer_name` tells a
+  /// peer's source text; called on the recorder's thread for peers of entries.
+  Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name);
   ~Recorder();  ///< Ends the thread; a take that is recorded stays as far as it came.
 
   // Tracker's thread. What does not fit any more is lost to the recording, which then ends with an error.
@@ -91,7 +93,7 @@ class Recorder {
   std::optional<std::vector<take::Note>> end_notes_;
   State state_;
   std::string spool_error_;  // Why no recording can begin any more.
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace mien::live

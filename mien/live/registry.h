@@ -14,7 +14,7 @@
 // The one place of this room that knows which modalities there are.
 namespace mien::live {
 
-/// What devices and a host share, so that nobody else is heard: read from a file by read_keys().
+/// What devices and a host share, so that nobody else is heard; the program reads it from the file of --key.
 struct PairingKey {
   std::uint8_t id = 0;
   std::array<std::byte, 32> secret{};

@@ -22,7 +22,6 @@ constexpr std::ptrdiff_t kMany = 3;
 
 struct SaidHead {
   Said::Kind kind;
-  bool ok;
   std::uint64_t to;
   std::int64_t number;
 };
@@ -102,20 +101,22 @@ void TrackerLoop::take(const Arrived& arrived) {
     recorder_.command(arrived.arrival, json);
     const auto done = session_.command(arrived.arrival, json);
     const std::string error = done ? std::string() : done.error().message();
-    say({Said::Kind::reply, arrived.client, arrived.number, done.has_value(), bytes_of(error)});
+    say({Said::Kind::reply, arrived.client, arrived.number, bytes_of(error)});
     hand_over_news();
     return;
   }
   const Session::Received received = session_.receive(arrived.arrival, arrived.peer, arrived.bytes);
-  if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored)
+  if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
+    intake_.vouch(arrived.peer);
     recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples);
-  if (!received.reply.empty()) say({Said::Kind::datagram, arrived.peer, 0, true, received.reply});
+  }
+  if (!received.reply.empty()) say({Said::Kind::datagram, arrived.peer, 0, received.reply});
 }
 
 void TrackerLoop::say(const Said& said) {
   const std::span<std::byte> room = said_.claim(sizeof(SaidHead) + said.bytes.size());
   if (room.empty()) return;  // The network's thread stands still: nobody would hear it.
-  const SaidHead head{said.kind, said.ok, said.to, said.number};
+  const SaidHead head{said.kind, said.to, said.number};
   std::memcpy(room.data(), &head, sizeof(head));
   if (!said.bytes.empty()) std::memcpy(room.data() + sizeof(head), said.bytes.data(), said.bytes.size());
   said_.publish();
@@ -127,7 +128,7 @@ std::optional<Said> TrackerLoop::front_said() {
   if (record.empty()) return std::nullopt;
   SaidHead head{};
   std::memcpy(&head, record.data(), sizeof(head));
-  return Said{head.kind, head.to, head.number, head.ok, record.subspan(sizeof(head))};
+  return Said{head.kind, head.to, head.number, record.subspan(sizeof(head))};
 }
 
 void TrackerLoop::hand_over_news() {
@@ -137,7 +138,7 @@ void TrackerLoop::hand_over_news() {
     if (count < kMany) continue;
     const std::string text = fmt::format("{} {} sensors are {}", kind, count,
                                          kind == std::string_view("sensor_lost") ? "lost" : "back");
-    say({Said::Kind::event, 0, 0, true, bytes_of(text)});
+    say({Said::Kind::event, 0, 0, bytes_of(text)});
   }
   for (const take::Event& event : events) {
     recorder_.event(event);
@@ -146,7 +147,7 @@ void TrackerLoop::hand_over_news() {
       continue;
     if (const std::string words = event_text(event); !words.empty()) {
       const std::string text = event.kind + " " + words;
-      say({Said::Kind::event, 0, 0, true, bytes_of(text)});
+      say({Said::Kind::event, 0, 0, bytes_of(text)});
     }
   }
   const auto& versions = session_.versions();
@@ -163,7 +164,7 @@ void TrackerLoop::look_around(HostTime now) {
   outgoing_.clear();
   session_.say(now, outgoing_);
   for (const sensor::Protocol::Outgoing& said : outgoing_)
-    say({Said::Kind::datagram, said.peer, 0, true, said.datagram});
+    say({Said::Kind::datagram, said.peer, 0, said.datagram});
   if (++looks_ % 2 == 0) return;
   session_.report(now, draft_);
   // A reader that holds it gets the next one.

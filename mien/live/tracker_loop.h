@@ -30,7 +30,6 @@ struct Said {
   Kind kind = Kind::datagram;
   std::uint64_t to = 0;     ///< Peer of a datagram, client of a reply.
   std::int64_t number = 0;  ///< Of the command replied to.
-  bool ok = true;
   std::span<const std::byte> bytes;
 };
 

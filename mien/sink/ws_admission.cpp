@@ -2,28 +2,23 @@
 
 #include <algorithm>
 
+#include "mien/core/host_port.h"
+#include "mien/core/secret.h"
+
 namespace mien::sink {
-namespace {
 
-/// "localhost" of "localhost:8740", "::1" of "[::1]:8740".
-std::string_view host_of(std::string_view authority) {
-  if (authority.starts_with('[')) {
-    const std::size_t end = authority.find(']');
-    return end == std::string_view::npos ? std::string_view() : authority.substr(1, end - 1);
-  }
-  return authority.substr(0, authority.find(':'));
+Admission judge_upgrade(std::string_view target, std::optional<std::string_view> origin,
+                        std::string_view host, std::string_view token) {
+  if (!token.empty() && !same_secret(token_of(target), token)) return Admission::no_token;
+  if (!origin) return Admission::admitted;
+  const std::size_t scheme = origin->find("://");
+  if (scheme == std::string_view::npos) return Admission::foreign_origin;
+  const std::string_view from = host_of(origin->substr(scheme + 3));
+  if (from.empty()) return Admission::foreign_origin;
+  if (is_loopback(from)) return Admission::admitted;
+  return !token.empty() && from == host_of(host) ? Admission::admitted : Admission::foreign_origin;
 }
 
-bool is_number_with_dots(std::string_view text) {
-  return !text.empty() &&
-         std::ranges::all_of(text, [](char c) { return c == '.' || (c >= '0' && c <= '9'); });
-}
-
-bool is_loopback(std::string_view host) {
-  return host == "localhost" || host == "::1" || (host.starts_with("127.") && is_number_with_dots(host));
-}
-
-/// The value of `token` in "/path?a=b&token=...".
 std::string_view token_of(std::string_view target) {
   const std::size_t question = target.find('?');
   if (question == std::string_view::npos) return {};
@@ -34,28 +29,6 @@ std::string_view token_of(std::string_view target) {
     query.remove_prefix(std::min(query.size(), one.size() + 1));
   }
   return {};
-}
-
-bool same(std::string_view a, std::string_view b) {
-  if (a.size() != b.size()) return false;
-  unsigned difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
-  return difference == 0;
-}
-
-}  // namespace
-
-Admission judge_upgrade(std::string_view target, std::optional<std::string_view> origin,
-                        std::string_view host, std::string_view token) {
-  if (!token.empty() && !same(token_of(target), token)) return Admission::no_token;
-  if (!origin) return Admission::admitted;
-  const std::size_t scheme = origin->find("://");
-  if (scheme == std::string_view::npos) return Admission::foreign_origin;
-  const std::string_view from = host_of(origin->substr(scheme + 3));
-  if (from.empty()) return Admission::foreign_origin;
-  if (is_loopback(from)) return Admission::admitted;
-  return !token.empty() && from == host_of(host) ? Admission::admitted : Admission::foreign_origin;
 }
 
 bool is_token(std::string_view token) {

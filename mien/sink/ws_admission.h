@@ -20,6 +20,10 @@ enum class Admission {
 [[nodiscard]] Admission judge_upgrade(std::string_view target, std::optional<std::string_view> origin,
                                       std::string_view host, std::string_view token);
 
+/// What a request's target gives for `token`, "abcd" in "/path?a=b&token=abcd"; empty where it gives none.
+/// The first counts. No allocation.
+[[nodiscard]] std::string_view token_of(std::string_view target);
+
 /// A token's letters are such as need no escaping, 8 to 128 of them: A-Z a-z 0-9 - . _ ~
 [[nodiscard]] bool is_token(std::string_view token);
 

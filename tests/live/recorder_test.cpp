@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include "tests/folder.h"
@@ -38,7 +40,7 @@ void record_seconds(Recorder& recorder, int from, int to) {
 
 TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
   const test::Folder folder(test::Folder::On::memory);
-  Recorder recorder([](sensor::Peer) { return std::string("udp://127.0.0.1:1"); });
+  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("udp://127.0.0.1:1"); });
   record_seconds(recorder, 0, 20);
   ASSERT_TRUE(recorder.start(folder / "late.mien", header(), false));
   EXPECT_FALSE(recorder.start(folder / "other.mien", header(), false));
@@ -67,13 +69,59 @@ TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
 
 TEST(Recorder, SaysWhyItCannotBegin) {
   const test::Folder folder(test::Folder::On::memory);
-  Recorder recorder([](sensor::Peer) { return std::string("x"); });
+  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
   EXPECT_FALSE(recorder.start(folder / "no" / "such.mien", header(), false));
   ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
   recorder.end({});
   ASSERT_TRUE(recorder.wait());
   EXPECT_FALSE(recorder.start(folder / "a.mien", header(), false)) << "it exists";
   EXPECT_TRUE(recorder.start(folder / "a.mien", header(), true));
+}
+
+TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {
+  const test::Folder folder(test::Folder::On::memory);
+  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
+  EXPECT_TRUE(folder.files().empty());
+  bool found = false;
+  for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    const std::string there = std::filesystem::read_symlink(file.path(), gone).string();
+    found = found || there.starts_with(folder.path().string() + "/");
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Recorder, WithoutAFolderNothingIsRecordedAndThatIsSaid) {
+  const test::Folder folder(test::Folder::On::memory);
+  Recorder recorder(folder / "none", [](sensor::Peer) { return std::string("x"); });
+  record_seconds(recorder, 0, 1);
+  const auto started = recorder.start(folder / "a.mien", header(), false);
+  ASSERT_FALSE(started);
+  EXPECT_NE(started.error().message().find("does not take the session"), std::string::npos)
+      << started.error().message();
+  EXPECT_FALSE(recorder.state().on);
+}
+
+TEST(Recorder, AsksOnlyForTheNamesOfPeersThatAreInTheLog) {
+  const test::Folder folder(test::Folder::On::memory);
+  std::mutex mutex;
+  std::set<sensor::Peer> asked;
+  Recorder recorder(folder.path(), [&](sensor::Peer peer) {
+    const std::lock_guard lock(mutex);
+    asked.insert(peer);
+    return "peer " + std::to_string(peer);
+  });
+  const std::array<std::byte, 4> bytes{};
+  for (const sensor::Peer peer : {sensor::Peer{200}, sensor::Peer{3}, sensor::Peer{200}})
+    recorder.entry(HostTime(), peer, bytes, {});
+  ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
+  recorder.end({});
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_EQ(asked, (std::set<sensor::Peer>{3, 200}));
+  const auto entries = take::Take::open(folder / "a.mien").value().entries().value();
+  ASSERT_EQ(entries.size(), 3u);
+  EXPECT_EQ(entries[1].source, "peer 3");
+  EXPECT_EQ(entries[2].source, "peer 200");
 }
 
 }  // namespace

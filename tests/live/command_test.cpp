@@ -1,0 +1,88 @@
+#include "mien/live/command.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace mien::live {
+namespace {
+
+TEST(Command, AreWrittenAsTheyAreRead) {
+  for (const char* text :
+       {R"({"command":"calibrate","kind":"short"})", R"({"command":"calibrate","kind":"full"})",
+        R"({"command":"cancel_calibration"})", R"({"command":"use_calibration","version":3})",
+        R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
+        R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
+        R"({"command":"tap","sensor":""})", R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {
+    const auto command = parse_command(text);
+    ASSERT_TRUE(command) << text << ": " << command.error().message();
+    EXPECT_EQ(write_command(*command), text);
+  }
+}
+
+TEST(Command, TakesOnlyWhatItsKindHas) {
+  const auto bind = parse_command(
+      R"({"id": 7, "command": "bind", "sensor": "mentalis", "device": "02:4d:49:45:4e:07", "more": [1]})");
+  ASSERT_TRUE(bind);
+  EXPECT_EQ(std::get<Bind>(*bind).sensor, "mentalis");
+  EXPECT_EQ(std::get<Bind>(*bind).device, (sensor::DeviceKey{0x024D'4945'4E07, 0}));
+  const auto shape = parse_command(R"({"command": "shape", "limits": {}, "id": 3, "command2": 1})");
+  ASSERT_TRUE(shape);
+  EXPECT_EQ(std::get<Shape>(*shape).json, R"({"limits":{}})");
+  EXPECT_TRUE(std::get<Calibrate>(*parse_command(R"({"command": "calibrate", "kind": "full"})")).full);
+}
+
+TEST(Command, RefusesEachMistakeAlone) {
+  const std::pair<const char*, ErrorCode> mistakes[] = {
+      {"", ErrorCode::malformed},
+      {"{", ErrorCode::malformed},
+      {"[]", ErrorCode::malformed},
+      {"null", ErrorCode::malformed},
+      {"{}", ErrorCode::malformed},
+      {R"({"command": 7})", ErrorCode::malformed},
+      {R"({"command": "dance"})", ErrorCode::unsupported},
+      {R"({"command": "record", "on": true})", ErrorCode::unsupported},
+      {R"({"command": "calibrate"})", ErrorCode::malformed},
+      {R"({"command": "calibrate", "kind": "long"})", ErrorCode::malformed},
+      {R"({"command": "use_calibration"})", ErrorCode::malformed},
+      {R"({"command": "use_calibration", "version": 1.5})", ErrorCode::malformed},
+      {R"({"command": "use_calibration", "version": "1"})", ErrorCode::malformed},
+      {R"({"command": "restore_calibration", "calibration": {}})", ErrorCode::malformed},
+      {R"({"command": "bind", "sensor": "mentalis"})", ErrorCode::malformed},
+      {R"({"command": "bind", "device": "02:4D:49:45:4E:07"})", ErrorCode::malformed},
+      {R"({"command": "bind", "sensor": "mentalis", "device": "02:4D:49:45:4E"})", ErrorCode::malformed},
+      {R"({"command": "tap"})", ErrorCode::malformed},
+      {R"({"command": "tap", "sensor": null})", ErrorCode::malformed},
+      {R"({"command": "shape", "gains": [[[[[[[[[[1]]]]]]]]]]})", ErrorCode::malformed},
+  };
+  for (const auto& [text, code] : mistakes) {
+    const auto command = parse_command(text);
+    ASSERT_FALSE(command) << text;
+    EXPECT_EQ(command.error().code, code) << text << ": " << command.error().message();
+  }
+}
+
+TEST(Command, RefusesWhatIsLongOrDeepBeforeItIsRead) {
+  const auto padded = [](std::size_t size) {
+    std::string text = R"({"command":"recentre"})";
+    return text + std::string(size - text.size(), ' ');
+  };
+  EXPECT_TRUE(parse_command(padded(kMaxCommandBytes)));
+  EXPECT_EQ(parse_command(padded(kMaxCommandBytes + 1)).error().code, ErrorCode::out_of_range);
+  EXPECT_EQ(parse_command(std::string(60'000, '[')).error().code, ErrorCode::malformed);
+}
+
+TEST(Command, KnowsWhichAreTheSessions) {
+  for (const char* name : {"calibrate", "cancel_calibration", "use_calibration", "restore_calibration",
+                           "recentre", "bind", "tap", "shape"}) {
+    EXPECT_TRUE(is_session_command(name)) << name;
+    // Whatever is wrong with it, its name is known.
+    const auto command = parse_command(std::string(R"({"command": ")") + name + "\"}");
+    EXPECT_TRUE(command || command.error().code != ErrorCode::unsupported) << name;
+  }
+  for (const char* name : {"", "record", "sink", "replay", "takes", "Tap"})
+    EXPECT_FALSE(is_session_command(name)) << name;
+}
+
+}  // namespace
+}  // namespace mien::live

@@ -1,0 +1,258 @@
+// The whole session on this machine's loopback: virtual nodes send, a sink receives, a page looks on and
+// asks, takes are written. Nothing here measures time: what is waited for comes, or the test fails.
+#include "tests/live/page_client.h"
+
+#include "mien/live/engine.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <map>
+#include <stop_token>
+#include <thread>
+
+#include "mien/live/replay.h"
+#include "tests/folder.h"
+#include "tests/live/live_run.h"
+#include "tests/sink/loopback.h"
+
+namespace mien::live {
+namespace {
+
+using boost::asio::ip::udp;
+using test::PageClient;
+using test::run_until;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Json = nlohmann::json;
+
+/// Sends what a performer's nodes would, each from a socket of its own, when it is due; and what somebody
+/// else sends who knows nothing.
+class Nodes {
+ public:
+  Nodes(const virt::VirtualSession& performed, std::uint16_t port)
+      : thread_([this, &performed, port](const std::stop_token& asked) { send(performed, port, asked); }) {}
+
+  /// Garbage that went out.
+  [[nodiscard]] std::uint64_t garbage() const { return garbage_; }
+  void stop() {
+    thread_.request_stop();
+    thread_.join();
+  }
+
+ private:
+  void send(const virt::VirtualSession& performed, std::uint16_t port, const std::stop_token& asked) {
+    boost::asio::io_context network;
+    const udp::endpoint there(boost::asio::ip::address_v4::loopback(), port);
+    std::map<std::string, udp::socket> sockets;
+    const auto socket = [&](const std::string& source) -> udp::socket& {
+      const auto known = sockets.find(source);
+      return known != sockets.end()
+                 ? known->second
+                 : sockets
+                       .emplace(source, udp::socket(network, udp::endpoint(
+                                                                 boost::asio::ip::address_v4::loopback(), 0)))
+                       .first->second;
+    };
+    const auto begun = std::chrono::steady_clock::now();
+    boost::system::error_code ignored;  // Nobody hears any more, at the end.
+    for (const take::LogEntry& entry : performed.entries) {
+      std::this_thread::sleep_until(begun + entry.arrival.time_since_epoch());
+      if (asked.stop_requested()) return;
+      socket(entry.source).send_to(boost::asio::buffer(entry.bytes), there, 0, ignored);
+      if (entry.id % 16 != 0) continue;
+      socket("stranger").send_to(boost::asio::buffer(std::string("who is there?")), there, 0, ignored);
+      ++garbage_;
+    }
+  }
+
+  std::atomic<std::uint64_t> garbage_ = 0;
+  std::jthread thread_;
+};
+
+/// An engine on a thread of its own.
+class Running {
+ public:
+  explicit Running(EngineSettings settings) : engine_(Engine::open(std::move(settings), test::session())) {
+    if (!engine_) return;
+    thread_ = std::jthread([this] { summary_ = (*engine_)->run(stop_, {}); });
+  }
+  ~Running() { stop_ = true; }
+  [[nodiscard]] const Result<std::unique_ptr<Engine>>& engine() const { return engine_; }
+  [[nodiscard]] Engine& operator*() const { return **engine_; }
+  void ask_to_stop() { stop_ = true; }
+  /// After wait().
+  void close() { engine_ = nullptr; }
+  EngineSummary wait() {
+    thread_.join();
+    EXPECT_TRUE(summary_) << summary_.error().message();
+    return summary_ ? *summary_ : EngineSummary();
+  }
+
+ private:
+  std::atomic<bool> stop_ = false;
+  Result<EngineSummary> summary_ = EngineSummary();
+  Result<std::unique_ptr<Engine>> engine_;
+  std::jthread thread_;
+};
+
+EngineSettings settings(const mien::test::Folder& folder) {
+  EngineSettings settings;
+  settings.listen = {"udp://127.0.0.1:0"};
+  settings.takes = folder.path();
+  settings.header.software = "test";
+  settings.header.rig_toml = virt::test::kRig;
+  settings.model = "two shapes";
+  settings.make_session = [](const sensor::Rig& rig) -> Result<std::unique_ptr<Session>> {
+    return test::session(rig);
+  };
+  return settings;
+}
+
+TEST(Engine, CarriesFramesFromNodesToSinksAndThePageAndObeysIt) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  boost::asio::io_context network;
+  sink::test::Receiver receiver(network), second(network);
+
+  EngineSettings asked = settings(folder);
+  asked.out = {fmt::format("livelink://127.0.0.1:{}", receiver.port())};
+  asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
+  Running running(std::move(asked));
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  ASSERT_EQ((*running).listening().size(), 1u);
+  const virt::VirtualSession performed = test::performance(60);
+  Nodes nodes(performed, test::port_of((*running).listening().front()));
+
+  PageClient page(network, test::port_of((*running).page()));
+  std::size_t packets = 0;
+  EXPECT_TRUE(run_until(network,
+                        [&] {
+                          packets += receiver.take().size();
+                          return packets >= 30 && page.frames() >= 30 && !page.last("status").is_null();
+                        }))
+      << packets << " packets, " << page.frames() << " frames";
+  ASSERT_FALSE(page.messages().empty());
+  EXPECT_EQ(page.messages().front()["type"], "hello");
+  EXPECT_EQ(page.messages().front()["rig"]["sensors"].size(), 3u);
+  EXPECT_EQ(page.last_frame()["weights"].size(), face::kShapeCount);
+
+  // What is not understood is answered, and changes nothing.
+  page.say("[[[[");
+  page.say(R"({"command": 7})");
+  EXPECT_FALSE(page.ask({{"command", "dance"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "record"}, {"on", true}, {"name", "../elsewhere"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "sink"}, {"add", "csv:/elsewhere.csv"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "sink"}, {"add", "vmc://somebody.example"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "bind"}, {"sensor", "nose"}, {"device", "02:4D:49:45:4E:07"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "replay"}, {"paused", true}})["ok"]);
+
+  // A second sink, of another kind, for a while.
+  ASSERT_TRUE(
+      page.ask({{"command", "sink"}, {"add", fmt::format("vmc://127.0.0.1:{}", second.port())}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] { return !second.take().empty(); }));
+  EXPECT_TRUE(page.ask({{"command", "sink"}, {"sink", 2}, {"remove", true}})["ok"]);
+
+  // A take, from the session's beginning on; a second one is refused meanwhile.
+  const auto shown_before = page.last_frame()["index"].get<std::int64_t>();
+  ASSERT_TRUE(page.ask({{"command", "record"}, {"on", true}, {"name", "one"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "record"}, {"on", true}, {"name", "two"}})["ok"]);
+  EXPECT_TRUE(page.ask({{"command", "shape"}, {"smoothing", 0.3}})["ok"]);
+  EXPECT_TRUE(page.ask({{"command", "recentre"}})["ok"]);
+  EXPECT_TRUE(page.ask({{"command", "tap"}, {"sensor", "mentalis"}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] {
+    Json status = page.last("status");  // What is not there is null.
+    return status["recording"]["on"] == true && status["recording"]["seconds"] > 0.5 &&
+           status["tap"]["sensor"] == "mentalis" && status["shaping"]["smoothing"] == 0.3;
+  }));
+  EXPECT_TRUE(page.ask({{"command", "record"}, {"on", false}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] { return page.has_event("recorded"); }));
+  Json takes = page.ask({{"command", "takes"}})["result"]["takes"];
+  ASSERT_EQ(takes.size(), 1u);
+  EXPECT_EQ(takes[0]["name"], "one.mien");
+
+  // It is looked at while the session goes on.
+  ASSERT_TRUE(page.ask({{"command", "replay"}, {"take", "one"}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] {
+    Json replay = page.last("status")["replay"];
+    return replay.is_object() && replay["duration"] > 0.5 && replay["time"] > 0.1;
+  }));
+  EXPECT_TRUE(page.ask({{"command", "replay"}, {"stop", true}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] { return page.last("status")["replay"].is_null(); }));
+
+  // Others come and go as they like.
+  for (int i = 0; i < 3; ++i) {
+    PageClient other(network, test::port_of((*running).page()));
+    EXPECT_TRUE(run_until(network, [&] { return other.frames() > 0; }));
+  }
+  const std::size_t before = page.frames();
+  EXPECT_TRUE(run_until(network, [&] { return page.frames() > before + 10; }));
+
+  nodes.stop();
+  running.ask_to_stop();
+  const EngineSummary summary = running.wait();
+  EXPECT_GE(summary.frames, page.frames());
+  EXPECT_EQ(summary.latency.count() + summary.missed, summary.frames);
+  EXPECT_LE(summary.malformed, nodes.garbage());
+  EXPECT_GT(summary.malformed, 0u);
+  EXPECT_EQ(summary.sinks.size(), 1u);
+  EXPECT_GE(summary.sinks.front().sent, 30u);
+  EXPECT_THAT(summary.recording_error, IsEmpty());
+  running.close();
+  EXPECT_TRUE(run_until(network, [&] { return page.ended(); })) << "the page was not told";
+
+  const auto take = take::Take::open(folder / "one.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  EXPECT_TRUE(take->finished());
+  EXPECT_EQ(take->note("live.model").value(), "two shapes");
+  EXPECT_LE(take->ticks().value().front().index, shown_before - 20) << "not from the beginning";
+}
+
+TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  EngineSettings asked = settings(folder);
+  asked.record = folder / "whole.mien";
+  asked.seconds = 3;
+  Running running(std::move(asked));
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  const virt::VirtualSession performed = test::performance(10);
+  Nodes nodes(performed, test::port_of((*running).listening().front()));
+  const EngineSummary summary = running.wait();
+  nodes.stop();
+  EXPECT_GT(summary.frames, 0u);
+  EXPECT_THAT(summary.recording_error, IsEmpty());
+
+  const auto take = take::Take::open(folder / "whole.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  const auto session = test::session();
+  ASSERT_TRUE(replay(*take, *session, [](const take::Tick&, const face::OutputFrame&) { return true; }));
+  EXPECT_EQ(session->frames(), summary.frames);
+  EXPECT_EQ(session->hash(), summary.hash);
+  EXPECT_EQ(take->note("live.hash").value(), summary.hash);
+}
+
+TEST(Engine, SaysWhyItCannotBegin) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  const auto error_of = [&](auto change) {
+    EngineSettings asked = settings(folder);
+    change(asked);
+    const auto engine = Engine::open(std::move(asked), test::session());
+    return engine ? std::string() : engine.error().message();
+  };
+  const auto first = Engine::open(settings(folder), test::session());
+  ASSERT_TRUE(first);
+  EXPECT_THAT(error_of([&](EngineSettings& s) { s.listen = (*first)->listening(); }), HasSubstr("--listen"));
+  EXPECT_THAT(error_of([](EngineSettings& s) { s.listen = {"udp://nowhere"}; }), HasSubstr("address"));
+  EXPECT_THAT(error_of([](EngineSettings& s) { s.out = {"pigeon://127.0.0.1"}; }), HasSubstr("pigeon"));
+  EXPECT_THAT(error_of([](EngineSettings& s) {
+                s.page = PageSettings{.host = "0.0.0.0", .port = 0, .token = {}, .assets = {}};
+              }),
+              HasSubstr("token"));
+  EXPECT_THAT(error_of([&](EngineSettings& s) { s.record = folder / "no" / "such.mien"; }),
+              HasSubstr("folder"));
+}
+
+}  // namespace
+}  // namespace mien::live

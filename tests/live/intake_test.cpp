@@ -1,0 +1,188 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "mien/live/intake.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/live/page_client.h"
+
+namespace mien::live {
+namespace {
+
+using boost::asio::ip::udp;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// An intake on a port of its own, with a clock that stands still until it is told to go on.
+class IntakeTest : public ::testing::Test {
+ protected:
+  IntakeTest() {
+    const auto listening = intake.listen("udp://127.0.0.1:0");
+    EXPECT_TRUE(listening) << listening.error().message();
+    there = {boost::asio::ip::address_v4::loopback(), test::port_of(*listening)};
+  }
+
+  udp::socket somebody() { return {network, {boost::asio::ip::address_v4::loopback(), 0}}; }
+  /// Sends, and lets it come in: on this machine's own loopback it is there when send returns.
+  void send(udp::socket& from, const std::string& text) {
+    from.send_to(boost::asio::buffer(text), there);
+    const std::uint64_t before = intake.counts().received;
+    EXPECT_TRUE(test::run_until(network, [&] { return intake.counts().received > before; }));
+  }
+  /// Takes all that is there as the tracker's thread does, and vouches for who is sound.
+  std::vector<std::string> take(bool sound) {
+    std::vector<std::string> texts;
+    while (const auto arrived = intake.front()) {
+      texts.emplace_back(reinterpret_cast<const char*>(arrived->bytes.data()), arrived->bytes.size());
+      last = arrived->peer;
+      if (sound) intake.vouch(arrived->peer);
+      intake.release();
+    }
+    return texts;
+  }
+
+  boost::asio::io_context network;
+  HostTime now{};
+  Intake intake{network, [this] { return now; }};
+  udp::endpoint there;
+  sensor::Peer last = 0;
+};
+
+TEST_F(IntakeTest, HandsOverInOrderWithArrivalAndPeer) {
+  udp::socket one = somebody(), two = somebody();
+  now = HostTime(std::chrono::seconds(3));
+  send(one, "a");
+  send(two, "");
+  EXPECT_TRUE(intake.command(7, 9, "{}"));
+  const auto first = intake.front();
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->kind, Arrived::Kind::datagram);
+  EXPECT_EQ(first->arrival, now);
+  EXPECT_EQ(first->bytes.size(), 1u);
+  EXPECT_EQ(intake.peer_name(first->peer), "udp://127.0.0.1:" + std::to_string(one.local_endpoint().port()));
+  const sensor::Peer peer = first->peer;
+  intake.release();
+  const auto second = intake.front();
+  ASSERT_TRUE(second);
+  EXPECT_NE(second->peer, peer);
+  EXPECT_TRUE(second->bytes.empty());
+  intake.release();
+  const auto third = intake.front();
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->kind, Arrived::Kind::command);
+  EXPECT_EQ(third->client, 7u);
+  EXPECT_EQ(third->number, 9);
+  intake.release();
+  EXPECT_FALSE(intake.front());
+
+  // And back.
+  const std::array<std::byte, 3> answer{};
+  intake.send(peer, answer);
+  std::array<std::byte, 16> heard{};
+  EXPECT_EQ(one.receive(boost::asio::buffer(heard)), 3u);
+  intake.send(250, answer);  // Nobody.
+}
+
+TEST_F(IntakeTest, HoldsASenderToItsRateAndNobodyElse) {
+  udp::socket fast = somebody(), calm = somebody();
+  const auto most = static_cast<std::size_t>(Intake::kMaxRatePerPeer);
+  for (std::size_t i = 0; i < most + 50; ++i) send(fast, "x");
+  send(calm, "y");
+  EXPECT_EQ(intake.counts().too_fast, 50u);
+  EXPECT_EQ(take(true).size(), most + 1);
+  now += std::chrono::milliseconds(100);
+  for (int i = 0; i < 150; ++i) send(fast, "x");
+  EXPECT_EQ(intake.counts().too_fast, 100u) << "a tenth of a second is worth a hundred";
+}
+
+TEST_F(IntakeTest, AClockThatBeginsAnewCostsNothing) {
+  udp::socket one = somebody();
+  now = HostTime(std::chrono::seconds(60));
+  send(one, "a");
+  now = HostTime();
+  send(one, "b");
+  EXPECT_EQ(intake.counts().too_fast, 0u);
+}
+
+TEST_F(IntakeTest, DropsAndCountsWhatIsTooLongOrTooMuch) {
+  udp::socket one = somebody();
+  send(one, std::string(Intake::kMaxDatagram + 1, 'x'));
+  EXPECT_EQ(intake.counts().too_long, 1u);
+  EXPECT_FALSE(intake.front());
+  send(one, std::string(Intake::kMaxDatagram, 'x'));
+  EXPECT_EQ(take(true).size(), 1u);
+  // Nobody takes: two megabytes wait, and the rest is dropped.
+  for (int second = 0; second < 3; ++second, now += std::chrono::seconds(1))
+    for (int i = 0; i < 900; ++i) send(one, std::string(Intake::kMaxDatagram, 'x'));
+  EXPECT_GT(intake.counts().overrun, 0u);
+  EXPECT_EQ(take(true).size() + intake.counts().overrun, 2700u);
+}
+
+TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
+  udp::socket device = somebody();
+  send(device, "sound");
+  take(true);
+  const sensor::Peer peer = last;
+  const std::string name = intake.peer_name(peer);
+  // Nobody knows yet what these are: none has to go, and whoever comes then is too many.
+  std::vector<udp::socket> strangers;
+  for (std::size_t i = 1; i < Intake::kMaxPeers; ++i) send(strangers.emplace_back(somebody()), "noise");
+  udp::socket late = somebody();
+  send(late, "sound");
+  EXPECT_EQ(intake.counts().too_many, 1u);
+  EXPECT_EQ(intake.counts().evicted, 0u);
+  // They were noise: the oldest of them gives way, and then the next.
+  EXPECT_EQ(take(false).size(), Intake::kMaxPeers - 1);
+  send(late, "sound");
+  EXPECT_EQ(intake.counts().evicted, 1u);
+  EXPECT_EQ(take(true), std::vector<std::string>{"sound"});
+  EXPECT_EQ(last, 1u) << "the first stranger's place";
+  EXPECT_EQ(intake.peer_name(last), "udp://127.0.0.1:" + std::to_string(late.local_endpoint().port()));
+  for (std::size_t i = 0; i < 2 * Intake::kMaxPeers; ++i) {
+    udp::socket stranger = somebody();
+    send(stranger, "noise");
+    take(false);
+  }
+  EXPECT_EQ(intake.counts().too_many, 1u);
+  // Who said something sound is still who it was.
+  send(device, "sound");
+  EXPECT_EQ(take(true), std::vector<std::string>{"sound"});
+  EXPECT_EQ(last, peer);
+  EXPECT_EQ(intake.peer_name(peer), name);
+  send(late, "sound");
+  take(true);
+  EXPECT_EQ(last, 1u);
+}
+
+TEST_F(IntakeTest, ATableOfDevicesTakesNoMore) {
+  std::vector<udp::socket> devices;
+  for (std::size_t i = 0; i < Intake::kMaxPeers; ++i) {
+    send(devices.emplace_back(somebody()), "sound");
+    take(true);
+  }
+  udp::socket late = somebody();
+  send(late, "sound");
+  EXPECT_FALSE(intake.front());
+  EXPECT_EQ(intake.counts().too_many, 1u);
+  EXPECT_EQ(intake.counts().evicted, 0u);
+}
+
+TEST_F(IntakeTest, SaysWhatIsWrongWithAnAddress) {
+  for (const char* address : {"", "127.0.0.1", "udp://127.0.0.1", "tcp://127.0.0.1:1",
+                              "udp://127.0.0.1:99999", "udp://127.0.0.1:", "udp://somebody:5005",
+                              "udp://[::1:5005", "udp://::1:5005", "udp://203.0.113.1:5005"}) {
+    const auto listening = intake.listen(address);
+    ASSERT_FALSE(listening) << address;
+    EXPECT_EQ(listening.error().code, ErrorCode::bad_usage) << address;
+  }
+  const auto taken = intake.listen("udp://127.0.0.1:" + std::to_string(there.port()));
+  ASSERT_FALSE(taken);
+  EXPECT_THAT(taken.error().message(), HasSubstr("another program"));
+  EXPECT_THAT(intake.listen("localhost:0").value(), StartsWith("udp://127.0.0.1:"));
+}
+
+}  // namespace
+}  // namespace mien::live
