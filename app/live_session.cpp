@@ -28,6 +28,12 @@ std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
 }
 
+/// An error of an output says the option too: there may be several, and other addresses beside them.
+Error with_option(Error error, const std::vector<std::string>& outputs) {
+  if (std::ranges::find(outputs, error.where) != outputs.end()) error.where = "--out " + error.where;
+  return error;
+}
+
 /// A key file holds a number of 0 to 255 and 64 hexadecimal digits.
 Result<std::vector<live::PairingKey>> read_key(const std::string& path) {
   if (path.empty()) return std::vector<live::PairingKey>();
@@ -133,7 +139,9 @@ Result<LiveSession> open_live(LiveRequest request) {
   settings.make_session = [model](const sensor::Rig& taken) { return live::make_session(taken, model); };
 
   MIEN_TRY_ASSIGN(std::unique_ptr<live::Session> session, live::make_session(rig, model, {}, keys));
-  MIEN_TRY_ASSIGN(out.engine, live::Engine::open(std::move(settings), std::move(session)));
+  auto engine = live::Engine::open(std::move(settings), std::move(session));
+  if (!engine) return std::unexpected(with_option(std::move(engine).error(), request.out));
+  out.engine = *std::move(engine);
   return out;
 }
 

@@ -227,6 +227,12 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
   line({"--listen", "udp://127.0.0.1:99999", "--page", "off"}, "the port is no number");
   line({"--listen", "udp://127.0.0.1:0", "--page", "nowhere"}, "not an address for the page");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "fax://127.0.0.1"}, "livelink");
+  // Which output it was.
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "vmc://127.0.0.1", "--out",
+        "vmc://127.0.0.1?shapes=round"},
+       "mien: --out vmc://127.0.0.1?shapes=round: there are no shapes 'round'");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "vmc://127.0.0.1", "--out", "vmc//there"},
+       "mien: --out vmc//there: ");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--record", folder / "x.txt"}, ".mien");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--key", folder / "rig.toml"}, "not a key file");
   line({"--model", (std::filesystem::path(MIEN_SOURCE_DIR) / "models/default.safetensors").string(), "--page",
