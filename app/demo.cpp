@@ -14,6 +14,7 @@
 #include "app/json_output.h"
 #include "app/live_session.h"
 #include "app/media_helper.h"
+#include "app/page_address.h"
 #include "app/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
@@ -65,7 +66,8 @@ Result<Captured> capture_live(const Options& options, const virt::PerformRequest
   if (!opened) return std::unexpected(opened.error());
   live::Engine& engine = *opened->engine;
   if (!engine.page().empty()) {
-    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n", engine.page());
+    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n",
+               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
     std::fflush(stderr);
   }
 

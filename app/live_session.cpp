@@ -1,17 +1,19 @@
 #include "app/live_session.h"
 
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sodium.h>
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/ip/address.hpp>
 #include <cctype>
 #include <charconv>
 #include <chrono>
 #include <ctime>
 #include <optional>
-#include <utility>
 
 #include "app/command.h"
 #include "app/page_files.h"
@@ -58,16 +60,24 @@ Result<std::vector<live::PairingKey>> read_key(const std::string& path) {
 Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request,
                                                         std::span<const std::byte> face_glb) {
   if (request.page == "off") return std::optional<live::PageSettings>();
+  const auto wrong = [&request] {
+    return fail(ErrorCode::bad_usage, "not an address for the page", "--page " + request.page,
+                "write it as 127.0.0.1:8740, or off");
+  };
   live::PageSettings page;
   const std::size_t colon = request.page.rfind(':');
-  const std::string digits = colon == std::string::npos ? "" : request.page.substr(colon + 1);
-  const auto [end, wrong] = std::from_chars(digits.data(), digits.data() + digits.size(), page.port);
-  if (wrong != std::errc{} || end != digits.data() + digits.size())
-    return fail(ErrorCode::bad_usage, "not an address for the page", request.page,
-                "write it as 127.0.0.1:8740, or off");
-  page.host = request.page.substr(0, colon);
+  const bool has_port = colon != std::string::npos && !request.page.ends_with(']');
+  if (has_port) {
+    const std::string digits = request.page.substr(colon + 1);
+    const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), page.port);
+    if (code != std::errc{} || end != digits.data() + digits.size()) return wrong();
+  }
+  page.host = has_port ? request.page.substr(0, colon) : request.page;
   if (page.host.starts_with('[') && page.host.ends_with(']'))
     page.host = page.host.substr(1, page.host.size() - 2);
+  boost::system::error_code no_number;
+  static_cast<void>(boost::asio::ip::make_address(page.host, no_number));
+  if (no_number && page.host != "localhost") return wrong();
   page.token = request.token;
   const bool plain = std::ranges::all_of(page.token, [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == '~';

@@ -225,7 +225,8 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
   };
   line({"--listen", "tcp://127.0.0.1:1", "--page", "off"}, "not an address to listen on");
   line({"--listen", "udp://127.0.0.1:99999", "--page", "off"}, "the port is no number");
-  line({"--listen", "udp://127.0.0.1:0", "--page", "nowhere"}, "not an address for the page");
+  for (const char* page : {"nowhere", "", "127.0.0.1:x", ":8740", "0.0.0.0:99999", "[::1"})
+    line({"--listen", "udp://127.0.0.1:0", "--page", page}, "not an address for the page");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "fax://127.0.0.1"}, "livelink");
   // Which output it was.
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "vmc://127.0.0.1", "--out",
