@@ -147,6 +147,10 @@ TEST_F(LiveProgram, ATakeReplaysTenTimesToTheBitsOfTheSessionThatRecordedIt) {
     EXPECT_EQ(replayed["live_hash"], summary["hash"]);
   }
   EXPECT_EQ(run({"take", "check", take}).status, 0);
+  // Nobody knows what the face did: that is said before anything is solved.
+  const Outcome measured = run({"evaluate", "--live", take});
+  EXPECT_EQ(measured.status, 2);
+  EXPECT_EQ(measured.err.find("mien: " + take + ": the take has no truth"), 0U) << measured.err;
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
