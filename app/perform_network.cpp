@@ -178,7 +178,7 @@ Result<void> Broadcast::simulate_ahead(HostTime at) {
 
 Result<NetworkSummary> Broadcast::run() {
   summary_.nodes = nodes_.size();
-  Progress progress = terminal_progress("perform");
+  Progress progress = terminal_progress(options_.title);
   MIEN_TRY_ASSIGN(const bool waited, wait_for_an_answer(progress));
   summary_.stopped = !waited;
   // Devices are on a little before the performance begins.
@@ -195,7 +195,7 @@ Result<NetworkSummary> Broadcast::run() {
     summary_.performed_s = std::max(0.0, to_seconds(at - *start_));
     const auto [round, share] = nodes_.round_at(summary_.performed_s);
     if (round > summary_.rounds && round > 1)
-      progress = terminal_progress(fmt::format("perform, round {}", round));
+      progress = terminal_progress(fmt::format("{}, round {}", options_.title, round));
     summary_.rounds = round;
     if (options_.enough && options_.enough(round)) {
       summary_.answered = answered();
