@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -10,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "app/calibration_text.h"
 #include "app/command.h"
@@ -28,6 +31,7 @@ struct Options {
   std::string token;
   bool json = false;
   std::string kind = "short";
+  double wait_s = 60;
   std::int64_t version = 0;
   std::int64_t other = 0;
 };
@@ -86,6 +90,59 @@ class Prompter {
   std::string shown_;
 };
 
+/// Which sensors are not heard, by what is the matter with them: "lost: jaw; silent: head, zygomaticus_L".
+std::string unheard_text(const std::vector<SessionStatus::Link>& links) {
+  constexpr std::size_t kNamesShown = 16;
+  std::string text;
+  for (const char* state : {"lost", "silent", "unbound"}) {
+    std::vector<std::string> names;
+    for (const SessionStatus::Link& link : links)
+      if (link.state == state) names.push_back(one_line(link.sensor, 40));
+    if (names.empty()) continue;
+    const std::size_t more = names.size() > kNamesShown ? names.size() - kNamesShown : 0;
+    names.resize(names.size() - more);
+    text += fmt::format("{}{}: {}{}", text.empty() ? "" : "; ", state, fmt::join(names, ", "),
+                        more > 0 ? fmt::format(" and {} more", more) : "");
+  }
+  return text;
+}
+
+/// Watches whether the session has new frames, without which no calibration goes on.
+class Patience {
+ public:
+  explicit Patience(double wait_s) : wait_(from_seconds(wait_s)) {}
+
+  /// Takes a look; says once, after a while without frames, which sensors are missing. False when it was too
+  /// long.
+  bool lasts(const SessionStatus& status, const std::string& at) {
+    const auto now = std::chrono::steady_clock::now();
+    if (status.time_s != newest_s_ || !since_) {
+      newest_s_ = status.time_s;
+      since_ = now;
+      said_ = false;
+    }
+    const auto waited = now - *since_;
+    if (waited >= kUntilSaid && !said_) {
+      said_ = true;
+      clear_progress();
+      const std::string unheard = unheard_text(status.links);
+      fmt::print(stderr,
+                 "mien: {}: still waiting for frames{}{}; the page there shows every sensor, and "
+                 "docs/links.md says what to do; ends after {:g} s (--wait)\n",
+                 at, unheard.empty() ? "" : ", not heard are ", unheard, to_seconds(wait_));
+      std::fflush(stderr);
+    }
+    return waited < wait_;
+  }
+
+ private:
+  static constexpr auto kUntilSaid = std::chrono::seconds(10);
+  Duration wait_;
+  double newest_s_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> since_;
+  bool said_ = false;
+};
+
 /// How a guided calibration ended.
 struct Outcome {
   std::optional<Version> made;
@@ -108,12 +165,25 @@ Result<Outcome> cancel(SessionClient& session, std::int64_t before) {
   return Outcome{{}, ErrorCode::cancelled, "cancelled; nothing was changed"};
 }
 
-Result<Outcome> guide(SessionClient& session, const std::string& kind) {
+/// They were there and are gone: no calibration can begin. (Those that never were may be on their way.)
+bool all_are_lost(const std::vector<SessionStatus::Link>& links) {
+  return std::ranges::none_of(links, &SessionStatus::Link::heard) &&
+         std::ranges::find(links, "lost", &SessionStatus::Link::state) != links.end();
+}
+
+Result<Outcome> guide(SessionClient& session, const Options& options) {
+  if (all_are_lost(session.status().links))
+    return Outcome{{},
+                   ErrorCode::io,
+                   fmt::format("no sensor is heard any more ({}); nothing was begun; docs/links.md says what "
+                               "to do",
+                               unheard_text(session.status().links))};
   if (session.status().calibration.state == "running")
     return Outcome{{}, ErrorCode::io, "one runs already; wait for its end, or cancel it on the page"};
   const std::int64_t before = newest_id(session.status().calibration);
-  MIEN_TRY(session.command({{"command", "calibrate"}, {"kind", kind}}));
+  MIEN_TRY(session.command({{"command", "calibrate"}, {"kind", options.kind}}));
   Prompter prompter;
+  Patience patience(options.wait_s);
   bool begun = false;
   for (int statuses = 0;; ++statuses) {
     if (stop_asked()) return cancel(session, before);
@@ -122,6 +192,14 @@ Result<Outcome> guide(SessionClient& session, const std::string& kind) {
     if (const Version* made = made_since(now, before, "guided")) return Outcome{*made, {}, {}};
     if (now.state == "running") {
       begun = true;
+      if (!patience.lasts(session.status(), options.at)) {
+        const std::string unheard = unheard_text(session.status().links);
+        MIEN_TRY_ASSIGN(Outcome outcome, cancel(session, before));
+        outcome.code = ErrorCode::io;
+        outcome.why = fmt::format("no frame came for {:g} s{}{}; {}", options.wait_s,
+                                  unheard.empty() ? "" : ", not heard are ", unheard, outcome.why);
+        return outcome;
+      }
       prompter.show(now);
     } else if (begun && now.state == "failed") {
       return Outcome{{}, ErrorCode::io, one_line(now.prompt, 200)};
@@ -135,7 +213,7 @@ Result<Outcome> guide(SessionClient& session, const std::string& kind) {
 
 Result<void> run_guided(const Options& options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> session, open_session(options));
-  MIEN_TRY_ASSIGN(const Outcome outcome, guide(*session, options.kind));
+  MIEN_TRY_ASSIGN(const Outcome outcome, guide(*session, options));
   clear_progress();
   if (!outcome.made) {
     if (options.json)
@@ -223,6 +301,11 @@ void add_calibrate_command(Commands& commands) {
       ->add_option("kind", options->kind,
                    "short: hold still, nod, shake the head; full: then the anchor expressions")
       ->check(CLI::IsMember({"short", "full"}))
+      ->capture_default_str();
+  guided
+      ->add_option("--wait", options->wait_s,
+                   "Seconds without any frame, because sensors are missing, after which it is given up")
+      ->check(number_between(1.0, 3600.0))
       ->capture_default_str();
   CLI::App* list =
       commands.add_under(guided, "list", "Shows the session's calibrations and how good they are",

@@ -12,6 +12,7 @@
 #include "app/json_output.h"
 #include "app/live_session.h"
 #include "app/media_helper.h"
+#include "app/page_address.h"
 #include "app/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
@@ -64,7 +65,8 @@ Result<Captured> capture_live(const Options& options, const virt::PerformRequest
   if (!opened) return std::unexpected(opened.error());
   live::Engine& engine = *opened->engine;
   if (!engine.page().empty()) {
-    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n", engine.page());
+    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n",
+               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
     std::fflush(stderr);
   }
 
@@ -72,6 +74,7 @@ Result<Captured> capture_live(const Options& options, const virt::PerformRequest
   NetworkOptions network;
   network.to = engine.listening().front();
   network.loop = true;
+  network.title = "2/5 capturing live, in real time";
   // Once, when nobody watches; else until the page is closed.
   network.enough = [&](std::size_t round) { return round > 1 && engine.watchers() == 0; };
   auto performed = perform_to_network(performance, network);
@@ -128,7 +131,7 @@ Result<void> run(Options options) {
   request.replace = true;
   request.software = "mien " MIEN_VERSION;
   MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
-  MIEN_TRY(virt::perform_take(request, terminal_progress("1/4 the truth")));
+  MIEN_TRY(virt::perform_take(request, terminal_progress("1/5 performing")));
 
   const std::filesystem::path live_path = options.out / "live.mien";
   MIEN_TRY_ASSIGN(const Captured captured, capture_live(options, request, live_path));
@@ -140,10 +143,14 @@ Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session,
                   live::make_session(live_take.rig(), std::move(model)));
   study::Solution solution;
+  const Progress replaying = terminal_progress("3/5 replaying the take");
   MIEN_TRY(live::replay(live_take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
     solution.frames.push_back(frame);
-    return true;
+    const auto done = static_cast<double>(solution.frames.size());
+    return replaying(std::min(0.999, done / static_cast<double>(captured.summary.frames)),
+                     "to the same bits");
   }));
+  replaying(1, "to the same bits");
   const bool same_bits = session->hash() == captured.summary.hash;
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
@@ -151,13 +158,14 @@ Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(mean, mean_pose.values.begin());
+  const Progress writing = terminal_progress("4/5 measuring and writing");
+  writing(0.1, "the capture beside the truth");
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
                   study::evaluate(study::Meter(face), {estimates}, mean_pose));
 
-  const Progress writing = terminal_progress("3/4 writing");
   const Pair motions = motions_of(estimates, solution.frames);
   MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.csv"));
-  writing(0.3, "capture.glb");
+  writing(0.7, "capture.glb");
   MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.glb"));
   writing(1, "capture.csv, capture.glb");
 
@@ -168,7 +176,7 @@ Result<void> run(Options options) {
   film.sound = request.sound;
   const std::filesystem::path film_path = options.out / "capture.mp4";
   MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, motions.truth, motions.capture, 0, film,
-                                                       film_path, terminal_progress("4/4 filming")));
+                                                       film_path, terminal_progress("5/5 filming")));
 
   const study::EvaluationContext context{
       .face = request.face, .model = options.model, .devices = request.devices, .steps = 0};

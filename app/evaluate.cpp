@@ -64,6 +64,7 @@ Result<void> run(Options options) {
   std::set<std::string> performed_on;
   for (const std::string& path : options.takes) {
     MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
+    MIEN_TRY(study::check_has_truth(take));
     devices.insert(take.header().devices);
     performed_on.insert(take.header().face);
     takes.push_back(std::move(take));

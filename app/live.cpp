@@ -8,6 +8,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live_session.h"
+#include "app/page_address.h"
 #include "mien/live/registry.h"
 #include "mien/live/replay.h"
 #include "mien/model/kernels.h"
@@ -101,7 +102,9 @@ Result<void> run(Options options) {
   std::FILE* const out = options.json ? stderr : stdout;
   for (const std::string& address : engine->listening()) fmt::print(out, "Listening on {}\n", address);
   for (const std::string& address : sinks) fmt::print(out, "Sending to {}\n", address);
-  if (!engine->page().empty()) fmt::print(out, "The page is at {}\n", engine->page());
+  if (!engine->page().empty())
+    fmt::print(out, "The page is at {}\n",
+               fmt::join(openable_addresses(engine->page(), own_addresses()), "\n            or "));
   fmt::print(out, "Ctrl-C ends it\n");
   std::fflush(out);
 
@@ -121,7 +124,7 @@ Result<void> run(Options options) {
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);
     if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
-    fmt::print("hash {}\n", summary.hash);
+    fmt::print("kernels {}, hash {}\n", model::kernel_name(), summary.hash);
   }
   if (!summary.recording_error.empty())
     return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
@@ -159,7 +162,8 @@ void add_live_command(Commands& commands) {
   command
       ->add_option(
           "--page", request.page,
-          "Where the page is served: HOST:PORT, or off. Another host than this machine asks for a token")
+          "Where the page is served: HOST[:PORT], or off; 0.0.0.0 lets other machines see it. Another host "
+          "than this machine asks for a token")
       ->capture_default_str();
   command->add_option("--token", request.token,
                       "What the page's visitors must know (default: drawn anew where one is needed)");

@@ -30,6 +30,12 @@ std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
 }
 
+/// An error of an output says the option too: there may be several, and other addresses beside them.
+Error with_option(Error error, const std::vector<std::string>& outputs) {
+  if (std::ranges::find(outputs, error.where) != outputs.end()) error.where = "--out " + error.where;
+  return error;
+}
+
 /// A key file holds a number of 0 to 255 and 64 hexadecimal digits.
 Result<std::vector<live::PairingKey>> read_key(const std::string& path) {
   if (path.empty()) return std::vector<live::PairingKey>();
@@ -54,13 +60,15 @@ Result<std::vector<live::PairingKey>> read_key(const std::string& path) {
 Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request,
                                                         std::span<const std::byte> face_glb) {
   if (request.page == "off") return std::optional<live::PageSettings>();
+  const auto wrong = [&request] {
+    return fail(ErrorCode::bad_usage, "not an address for the page", "--page " + request.page,
+                "write it as 127.0.0.1:8740, or off");
+  };
   live::PageSettings page;
   const auto address = parse_host_port(request.page);
   boost::system::error_code no_number;
   if (address) static_cast<void>(boost::asio::ip::make_address(address->host, no_number));
-  if (!address || (no_number && address->host != "localhost"))
-    return fail(ErrorCode::bad_usage, "not an address for the page", "--page " + request.page,
-                "write it as 127.0.0.1:8740, or off");
+  if (!address || (no_number && address->host != "localhost")) return wrong();
   page.host = address->host;
   page.port = address->port.value_or(page.port);
   page.token = request.token;
@@ -130,7 +138,9 @@ Result<LiveSession> open_live(LiveRequest request) {
   settings.make_session = [model](const sensor::Rig& taken) { return live::make_session(taken, model); };
 
   MIEN_TRY_ASSIGN(std::unique_ptr<live::Session> session, live::make_session(rig, model, {}, keys));
-  MIEN_TRY_ASSIGN(out.engine, live::Engine::open(std::move(settings), std::move(session)));
+  auto engine = live::Engine::open(std::move(settings), std::move(session));
+  if (!engine) return std::unexpected(with_option(std::move(engine).error(), request.out));
+  out.engine = *std::move(engine);
   return out;
 }
 

@@ -21,7 +21,7 @@ struct LiveRequest {
   std::filesystem::path record;  ///< Empty: the page's visitors may record.
   bool force = false;
   std::filesystem::path takes;          ///< Empty: the folder of `record`, or the present one.
-  std::string page = "127.0.0.1:8740";  ///< Or "off".
+  std::string page = "127.0.0.1:8740";  ///< Or "off"; without a port 8740.
   std::string token;
   std::string face = "builtin";
   std::string performer;

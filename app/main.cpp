@@ -4,6 +4,7 @@
 #include <exception>
 
 #include "app/command.h"
+#include "app/usage_error.h"
 
 int main(int argc, char** argv) {
   using namespace mien;
@@ -35,7 +36,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::CallForVersion& version) {
     return program.exit(version);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "mien: {}; see mien --help\n", error.what());
+    fmt::print(stderr, "mien: {}\n", app::usage_error(program, error));
     return 2;
   }
 

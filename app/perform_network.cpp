@@ -9,7 +9,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "app/command.h"
+#include "mien/core/host_port.h"
 
 namespace mien::app {
 namespace {
@@ -178,7 +178,7 @@ Result<void> Broadcast::simulate_ahead(HostTime at) {
 
 Result<NetworkSummary> Broadcast::run() {
   summary_.nodes = nodes_.size();
-  Progress progress = terminal_progress("perform");
+  Progress progress = terminal_progress(options_.title);
   MIEN_TRY_ASSIGN(const bool waited, wait_for_an_answer(progress));
   summary_.stopped = !waited;
   // Devices are on a little before the performance begins.
@@ -195,7 +195,7 @@ Result<NetworkSummary> Broadcast::run() {
     summary_.performed_s = std::max(0.0, to_seconds(at - *start_));
     const auto [round, share] = nodes_.round_at(summary_.performed_s);
     if (round > summary_.rounds && round > 1)
-      progress = terminal_progress(fmt::format("perform, round {}", round));
+      progress = terminal_progress(fmt::format("{}, round {}", options_.title, round));
     summary_.rounds = round;
     if (options_.enough && options_.enough(round)) {
       summary_.answered = answered();
@@ -227,15 +227,10 @@ Result<NetworkTarget> parse_target(const std::string& text) {
   else if (!rest.starts_with("udp://"))
     return bad();
   rest.remove_prefix(rest.find("//") + 2);
-  const std::size_t colon = rest.rfind(':');
-  if (colon == std::string_view::npos || colon == 0) return bad();
-  const std::string_view port = rest.substr(colon + 1);
-  const auto [end, code] = std::from_chars(port.data(), port.data() + port.size(), target.port);
-  if (code != std::errc{} || end != port.data() + port.size() || target.port == 0) return bad();
-  target.host = rest.substr(0, colon);
-  const bool bracketed = target.host.starts_with('[') && target.host.ends_with(']');
-  if (bracketed) target.host = target.host.substr(1, target.host.size() - 2);
-  if (target.host.empty() || (!bracketed && target.host.find(':') != std::string::npos)) return bad();
+  const auto address = parse_host_port(rest);
+  if (!address || address->host.empty() || address->port.value_or(0) == 0) return bad();
+  target.host = address->host;
+  target.port = *address->port;
   return target;
 }
 

@@ -22,9 +22,10 @@ struct NetworkTarget {
 [[nodiscard]] Result<NetworkTarget> parse_target(const std::string& text);
 
 struct NetworkOptions {
-  std::string to;      ///< As parse_target() takes it.
-  double wait_s = 10;  ///< The performance begins unanswered after this.
-  bool loop = false;   ///< Again and again, until it is stopped.
+  std::string to;                 ///< As parse_target() takes it.
+  double wait_s = 10;             ///< The performance begins unanswered after this.
+  bool loop = false;              ///< Again and again, until it is stopped.
+  std::string title = "perform";  ///< Stands before the progress.
   /// Asked often, where there is one: true ends the performance, and that is no stop by its user.
   std::function<bool(std::size_t round)> enough;
 };

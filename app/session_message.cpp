@@ -107,6 +107,12 @@ Result<live::Report::Calibration> read_calibration(const json& object) {
 Result<SessionMessage> read_status(const json& object) {
   SessionStatus status;
   MIEN_TRY_ASSIGN(status.time_s, seconds_in(object, "time"));
+  MIEN_TRY_ASSIGN(const json* links, objects_in(object, "links"));
+  for (const json& item : *links) {
+    SessionStatus::Link& link = status.links.emplace_back();
+    MIEN_TRY_ASSIGN(link.sensor, text_in(item, "sensor"));
+    MIEN_TRY_ASSIGN(link.state, text_in(item, "state"));
+  }
   const json* calibration = find(object, "calibration");
   if (calibration == nullptr || !calibration->is_object()) return wrong("calibration", "object");
   MIEN_TRY_ASSIGN(status.calibration, read_calibration(*calibration));
@@ -131,6 +137,10 @@ Result<SessionMessage> read_event(const json& object) {
 }
 
 }  // namespace
+
+bool SessionStatus::Link::heard() const {
+  return state != "unbound" && state != "silent" && state != "lost";
+}
 
 Result<SessionMessage> parse_session_message(std::string_view text) {
   if (text.size() > kMaxSessionMessageBytes)

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/live/report.h"
@@ -12,7 +13,16 @@
 namespace mien::app {
 
 struct SessionStatus {
+  /// A sensor of the rig.
+  struct Link {
+    std::string sensor;
+    std::string state;  ///< As sensor::link_state_name() spells it, or a later version does.
+    /// Whether something comes from it: it is neither unbound nor silent nor lost.
+    [[nodiscard]] bool heard() const;
+  };
+
   double time_s = 0;  ///< Of the newest frame, on the reference's time line.
+  std::vector<Link> links;
   /// As the session reports it, without `target` and the versions' own JSON.
   live::Report::Calibration calibration;
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/command.h"
 #include "app/json_output.h"
@@ -16,6 +17,28 @@ namespace mien::app {
 namespace {
 
 using nlohmann::ordered_json;
+
+/// Seconds from the take's begin: devices count from their power-on, which says nothing to anybody.
+double since_begin_s(const take::Summary& summary, DeviceTime time) {
+  return to_seconds(time - summary.begin);
+}
+
+/// The sensor that an event is about; empty when it is about none.
+std::string sensor_of(const take::Event& event) {
+  const auto details = nlohmann::json::parse(event.json, nullptr, false);
+  const auto sensor = details.is_object() ? details.find("sensor") : details.end();
+  return sensor != details.end() && sensor->is_string() ? sensor->get<std::string>() : std::string();
+}
+
+void print_event(const take::Summary& summary, const take::EventGroup& group) {
+  const double begin_s = since_begin_s(summary, group.first.begin);
+  const double end_s = since_begin_s(summary, group.end);
+  const std::string sensor = sensor_of(group.first);
+  const std::string what = sensor.empty() ? group.first.kind : group.first.kind + " " + sensor;
+  fmt::print("  event      {:<32} {:8.2f}{} s{}\n", one_line(what, 60), begin_s,
+             end_s > begin_s ? fmt::format(" to {:.2f}", end_s) : "",
+             group.count > 1 ? fmt::format(", {} times", group.count) : "");
+}
 
 const char* state_of(const take::Take& take) {
   return take.finished() ? "finished" : "cut off, or still recording";
@@ -35,6 +58,7 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
   json["prologue"] = header.prologue;
   json["seed"] = header.seed;
   json["duration_s"] = summary.duration_s;
+  json["begin_device_s"] = to_seconds(summary.begin.time_since_epoch());
   json["log"] = {{"entries", summary.entries}, {"bytes", summary.entry_bytes}};
   json["ticks"] = summary.ticks;
   json["samples"] = summary.samples;
@@ -61,14 +85,15 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
   MIEN_TRY_ASSIGN(const auto events, take.events());
   for (const take::Event& event : events)
     json["events"].push_back({{"kind", event.kind},
-                              {"begin_s", to_seconds(event.begin.time_since_epoch())},
-                              {"end_s", to_seconds(event.end.time_since_epoch())}});
+                              {"sensor", sensor_of(event)},
+                              {"begin_s", since_begin_s(summary, event.begin)},
+                              {"end_s", since_begin_s(summary, event.end)}});
   json["calibrations"] = ordered_json::array();
   MIEN_TRY_ASSIGN(const auto calibrations, take.calibrations());
   for (const take::CalibrationVersion& calibration : calibrations)
     json["calibrations"].push_back({{"id", calibration.id},
                                     {"modality", calibration.modality},
-                                    {"made_s", to_seconds(calibration.made.time_since_epoch())}});
+                                    {"made_s", since_begin_s(summary, calibration.made)}});
   json["notes"] = ordered_json::object();
   MIEN_TRY_ASSIGN(const auto notes, take.notes());
   for (const take::Note& note : notes) json["notes"][note.key] = note.value;
@@ -95,13 +120,13 @@ Result<void> print_text(const take::Take& take, const take::Summary& summary) {
   MIEN_TRY_ASSIGN(const auto calibrations, take.calibrations());
   for (const take::CalibrationVersion& calibration : calibrations)
     fmt::print("  calibrated {} (version {}) at {:.2f} s\n", one_line(calibration.modality), calibration.id,
-               to_seconds(calibration.made.time_since_epoch()));
+               since_begin_s(summary, calibration.made));
   MIEN_TRY_ASSIGN(const auto events, take.events());
-  constexpr std::size_t kEventsShown = 20;
-  for (std::size_t i = 0; i < std::min(events.size(), kEventsShown); ++i)
-    fmt::print("  event      {:<12} {:8.2f} to {:.2f} s\n", one_line(events[i].kind),
-               to_seconds(events[i].begin.time_since_epoch()), to_seconds(events[i].end.time_since_epoch()));
-  if (events.size() > kEventsShown) fmt::print("  event      and {} more\n", events.size() - kEventsShown);
+  const std::vector<take::EventGroup> groups = take::group_events(events);
+  constexpr std::size_t kGroupsShown = 40;
+  for (std::size_t i = 0; i < std::min(groups.size(), kGroupsShown); ++i) print_event(summary, groups[i]);
+  if (groups.size() > kGroupsShown)
+    fmt::print("  event      and {} more kinds\n", groups.size() - kGroupsShown);
   MIEN_TRY_ASSIGN(const auto notes, take.notes());
   for (const take::Note& note : notes)
     fmt::print("  note       {}: {}\n", one_line(note.key), one_line(note.value));

@@ -85,9 +85,9 @@ class Pipeline {
   /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
   /// ignored.
   void add(HostTime arrival, const sensor::Sample& sample);
-  /// The sensor's next samples are another board's: another bias, clock and heading, and fixed in another way.
-  /// Without a neutral of its own a face sensor is missing until the next calibration; without the ear's
-  /// there is none.
+  /// The sensor's next samples are another board's: another bias, clock and heading, and fixed in another
+  /// way. Without a neutral of its own a face sensor is missing until the next calibration; without the
+  /// ear's there is none.
   void forget(std::uint16_t sensor);
   /// As sensor::TimeLines::pulse.
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);

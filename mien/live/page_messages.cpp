@@ -122,7 +122,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
                      {"sent", sink.status.sent},
                      {"failed", sink.status.failed},
                      {"rate_hz", rounded(sink.status.rate_hz)},
-                     {"receivers", sink.status.receivers},
+                     {"receivers", sink.status.receivers ? json(*sink.status.receivers) : json()},
                      {"note", sink.status.note}});
   json replay = nullptr;
   if (status.replay)

@@ -44,7 +44,7 @@ Status DatagramSink::status() const {
           pace_.sent_count(),
           pace_.failed_count(),
           pace_.measured_hz(),
-          trouble_ == Delivery::refused ? std::size_t{0} : std::size_t{1},
+          trouble_ == Delivery::refused ? std::optional<std::size_t>(0) : std::nullopt,
           std::string(describe(trouble_))};
 }
 

@@ -114,8 +114,12 @@ class IFacialMocapSink final : public Sink {
   }
 
   Status status() const override {
-    std::size_t receivers = first_ == Delivery::refused ? 0 : 1;
-    receivers += peers_.size() - 1;
+    // Those who asked are known, the one that was named only to be deaf.
+    std::optional<std::size_t> receivers;
+    if (first_ == Delivery::refused)
+      receivers = peers_.size() - 1;
+    else if (peers_.size() > 1)
+      receivers = peers_.size();
     std::string note(describe(first_));
     if (note.empty())
       note = tcp_asked_ ? "somebody asks for TCP, which is not spoken here; let it use UDP" : unheard_;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "mien/core/files.h"
@@ -111,10 +112,18 @@ constexpr std::array kKinds = {
     Kind{"csv", "csv:FILE", open_csv},
 };
 
-}  // namespace
+/// One of several addresses is wrong: its error says which, as it was typed, and then what else it names (an
+/// avatar's file, the port that was not given).
+Error named(Error error, std::string_view text) {
+  std::string_view where = error.where;
+  if (where.size() > 1 && where.starts_with('\'') && where.ends_with('\''))
+    where = where.substr(1, where.size() - 2);
+  if (text.find(where) == std::string_view::npos) error.what = fmt::format("{}: {}", where, error.what);
+  error.where = text;
+  return error;
+}
 
-Result<std::unique_ptr<Sink>> open_sink(io_context& network, std::string_view text) {
-  MIEN_TRY_ASSIGN(const Address address, parse_address(text));
+Opened open(io_context& network, const Address& address, std::string_view text) {
   for (const Kind& kind : kKinds) {
     if (kind.scheme != address.scheme) continue;
     if (address.scheme != "ws" && address.scheme != "csv" && !address.path.empty())
@@ -126,6 +135,20 @@ Result<std::unique_ptr<Sink>> open_sink(io_context& network, std::string_view te
   for (const Kind& kind : kKinds) known += fmt::format("{}{}", known.empty() ? "" : ", ", kind.form);
   return fail(ErrorCode::bad_usage, fmt::format("there is no sink of the kind '{}'", address.scheme),
               std::string(text), "the kinds are " + known);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sink>> open_sink(io_context& network, std::string_view text) {
+  const Result<Address> address = parse_address(text);
+  // What is too long, or would be obeyed by a terminal, is not repeated.
+  const bool sayable = text.size() <= kMaxAddressBytes && std::ranges::none_of(text, [](char c) {
+                         return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+                       });
+  if (!address) return std::unexpected(sayable ? named(address.error(), text) : address.error());
+  Opened opened = open(network, *address, text);
+  if (!opened) return std::unexpected(named(std::move(opened).error(), text));
+  return opened;
 }
 
 }  // namespace mien::sink

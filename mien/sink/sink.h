@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,7 +21,8 @@ struct Status {
   std::uint64_t sent = 0;     ///< Frames that went out and were not refused.
   std::uint64_t failed = 0;   ///< Frames that did not: nobody there, the machine would not take them.
   double rate_hz = 0;         ///< Frames sent a second, over the last 60 frames of the session.
-  std::size_t receivers = 0;  ///< Who is known to listen. UDP does not tell: 1 unless it is refused.
+  /// Who is known to listen. UDP does not tell: none there, unless all is refused: 0.
+  std::optional<std::size_t> receivers;
   std::string note;           ///< One line about what is wrong or waited for; empty when all is well.
 };
 
@@ -43,7 +45,8 @@ class Sink {
 /// Opens `livelink://`, `vmc://`, `vrchat://`, `ifacialmocap://` or `ws://` with HOST[:PORT], or `csv:FILE`,
 /// with their options: docs/sinks.md. Host names are resolved here and once, which may take seconds.
 /// Errors: bad_usage (an address that cannot be meant; an unknown kind is answered with the known ones),
-/// out_of_range, unsupported, not_found (no such host or file), io, and those of an option's file.
+/// out_of_range, unsupported, not_found (no such host or file), io, and those of an option's file; each names
+/// the address as it was given.
 [[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(boost::asio::io_context& network,
                                                       std::string_view address);
 

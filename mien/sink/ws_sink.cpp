@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <vector>
 
 #include "mien/sink/frame_pace.h"
@@ -17,13 +19,23 @@ namespace {
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr std::int64_t kRetryFrames = 60;  // A second.
+/// Between two calls to a server that does not answer: doubled from the first to the last.
+constexpr auto kFirstPause = std::chrono::milliseconds(500);
+constexpr auto kLongestPause = std::chrono::seconds(4);
 
-/// Those who are connected, and the door where more come in. Its handlers outlive the sink.
+/// Somebody's WebSocket server.
+struct Server {
+  tcp::endpoint endpoint;
+  std::string host;
+  std::string target;
+};
+
+/// Those who are connected, and the door where more come in, or the server that is called. Its handlers
+/// outlive the sink.
 class Audience : public std::enable_shared_from_this<Audience> {
  public:
   Audience(boost::asio::io_context& network, std::shared_ptr<const std::string> hello, std::string token)
-      : network_(&network), hello_(std::move(hello)), token_(std::move(token)) {}
+      : network_(&network), hello_(std::move(hello)), token_(std::move(token)), pause_end_(network) {}
 
   void listen(tcp::acceptor acceptor) { acceptor_.emplace(std::move(acceptor)); }
   /// Waits for the next who comes; again when the machine has failed to let one in.
@@ -41,9 +53,10 @@ class Audience : public std::enable_shared_from_this<Audience> {
       self->accept();
     });
   }
-  void connect(const tcp::endpoint& endpoint, const std::string& host, const std::string& target) {
-    connections_.push_back(std::make_shared<WsConnection>(tcp::socket(*network_), hello_));
-    connections_.back()->connect(endpoint, host, target);
+  /// Calls the server now, and again whenever there is no line to it, until close().
+  void keep_calling(Server server) {
+    server_.emplace(std::move(server));
+    call_when_alone();
   }
   void remove_ended() {
     std::erase_if(connections_, [](const auto& connection) { return connection->is_ended(); });
@@ -52,11 +65,17 @@ class Audience : public std::enable_shared_from_this<Audience> {
     error_code code;
     if (acceptor_) acceptor_->close(code);
     acceptor_.reset();
+    server_.reset();
+    pause_end_.cancel();
     for (const auto& connection : connections_) connection->close();
     connections_.clear();
   }
 
-  [[nodiscard]] bool empty() const { return connections_.empty(); }
+  [[nodiscard]] bool calls() const { return server_.has_value(); }
+  /// The first call is not answered yet, nor refused.
+  [[nodiscard]] bool calls_first() const {
+    return calls_ == 1 && !connections_.empty() && !connections_.back()->is_ended();
+  }
   [[nodiscard]] std::size_t open_count() const {
     return static_cast<std::size_t>(
         std::ranges::count_if(connections_, [](const auto& connection) { return connection->is_open(); }));
@@ -69,9 +88,28 @@ class Audience : public std::enable_shared_from_this<Audience> {
   }
 
  private:
+  void call_when_alone() {
+    remove_ended();
+    if (open_count() > 0) pause_ = kFirstPause;
+    pause_end_.expires_after(pause_);
+    if (connections_.empty()) {
+      connections_.push_back(std::make_shared<WsConnection>(tcp::socket(*network_), hello_));
+      connections_.back()->connect(server_->endpoint, server_->host, server_->target);
+      ++calls_;
+      pause_ = std::min<std::chrono::milliseconds>(2 * pause_, kLongestPause);
+    }
+    pause_end_.async_wait([self = shared_from_this()](error_code code) {
+      if (!code && self->server_) self->call_when_alone();
+    });
+  }
+
   boost::asio::io_context* network_;
   std::shared_ptr<const std::string> hello_;
   std::string token_;
+  std::optional<Server> server_;
+  std::chrono::milliseconds pause_ = kFirstPause;
+  boost::asio::steady_timer pause_end_;
+  std::uint64_t calls_ = 0;
   std::optional<tcp::acceptor> acceptor_;
   bool accepting_ = false;
   std::vector<std::shared_ptr<WsConnection>> connections_;
@@ -79,30 +117,18 @@ class Audience : public std::enable_shared_from_this<Audience> {
 
 class WsSink final : public Sink {
  public:
-  /// Where to connect; nothing when it listens.
-  struct Server {
-    tcp::endpoint endpoint;
-    std::string host;
-    std::string target;
-  };
-  WsSink(std::string address, int rate_hz, std::shared_ptr<Audience> audience, std::optional<Server> server)
-      : address_(std::move(address)),
-        pace_(rate_hz),
-        audience_(std::move(audience)),
-        server_(std::move(server)) {}
+  WsSink(std::string address, int rate_hz, std::shared_ptr<Audience> audience)
+      : address_(std::move(address)), pace_(rate_hz), audience_(std::move(audience)) {}
   ~WsSink() override { audience_->close(); }
 
   void send(const face::OutputFrame& frame, std::int64_t frame_index) noexcept override {
     try {
       audience_->remove_ended();
-      if (server_)
-        keep_connected(frame_index);
-      else
-        audience_->accept();
+      audience_->accept();
       if (!pace_.due(frame_index)) return;
       if (audience_->open_count() == 0) {
         // Nobody has come yet, which is nobody's failure; a server that is not there is.
-        if (server_) pace_.failed();
+        if (audience_->calls()) pace_.failed();
         return;
       }
       write_frame_json(frame, frame_index, nullptr, message_);
@@ -119,23 +145,16 @@ class WsSink final : public Sink {
     const std::size_t receivers = audience_->open_count();
     const char* note = "";
     if (receivers == 0)
-      note = server_ ? "no WebSocket answers there; trying every second" : "waiting for somebody to connect";
+      note = audience_->calls_first() ? "connecting"
+             : audience_->calls()     ? "no WebSocket answers there; trying again and again"
+                                      : "waiting for somebody to connect";
     return {address_, pace_.sent_count(), pace_.failed_count(), pace_.measured_hz(), receivers, note};
   }
 
  private:
-  void keep_connected(std::int64_t frame_index) {
-    if (!audience_->empty()) return;
-    if (tried_ && frame_index >= *tried_ && frame_index - *tried_ < kRetryFrames) return;
-    tried_ = frame_index;
-    audience_->connect(server_->endpoint, server_->host, server_->target);
-  }
-
   std::string address_;
   FramePace pace_;
   std::shared_ptr<Audience> audience_;
-  std::optional<Server> server_;
-  std::optional<std::int64_t> tried_;
   std::string message_;
 };
 
@@ -188,14 +207,14 @@ Result<std::unique_ptr<Sink>> open_ws_sink(boost::asio::io_context& network, con
                     std::string(text), "add ?token=, of 8 letters or more, or listen on 127.0.0.1");
       audience->listen(*std::move(door));
       audience->accept();
-      return std::make_unique<WsSink>(std::string(text), rate_hz, audience, std::nullopt);
+      return std::make_unique<WsSink>(std::string(text), rate_hz, audience);
     }
     if (role != nullptr) return fail(ErrorCode::io, "cannot listen there: " + code.message(), where);
   }
   std::string target = address.path.empty() ? "/" : address.path;
   if (!token.empty()) target += "?token=" + token;
-  return std::make_unique<WsSink>(std::string(text), rate_hz, audience,
-                                  WsSink::Server{endpoint, where, std::move(target)});
+  audience->keep_calling({endpoint, where, std::move(target)});
+  return std::make_unique<WsSink>(std::string(text), rate_hz, audience);
 }
 
 }  // namespace mien::sink

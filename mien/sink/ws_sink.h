@@ -16,7 +16,8 @@ inline constexpr std::size_t kMaxWsClients = 16;
 
 /// Sends the page's `hello` and `frame` messages (docs/page_protocol.md) by WebSocket. Where the address is
 /// this machine's and nobody listens there it listens itself, for at most kMaxWsClients who connect; else it
-/// connects, and tries again after every second of frames for as long as nobody answers. Which of both is
+/// connects at once, before there are frames, and for as long as nobody answers tries again after half a
+/// second, one, two, then every four. Which of both is
 /// settled when it is opened. It listens on loopback for everybody on this machine but web pages of other
 /// hosts, and on other addresses only with a token.
 /// Options: rate, token, role=connect|listen (by what is found there). Errors: bad_usage (listening to the

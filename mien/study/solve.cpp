@@ -105,13 +105,27 @@ Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& trac
   return out;
 }
 
+namespace {
+
+Result<std::vector<take::TruthFrame>> read_truth(const take::Take& take) {
+  MIEN_TRY_ASSIGN(std::vector<take::TruthFrame> truth, take.truth());
+  if (truth.empty())
+    return fail(ErrorCode::not_found, "the take has no truth to measure against", take.path().string(),
+                "evaluate a take made by mien perform --take, or import a truth track");
+  return truth;
+}
+
+}  // namespace
+
+Result<void> check_has_truth(const take::Take& take) {
+  MIEN_TRY(read_truth(take));
+  return {};
+}
+
 Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution) {
   TakeEstimates out;
   out.take = take.path().string();
-  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, take.truth());
-  if (truth.empty())
-    return fail(ErrorCode::not_found, "the take has no truth to measure against", out.take,
-                "evaluate a take made by mien perform --take, or import a truth track");
+  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, read_truth(take));
   // Truth stands on the ticks: pair them by time, and leave out ticks that it does not reach (a take cut
   // off).
   std::map<DeviceTime, const take::TruthFrame*> by_time;

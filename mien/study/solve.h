@@ -45,6 +45,9 @@ struct Solution {
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
                                           SolveFrom from, const Progress& progress);
 
+/// Whether a take can be measured: to be asked before it is solved, which takes long. Errors: not_found.
+[[nodiscard]] Result<void> check_has_truth(const take::Take& take);
+
 /// The solution beside the take's truth, for evaluate(). Errors: not_found (a take without truth).
 [[nodiscard]] Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution);
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string_view>
 #include <utility>
 
 namespace mien::take {
@@ -47,6 +49,24 @@ SensorSummary summarise_sensor(std::string name, std::vector<DeviceTime> times) 
   return summary;
 }
 
+std::vector<EventGroup> group_events(std::span<const Event> events) {
+  std::vector<EventGroup> groups;
+  std::map<std::pair<std::string_view, std::string_view>, std::size_t> known;
+  for (const Event& event : events) {
+    const auto [place, is_new] = known.try_emplace({event.kind, event.json}, groups.size());
+    if (is_new) {
+      groups.push_back({event, 1, event.end});
+      continue;
+    }
+    EventGroup& group = groups[place->second];
+    ++group.count;
+    group.end = std::max(group.end, event.end);
+    if (event.begin < group.first.begin) group.first = event;
+  }
+  std::ranges::stable_sort(groups, {}, [](const EventGroup& group) { return group.first.begin; });
+  return groups;
+}
+
 Result<Summary> summarise(const Take& take) {
   Summary summary;
   {
@@ -58,6 +78,7 @@ Result<Summary> summarise(const Take& take) {
   {
     MIEN_TRY_ASSIGN(const auto ticks, take.ticks());
     summary.ticks = ticks.size();
+    if (!ticks.empty()) summary.begin = ticks.front().frame;
     summary.duration_s =
         std::max(summary.duration_s, span_s(ticks, [](const Tick& tick) { return tick.frame; }));
   }

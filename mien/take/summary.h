@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct SensorSummary {
 
 /// A take at a glance: `mien take info`.
 struct Summary {
+  /// The first frame's time, on the reference's clock: where the take's own time begins. A live device's
+  /// clock counts from its power-on.
+  DeviceTime begin;
   double duration_s = 0;  ///< Longest span of any track: log, ticks, truth, sound, a sensor's samples.
   std::size_t entries = 0;
   std::size_t entry_bytes = 0;
@@ -43,6 +47,16 @@ struct Summary {
 
 /// Reads every track. Errors: as the tracks' readers.
 [[nodiscard]] Result<Summary> summarise(const Take& take);
+
+/// Events that say the same: of one kind, with the same details.
+struct EventGroup {
+  Event first;  ///< The earliest to begin.
+  std::size_t count = 1;
+  DeviceTime end;  ///< Of the latest to end.
+};
+
+/// Groups in the order in which their first begins; live sessions have hundreds of sensors lost and back.
+[[nodiscard]] std::vector<EventGroup> group_events(std::span<const Event> events);
 
 /// One sensor, from the times of its samples in any order.
 [[nodiscard]] SensorSummary summarise_sensor(std::string name, std::vector<DeviceTime> times);

@@ -105,6 +105,38 @@ TEST(Calibrate, CtrlCCancelsOnTheSessionAndChangesNothing) {
   EXPECT_EQ(after.versions.size(), 1U);
 }
 
+TEST(Calibrate, WithoutASensorItGivesUpAndSaysWhichAreMissing) {
+  StagedSession session({}, 0, 1);
+  const Outcome outcome = calibrate(session, {"--wait", "1", "--json"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("mien: calibration: no frame came for 1 s, not heard are silent: "));
+  EXPECT_THAT(outcome.err, HasSubstr("mentalis"));
+  EXPECT_THAT(outcome.err, HasSubstr("cancelled; nothing was changed"));
+  EXPECT_TRUE(json::parse(outcome.out).at("version").is_null());
+  EXPECT_EQ(session.report().calibration.state, "watching");
+  EXPECT_THAT(session.report().calibration.versions, IsEmpty());
+}
+
+TEST(Calibrate, AfterAWhileItSaysWhatItWaitsFor) {
+  StagedSession session({}, 0, 1);
+  const Outcome outcome = calibrate(session, {"--wait", "11"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("still waiting for frames, not heard are silent: "));
+  EXPECT_THAT(outcome.err, HasSubstr("--wait"));
+}
+
+TEST(Calibrate, WhereEverySensorIsLostItIsRefusedAtOnce) {
+  std::vector<take::LogEntry> entries = live::test::performance(4).entries;  // They fall silent after 16.5 s.
+  StagedSession session(std::move(entries), 18, 10);
+  const live::Report::Calibration before = session.report().calibration;
+  const Outcome outcome = calibrate(session, {});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("no sensor is heard any more (lost: "));
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  EXPECT_EQ(session.report().calibration.state, before.state);
+  EXPECT_EQ(session.report().calibration.in_force, before.in_force);
+}
+
 TEST(Calibrate, VersionsAreListedComparedAndUndone) {
   StagedSession session(live::test::performance(30).entries, kTalking_s, 10);
   const Outcome centred = calibrate(session, {"recentre", "--json"});

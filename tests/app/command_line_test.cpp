@@ -124,6 +124,26 @@ TEST_F(WrongInput, CommandsThatDoNotExist) {
                   {{"solve", "@kept.mien", "--quickly"}, "--quickly"}});
 }
 
+TEST_F(WrongInput, EveryMistakeNamesTheWayOut) {
+  expect_refused(
+      {{{"liev"}, "mien: there is no command 'liev'; did you mean live? see mien --help"},
+       {{"dance"}, "there is no command 'dance'; the commands are demo, live, calibrate"},
+       {{"take", "inof", "@kept.mien"}, "mien: take: there is no command 'inof'; did you mean info?"},
+       {{"live", "--recrod", "x.mien"},
+        "mien: live: there is no option --recrod; did you mean --record? see "
+        "mien live --help"},
+       {{"solve", "@kept.mien", "--quickly"},
+        "mien: solve: there is no option --quickly; see mien solve --help"},
+       {{"solve", "@kept.mien", "b.mien", "c.mien"}, "mien: solve: 'b.mien' is a word too many"},
+       {{"take", "info"}, "mien: take info: take is missing; see mien take info --help"},
+       {{"perform", "--to", "udp://a:1", "--take", "b.mien"}, "cannot be given together"},
+       {{"perform", "--loop"}, "mien: perform: --loop means nothing without --to"},
+       {{"perform", "--seed"}, "mien: perform: --seed has no value"},
+       {{"perform", "--seed", "x"}, "mien: perform: --seed: 'x' is not what it takes"},
+       {{"perform", "--script", "opera"}, "mien: perform: --script: opera is none of "},
+       {{"calibrate", "--wait", "0"}, "mien: calibrate: --wait: 0 is no number from 1 to 3600"}});
+}
+
 TEST_F(WrongInput, TakesThatAreNone) {
   std::vector<Wrong> cases;
   for (const char* take : {"none.mien", "empty.mien", "garbage.mien", "kept.mien"})

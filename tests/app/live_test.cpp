@@ -147,6 +147,10 @@ TEST_F(LiveProgram, ATakeReplaysTenTimesToTheBitsOfTheSessionThatRecordedIt) {
     EXPECT_EQ(replayed["live_hash"], summary["hash"]);
   }
   EXPECT_EQ(run({"take", "check", take}).status, 0);
+  // Nobody knows what the face did: that is said before anything is solved.
+  const Outcome measured = run({"evaluate", "--live", take});
+  EXPECT_EQ(measured.status, 2);
+  EXPECT_EQ(measured.err.find("mien: " + take + ": the take has no truth"), 0U) << measured.err;
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
@@ -225,8 +229,15 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
   };
   line({"--listen", "tcp://127.0.0.1:1", "--page", "off"}, "not an address to listen on");
   line({"--listen", "udp://127.0.0.1:99999", "--page", "off"}, "the port is no number");
-  line({"--listen", "udp://127.0.0.1:0", "--page", "nowhere"}, "not an address for the page");
+  for (const char* page : {"nowhere", "", "127.0.0.1:x", ":8740", "0.0.0.0:99999", "[::1"})
+    line({"--listen", "udp://127.0.0.1:0", "--page", page}, "not an address for the page");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "fax://127.0.0.1"}, "livelink");
+  // Which output it was.
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "vmc://127.0.0.1", "--out",
+        "vmc://127.0.0.1?shapes=round"},
+       "mien: --out vmc://127.0.0.1?shapes=round: there are no shapes 'round'");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--out", "vmc://127.0.0.1", "--out", "vmc//there"},
+       "mien: --out vmc//there: ");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--record", folder / "x.txt"}, ".mien");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--key", folder / "rig.toml"}, "not a key file");
   line({"--model", (std::filesystem::path(MIEN_SOURCE_DIR) / "models/default.safetensors").string(), "--page",

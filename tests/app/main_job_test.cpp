@@ -69,6 +69,12 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
   EXPECT_EQ(info["devices"], "lab");
   EXPECT_EQ(info["ticks"], frames);
   EXPECT_EQ(info["log"]["entries"], 2 * frames);
+  // Times count from the take's begin, whatever the devices' clocks say.
+  ASSERT_FALSE(info["events"].empty());
+  for (const auto& event : info["events"]) {
+    EXPECT_GE(event["begin_s"], -1.0);
+    EXPECT_LE(event["end_s"], info["duration_s"].get<double>() + 1);
+  }
   EXPECT_EQ(info["truth"]["evaluated"], 90);
   EXPECT_EQ(json_of({"take", "check", take})["sound"], true);
 

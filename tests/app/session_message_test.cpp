@@ -17,6 +17,8 @@ live::Status status() {
   out.report.time = DeviceTime(from_seconds(12.5));
   out.report.shaping = "{}";
   out.report.links.resize(3);
+  out.report.links[0].health.state = sensor::LinkState::good;
+  out.report.links[1].health.state = sensor::LinkState::lost;
   live::Report::Calibration& calibration = out.report.calibration;
   calibration.state = "running";
   calibration.step = "nod";
@@ -47,6 +49,13 @@ TEST(SessionMessage, AStatusComesBackAsTheSessionWroteIt) {
   const auto* read = std::get_if<SessionStatus>(&*message);
   ASSERT_NE(read, nullptr);
   EXPECT_EQ(read->time_s, 12.5);
+  ASSERT_EQ(read->links.size(), 3U);
+  EXPECT_EQ(read->links[0].sensor, virt::test::three_sensors().sensors[0].name);
+  EXPECT_EQ(read->links[0].state, "good");
+  EXPECT_EQ(read->links[1].state, "lost");
+  EXPECT_TRUE(read->links[0].heard());
+  EXPECT_FALSE(read->links[1].heard());
+  EXPECT_FALSE(read->links[2].heard());  // Silent.
   const live::Report::Calibration& calibration = read->calibration;
   EXPECT_EQ(calibration.state, "running");
   EXPECT_EQ(calibration.step, "nod");
@@ -86,14 +95,28 @@ TEST(SessionMessage, EachFieldThatIsMissingOrOfAnotherTypeIsSeen) {
   const json good = status_object();
   ASSERT_TRUE(parse_session_message(good.dump()));
   using Pointer = json::json_pointer;
-  for (const char* field :
-       {"/type", "/time", "/calibration", "/calibration/state", "/calibration/step", "/calibration/prompt",
-        "/calibration/progress", "/calibration/remaining_s", "/calibration/versions",
-        "/calibration/versions/1/id", "/calibration/versions/1/time", "/calibration/versions/1/origin",
-        "/calibration/versions/1/in_force", "/calibration/versions/1/scores",
-        "/calibration/versions/1/scores/0/name", "/calibration/versions/1/scores/0/value",
-        "/calibration/versions/1/scores/0/unit", "/calibration/versions/1/scores/0/pass",
-        "/calibration/versions/1/scores/0/sentence"}) {
+  for (const char* field : {"/type",
+                            "/time",
+                            "/links",
+                            "/links/0/sensor",
+                            "/links/2/state",
+                            "/calibration",
+                            "/calibration/state",
+                            "/calibration/step",
+                            "/calibration/prompt",
+                            "/calibration/progress",
+                            "/calibration/remaining_s",
+                            "/calibration/versions",
+                            "/calibration/versions/1/id",
+                            "/calibration/versions/1/time",
+                            "/calibration/versions/1/origin",
+                            "/calibration/versions/1/in_force",
+                            "/calibration/versions/1/scores",
+                            "/calibration/versions/1/scores/0/name",
+                            "/calibration/versions/1/scores/0/value",
+                            "/calibration/versions/1/scores/0/unit",
+                            "/calibration/versions/1/scores/0/pass",
+                            "/calibration/versions/1/scores/0/sentence"}) {
     const Pointer at(field);
     json missing = good;
     missing[at.parent_pointer()].erase(at.back());

@@ -20,6 +20,7 @@ class Guided final : public tracker::Tracker {
 
   [[nodiscard]] std::string_view modality() const override { return "none"; }
   void add(HostTime, const sensor::Sample&) override {}
+  void forget(std::uint16_t) override {}
   void pulse(std::uint16_t, std::uint32_t, DeviceTime) override {}
   std::size_t tick(DeviceTime, face::OutputFrame&) override { return 0; }
   void guide(Step step, DeviceTime begin, DeviceTime end) override { asked.push_back({step, begin, end}); }

@@ -25,7 +25,7 @@ TEST(Sink, LiveLinkReachesAReceiver) {
   EXPECT_EQ(status.sent, 60u);
   EXPECT_EQ(status.failed, 0u);
   EXPECT_EQ(status.rate_hz, 60);
-  EXPECT_EQ(status.receivers, 1u);
+  EXPECT_EQ(status.receivers, std::nullopt);
   EXPECT_EQ(status.note, "");
 }
 
@@ -96,6 +96,30 @@ TEST(Sink, ASlowReceiverIsNotWaitedFor) {
   for (int i = 0; i < 5000; ++i) (*sink)->send({}, i);
   EXPECT_EQ((*sink)->status().sent + (*sink)->status().failed, 5000u);
   EXPECT_LT(receiver.take().size(), 100u);
+}
+
+/// Several are given: an error says which it was, whatever is wrong with it.
+TEST(Sink, ErrorsNameTheAddress) {
+  boost::asio::io_context network;
+  const mien::test::Folder folder;
+  for (const std::string& address :
+       {std::string("fax://127.0.0.1"), std::string("livelink:127.0.0.1"), std::string("livelink://"),
+        std::string("livelink://127.0.0.1:99999"), std::string("livelink://no.such.invalid"),
+        std::string("livelink://127.0.0.1?subject="), std::string("vmc://127.0.0.1?shapes=round"),
+        std::string("vmc://127.0.0.1?rate=often"), std::string("vmc://127.0.0.1?rate=999"),
+        std::string("vmc://127.0.0.1?speed=1"), std::string("vmc://127.0.0.1?=1"),
+        std::string("vrchat://127.0.0.1?avatar=/no/such.json"), std::string("ws://no.such.invalid"),
+        std::string("ws://203.0.113.1:8741?role=listen"), std::string("ws://127.0.0.1?role=dance"),
+        std::string("csv:") + (folder / "no/such.csv").string()}) {
+    const auto refused = open_sink(network, address);
+    ASSERT_FALSE(refused) << address;
+    EXPECT_EQ(refused.error().where, address);
+    EXPECT_EQ(refused.error().what.find(address), std::string::npos) << refused.error().what;
+  }
+  EXPECT_THAT(open_sink(network, "vrchat://127.0.0.1?avatar=/no/such.json").error().message(),
+              HasSubstr("/no/such.json"));
+  const std::string bell = "livelink://\a";
+  EXPECT_EQ(open_sink(network, bell).error().message().find('\a'), std::string::npos);
 }
 
 TEST(Sink, VrchatTakesAnAvatarsFile) {

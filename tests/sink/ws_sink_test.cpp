@@ -275,7 +275,7 @@ TEST(WsSink, ConnectsToWhoListensAndTriesAgain) {
     client->send({}, index++);
     return client->status().receivers == 0;
   }));
-  EXPECT_THAT(client->status().note, HasSubstr("trying every second"));
+  EXPECT_THAT(client->status().note, HasSubstr("trying again"));
   const auto failed = client->status().failed;
   client->send({}, index++);
   EXPECT_EQ(client->status().failed, failed + 1);
@@ -283,6 +283,26 @@ TEST(WsSink, ConnectsToWhoListensAndTriesAgain) {
   EXPECT_TRUE(run_until(network, both));
   client.reset();
   server.reset();
+}
+
+/// Before the first frame it is known whether anybody is there, and once somebody is, they are called.
+TEST(WsSink, CallsBeforeThereAreFrames) {
+  boost::asio::io_context network;
+  const auto port = free_port();
+  auto client = opened(network, fmt::format("ws://127.0.0.1:{}?role=connect", port));
+  ASSERT_TRUE(client);
+  EXPECT_EQ(client->status().note, "connecting");
+  EXPECT_TRUE(run_until(network, [&] { return client->status().note != "connecting"; }));
+  EXPECT_THAT(client->status().note, HasSubstr("no WebSocket answers there"));
+  auto server = opened(network, fmt::format("ws://127.0.0.1:{}?role=listen", port));
+  EXPECT_TRUE(run_until(network, [&] { return client->status().receivers == 1; }));
+  EXPECT_EQ(client->status().note, "");
+  EXPECT_EQ(client->status().sent + client->status().failed, 0u);
+  client.reset();
+  server.reset();
+  network.restart();
+  network.run_for(std::chrono::seconds(10));
+  EXPECT_TRUE(network.stopped());  // Nothing waits any more.
 }
 
 TEST(WsSink, TakesARoleThatItIsGiven) {

@@ -42,6 +42,27 @@ TEST(SensorSummary, TakesJitterForNoGap) {
   EXPECT_EQ(summary.lost, 0U);
 }
 
+TEST(EventGroups, FoldWhatSaysTheSame) {
+  const auto event = [](const char* kind, int begin_ms, int end_ms, const char* json = "") {
+    return Event{kind, test::device_ms(begin_ms), test::device_ms(end_ms), json};
+  };
+  const std::vector<Event> events = {
+      event("lost", 300, 300, R"({"sensor": "a"})"), event("nod", 100, 250),
+      event("lost", 310, 310, R"({"sensor": "b"})"), event("lost", 500, 500, R"({"sensor": "a"})"),
+      event("back", 400, 400, R"({"sensor": "a"})"), event("lost", 290, 700, R"({"sensor": "a"})")};
+  const std::vector<EventGroup> groups = group_events(events);
+  ASSERT_EQ(groups.size(), 4U);
+  EXPECT_EQ(groups[0].first.kind, "nod");
+  EXPECT_EQ(groups[0].count, 1U);
+  EXPECT_EQ(groups[0].end, test::device_ms(250));
+  EXPECT_EQ(groups[1].count, 3U);
+  EXPECT_EQ(groups[1].first.begin, test::device_ms(290));
+  EXPECT_EQ(groups[1].end, test::device_ms(700));
+  EXPECT_EQ(groups[2].first.json, R"({"sensor": "b"})");
+  EXPECT_EQ(groups[3].first.kind, "back");
+  EXPECT_TRUE(group_events({}).empty());
+}
+
 TEST(Summary, CountsEveryTrack) {
   const test::Folder folder;
   test::write_example(folder / "a.mien", 100);
@@ -52,6 +73,7 @@ TEST(Summary, CountsEveryTrack) {
   EXPECT_EQ(summary->entries, 100U);
   EXPECT_EQ(summary->samples, 100U);
   EXPECT_EQ(summary->ticks, 6U);
+  EXPECT_EQ(summary->begin, take->ticks()->front().frame);
   EXPECT_EQ(summary->truth_frames, 6U);
   EXPECT_EQ(summary->truth_lost, 1U);
   EXPECT_EQ(summary->truth_evaluated, 3U);
