@@ -17,13 +17,13 @@ namespace mien::sink {
 
 /// How a sink is doing; for people.
 struct Status {
-  std::string address;        ///< As it was given.
-  std::uint64_t sent = 0;     ///< Frames that went out and were not refused.
-  std::uint64_t failed = 0;   ///< Frames that did not: nobody there, the machine would not take them.
-  double rate_hz = 0;         ///< Frames sent a second, over the last 60 frames of the session.
+  std::string address;       ///< As it was given.
+  std::uint64_t sent = 0;    ///< Frames that went out and were not refused.
+  std::uint64_t failed = 0;  ///< Frames that did not: nobody there, the machine would not take them.
+  double rate_hz = 0;        ///< Frames sent a second, over the last 60 frames of the session.
   /// Who is known to listen. UDP does not tell: none there, unless all is refused: 0.
   std::optional<std::size_t> receivers;
-  std::string note;           ///< One line about what is wrong or waited for; empty when all is well.
+  std::string note;  ///< One line about what is wrong or waited for; empty when all is well.
 };
 
 /// One place where output frames go. All calls from the thread that runs the io_context it was opened with;
