@@ -122,7 +122,7 @@ class Patience {
       said_ = false;
     }
     const auto waited = now - *since_;
-    if (waited >= kUntilSaid && !said_) {
+    if (waited >= std::min<Duration>(kUntilSaid, wait_ / 2) && !said_) {
       said_ = true;
       clear_progress();
       const std::string unheard = unheard_text(status.links);
@@ -280,7 +280,7 @@ Result<void> run_recentre(const Options& options) {
     }
     for (const SessionEvent& event : session->take_events())
       if (event.kind == "recentre_failed")
-        return fail(ErrorCode::io, "no sensor was heard; nothing was changed", "re-centring",
+        return fail(ErrorCode::io, one_line(event.text, 200) + "; nothing was changed", "re-centring",
                     "see on the page which sensors are there");
     if (stop_asked())
       return fail(ErrorCode::cancelled, "not waited for: it may still come into force", "re-centring");

@@ -46,6 +46,7 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
           {"datagrams", summary.datagrams},
           {"dropped", summary.dropped},
           {"malformed", summary.malformed},
+          {"evicted", summary.evicted},
           {"calibrations", summary.report.calibration.versions.size()},
           {"calibration", summary.report.calibration.state},
           {"prompt", summary.report.calibration.prompt},

@@ -10,6 +10,8 @@
 #include <memory>
 #include <string_view>
 
+#include "mien/core/host_port.h"
+
 namespace mien::app {
 namespace {
 
@@ -32,10 +34,6 @@ std::string text_of(const sockaddr& address) {
   return {};
 }
 
-bool is_loopback(const std::string& address) {
-  return address.starts_with("127.") || address == "[::1]";
-}
-
 }  // namespace
 
 std::vector<std::string> own_addresses() {
@@ -47,7 +45,8 @@ std::vector<std::string> own_addresses() {
     if (one->ifa_addr == nullptr || (one->ifa_flags & IFF_UP) == 0) continue;
     if (std::string text = text_of(*one->ifa_addr); !text.empty()) out.push_back(std::move(text));
   }
-  std::ranges::stable_partition(out, [](const std::string& address) { return !is_loopback(address); });
+  std::ranges::stable_partition(out,
+                                [](const std::string& address) { return !is_loopback(host_of(address)); });
   return out;
 }
 

@@ -110,7 +110,10 @@ void Broadcast::listen(std::size_t node) {
 void Broadcast::refused() {
   if (summary_.refused++ > 0) return;
   clear_progress();
-  fmt::print(stderr, "mien: {}: nobody listens there yet; performing all the same\n", options_.to);
+  fmt::print(stderr,
+             "mien: {}: nobody listens there; performing all the same (the calibration comes once, at the "
+             "beginning: start mien live first)\n",
+             options_.to);
 }
 
 Result<void> Broadcast::say_what_is_due() {

@@ -125,8 +125,7 @@ Result<void> print_text(const take::Take& take, const take::Summary& summary) {
   const std::vector<take::EventGroup> groups = take::group_events(events);
   constexpr std::size_t kGroupsShown = 40;
   for (std::size_t i = 0; i < std::min(groups.size(), kGroupsShown); ++i) print_event(summary, groups[i]);
-  if (groups.size() > kGroupsShown)
-    fmt::print("  event      and {} more kinds\n", groups.size() - kGroupsShown);
+  if (groups.size() > kGroupsShown) fmt::print("  event      and {} more\n", groups.size() - kGroupsShown);
   MIEN_TRY_ASSIGN(const auto notes, take.notes());
   for (const take::Note& note : notes)
     fmt::print("  note       {}: {}\n", one_line(note.key), one_line(note.value));

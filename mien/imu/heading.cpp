@@ -128,6 +128,7 @@ void HeadingTracker::begin(const Quat& q_ear_face) {
 void HeadingTracker::skip(double dt_s) {
   predict(dt_s);
   still_s_ = 0;
+  away_s_ = 0;
 }
 
 void HeadingTracker::measure(double error_rad, double sigma_rad) {
@@ -149,6 +150,7 @@ bool HeadingTracker::find_again(double dt_s, double turn_rad) {
   if (away_s_ <= settings_.lost_after_s) return false;
   heading_ = wrap(heading_ - away_least_rad_);
   away_s_ = 0;
+  still_s_ = 0;  // A stretch that runs knows the heading from before.
   return true;
 }
 

@@ -61,7 +61,20 @@ void ImuTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edg
 
 std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
   pipeline_.tick(frame, features_);
-  if (guided_until_ && frame >= *guided_until_) judge_guidance();
+  // The nod puts a calibration in force; one that does not hold together is shown by no frame.
+  if (guided_until_ && pipeline_.calibration_count() != judged_) {
+    judged_ = pipeline_.calibration_count();
+    if (!holds_together()) {
+      pipeline_.cancel_marks();
+      guided_until_.reset();
+      features_.sensors.assign(face_.size(), model::SensorFeature{});
+      features_.has_head = false;
+    }
+  }
+  if (guided_until_ && frame >= *guided_until_) {
+    guided_until_.reset();
+    if (!holds_together()) pipeline_.cancel_marks();
+  }
   const auto felt =
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
   if (felt == 0 && !pipeline_.calibration().complete) {
@@ -76,6 +89,7 @@ std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
 
 void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (step == Step::none) return;
+  if (!guided_until_) judged_ = pipeline_.calibration_count();
   pipeline_.mark(to_phase(step), begin, end);
   guided_until_ = guided_until_ ? std::max(*guided_until_, end) : end;
   hint_ = {};
@@ -87,8 +101,7 @@ void ImuTracker::cancel_guidance() {
   guided_until_.reset();
 }
 
-void ImuTracker::judge_guidance() {
-  guided_until_.reset();
+bool ImuTracker::holds_together() {
   const Calibration& made = pipeline_.calibration();
   const auto failed = [&](std::string_view name) {
     return std::ranges::any_of(made.scores,
@@ -103,10 +116,9 @@ void ImuTracker::judge_guidance() {
   } else if (failed("neutral face")) {
     hint_ = "the face moved while it should hold still; relax it and calibrate again";
   } else {
-    return;
+    return true;
   }
-  // A calibration that does not hold together is worse than the one before.
-  pipeline_.cancel_marks();
+  return false;
 }
 
 tracker::CalibrationState ImuTracker::calibration_state() const {
@@ -146,7 +158,10 @@ Result<void> ImuTracker::restore(std::string_view json) {
 }
 
 std::optional<double> ImuTracker::heading_sigma_rad(std::uint16_t sensor) const {
-  if (std::ranges::find(face_, sensor) == face_.end() || !pipeline_.calibration().complete)
+  const auto place = std::ranges::find(face_, sensor);
+  const Calibration& calibration = pipeline_.calibration();
+  if (place == face_.end() || !calibration.complete ||
+      !calibration.sensors[static_cast<std::size_t>(place - face_.begin())].valid)
     return std::nullopt;
   return pipeline_.status(sensor).heading_sigma_rad;
 }

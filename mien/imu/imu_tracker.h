@@ -33,13 +33,15 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
 
  private:
-  void judge_guidance();
+  /// Of the calibration that guidance made; says in hint_ why not.
+  bool holds_together();
 
   std::vector<std::uint16_t> face_;  // Numbers in the rig.
   Pipeline pipeline_;
   std::unique_ptr<tracker::FrameModel> model_;
   model::FeatureFrame features_;
   std::optional<DeviceTime> guided_until_;
+  int judged_ = 0;  // Count of the calibration that was judged last, or that was there before.
   std::string_view hint_;
 };
 

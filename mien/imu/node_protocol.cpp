@@ -16,11 +16,11 @@ using sensor::Verdict;
 /// More nodes than any rig has; whoever has a key cannot fill the memory either.
 constexpr std::size_t kMaxSealedNodes = 256;
 
-/// What follows from an error: the packet is of a later version, sealed by nobody we know, or against the
-/// rules.
+/// What follows from an error: the packet is of a version or type that nobody here can check, sealed by
+/// nobody we know, or against the rules.
 Verdict verdict_of(const Error& error) {
-  if (error.code == ErrorCode::unsupported) return Verdict::ignored;
-  return error.code == ErrorCode::mismatch ? Verdict::refused : Verdict::malformed;
+  const bool refused = error.code == ErrorCode::unsupported || error.code == ErrorCode::mismatch;
+  return refused ? Verdict::refused : Verdict::malformed;
 }
 
 }  // namespace

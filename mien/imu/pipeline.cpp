@@ -411,12 +411,15 @@ void Pipeline::forget(std::uint16_t sensor) {
   s.lines.forget(sensor);
   s.channels[sensor] = Channel(s.settings.fusion);
   if (sensor == s.head) {
-    s.calibration.complete = false;
-    s.watch.forget();
+    s.calibration.complete = s.before_marks.complete = false;
     s.watched = false;
   }
-  for (std::size_t i = 0; i < s.face.size(); ++i)
-    if (s.face[i] == sensor) s.calibration.sensors[i].valid = false;
+  for (std::size_t i = 0; i < s.face.size(); ++i) {
+    if (s.face[i] != sensor) continue;
+    s.calibration.sensors[i].valid = false;
+    if (i < s.before_marks.sensors.size()) s.before_marks.sensors[i].valid = false;
+  }
+  if (!s.calibration.complete) s.watch.forget();  // A hold that it saw half of is none.
 }
 
 void Pipeline::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
@@ -481,14 +484,15 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     }
     const Quat world_to_ear = ear->orientation.conjugate();
     Quat relative = world_to_ear * s.turn_of(i) * sensor->orientation;
-    if (s.settings.track_heading && !s.settings.magnetometer) {
+    const bool followed = s.settings.track_heading && !s.settings.magnetometer;
+    if (followed) {
       s.trackers[i].add(dt_s, relative, ear->orientation, relative * sensor->rate_rad_s - ear->rate_rad_s,
                         ear->rate_rad_s);
       const Vec3 skin = log_rotation(relative * calibration.sensors[i].neutral.conjugate());
       s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(world_to_ear * Vec3::UnitY()));
       relative = world_to_ear * s.turn_of(i) * sensor->orientation;
     }
-    if (!s.settings.magnetometer && s.trackers[i].sigma_rad() > s.settings.unsure_rad) continue;
+    if (followed && s.trackers[i].sigma_rad() > s.settings.unsure_rad) continue;
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
 
     // Without the arm, what is left of the head's own acceleration would be taken for the skin's.

@@ -82,7 +82,10 @@ void SelfCalibration::forget() {
   restart();
   hint_ = {};
   spans_ = {};
+  solution_ = {};
   last_.reset();
+  head_rate_ = face_rate_ = 0;
+  segment_s_ = calm_s_ = farthest_ = 0;
 }
 
 void SelfCalibration::measure(const Prologue::Frame& frame, double dt_s) {

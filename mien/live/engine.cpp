@@ -33,6 +33,8 @@ constexpr auto kFrame = std::chrono::milliseconds(8);  // Half a frame: none is 
 constexpr auto kBeat = std::chrono::milliseconds(100);
 /// Status messages: five a second.
 constexpr int kBeatsPerStatus = 2;
+/// A session that calibrates itself has done so by then: half a minute.
+constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
 constexpr std::size_t kPieces = 10;
 constexpr int kBeatsPerPiece = 10;
@@ -147,7 +149,9 @@ struct Engine::State {
   std::uint64_t frames = 0;
   std::string frame_text;
   std::optional<std::filesystem::path> take;
-  std::string recording_error;  // Already told.
+  std::string recording_error;
+  std::string unable_to_record;
+  bool told_uncalibrated = false;  // Already told.
   bool was_recording = false;
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
@@ -250,12 +254,23 @@ void Engine::State::on_beat() {
     recording_error = recorded.error;
     if (!recording_error.empty())
       tell("recording_failed", "the recording ended: " + recording_error + "; the capture goes on");
+  } else if (recorded.unable != unable_to_record && recorded.error.empty()) {
+    tell("recording_failed", "this session cannot be recorded: " + recorded.unable);
   }
+  unable_to_record = recorded.unable;
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
-    if (!outlet.on || state.note == outlet.told) continue;
+    // A receiver that is there and not there by turns is told of once.
+    if (!outlet.on || state.note.empty() || state.note == outlet.told) continue;
     outlet.told = state.note;
-    if (!state.note.empty()) tell("sink", state.address + ": " + state.note);
+    tell("sink", state.address + ": " + state.note);
+  }
+  if (!told_uncalibrated) {
+    const Report report = loop.report();
+    told_uncalibrated = report.frames > kUncalibratedFrames;
+    if (told_uncalibrated && report.calibration.state == "watching")
+      tell("not_calibrated",
+           "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
   if (page && page->clients() > 0 && beats % kBeatsPerStatus == 0)
     page->send(status_json(status(), session->rig()));

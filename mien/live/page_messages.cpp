@@ -172,7 +172,12 @@ std::string event_text(const take::Event& event) {
   };
   if (event.kind == "sensor_lost") return text("sensor") + " is lost";
   if (event.kind == "sensor_back") return text("sensor") + " is back";
-  if (event.kind == "bind") return text("sensor") + " is now device " + text("device");
+  if (event.kind == "bind") {
+    const bool anew = details.is_object() && details.value("anew", false);
+    return text("sensor") + " is now device " + text("device") +
+           (anew ? "; calibrate again when all are in their places, it has no neutral yet" : "");
+  }
+  if (event.kind == "calibration_failed") return "not calibrated: " + text("why");
   if (event.kind == "recentre_failed") return "not re-centred: " + text("why");
   if (event.kind != "calibrated") return {};
   const std::string origin = text("origin");

@@ -72,7 +72,11 @@ std::FILE* open_spool(const std::filesystem::path& folder) {
     ::unlink(name.c_str());
   }
   std::FILE* const spool = ::fdopen(file, "w+b");
-  if (spool == nullptr) ::close(file);
+  if (spool == nullptr) {
+    const int why = errno;
+    ::close(file);
+    errno = why;
+  }
   return spool;
 }
 
@@ -88,7 +92,7 @@ struct Recorder::Writing {
 };
 
 Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name)
-    : peer_name_(std::move(peer_name)), ring_(kRingBytes), spool_(open_spool(folder.empty() ? "." : folder)) {
+    : peer_name_(std::move(peer_name)), ring_(kRingBytes), spool_(open_spool(folder)) {
   if (spool_ == nullptr)
     spool_error_ = fmt::format("the folder of takes, {}, does not take the session ({})", folder.string(),
                                std::generic_category().message(errno));
@@ -260,6 +264,8 @@ void Recorder::give_up(const std::string& why) {
     const auto kept = writing_->writer.finish();
   const std::lock_guard lock(mutex_);
   if (spool_error_.empty()) spool_error_ = why;
+  // A file with a hole is good for nothing, and the disk may be full.
+  if (spool_ != nullptr) std::fclose(std::exchange(spool_, nullptr));
   if (writing_ || wanted_) state_.error = why;
   writing_.reset();
   wanted_.reset();
@@ -340,7 +346,9 @@ Result<void> Recorder::wait() {
 
 Recorder::State Recorder::state() const {
   const std::lock_guard lock(mutex_);
-  return state_;
+  State state = state_;
+  state.unable = spool_error_;
+  return state;
 }
 
 }  // namespace mien::live

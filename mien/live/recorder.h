@@ -60,6 +60,7 @@ class Recorder {
     std::filesystem::path path;
     double seconds = 0;  ///< Of the session, in the take.
     std::string error;   ///< Why the recording ended early; empty when it did not.
+    std::string unable;  ///< Why nothing can be recorded any more in this session; empty when it can.
   };
   [[nodiscard]] State state() const;
 

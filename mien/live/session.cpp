@@ -51,7 +51,8 @@ Session::Session(Parts parts)
       protocols_(std::move(parts.protocols)),
       shaper_(parts.shaping),
       ticks_(rig_),
-      links_(rig_.sensors.size()) {
+      links_(rig_.sensors.size()),
+      bound_at_(rig_.sensors.size()) {
   devices_.reserve(kMaxDevices + rig_.sensors.size());
   bound_.reserve(kMaxDevices + rig_.sensors.size());
   samples_.reserve(kMostSamples);
@@ -110,12 +111,27 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
     if (known.sensor) links_[*known.sensor] = Link();
     known.sensor = sensor;
   }
+  // A guided calibration that has begun with the board before is none.
+  if (links_[sensor].heard && guide_.running()) {
+    guide_.cancel();
+    tracker_->cancel_guidance();
+    failure_ = "a sensor came to another place meanwhile; calibrate again";
+  }
   links_[sensor] = Link();
-  ticks_.forget(sensor);
-  tracker_->forget(sensor);
+  bound_at_[sensor] = newest_frame_;
+  const bool anew = in_force_ != 0;
+  forget(sensor);
   add_event(
       "bind", newest_frame_, newest_frame_,
-      nlohmann::json({{"sensor", rig_.sensors[sensor].name}, {"device", sensor::format_device(key)}}).dump());
+      nlohmann::json(
+          {{"sensor", rig_.sensors[sensor].name}, {"device", sensor::format_device(key)}, {"anew", anew}})
+          .dump());
+}
+
+void Session::forget(std::uint16_t sensor) {
+  ticks_.forget(sensor);
+  tracker_->forget(sensor);
+  if (tracker_->calibration_state().phase == tracker::CalibrationState::Phase::watching) in_force_ = 0;
 }
 
 void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
@@ -223,6 +239,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   if (guide_.after(frame_)) {
     const tracker::CalibrationState state = tracker_->calibration_state();
     failure_ = state.hint;
+    if (!failure_.empty()) add_event("calibration_failed", frame, frame, quoted("why", failure_));
     if (failure_.empty()) {
       std::vector<sensor::Score> scores = tracker_->scores();
       for (const sensor::Score& score : guide_.anchor_scores()) scores.push_back(score);
@@ -245,14 +262,15 @@ void Session::watch_calibration(DeviceTime frame) {
     if (state == Centring::done)
       add_version(frame, "recentre", {});
     else
-      add_event("recentre_failed", frame, frame, R"({"why": "no sensor was heard"})");
+      add_event("recentre_failed", frame, frame,
+                quoted("why", in_force_ == 0 ? "nothing is calibrated yet" : "no sensor was heard"));
   }
   if (guide_.running() || tracker_->calibration_count() == calibrations_) return;
   calibrations_ = tracker_->calibration_count();
   std::vector<sensor::Score> scores = tracker_->scores();
   // The shake judges what is in force; all else is a version of its own.
   const bool judged = !versions_.empty() && versions_.back().origin == "self" &&
-                      frame - versions_.back().made < kShakeFollows;
+                      versions_.back().id == in_force_ && frame - versions_.back().made < kShakeFollows;
   if (judged)
     versions_.back().scores = std::move(scores);
   else
@@ -328,6 +346,9 @@ Result<void> Session::use_version(std::int64_t id) {
   shaper_.use_centre(centre);
   calibrations_ = tracker_->calibration_count();
   in_force_ = id;
+  // What it knows of boards that sat elsewhere then does not hold of those that sit there now.
+  for (std::uint16_t i = 0; i < bound_at_.size(); ++i)
+    if (bound_at_[i] > found->made) forget(i);
   add_event("calibrated", newest_frame_, newest_frame_, fmt::format(R"({{"version": {}}})", id));
   return {};
 }

@@ -105,6 +105,8 @@ class Session {
   Device* device(const sensor::DeviceKey& key);
   Device* meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
   void bind(std::uint16_t sensor, const sensor::DeviceKey& key);
+  /// Nothing that was learned of the board at this place holds.
+  void forget(std::uint16_t sensor);
   /// Whether the readings of a device come from there: nobody else is believed about it.
   [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;
   [[nodiscard]] Result<void> check_versions() const;
@@ -134,7 +136,8 @@ class Session {
   TapWatch tap_;
 
   std::vector<Device> devices_;
-  std::vector<Link> links_;                                         // One a sensor of the rig.
+  std::vector<Link> links_;           // One a sensor of the rig.
+  std::vector<DeviceTime> bound_at_;  // The frame before its board came; beside.
   std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound_;  // Whether heard or not.
   sensor::Inbox inbox_;
   std::vector<sensor::Sample> samples_;

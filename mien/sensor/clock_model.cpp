@@ -35,6 +35,7 @@ void ClockModel::restart(DeviceTime device, HostTime arrival) {
   newest_x_ = 0;
   delay_sum_ = 0;
   late_since_.reset();
+  jump_expected_ = false;
   stretch_index_ = 0;
   line_ = {};
   line_.base_device_ns = device.time_since_epoch().count();
@@ -58,7 +59,7 @@ bool ClockModel::add(DeviceTime device, HostTime arrival) {
       late_since_.reset();
     else if (!late_since_)
       late_since_ = arrival;
-    if (p.x < newest_x_ - kBackwards_s || over < -kEarly_s ||
+    if (jump_expected_ || p.x < newest_x_ - kBackwards_s || over < -kEarly_s ||
         (late_since_ && arrival - *late_since_ > kLateFor)) {
       before_jump_ = line_;
       restart(device, arrival);
@@ -220,7 +221,11 @@ void TimeLines::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge
 }
 
 void TimeLines::forget(std::uint16_t sensor) {
-  if (sensor < clocks_.size() && reference_ != sensor) clocks_[sensor] = Clock();
+  if (sensor >= clocks_.size()) return;
+  if (reference_ == sensor && basis_ == Basis::reference)
+    clocks_[sensor].model.expect_jump();
+  else
+    clocks_[sensor] = Clock();
 }
 
 void TimeLines::pair(Clock& clock, const Pulse& own, const Pulse& reference) {

@@ -34,6 +34,8 @@ class ClockModel {
   /// A packet's newest device time and its arrival. Returns true when the device's clock has jumped (a
   /// restart of the board) and the fit began anew from this pair.
   bool add(DeviceTime device, HostTime arrival);
+  /// The next pair is another clock's, however near to this one's: it counts as a jump.
+  void expect_jump() { jump_expected_ = pairs_ > 0; }
 
   /// False before the first pair; then the conversions below mean nothing.
   [[nodiscard]] bool ready() const { return pairs_ > 0; }
@@ -75,6 +77,7 @@ class ClockModel {
   double newest_x_ = 0;
   double delay_sum_ = 0;  // Of y over the pairs, for the uncertainty of a young fit.
   std::optional<HostTime> late_since_;
+  bool jump_expected_ = false;
   Line before_jump_;
   // The fit is made when it is asked for: many pairs change nothing.
   mutable bool fitted_ = false;
@@ -98,8 +101,8 @@ class TimeLines {
   /// delays play no part in it.
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
 
-  /// The sensor's next samples are another board's, with another clock. The reference's is not forgotten: it
-  /// is joined on where it left off, as after a restart.
+  /// The sensor's next samples are another board's, with another clock. Where the reference's carries the
+  /// line, the new one is joined on where the old one would stand, as after a restart.
   void forget(std::uint16_t sensor);
 
   /// True once the line is decided; the conversions below need it.

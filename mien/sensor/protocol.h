@@ -71,10 +71,11 @@ enum class Verdict : std::uint8_t {
   taken,
   ignored,    ///< Well formed, and nothing that we need (a temperature).
   malformed,  ///< Breaks its protocol's rules.
-  refused,    ///< Not authenticated, or played again.
+  refused,    ///< Not authenticated, played again, or of a version that cannot be checked here.
 };
 
-/// Where a datagram came from; small numbers that the session gives out, the same in live and replay.
+/// Where a datagram came from; small numbers that the session gives out. Live and replay may give others, but
+/// the same one to the same sender.
 using Peer = std::uint32_t;
 
 /// A language that devices speak: datagrams in, readings out, and what must be said back. What receive() puts

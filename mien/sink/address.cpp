@@ -7,6 +7,8 @@
 #include <charconv>
 #include <optional>
 
+#include "mien/core/host_port.h"
+
 namespace mien::sink {
 namespace {
 
@@ -58,29 +60,13 @@ Result<void> parse_options(std::string_view query, std::string_view text, Addres
 }
 
 Result<void> parse_host(std::string_view authority, std::string_view text, Address& address) {
-  std::string_view port;
-  bool has_port = false;
-  if (authority.starts_with('[')) {
-    const std::size_t end = authority.find(']');
-    if (end == std::string_view::npos) return bad("the bracket of an IPv6 address is not closed", text);
-    address.host = authority.substr(1, end - 1);
-    const std::string_view rest = authority.substr(end + 1);
-    if (!rest.empty() && rest.front() != ':') return bad("something stands between host and port", text);
-    has_port = !rest.empty();
-    if (has_port) port = rest.substr(1);
-  } else {
-    const std::size_t colon = authority.find(':');
-    address.host = authority.substr(0, colon);
-    has_port = colon != std::string_view::npos;
-    if (has_port) port = authority.substr(colon + 1);
-    if (port.find(':') != std::string_view::npos)
-      return bad("an IPv6 address needs brackets", text, "write [::1]:PORT");
-  }
+  const auto parsed = parse_host_port(authority);
+  if (!parsed) return bad(parsed.error().what, text, parsed.error().fix);
+  address.host = parsed->host;
   if (address.host.empty()) return bad("there is no host", text, "write SCHEME://HOST:PORT");
-  if (!has_port) return {};
-  const auto number = whole<std::uint16_t>(port);
-  if (!number || *number == 0) return bad(fmt::format("'{}' is no port", port), text, "write 1 to 65535");
-  address.port = *number;
+  if (!parsed->port) return {};
+  if (*parsed->port == 0) return bad("'0' is no port", text, "write 1 to 65535");
+  address.port = *parsed->port;
   return {};
 }
 

@@ -92,7 +92,8 @@ TEST(HeadingTracker, FindsALostHeadingAgainByTheSkinThatStaysAway) {
     tracker.start(60 * kDeg, sigma_rad);
     for (int i = 0; i < static_cast<int>(60 * seconds); ++i) {
       const double skin = 40 * kDeg * std::max(0.0, std::sin(std::numbers::pi * i / 60.0));
-      tracker.skip(1 / 60.0);
+      // A face that moves: nothing tells the heading but where the skin is.
+      tracker.add(1 / 60.0, Quat::Identity(), Quat::Identity(), Vec3(0, 1, 0), Vec3::Zero());
       tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + skin);
     }
     return tracker.heading_rad();

@@ -152,11 +152,11 @@ TEST(NodeProtocol, LeavesOtherHostsAndLaterVersionsAlone) {
   }
   auto later = encoded(Pulse{});
   later[4] = std::byte{2};
-  EXPECT_EQ(hear(host, later).verdict, Verdict::ignored);
+  EXPECT_EQ(hear(host, later).verdict, Verdict::refused);
   auto unknown = encoded(Pulse{});
   unknown[5] = std::byte{99};
   renew_checksum(unknown);
-  EXPECT_EQ(hear(host, unknown).verdict, Verdict::ignored);
+  EXPECT_EQ(hear(host, unknown).verdict, Verdict::refused);
 }
 
 TEST(NodeProtocol, TakesNothingFromBrokenPackets) {

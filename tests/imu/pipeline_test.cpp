@@ -219,6 +219,34 @@ TEST(Pipeline, LostSensorsAreMissingAndTheOthersAreNot) {
   EXPECT_GT(pipeline.status(3).lost, 200u);
 }
 
+TEST(Pipeline, AnotherBoardHasNoNeutralUntilTheNextCalibration) {
+  Script script;
+  script.end = 24;
+  const Recording recording = record(script, Faults{}, 3, 26, still_skin);
+  Pipeline pipeline(recording.rig);
+  std::optional<Calibration> before;
+  std::size_t seen = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, Pipeline& p) {
+    if (t > 14 && !before) {
+      before = p.calibration_now();
+      EXPECT_TRUE(frame.sensors[1].has_rotation);
+      p.forget(1);
+      return;
+    }
+    if (t < 14.5) return;
+    EXPECT_TRUE(frame.sensors[0].has_rotation);
+    EXPECT_TRUE(p.status(1).present);
+    EXPECT_FALSE(frame.sensors[1].has_rotation);
+    ++seen;
+  });
+  EXPECT_GT(seen, 300u);
+  EXPECT_TRUE(pipeline.calibration().complete);
+  ASSERT_TRUE(pipeline.restore(*before));  // A calibration gives it one again.
+  EXPECT_TRUE(pipeline.calibration().sensors[1].valid);
+  pipeline.forget(3);  // The ear's.
+  EXPECT_FALSE(pipeline.calibration().complete);
+}
+
 TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
   Script script;
   script.end = 24;

@@ -128,9 +128,17 @@ TEST(TimeLines, AnotherBoardInItsPlaceHasAClockOfItsOwn) {
   EXPECT_FALSE(lines.heard(0));
   lines.forget(1);  // The reference carries the line.
   EXPECT_TRUE(lines.heard(1));
-  // So near to the one before that it would pass for it.
-  hear(10, 3.05);
-  EXPECT_NEAR(to_seconds(lines.to_line(0, DeviceTime(from_seconds(13.05))).time_since_epoch()), 10, 1e-3);
+  // So near to the one before that it would pass for it; and the reference's, a fifth of a second behind.
+  const auto hear_others = [&](double t) {
+    lines.add(HostTime(from_seconds(t)), sample_of(0, DeviceTime(from_seconds(t + 3.05))));
+    lines.add(HostTime(from_seconds(t)), sample_of(1, DeviceTime(from_seconds(t - 0.2))));
+  };
+  hear_others(10);
+  const auto on_line = [&](std::uint16_t sensor, double device_s) {
+    return to_seconds(lines.to_line(sensor, DeviceTime(from_seconds(device_s))).time_since_epoch());
+  };
+  EXPECT_NEAR(on_line(0, 13.05), 10, 1e-3);
+  EXPECT_NEAR(on_line(1, 9.8), 10, 1e-3);
 }
 
 // The radio lies by tens of milliseconds, and more for one than for the other; the wire does not.

@@ -3,12 +3,13 @@ import type { Command, Reply } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
 
-/** The session reports a switch four times a second; what was just asked of it counts until then, this long, ms. */
+/** The session reports a switch five times a second; what was just asked of it counts until then, this long, ms. */
 const REPORTED_MS = 1000;
 
 /** A switch of the session's, as it will be once it has done what was asked. */
 class Switch {
   private asked: boolean | null = null;
+  private presses = 0;
 
   /** The other way round than it stands or was asked to stand. */
   flip(reported: boolean): boolean {
@@ -16,10 +17,16 @@ class Switch {
     return this.asked;
   }
 
-  /** After the reply: what is reported counts again. */
-  settle(reply: Reply): void {
-    if (!reply.ok) this.asked = null;
-    else window.setTimeout(() => (this.asked = null), REPORTED_MS);
+  /** Before the command of a press goes out. What it gives wants the reply; after that what is reported counts again. */
+  press(): (reply: Reply) => void {
+    const press = ++this.presses;
+    const forget = () => {
+      if (press === this.presses) this.asked = null;
+    };
+    return (reply) => {
+      if (reply.ok) window.setTimeout(forget, REPORTED_MS);
+      else forget();
+    };
   }
 }
 
@@ -41,8 +48,9 @@ export class Actions {
 
   async toggleRecording(name = ""): Promise<void> {
     const on = this.recording.flip(this.session.status.value?.recording.on ?? false);
+    const settle = this.recording.press();
     const reply = await this.send({ command: "record", on, name });
-    this.recording.settle(reply);
+    settle(reply);
     if (reply.ok && !on) void this.session.refreshTakes();
   }
 
@@ -62,7 +70,10 @@ export class Actions {
 
   async togglePause(): Promise<void> {
     const replay = this.session.status.value?.replay;
-    if (replay) this.pause.settle(await this.send({ command: "replay", paused: this.pause.flip(replay.paused) }));
+    if (!replay) return;
+    const paused = this.pause.flip(replay.paused);
+    const settle = this.pause.press();
+    settle(await this.send({ command: "replay", paused }));
   }
 
   /** In a replay the space bar pauses; live it re-centres. */
@@ -81,8 +92,7 @@ export class Actions {
   }
 
   async bind(sensor: string, device: string): Promise<void> {
-    const reply = await this.send({ command: "bind", sensor, device });
-    if (reply.ok) this.view.say("Bound. Calibrate once all sensors are in their places: this one has no neutral yet.", "good");
+    await this.send({ command: "bind", sensor, device });
   }
 
   async stopTap(): Promise<void> {

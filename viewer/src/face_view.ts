@@ -240,7 +240,7 @@ export class FaceView {
         this.secondLoading = false;
       }
     }
-    // What is wanted may have changed meanwhile; a status comes four times a second and asks again.
+    // What is wanted may have changed meanwhile; a status comes five times a second and asks again.
     if (this.second) this.stage.put("second", this.secondNow() === "none" ? null : this.second.object);
   }
 

@@ -102,6 +102,8 @@ export class Topbar {
         return "Held: nothing new is measured, this is the last face.";
       case "neutral":
         if (calibration === "running") return "Neutral while it calibrates.";
+        if ((this.session.status.value?.links ?? []).every((link) => link.state === "silent" || link.state === "unbound"))
+          return "Neutral: no sensor has been heard yet. Switch them on.";
         return calibration === "none" || calibration === "watching" || calibration === "failed"
           ? "Neutral: not calibrated yet, so nothing is measured."
           : "Neutral: nothing is measured.";

@@ -47,7 +47,8 @@ export class Stage {
   private height = 1;
   /** CSS pixels of the canvas that something else covers: the face keeps to the middle of the rest. */
   private covered = { top: 0, right: 0, bottom: 0, left: 0 };
-  private scheduled = false;
+  private scheduled = 0;  // Number of the drawing that is waited for; 0: none.
+  private asked = 0;
   private fitted = 0;
   private readonly pace: Pace;
   private readonly key: DirectionalLight;
@@ -139,9 +140,13 @@ export class Stage {
 
   /** Sees to it that a picture is drawn at the display's next refresh. */
   wake(): void {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    const next = () => requestAnimationFrame((now) => this.draw(now));
+    if (this.scheduled !== 0) return;
+    this.scheduled = ++this.asked;
+    const turn = this.scheduled;
+    const next = () =>
+      requestAnimationFrame((now) => {
+        if (this.scheduled === turn) this.draw(now);
+      });
     const rest = this.pace.rest;
     if (rest > 0) window.setTimeout(next, rest);
     else next();
@@ -221,7 +226,7 @@ export class Stage {
   }
 
   private draw(nowMs: number): void {
-    this.scheduled = false;
+    this.scheduled = 0;
     // Before the picture: a canvas that has changed its size is empty.
     if (this.pace.drew(nowMs)) this.size();
     const more = this.onDraw(nowMs);
