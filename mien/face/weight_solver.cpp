@@ -1,0 +1,138 @@
+#include "mien/face/weight_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/core/time.h"
+
+namespace mien::face {
+namespace {
+
+/// A sweep in which no weight moves by more has nothing left to do.
+constexpr double kDone = 5e-4;
+constexpr double kMmPerM = 1000;
+
+}  // namespace
+
+Result<WeightSolver> WeightSolver::create(Eigen::VectorXd neutral_m, Eigen::MatrixXd shapes_m,
+                                          std::span<const ShapeRule> rules,
+                                          const WeightSolverSettings& settings) {
+  if (neutral_m.size() == 0 || neutral_m.size() % 3 != 0 || shapes_m.rows() != neutral_m.size() ||
+      shapes_m.cols() != static_cast<Eigen::Index>(kShapeCount))
+    return fail(ErrorCode::mismatch, "the points and what the shapes do to them are not of one size",
+                "weight solver");
+  if (!neutral_m.allFinite() || !shapes_m.allFinite())
+    return fail(ErrorCode::out_of_range, "a point that is not finite", "weight solver");
+  for (const double cost : {settings.rest, settings.smooth, settings.exclusive, settings.together})
+    if (!(cost >= 0) || !std::isfinite(cost))
+      return fail(ErrorCode::out_of_range, "a setting below 0, or not finite", "weight solver");
+  WeightSolver solver;
+  solver.settings_ = settings;
+  for (const ShapeRule& rule : rules) {
+    if (rule.a >= kShapeCount || rule.b >= kShapeCount || rule.a == rule.b)
+      return fail(ErrorCode::out_of_range, "a rule of shapes that are none", "weight solver");
+    solver.sides_[rule.a].push_back({rule.kind, static_cast<Eigen::Index>(rule.b)});
+    if (rule.kind == ShapeRule::Kind::at_most)
+      solver.correctives_.push_back(rule);
+    else
+      solver.sides_[rule.b].push_back({rule.kind, static_cast<Eigen::Index>(rule.a)});
+  }
+  solver.neutral_mm_ = kMmPerM * neutral_m;
+  solver.shapes_mm_ = kMmPerM * shapes_m;
+  const auto shapes = static_cast<Eigen::Index>(kShapeCount);
+  solver.weighted_mm_ = Eigen::VectorXd::Zero(neutral_m.size());
+  solver.target_ = solver.weights_ = solver.before_ = solver.fitted_ = Eigen::VectorXd::Zero(shapes);
+  solver.normal_ = Eigen::MatrixXd::Zero(shapes, shapes);
+  solver.trust_.assign(solver.point_count(), 0.0);
+  return solver;
+}
+
+void WeightSolver::reset() {
+  weights_.setZero();
+  fitted_.setZero();
+}
+
+/// The normal matrix changes only when points come and go.
+void WeightSolver::weigh(const Eigen::VectorXd& points_m, std::span<const double> trust) {
+  bool changed = false;
+  for (std::size_t i = 0; i < trust_.size(); ++i) {
+    const bool there = points_m.segment<3>(static_cast<Eigen::Index>(3 * i)).allFinite();
+    const double now = there && i < trust.size() ? std::clamp(trust[i], 0.0, 1.0) : there && trust.empty();
+    changed = changed || trust_[i] != now;
+    trust_[i] = now;
+  }
+  if (!changed) return;
+  normal_.setZero();
+  for (std::size_t i = 0; i < trust_.size(); ++i) {
+    if (trust_[i] == 0) continue;
+    const auto rows = shapes_mm_.middleRows<3>(static_cast<Eigen::Index>(3 * i));
+    normal_.noalias() += trust_[i] * rows.transpose() * rows;
+  }
+  fitted_.noalias() = normal_ * weights_;
+}
+
+/// One pass over the shapes; returns the largest change.
+double WeightSolver::sweep(double smooth) {
+  double largest = 0;
+  for (Eigen::Index k = 0; k < weights_.size(); ++k) {
+    double slope =
+        fitted_[k] - target_[k] + settings_.rest * weights_[k] + smooth * (weights_[k] - before_[k]);
+    double curve = normal_(k, k) + settings_.rest + smooth;
+    double most = 1;
+    for (const Side& side : sides_[static_cast<std::size_t>(k)]) {
+      const double other = weights_[side.other];
+      switch (side.kind) {
+        case ShapeRule::Kind::exclusive:
+          slope += settings_.exclusive * other;
+          break;
+        case ShapeRule::Kind::together:
+          slope += settings_.together * (weights_[k] - other);
+          curve += settings_.together;
+          break;
+        case ShapeRule::Kind::at_most:
+          most = std::min(most, other);
+          break;
+      }
+    }
+    if (!(curve > 0)) continue;  // Nobody sees this shape, and nothing holds it.
+    const double next = std::clamp(weights_[k] - slope / curve, 0.0, most);
+    const double change = next - weights_[k];
+    if (change == 0) continue;
+    weights_[k] = next;
+    fitted_.noalias() += change * normal_.col(k);
+    largest = std::max(largest, std::abs(change));
+  }
+  return largest;
+}
+
+void WeightSolver::solve(const Eigen::VectorXd& points_m, std::span<const double> trust, double dt_s,
+                         BlendshapeWeights& weights) {
+  weigh(points_m, trust);
+  for (std::size_t i = 0; i < trust_.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(3 * i);
+    if (trust_[i] > 0)
+      weighted_mm_.segment<3>(at) =
+          trust_[i] * (kMmPerM * points_m.segment<3>(at) - neutral_mm_.segment<3>(at));
+    else
+      weighted_mm_.segment<3>(at).setZero();
+  }
+  target_.noalias() = shapes_mm_.transpose() * weighted_mm_;
+  before_ = weights_;
+  // The longer ago the frame before was, the less it says.
+  const double frames = std::max(dt_s * kFrameRateHz, 1e-3);
+  const double smooth = settings_.smooth / frames;
+  for (int i = 0; i < settings_.sweeps; ++i)
+    if (sweep(smooth) < kDone) break;
+  // A shape that another may not exceed has moved last: its bound holds at the end too.
+  for (const ShapeRule& rule : correctives_) {
+    const auto a = static_cast<Eigen::Index>(rule.a);
+    const double over = weights_[a] - weights_[static_cast<Eigen::Index>(rule.b)];
+    if (over <= 0) continue;
+    weights_[a] -= over;
+    fitted_.noalias() -= over * normal_.col(a);
+  }
+  for (std::size_t k = 0; k < kShapeCount; ++k)
+    weights[k] = static_cast<float>(weights_[static_cast<Eigen::Index>(k)]);
+}
+
+}  // namespace mien::face

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/profile.h"
+#include "mien/face/rig_constraints.h"
+
+namespace mien::face {
+
+/// All of these are squared millimetres of one coordinate a unit of weight, summed over the points: what is
+/// gained by fitting a millimetre better must outweigh them.
+struct WeightSolverSettings {
+  /// Pull to zero. Raising uses fewer and smaller shapes where the points do not tell.
+  double rest = 0.5;
+  /// Pull to the frame before, at 60 frames a second. Raising is calmer and later.
+  double smooth = 2.0;
+  /// Cost of both of an exclusive pair at full weight.
+  double exclusive = 40.0;
+  /// Cost of a pair that should be alike and is a whole weight apart.
+  double together = 1.0;
+  /// Sweeps over all shapes at most. A frame that moves little needs three or four.
+  int sweeps = 40;
+};
+
+/// From where points of the skin are to the weights that bring a face's own points there: least squares
+/// within [0, 1] and the rules of the face, calm from frame to frame. Starts each frame from the last one's
+/// answer, which makes it a pure function of the calls. Method: coordinate descent on the 53 weights, which
+/// minimises exactly along each and keeps bounds for nothing (Tseng 2001, doi:10.1023/A:1017501703105).
+/// Thread: one at a time. No allocation in solve().
+class WeightSolver {
+ public:
+  /// `neutral_m`: the points at neutral, x, y, z of the first, then of the next (size 3V); `shapes_m`: their
+  /// displacement per unit weight, 3V x 53; metres, frame H. Errors: mismatch (sizes), out_of_range (numbers
+  /// that are not finite, no points, settings below 0).
+  [[nodiscard]] static Result<WeightSolver> create(Eigen::VectorXd neutral_m, Eigen::MatrixXd shapes_m,
+                                                   std::span<const ShapeRule> rules = natural_rules(),
+                                                   const WeightSolverSettings& settings = {});
+
+  /// The weights for points at `points_m` (size 3V). `trust` (size V, or empty: all 1) is each point's share
+  /// of its weight, 0 to 1; 0, and a place that is not finite, leaves it out. `dt_s`: since the frame before.
+  void solve(const Eigen::VectorXd& points_m, std::span<const double> trust, double dt_s,
+             BlendshapeWeights& weights);
+  /// Begins anew from neutral.
+  void reset();
+  [[nodiscard]] std::size_t point_count() const { return static_cast<std::size_t>(neutral_mm_.size()) / 3; }
+
+ private:
+  WeightSolver() = default;
+  void weigh(const Eigen::VectorXd& points_m, std::span<const double> trust);
+  double sweep(double smooth);
+
+  WeightSolverSettings settings_;
+  /// What a rule asks of one of its shapes, by the other's weight.
+  struct Side {
+    ShapeRule::Kind kind;
+    Eigen::Index other;
+  };
+  std::array<std::vector<Side>, kShapeCount> sides_;
+  std::vector<ShapeRule> correctives_;  // Those of the kind at_most.
+  Eigen::VectorXd neutral_mm_;
+  Eigen::MatrixXd shapes_mm_;  // 3V x 53.
+  Eigen::MatrixXd normal_;     // 53 x 53, of the trust in force.
+  std::vector<double> trust_;
+  Eigen::VectorXd weighted_mm_;  // Trusted residual of a frame; its memory.
+  Eigen::VectorXd target_;       // 53.
+  Eigen::VectorXd weights_;
+  Eigen::VectorXd before_;
+  Eigen::VectorXd fitted_;  // normal_ * weights_, kept up to date.
+};
+
+}  // namespace mien::face
