@@ -16,6 +16,8 @@ using sensor::Verdict;
 constexpr std::size_t kMaxPacketBytes = 36 + 4 * kMaxChannels;
 /// Lines in a row that must agree on their number of values: two damaged ones may look alike, not eight.
 constexpr int kAgreed = 8;
+/// After so long without a line of the right number others are looked at: another sketch was uploaded.
+constexpr Duration kDoubt = std::chrono::milliseconds(500);
 /// Sketches print 10 to 1000 lines a second.
 const sensor::EstimatedClockSettings kTextClock = {.min_period = std::chrono::milliseconds(1),
                                                    .max_period = std::chrono::milliseconds(100)};
@@ -81,15 +83,9 @@ std::uint8_t EyewearProtocol::bits_of(const TextDevice& device) const {
 Verdict EyewearProtocol::take_line(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
                                    Inbox& inbox) {
   const auto line = parse_text_line(bytes);
-  // Noise makes no device.
-  const bool known = std::ranges::find(devices_, peer, &TextDevice::peer) != devices_.end();
-  if (!line && !known) return Verdict::malformed;
+  if (!line) return Verdict::malformed;
   TextDevice* device = device_of(peer);
   if (device == nullptr) return Verdict::refused;
-  if (!line) {
-    ++device->lines;
-    return Verdict::malformed;
-  }
   if (std::holds_alternative<TextComment>(*line)) return Verdict::ignored;
   if (const auto* header = std::get_if<TextHeader>(&*line)) {
     device->header = *header;
@@ -105,7 +101,6 @@ Verdict EyewearProtocol::take_line(HostTime arrival, sensor::Peer peer, std::spa
 
 Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const TextValues& line,
                                      Inbox& inbox) const {
-  ++device.lines;
   const std::size_t per_channel = device.header.pairs ? 2 : 1;
   const std::int32_t full_scale = (1 << bits_of(device)) - 1;
   const auto values = std::span(line.values).first(line.count);
@@ -116,15 +111,21 @@ Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const
       !std::ranges::all_of(values, within))
     return Verdict::malformed;
 
-  device.agreed = device.candidate == values.size() ? std::min(device.agreed + 1, kAgreed) : 1;
-  device.candidate = values.size();
-  if (device.agreed == kAgreed) device.columns = device.candidate;
-  if (device.columns == 0) {
-    inbox.alive = {device.id, 0};
-    return Verdict::taken;
+  // What is malformed leaves no trace here: a log does not keep it, and a replay must decode alike.
+  if (values.size() != device.columns) {
+    if (device.columns != 0 && arrival - device.believed < kDoubt) return Verdict::malformed;
+    device.agreed = device.candidate == values.size() ? device.agreed + 1 : 1;
+    device.candidate = values.size();
+    if (device.agreed < kAgreed) {
+      inbox.alive = {device.id, 0};
+      return Verdict::taken;
+    }
+    device.columns = values.size();
   }
-  if (values.size() != device.columns) return Verdict::malformed;
+  device.believed = arrival;
+  device.agreed = 0;
 
+  ++device.lines;
   sensor::Sample sample;
   sample.kind = sensor::SampleKind::photo_reflective;
   sample.sequence = static_cast<std::uint32_t>(device.lines);

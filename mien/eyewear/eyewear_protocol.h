@@ -25,9 +25,10 @@ struct EyewearProtocolSettings {
 /// photo_reflective sample a scan; it is saturated at the upper end of the converter's range.
 ///
 /// Of a text device nothing is believed before eight lines in a row have one number of values: the first may
-/// be half a line. From then on a line with another number is malformed, unless eight in a row agree on it. A
-/// header begins anew. Lines carry no time: it is estimated from the arrivals, for all sensors of a line
-/// alike, from 10 to 1000 lines a second. A sample's sequence counts the lines, malformed ones too.
+/// be half a line. From then on a line with another number is malformed; but when none with the right one
+/// came for half a second, eight others in a row are believed. A header begins anew. Lines carry no time: it
+/// is estimated from the arrivals, for all sensors of a line alike, from 10 to 1000 lines a second. A
+/// sample's sequence counts the lines that were understood.
 class EyewearProtocol final : public sensor::Protocol {
  public:
   /// Errors: bad_usage (bits).
@@ -46,8 +47,9 @@ class EyewearProtocol final : public sensor::Protocol {
     std::uint64_t id = 0;
     TextHeader header;
     std::size_t columns = 0;    // Values of a line; 0 until they are believed.
-    std::size_t candidate = 0;  // Those of the newest lines,
-    int agreed = 0;             // and how many of these there were in a row.
+    HostTime believed;          // The newest line of so many.
+    std::size_t candidate = 0;  // Values of the newest lines while none is believed,
+    int agreed = 0;             // and how many such lines there were in a row.
     std::uint64_t lines = 0;
     sensor::EstimatedClock clock;
   };
