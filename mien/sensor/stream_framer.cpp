@@ -15,8 +15,8 @@ bool is_printable(std::byte byte) {
 
 std::span<const std::byte> StreamFramer::add(std::byte byte) {
   if (byte == kZero) return end(false);
-  if (byte == kNewline && (printable_ || after_line_)) return end(true);
-  printable_ = printable_ && is_printable(byte);
+  if (byte == kNewline && (after_line_ || (printable_ && size_ > 0))) return end(true);
+  printable_ = printable_ && (is_printable(byte) || (byte == kNewline && size_ == 0));
   if (size_ < frame_.size())
     frame_[size_++] = byte;
   else
@@ -25,15 +25,16 @@ std::span<const std::byte> StreamFramer::add(std::byte byte) {
 }
 
 std::span<const std::byte> StreamFramer::end(bool newline) {
-  std::size_t size = size_;
-  if (newline && size > 0 && frame_[size - 1] == kReturn) --size;
+  auto frame = std::span<const std::byte>(frame_).first(size_);
+  if (newline && !frame.empty() && frame.front() == kNewline) frame = frame.subspan(1);
+  if (newline && !frame.empty() && frame.back() == kReturn) frame = frame.first(frame.size() - 1);
   const bool dropped = too_long_;
   if (dropped) ++overlong_;
   size_ = 0;
   too_long_ = false;
   printable_ = true;
   after_line_ = newline;
-  return dropped ? std::span<const std::byte>() : std::span<const std::byte>(frame_).first(size);
+  return dropped ? std::span<const std::byte>() : frame;
 }
 
 void StreamFramer::restart() {

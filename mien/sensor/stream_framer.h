@@ -10,8 +10,9 @@ namespace mien::sensor {
 /// Cuts a stream of bytes, as a serial line gives it, into frames, without knowing what they mean. A frame
 /// ends at 0x00, where binary frames end that are stuffed (core/cobs.h); or at a newline, when all its bytes
 /// are printable text, or when the frame before it ended at one: then a damaged line costs itself alone. A
-/// carriage return before the newline is left out, and so are frames of no bytes. Longer ones than kMaxFrame
-/// are dropped whole and counted. No allocation. Thread: one at a time.
+/// newline that is a frame's first byte may be a stuffed frame's first code, and is left out of lines. A
+/// carriage return before the newline is left out too, and so are frames of no bytes. Longer ones than
+/// kMaxFrame are dropped whole and counted. No allocation. Thread: one at a time.
 class StreamFramer {
  public:
   static constexpr std::size_t kMaxFrame = 512;
