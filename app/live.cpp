@@ -27,6 +27,13 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
   nlohmann::ordered_json sinks = nlohmann::ordered_json::array();
   for (const sink::Status& sink : summary.sinks)
     sinks.push_back({{"address", sink.address}, {"sent", sink.sent}, {"failed", sink.failed}});
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  for (const live::SerialPort::Status& line : summary.lines)
+    lines.push_back({{"address", line.address},
+                     {"open", line.open},
+                     {"unplugged", line.unplugged},
+                     {"bytes", line.bytes},
+                     {"overlong", line.overlong}});
   nlohmann::ordered_json links = nlohmann::ordered_json::array();
   for (const live::Report::Link& link : summary.report.links)
     links.push_back({{"device", link.device},
@@ -53,6 +60,7 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
           {"take", summary.take ? nlohmann::ordered_json(summary.take->string()) : nlohmann::ordered_json()},
           {"recording_error", summary.recording_error},
           {"sinks", std::move(sinks)},
+          {"lines", std::move(lines)},
           {"links", std::move(links)}};
 }
 
@@ -144,8 +152,9 @@ void add_live_command(Commands& commands) {
       [options] { return run(*options); });
   CLI::Option* listen = command->add_option(
       "--listen", request.listen,
-      "Where devices send to: udp://HOST:PORT; may be given often. Our own nodes and SlimeVR's "
-      "are told apart by what they say (default: udp://0.0.0.0:5005 and udp://0.0.0.0:6969)");
+      "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; may be "
+      "given often. Devices' languages are told apart by what they say (default: udp://0.0.0.0:5005 and "
+      "udp://0.0.0.0:6969)");
   CLI::Option* sinks = command->add_option(
       "--out", request.out,
       "Where the face goes: livelink://, vmc://, vrchat://, ifacialmocap://, ws://HOST[:PORT] "

@@ -119,6 +119,10 @@ Result<LiveSession> open_live(LiveRequest request) {
   }
   MIEN_TRY_ASSIGN(settings.page, page_settings(request, *out.face_glb));
 
+  const auto serial = [](const std::string& address) { return address.starts_with("serial:"); };
+  if (!keys.empty() && std::ranges::any_of(request.listen, serial))
+    return fail(ErrorCode::bad_usage, "with a key only sealed packets are heard, and none come by cable",
+                "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
   if (settings.listen.empty()) settings.listen = {"udp://0.0.0.0:5005", "udp://0.0.0.0:6969"};
   settings.out = request.out;

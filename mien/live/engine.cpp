@@ -113,6 +113,7 @@ struct Engine::State {
   void send_frame(const Answer& answer);
   void wait_for_beat();
   void on_beat();
+  void tell_of_lines();
   [[nodiscard]] Status status() const;
   void on_message(std::uint64_t client, std::string_view text);
   void answer(std::uint64_t client, std::string_view text);
@@ -140,6 +141,7 @@ struct Engine::State {
   std::unique_ptr<PageServer> page;
   std::vector<std::string> listening;
   std::vector<Outlet> outlets;
+  std::vector<bool> lines_open;  // As it was said last.
   std::int64_t next_sink = 1;
 
   Latencies latency;
@@ -258,6 +260,7 @@ void Engine::State::on_beat() {
     tell("recording_failed", "this session cannot be recorded: " + recorded.unable);
   }
   unable_to_record = recorded.unable;
+  tell_of_lines();
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
     // A receiver that is there and not there by turns is told of once.
@@ -276,6 +279,20 @@ void Engine::State::on_beat() {
     page->send(status_json(status(), session->rig()));
 }
 
+void Engine::State::tell_of_lines() {
+  const std::vector<SerialPort::Status> lines = intake.lines();
+  lines_open.resize(lines.size(), true);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].open == lines_open[i]) continue;
+    lines_open[i] = lines[i].open;
+    if (lines[i].open)
+      tell("line_back", lines[i].address + " is back");
+    else
+      tell("line_lost",
+           lines[i].address + " is " + lines[i].problem + "; it is opened again when it is back");
+  }
+}
+
 Status Engine::State::status() const {
   Status out;
   out.report = loop.report();
@@ -286,6 +303,7 @@ Status Engine::State::status() const {
   out.p99 = recent.percentile(0.99);
   out.largest = recent.largest();
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
+  out.lines = intake.lines();
   out.recording = recorder.state();
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
@@ -482,7 +500,6 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,
   s.loop.stop();
   s.take_answers();
   s.wake.release();
-  s.intake.close();
 
   EngineSummary out;
   out.frames = s.session->frames();
@@ -492,6 +509,9 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,
   const Intake::Counts& counts = s.intake.counts();
   out.datagrams = counts.received;
   out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.overrun;
+  out.lines = s.intake.lines();
+  for (const SerialPort::Status& line : out.lines) out.dropped += line.overlong;
+  s.intake.close();
   s.session->report(s.now(), out.report);
   out.evicted = counts.evicted;
   out.malformed = out.report.malformed;

@@ -13,6 +13,7 @@
 #include "mien/live/latency.h"
 #include "mien/live/page_server.h"
 #include "mien/live/player.h"
+#include "mien/live/serial_port.h"
 #include "mien/live/session.h"
 #include "mien/sink/sink.h"
 #include "mien/take/take.h"
@@ -21,7 +22,7 @@ namespace mien::live {
 
 /// What a live session is asked for.
 struct EngineSettings {
-  std::vector<std::string> listen;  ///< udp://HOST:PORT, one or more.
+  std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
   std::vector<std::string> out;     ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.
@@ -46,6 +47,7 @@ struct EngineSummary {
   std::uint64_t evicted = 0;  ///< Senders that were forgotten for others; none of them said anything sound.
   std::uint64_t malformed = 0;
   std::vector<sink::Status> sinks;
+  std::vector<SerialPort::Status> lines;  ///< Serial ones.
   std::optional<std::filesystem::path> take;
   std::string recording_error;
   Report report;  ///< The last.

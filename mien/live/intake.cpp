@@ -54,9 +54,11 @@ Intake::Intake(asio::io_context& network, Clock clock)
 Intake::~Intake() = default;
 
 Result<std::string> Intake::listen(std::string_view address) {
+  if (address.starts_with("serial:")) return listen_serial(address);
   const auto bad = [&](std::string what) {
     return fail(ErrorCode::bad_usage, std::move(what), std::string(address),
-                "write it as udp://127.0.0.1:5005, or udp://0.0.0.0:5005 for the whole network");
+                "write it as udp://127.0.0.1:5005, udp://0.0.0.0:5005 for the whole network, or "
+                "serial:/dev/ttyUSB0");
   };
   std::string_view rest = address;
   if (rest.starts_with("udp://")) rest.remove_prefix(6);
@@ -133,19 +135,53 @@ void Intake::take(Port& port, std::size_t size) {
         fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port());
     peer.budget = {kMaxRatePerPeer - 1, now};
     peer.met = counts_.received;
+    met_ = std::max<std::size_t>(met_, *place + 1);
     known = known_.emplace(port.from, *place).first;
   }
   PeerState& peer = peers_[known->second];
   peer.port = &port;  // Answers go out where it last came in.
-  const std::span<std::byte> room = ring_.claim(sizeof(Head) + size);
+  hand_over(known->second, now, std::span(port.bytes).first(size));
+}
+
+Result<std::string> Intake::listen_serial(std::string_view address) {
+  MIEN_TRY_ASSIGN(const SerialAddress line, parse_serial_address(address));
+  if (std::ranges::any_of(lines_, [&](const auto& l) { return l->status().address == line.source(); }))
+    return fail(ErrorCode::bad_usage, "given twice", line.source(), "leave one out");
+  const auto place = place_for_another();
+  if (!place) return fail(ErrorCode::bad_usage, "too many lines", line.source());
+  MIEN_TRY_ASSIGN(std::unique_ptr<SerialPort> opened,
+                  SerialPort::open(network_, line, [this, peer = *place](std::span<const std::byte> frame) {
+                    take_frame(peer, frame);
+                  }));
+  lines_.push_back(std::move(opened));
+  PeerState& peer = peers_[*place];
+  peer.port = nullptr;
+  peer.name = line.source();
+  peer.budget = {kMaxRatePerPeer, clock_()};
+  peer.vouched = true;  // It was asked for.
+  met_ = std::max<std::size_t>(met_, *place + 1);
+  return fmt::format("{}?baud={}", line.source(), line.baud);
+}
+
+void Intake::take_frame(sensor::Peer peer, std::span<const std::byte> frame) {
+  const HostTime now = clock_();
+  ++counts_.received;
+  if (peers_[peer].budget.spend(now, kMaxRatePerPeer))
+    hand_over(peer, now, frame);
+  else
+    ++counts_.too_fast;
+}
+
+void Intake::hand_over(sensor::Peer peer, HostTime now, std::span<const std::byte> datagram) {
+  const std::span<std::byte> room = ring_.claim(sizeof(Head) + datagram.size());
   if (room.empty()) {
     ++counts_.overrun;
     return;
   }
-  const Head head{Arrived::Kind::datagram, known->second, now, 0, 0};
+  const Head head{Arrived::Kind::datagram, peer, now, 0, 0};
   std::memcpy(room.data(), &head, sizeof(head));
-  if (size > 0) std::memcpy(room.data() + sizeof(head), port.bytes.data(), size);
-  ++peer.handed_over;
+  if (!datagram.empty()) std::memcpy(room.data() + sizeof(head), datagram.data(), datagram.size());
+  ++peers_[peer].handed_over;
   ring_.publish();
   signal_.give();
 }
@@ -153,7 +189,7 @@ void Intake::take(Port& port, std::size_t size) {
 /// A free place in the table, or that of whom has to go: the oldest of those who never sent anything that was
 /// understood, and of whom nothing is on its way to be.
 std::optional<sensor::Peer> Intake::place_for_another() {
-  if (known_.size() < kMaxPeers) return static_cast<sensor::Peer>(known_.size());
+  if (met_ < kMaxPeers) return static_cast<sensor::Peer>(met_);
   const PeerState* oldest = nullptr;
   for (const PeerState& peer : peers_) {
     const bool judged = peer.judged.load(std::memory_order_acquire) == peer.handed_over;
@@ -178,7 +214,7 @@ bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view
 }
 
 void Intake::send(sensor::Peer peer, std::span<const std::byte> datagram) {
-  if (peer >= known_.size()) return;
+  if (peer >= met_ || peers_[peer].port == nullptr) return;
   boost::system::error_code ignored;  // Nobody there, or no room: said again when it is due.
   peers_[peer].port->socket.send_to(asio::buffer(datagram.data(), datagram.size()), peers_[peer].endpoint, 0,
                                     ignored);
@@ -187,6 +223,13 @@ void Intake::send(sensor::Peer peer, std::span<const std::byte> datagram) {
 void Intake::close() {
   boost::system::error_code ignored;
   for (const auto& port : ports_) port->socket.close(ignored);
+  for (const auto& line : lines_) line->close();
+}
+
+std::vector<SerialPort::Status> Intake::lines() const {
+  std::vector<SerialPort::Status> all;
+  for (const auto& line : lines_) all.push_back(line->status());
+  return all;
 }
 
 std::optional<Arrived> Intake::front() {

@@ -16,6 +16,7 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/live/byte_ring.h"
+#include "mien/live/serial_port.h"
 #include "mien/live/signal.h"
 #include "mien/sensor/protocol.h"
 
@@ -33,9 +34,10 @@ struct Arrived {
 };
 
 /// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
-/// hands over. What is too much, too long or from too many is dropped and counted. When the table of senders
-/// is full, the oldest that never said anything that was understood gives its place to the next: addresses
-/// that somebody invents keep no device out. Network thread, but where said otherwise.
+/// hands over. A serial line is one sender, and its frames are datagrams. What is too much, too long or from
+/// too many is dropped and counted. When the table of senders is full, the oldest that never said anything
+/// that was understood gives its place to the next: addresses that somebody invents keep no device out.
+/// Network thread, but where said otherwise.
 class Intake {
  public:
   /// No device of ours sends more than 300 a second.
@@ -49,13 +51,16 @@ class Intake {
   Intake(boost::asio::io_context& network, Clock clock);
   ~Intake();
 
-  /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Returns the address as text with its
-  /// port. Errors: bad_usage (not an address, taken), not_found.
+  /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Or on serial:DEVICE[?baud=RATE].
+  /// Returns the address as text with its port or rate. Errors: bad_usage (not an address, taken), not_found.
   [[nodiscard]] Result<std::string> listen(std::string_view address);
   /// As if it had been received; for commands of the page. False: no room.
   bool command(std::uint64_t client, std::int64_t number, std::string_view json);
+  /// To where a peer's datagrams come from. On serial lines nothing is said.
   void send(sensor::Peer peer, std::span<const std::byte> datagram);
   void close();
+  /// How the serial lines are, in the order in which they were asked for.
+  [[nodiscard]] std::vector<SerialPort::Status> lines() const;
 
   // Tracker's thread.
   /// The oldest, valid until release(); none when all is taken.
@@ -65,7 +70,8 @@ class Intake {
   void vouch(sensor::Peer peer);
   [[nodiscard]] Signal& signal() { return signal_; }
 
-  /// Source text of a peer: "udp://192.168.1.7:5005". Any thread, of one that was vouched for.
+  /// Source text of a peer: "udp://192.168.1.7:5005", "serial:/dev/ttyUSB0". Any thread, of one that was
+  /// vouched for.
   [[nodiscard]] const std::string& peer_name(sensor::Peer peer) const { return peers_[peer].name; }
 
   struct Counts {
@@ -87,7 +93,7 @@ class Intake {
   };
   struct PeerState {
     boost::asio::ip::udp::endpoint endpoint;
-    Port* port = nullptr;
+    Port* port = nullptr;  // None: a serial line.
     std::string name;
     Budget budget;
     std::uint64_t met = 0;                  // Lower: earlier.
@@ -98,15 +104,20 @@ class Intake {
   std::optional<sensor::Peer> place_for_another();
   void receive(Port& port);
   void take(Port& port, std::size_t size);
+  Result<std::string> listen_serial(std::string_view address);
+  void take_frame(sensor::Peer peer, std::span<const std::byte> frame);
+  void hand_over(sensor::Peer peer, HostTime now, std::span<const std::byte> datagram);
 
   boost::asio::io_context& network_;
   Clock clock_;
   ByteRing ring_;
   Signal signal_;
   std::vector<std::unique_ptr<Port>> ports_;
+  std::vector<std::unique_ptr<SerialPort>> lines_;
   // Names are written before a peer's first datagram is handed over, and again only for another peer when all
   // of the first's were judged and none was understood: what is in a log has its name for ever.
   std::array<PeerState, kMaxPeers> peers_;
+  std::size_t met_ = 0;                // So many of these places were given out.
   std::optional<sensor::Peer> front_;  // Tracker's thread: who sent what front() gave.
   /// By where they send from, whatever port they send to: as a replay tells them apart.
   std::map<boost::asio::ip::udp::endpoint, sensor::Peer> known_;

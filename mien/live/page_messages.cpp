@@ -124,6 +124,12 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
                      {"rate_hz", rounded(sink.status.rate_hz)},
                      {"receivers", sink.status.receivers ? json(*sink.status.receivers) : json()},
                      {"note", sink.status.note}});
+  json lines = json::array();
+  for (const SerialPort::Status& line : status.lines)
+    lines.push_back({{"address", line.address},
+                     {"open", line.open},
+                     {"unplugged", line.unplugged},
+                     {"note", line.problem}});
   json replay = nullptr;
   if (status.replay)
     replay = {{"take", status.replay->take},
@@ -145,6 +151,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
                {"unbound", std::move(unbound)},
                {"calibration", calibration_json(status.report.calibration)},
                {"sinks", std::move(sinks)},
+               {"lines", std::move(lines)},
                {"recording",
                 {{"on", recording.on},
                  {"path", recording.path.string()},

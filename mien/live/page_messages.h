@@ -9,6 +9,7 @@
 #include "mien/live/latency.h"
 #include "mien/live/recorder.h"
 #include "mien/live/report.h"
+#include "mien/live/serial_port.h"
 #include "mien/sensor/rig.h"
 #include "mien/sink/json_frame.h"
 #include "mien/sink/sink.h"
@@ -39,6 +40,7 @@ struct Status {
   std::uint64_t missed = 0;
   Duration p50{}, p99{}, largest{};
   std::vector<SinkState> sinks;
+  std::vector<SerialPort::Status> lines;  ///< Serial ones that devices speak on.
   Recorder::State recording;
   double recording_megabytes = 0;
   std::optional<ReplayState> replay;

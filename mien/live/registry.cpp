@@ -2,8 +2,10 @@
 
 #include <sodium.h>
 
+#include <algorithm>
 #include <utility>
 
+#include "mien/eyewear/eyewear_protocol.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/node_protocol.h"
 #include "mien/imu/slimevr_protocol.h"
@@ -14,6 +16,9 @@ namespace mien::live {
 Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, model::ModelFile live_model,
                                               const shaping::ShaperSettings& shaping,
                                               const std::vector<PairingKey>& keys) {
+  if (std::ranges::find(rig.sensors, "photo", &sensor::Mount::kind) != rig.sensors.end())
+    return fail(ErrorCode::unsupported, "this version has no tracker for photo-reflective sensors",
+                "rig " + rig.name, "use a rig of IMUs");
   Session::Parts parts;
   parts.rig = rig;
   parts.shaping = shaping;
@@ -29,8 +34,13 @@ Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, model::Mod
   } while (nodes.session == 0);
   for (const PairingKey& key : keys) nodes.keys.push_back({key.id, key.secret});
   MIEN_TRY_ASSIGN(imu::NodeProtocol node_protocol, imu::NodeProtocol::create(std::move(nodes)));
+  // The other languages know no keys: whoever asks for them hears our own nodes only. Eyewear's packets begin
+  // as nodes' do, so they are asked about first.
+  if (keys.empty()) {
+    MIEN_TRY_ASSIGN(eyewear::EyewearProtocol eyewear_protocol, eyewear::EyewearProtocol::create());
+    parts.protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(std::move(eyewear_protocol)));
+  }
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(std::move(node_protocol)));
-  // SlimeVR's language knows no keys: whoever asks for them hears our own nodes only.
   if (keys.empty()) parts.protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
   return Session::create(std::move(parts));
 }

@@ -21,8 +21,8 @@ struct PairingKey {
 };
 
 /// A session for a rig: its sensors' tracker with this live model, and every language that such sensors
-/// speak. With keys only what is sealed by one of them is heard. Errors: the model's (mismatch: another
-/// rig's), the session's.
+/// speak. With keys only what is sealed by one of them is heard, so nothing on serial lines. Errors:
+/// unsupported (photo-reflective sensors), the model's (mismatch: another rig's), the session's.
 [[nodiscard]] Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig,
                                                             model::ModelFile live_model,
                                                             const shaping::ShaperSettings& shaping = {},

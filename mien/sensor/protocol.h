@@ -80,7 +80,8 @@ using Peer = std::uint32_t;
 
 /// A language that devices speak: datagrams in, readings out, and what must be said back. What receive() puts
 /// into the inbox's readings, announcements, batteries and pulses is a pure function of the datagrams
-/// received so far and their arrivals: live and replay decode alike. Thread: one at a time.
+/// received so far and their arrivals: live and replay decode alike. What is malformed or refused must leave
+/// no trace in it, since no log keeps that. Thread: one at a time.
 class Protocol {
  public:
   virtual ~Protocol() = default;

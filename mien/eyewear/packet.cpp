@@ -1,0 +1,167 @@
+#include "mien/eyewear/packet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/core/bytes.h"
+
+namespace mien::eyewear {
+namespace {
+
+using sensor::Sample;
+using sensor::SampleKind;
+
+constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
+constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kTypeEyewear = 8;
+constexpr std::size_t kHeaderBytes = 32;
+constexpr std::size_t kChannelBytes = 4;
+constexpr std::size_t kChecksumBytes = 4;
+constexpr std::size_t kReservedBytes = 3;
+constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // Three years: frame numbers of it stay exact.
+
+const char* const kWhere = "eyewear packet";
+
+/// What holds for a packet whichever way it goes.
+Result<void> check(const Packet& packet) {
+  if (packet.channels < 1 || packet.channels > kMaxChannels)
+    return fail(ErrorCode::out_of_range,
+                fmt::format("{} channels, not 1 to {}", packet.channels, kMaxChannels), kWhere);
+  if (packet.adc_bits < kMinAdcBits || packet.adc_bits > kMaxAdcBits)
+    return fail(
+        ErrorCode::out_of_range,
+        fmt::format("a converter of {} bits, not {} to {}", packet.adc_bits, kMinAdcBits, kMaxAdcBits),
+        kWhere);
+  if (packet.battery_percent > 100 && packet.battery_percent != kBatteryUnknown)
+    return fail(ErrorCode::out_of_range, "a battery above 100 percent", kWhere);
+  const std::int64_t time_ns = packet.time.time_since_epoch().count();
+  if (time_ns < 0 || time_ns > static_cast<std::int64_t>(kMaxTimeUs) * 1000)
+    return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  for (std::size_t c = 0; c < packet.channels; ++c)
+    if (std::max(packet.light[c].on, packet.light[c].off) > packet.full_scale())
+      return fail(ErrorCode::out_of_range, fmt::format("channel {} is beyond the converter's range", c),
+                  kWhere);
+  return {};
+}
+
+}  // namespace
+
+bool is_packet(std::span<const std::byte> bytes) {
+  return bytes.size() >= 6 && std::equal(kMagic.begin(), kMagic.end(), bytes.begin()) &&
+         bytes[5] == std::byte{kTypeEyewear};
+}
+
+Result<Packet> parse_packet(std::span<const std::byte> bytes) {
+  if (bytes.size() < kHeaderBytes + kChannelBytes + kChecksumBytes)
+    return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
+  ByteReader reader(bytes);
+  const auto magic = reader.take(kMagic.size());
+  if (!std::equal(kMagic.begin(), kMagic.end(), magic.begin()))
+    return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
+  const auto version = reader.little<std::uint8_t>();
+  if (version != kVersion)
+    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
+                "update this program or the device");
+  const auto type = reader.little<std::uint8_t>();
+  if (type != kTypeEyewear)
+    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not eyewear's", type), kWhere);
+
+  Packet packet;
+  packet.channels = reader.little<std::uint8_t>();
+  packet.adc_bits = reader.little<std::uint8_t>();
+  packet.device = reader.little<std::uint64_t>();
+  packet.sequence = reader.little<std::uint32_t>();
+  packet.battery_percent = reader.little<std::uint8_t>();
+  const auto reserved = reader.take(kReservedBytes);
+  if (std::ranges::any_of(reserved, [](std::byte b) { return b != std::byte{0}; }))
+    return fail(ErrorCode::malformed, "a reserved byte is set", kWhere);
+  const auto time_us = reader.little<std::uint64_t>();
+  if (time_us > kMaxTimeUs) return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  packet.time = DeviceTime(std::chrono::microseconds(static_cast<std::int64_t>(time_us)));
+
+  // What the length and the range depend on, before either is believed.
+  MIEN_TRY(check(packet));
+  const std::size_t expected = kHeaderBytes + packet.channels * kChannelBytes + kChecksumBytes;
+  if (bytes.size() != expected)
+    return fail(bytes.size() < expected ? ErrorCode::truncated : ErrorCode::malformed,
+                fmt::format("{} bytes, not {}", bytes.size(), expected), kWhere);
+  ByteReader checksum(bytes.last(kChecksumBytes));
+  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
+    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+
+  for (std::size_t c = 0; c < packet.channels; ++c) {
+    packet.light[c].on = reader.little<std::uint16_t>();
+    packet.light[c].off = reader.little<std::uint16_t>();
+  }
+  MIEN_TRY(check(packet));
+  return packet;
+}
+
+Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
+  MIEN_TRY(check(packet));
+  ByteWriter writer;
+  writer.append(kMagic);
+  writer.little(kVersion);
+  writer.little(kTypeEyewear);
+  writer.little(packet.channels);
+  writer.little(packet.adc_bits);
+  writer.little(packet.device);
+  writer.little(packet.sequence);
+  writer.little(packet.battery_percent);
+  for (std::size_t i = 0; i < kReservedBytes; ++i) writer.little(std::uint8_t{0});
+  writer.little(static_cast<std::uint64_t>((packet.time.time_since_epoch().count() + 500) / 1000));
+  for (std::size_t c = 0; c < packet.channels; ++c) {
+    writer.little(packet.light[c].on);
+    writer.little(packet.light[c].off);
+  }
+  writer.little(crc32(writer.bytes()));
+  return writer.release();
+}
+
+Result<Packet> make_packet(std::span<const Sample> scan, std::uint8_t adc_bits) {
+  if (scan.empty() || scan.size() > kMaxChannels)
+    return fail(ErrorCode::bad_usage, fmt::format("{} samples do not make a scan", scan.size()), kWhere);
+  Packet packet;
+  packet.channels = static_cast<std::uint8_t>(scan.size());
+  packet.adc_bits = adc_bits;
+  packet.sequence = scan.front().sequence;
+  packet.time = scan.front().time;
+  MIEN_TRY(check(packet));
+  const auto steps = [&](float share) {
+    const float within = std::clamp(share, 0.0F, 1.0F);
+    return static_cast<std::uint16_t>(std::lround(static_cast<double>(within) * packet.full_scale()));
+  };
+  for (std::size_t c = 0; c < scan.size(); ++c) {
+    const Sample& sample = scan[c];
+    if (sample.kind != SampleKind::photo_reflective || sample.count != 2 || sample.time != packet.time ||
+        sample.sequence != packet.sequence)
+      return fail(ErrorCode::bad_usage, "samples that do not belong in one scan", kWhere);
+    if (!std::isfinite(sample.values[0]) || !std::isfinite(sample.values[1]))
+      return fail(ErrorCode::out_of_range, "a value that is not finite", kWhere);
+    packet.light[c] = {steps(sample.values[0]), steps(sample.values[1])};
+  }
+  return packet;
+}
+
+Sample sample_of(const Packet& packet, std::size_t channel, std::uint16_t sensor) {
+  const auto share = [&](std::uint16_t steps) {
+    return static_cast<float>(static_cast<double>(steps) / packet.full_scale());
+  };
+  Sample sample;
+  sample.sensor = sensor;
+  sample.kind = SampleKind::photo_reflective;
+  sample.sequence = packet.sequence;
+  sample.time = packet.time;
+  sample.count = 2;
+  sample.values[0] = share(packet.light[channel].on);
+  sample.values[1] = share(packet.light[channel].off);
+  return sample;
+}
+
+bool is_saturated(const Packet& packet, std::size_t channel) {
+  return std::max(packet.light[channel].on, packet.light[channel].off) >= packet.full_scale();
+}
+
+}  // namespace mien::eyewear
