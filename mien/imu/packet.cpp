@@ -98,8 +98,9 @@ std::size_t Packet::values_per_sample() const {
       return 7;
     case SampleKind::imu_head_relative:
       return 3;
+    default:  // Other modalities' kinds are no business of this packet.
+      return 0;
   }
-  return 0;
 }
 
 double gyro_step_rad_s(std::uint8_t range_code) {

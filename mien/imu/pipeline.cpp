@@ -402,6 +402,8 @@ void Pipeline::add(HostTime arrival, const Sample& sample) {
       s.lines.add(arrival, sample);
       channel.lab.add(sample.time, vec3(sample, 0));
       return;
+    default:  // Of another modality.
+      return;
   }
 }
 
