@@ -59,8 +59,7 @@ Result<MarkerPoses> MarkerPoses::measure(const eyewear::MarkerSet& markers, doub
   for (Eigen::Index c = 0; c < scores.cols(); ++c) {
     poses.weights_.col(c) =
         centred.transpose() * scores.col(c) / std::max(scores.col(c).squaredNorm(), 1e-300);
-    const std::vector<double> values(scores.col(c).data(), scores.col(c).data() + scores.rows());
-    poses.levels_.push_back({percentile(values, kTail), 0.0, percentile(values, 1 - kTail)});
+    poses.levels_.push_back({scores.col(c).minCoeff(), 0.0, scores.col(c).maxCoeff()});
   }
   return poses;
 }

@@ -24,7 +24,7 @@ enum class Level : std::uint8_t { least, origin, most };
 class MarkerPoses {
  public:
   /// Captures `seconds` (10 or more) of a virtual performer's expressions, range of motion and speech on the
-  /// built-in face. Least and most are the 2nd and 98th percentile of the scores.
+  /// built-in face. Least and most are the scores' own.
   [[nodiscard]] static Result<MarkerPoses> measure(const eyewear::MarkerSet& markers, double seconds,
                                                    const Random& random);
 

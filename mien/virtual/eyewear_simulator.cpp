@@ -17,7 +17,7 @@ namespace {
 
 /// Skin farther than this from every sensor is left out of the rays' scene: none can see it, moved as far as
 /// skin moves.
-constexpr double kSceneRadiusM = 0.035;
+constexpr double kSceneRadiusM = 0.024;
 /// Rays of a cone: the middle one, and a ring at two thirds of its half-angle.
 constexpr std::size_t kRingRays = 6;
 constexpr double kRing = 2.0 / 3.0;
