@@ -14,13 +14,6 @@ namespace mien::study {
 namespace {
 
 constexpr std::size_t kEveryFrames = 6;  // Ten a second.
-constexpr double kTail = 0.02;
-
-double percentile(std::vector<double> values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(std::lround(share * static_cast<double>(values.size() - 1)));
-  std::ranges::nth_element(values, values.begin() + place);
-  return values[static_cast<std::size_t>(place)];
-}
 
 }  // namespace
 

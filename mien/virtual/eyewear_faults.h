@@ -43,6 +43,13 @@ struct EyewearFaults {
   double mount_tilt_deg = 0;            ///< ... and up to this about any axis.
   double slip_mm_per_sqrt_min = 0;      ///< Random walk of each axis while worn.
   double slip_deg_per_sqrt_min = 0;
+  double sway_mm =
+      0;  ///< The frame's unrest while the face and head move, each axis, about where it sits, ...
+  double sway_deg = 0;
+  double sway_s = 1;  ///< ... and how long a sway lasts (time constant).
+  double tissue_mm =
+      0;  ///< Folds and bulges of the skin that no marker and no shape tells of, at each spot, ...
+  double tissue_s = 1;    ///< ... and how long one lasts.
   double ride_up_mm = 0;  ///< How far fully raised cheeks or a fully wrinkled nose lift the frame, each.
 
   // Motion capture of the markers.

@@ -151,9 +151,12 @@ EyewearSimulator::EyewearSimulator(const EyewearWearer& wearer, const EyewearFau
       response_(1e-3 * faults.focal_peak_mm, 1e-3 * faults.falloff_mm),
       skin_(std::make_unique<Skin>(wearer)),
       sweat_(wearer.sensors.size(), 0.0),
+      tissue_m_(wearer.sensors.size(), 0.0),
       seats_(random.fork("seat")),
       slip_(random.fork("slip")),
-      skin_walk_(random.fork("skin")) {
+      skin_walk_(random.fork("skin")),
+      sways_(random.fork("sway")),
+      tissues_(random.fork("tissue")) {
   for (std::size_t s = 0; s < wearer.sensors.size(); ++s) parts_.emplace_back(faults, random.fork("part", s));
   Random clock = random.fork("clock");
   clock_.offset_s = clock.uniform(faults.clock_offset_s[0], faults.clock_offset_s[1]);
@@ -186,19 +189,31 @@ EyewearSeat EyewearSimulator::seat_with(const face::BlendshapeWeights& weights) 
   const double lift =
       mean(shape("cheekSquint_L"), shape("cheekSquint_R")) + mean(shape("noseSneer_L"), shape("noseSneer_R"));
   EyewearSeat seat = seat_;
+  seat.shift_m += sway_.shift_m;
+  seat.tilt_rad += sway_.tilt_rad;
   seat.shift_m.y() += 1e-3 * faults_.ride_up_mm * lift;
   return seat;
 }
 
 void EyewearSimulator::wait_until(double time_s) {
   const double seconds = std::max(0.0, time_s - now_s_);
-  now_s_ = std::max(now_s_, time_s);
   const double root_min = std::sqrt(seconds / 60);
   seat_.shift_m += normal_vector(slip_, 1e-3 * faults_.slip_mm_per_sqrt_min * root_min);
   seat_.tilt_rad += normal_vector(slip_, faults_.slip_deg_per_sqrt_min * std::numbers::pi / 180 * root_min);
+  // Both stand in their own spread from the first moment on: they were there before the glasses were.
+  const double sway_kept = now_s_ > 0 ? std::exp(-seconds / faults_.sway_s) : 0.0;
+  const double sway_new = std::sqrt(1 - sway_kept * sway_kept);
+  sway_.shift_m = sway_kept * sway_.shift_m + normal_vector(sways_, 1e-3 * faults_.sway_mm * sway_new);
+  sway_.tilt_rad = sway_kept * sway_.tilt_rad +
+                   normal_vector(sways_, faults_.sway_deg * std::numbers::pi / 180 * sway_new);
+  const double tissue_kept = now_s_ > 0 ? std::exp(-seconds / faults_.tissue_s) : 0.0;
+  const double tissue_new = std::sqrt(1 - tissue_kept * tissue_kept);
+  for (double& spot_m : tissue_m_)
+    spot_m = tissue_kept * spot_m + tissues_.normal(0, 1e-3 * faults_.tissue_mm * tissue_new);
   blush_ += skin_walk_.normal(0, faults_.blush_per_sqrt_min * root_min);
   for (double& spot : sweat_) spot += skin_walk_.normal(0, faults_.sweat_per_sqrt_min * root_min);
   for (PhotoSensor& part : parts_) part.wait(seconds);
+  now_s_ = std::max(now_s_, time_s);
 }
 
 std::vector<double> EyewearSimulator::distances_m(const face::BlendshapeWeights& weights) {
@@ -224,7 +239,8 @@ std::vector<double> EyewearSimulator::reflected(const face::BlendshapeWeights& w
     for (std::size_t r = 0; r < rays.size(); ++r) {
       const Skin::Seen seen = skin_->look(sensor.position_m, rays[r]);
       // Seen from inside: the skin lies on the sensor.
-      const double distance_m = seen.cosine > 0 ? std::max(seen.distance_m, kContactM) : kContactM;
+      const double distance_m =
+          seen.cosine > 0 ? std::max(seen.distance_m - tissue_m_[s], kContactM) : kContactM;
       if (!std::isfinite(seen.distance_m)) continue;
       sum += ray_share(r) * std::abs(seen.cosine) * wearer_->pattern.at(seen.neutral_m) *
              response_.at(distance_m);

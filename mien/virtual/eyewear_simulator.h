@@ -38,8 +38,8 @@ class EyewearSimulator {
 
   /// `pairs` LED-on and LED-off readings of every sensor from true time `begin_s` on, at the pair rate: in
   /// each pair the sensors are read in turn. The face goes from `from` to `to` in that time; light is traced
-  /// at both ends and taken to change evenly between, so windows of some 50 ms are right. Slip, blood, sweat
-  /// and lamps go on from the last call's time; times do not run backwards. Samples by time;
+  /// at both ends and taken to change evenly between, so windows of some 50 ms are right. Slip, sway, folds,
+  /// blood, sweat and lamps go on from the last call's time; times do not run backwards. Samples by time;
   /// SampleKind::photo_reflective, `sequence` counts pairs. Cost: about a millisecond.
   [[nodiscard]] std::vector<sensor::Sample> play(double begin_s, int pairs,
                                                  const face::BlendshapeWeights& from,
@@ -61,7 +61,7 @@ class EyewearSimulator {
  private:
   class Skin;
   void wait_until(double time_s);
-  /// The seat, and what raised cheeks and a wrinkled nose lift.
+  /// The seat, its sway, and what raised cheeks and a wrinkled nose lift.
   [[nodiscard]] EyewearSeat seat_with(const face::BlendshapeWeights& weights) const;
 
   const EyewearWearer* wearer_;
@@ -72,12 +72,16 @@ class EyewearSimulator {
   std::vector<double> sweat_;  ///< Logarithm of each spot's factor.
   double blush_ = 0;           ///< Logarithm.
   EyewearSeat seat_;
+  EyewearSeat sway_;              ///< Added to the seat.
+  std::vector<double> tissue_m_;  ///< How far each spot's skin stands out beyond what the shapes say.
   VirtualClock clock_;
   double now_s_ = 0;
   std::uint32_t sequence_ = 0;
   Random seats_;
   Random slip_;
   Random skin_walk_;
+  Random sways_;
+  Random tissues_;
 };
 
 }  // namespace mien::virt
