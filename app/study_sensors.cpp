@@ -8,6 +8,7 @@
 #include "mien/core/files.h"
 #include "mien/eyewear/markers.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/sensors_report.h"
 #include "mien/study/sensors_study.h"
 
 namespace mien::app {
@@ -17,6 +18,7 @@ struct Options {
   study::SensorsRequest request;
   std::string rig;
   std::string markers;
+  std::string out;
   bool json = false;
 };
 
@@ -81,6 +83,7 @@ void print_table(const study::SensorsStudy& study) {
 }
 
 Result<void> run(Options options) {
+  if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
   if (options.rig.empty()) {
     MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/eyewear.toml"));
   }
@@ -92,14 +95,17 @@ Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const study::SensorsStudy study,
                   study::study_sensors(options.request, rig, markers, terminal_progress("sensors")));
   clear_progress();
+  const std::string subtitle =
+      fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);
+  if (!options.out.empty()) MIEN_TRY(study::sensors_report(study, subtitle).write(options.out));
   if (options.json) {
     options.rig = rig.name;
     print_study(study, options);
     return {};
   }
-  fmt::print("Markers from photo-reflective eyewear: {} wearers, seed {}\n\n", options.request.wearers,
-             options.request.seed);
+  fmt::print("Markers from photo-reflective eyewear: {}\n\n", subtitle);
   print_table(study);
+  if (!options.out.empty()) fmt::print("report: {}\n", options.out);
   return {};
 }
 
@@ -109,7 +115,7 @@ void add_study_sensors(Commands& commands, CLI::App* study) {
   auto options = std::make_shared<Options>();
   CLI::App* command = commands.add_under(
       study, "sensors", "How well photo-reflective eyewear tells where markers on the face are",
-      "mien study sensors --wearers 3 --json", [options] { return run(*options); });
+      "mien study sensors --wearers 3 --out sensors.html", [options] { return run(*options); });
   command->add_option("--rig", options->rig, "Eyewear rig (default: rigs/eyewear.toml)");
   command->add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");
   command->add_option("--wearers", options->request.wearers, "Virtual wearers")
@@ -117,6 +123,7 @@ void add_study_sensors(Commands& commands, CLI::App* study) {
       ->capture_default_str();
   command->add_option("--seed", options->request.seed, "Of the wearers, their glasses and what they do")
       ->capture_default_str();
+  command->add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 
