@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/study_loss.h"
+#include "app/study_sensors.h"
 #include "mien/core/files.h"
 #include "mien/face/load.h"
 #include "mien/sensor/rig.h"
@@ -156,6 +157,7 @@ void add_study_command(Commands& commands) {
   study->require_subcommand(0, 1);
   add_drift(commands, study);
   add_study_loss(commands, study);
+  add_study_sensors(commands, study);
   auto bound = std::make_shared<BoundOptions>();
   CLI::App* command = commands.add_under(study, "bound", "What a rig can see at best on a face, by theory",
                                          "mien study bound --face FaceXModel --noise 1",

@@ -75,9 +75,23 @@ Result<std::optional<Vec3>> vector(const toml::table& table, std::string_view ke
   return std::optional<Vec3>(value);
 }
 
+/// A direction; made exactly unit, since files round.
+Result<std::optional<Vec3>> unit_vector(const toml::table& table, std::string_view key,
+                                        const std::string& where) {
+  MIEN_TRY_ASSIGN(std::optional<Vec3> direction, vector(table, key, where));
+  if (direction) {
+    const double length = direction->norm();
+    if (length < 0.9 || length > 1.1)
+      return fail(ErrorCode::out_of_range, fmt::format("'{}' is not a unit vector", key),
+                  place(where, table));
+    *direction /= length;
+  }
+  return direction;
+}
+
 Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   MIEN_TRY(only_keys(
-      table, {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward"},
+      table, {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward", "aim"},
       where));
   Mount mount;
   MIEN_TRY_ASSIGN(mount.name, text(table, "name", true, where));
@@ -105,13 +119,8 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   if (mount.position_m && mount.position_m->norm() > kMaxPositionM)
     return fail(ErrorCode::out_of_range, "'position_m' is metres away from the head", place(where, table),
                 "give it in metres");
-  MIEN_TRY_ASSIGN(mount.outward, vector(table, "outward", where));
-  if (mount.outward) {
-    const double length = mount.outward->norm();
-    if (length < 0.9 || length > 1.1)
-      return fail(ErrorCode::out_of_range, "'outward' is not a unit vector", place(where, table));
-    *mount.outward /= length;
-  }
+  MIEN_TRY_ASSIGN(mount.outward, unit_vector(table, "outward", where));
+  MIEN_TRY_ASSIGN(mount.aim, unit_vector(table, "aim", where));
   return mount;
 }
 
@@ -278,6 +287,7 @@ std::string write_rig(const Rig& rig) {
     if (mount.ict_vertex >= 0) line(out, "ict_vertex", static_cast<std::int64_t>(mount.ict_vertex));
     if (mount.position_m) line(out, "position_m", numbers(*mount.position_m));
     if (mount.outward) line(out, "outward", numbers(*mount.outward));
+    if (mount.aim) line(out, "aim", numbers(*mount.aim));
   }
   if (!rig.faults_toml.empty()) {
     // Its own tables stand in braces, so that the text needs no other heading.

@@ -24,6 +24,8 @@ struct Mount {
   /// Site on the built-in face's neutral, frame H. Without it acceleration against the head is unknown.
   std::optional<Vec3> position_m;
   std::optional<Vec3> outward;  ///< Outward axis in the sensor's own frame (unit), if the sensor has one.
+  /// Which way a sensor that looks at the skin from afar looks (unit), built-in head, frame H.
+  std::optional<Vec3> aim;
 };
 
 /// Which sensors sit where: data, never constants in code. `*.toml`, see rigs/default.toml.

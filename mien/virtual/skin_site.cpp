@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "mien/face/builtin.h"
+#include "mien/face/surface_point.h"
 
 namespace mien::virt {
 namespace {
@@ -20,80 +21,17 @@ constexpr int kPatchSamples = 64;
 /// Half a millimetre, as a standard deviation.
 constexpr double kThinnestPatchM = 0.0005;
 
-/// A point of the surface: a triangle and its barycentric weights. A vertex is one with weights (1, 0, 0).
-struct SurfacePoint {
-  std::array<std::uint32_t, 3> vertex{};
-  std::array<double, 3> weight{};
-};
+using face::align_landmarks;
+using face::nearest_on_skin;
+using face::skin_triangles;
+using face::SurfacePoint;
 
 Vec3 neutral(const face::Face& face, std::uint32_t vertex) {
   return face.neutral_m[vertex].cast<double>();
 }
 
 Vec3 at(const face::Face& face, const SurfacePoint& p) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t c = 0; c < 3; ++c) sum += p.weight[c] * neutral(face, p.vertex[c]);
-  return sum;
-}
-
-/// The triangles that a sensor can be glued to.
-std::vector<std::uint32_t> skin_triangles(const face::Face& face) {
-  std::vector<std::uint32_t> triangles;
-  for (const face::Part& part : face.parts)
-    if (part.material == face::Material::skin || part.material == face::Material::lips)
-      for (std::uint32_t t = 0; t < part.triangle_count; ++t) triangles.push_back(part.first_triangle + t);
-  if (triangles.empty())
-    for (std::uint32_t t = 0; t < face.triangles.size(); ++t) triangles.push_back(t);
-  return triangles;
-}
-
-/// The point of the triangle nearest to p. Source: Ericson 2005, "Real-Time Collision Detection", 5.1.5.
-SurfacePoint nearest_on_triangle(const face::Face& face, const std::array<std::uint32_t, 3>& triangle,
-                                 const Vec3& p) {
-  const Vec3 a = neutral(face, triangle[0]);
-  const Vec3 ab = neutral(face, triangle[1]) - a;
-  const Vec3 ac = neutral(face, triangle[2]) - a;
-  const Vec3 ap = p - a;
-  const double d1 = ab.dot(ap);
-  const double d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return {triangle, {1, 0, 0}};
-  const double d3 = d1 - ab.dot(ab);
-  const double d4 = d2 - ab.dot(ac);
-  if (d3 >= 0 && d4 <= d3) return {triangle, {0, 1, 0}};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {triangle, {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0}};
-  const double d5 = d1 - ab.dot(ac);
-  const double d6 = d2 - ac.dot(ac);
-  if (d6 >= 0 && d5 <= d6) return {triangle, {0, 0, 1}};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {triangle, {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)}};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double u = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {triangle, {0, 1 - u, u}};
-  }
-  const double sum = va + vb + vc;
-  if (!(sum > 0)) return {triangle, {1, 0, 0}};  // A degenerate triangle: its corner will do.
-  return {triangle, {va / sum, vb / sum, vc / sum}};
-}
-
-struct Nearest {
-  SurfacePoint point;
-  std::uint32_t triangle = 0;
-};
-
-Nearest nearest_on_skin(const face::Face& face, std::span<const std::uint32_t> triangles, const Vec3& p) {
-  Nearest best;
-  double best_square = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t t : triangles) {
-    const SurfacePoint point = nearest_on_triangle(face, face.triangles[t], p);
-    const double square = (at(face, point) - p).squaredNorm();
-    if (square < best_square) {
-      best_square = square;
-      best = {point, t};
-    }
-  }
-  return best;
+  return face::neutral_position(face, p);
 }
 
 std::vector<std::uint32_t> triangles_near(const face::Face& face, std::span<const std::uint32_t> triangles,
@@ -129,7 +67,7 @@ std::vector<SurfacePoint> patch_points(const face::Face& face, std::span<const s
   for (int i = 0; i < kPatchSamples; ++i) {
     const double r = kPatchRadiusM * std::sqrt((i + 0.5) / kPatchSamples);
     const Vec3 p = centre + r * (std::cos(golden * i) * side + std::sin(golden * i) * up);
-    points.push_back(nearest_on_skin(face, near, p).point);
+    points.push_back(nearest_on_skin(face, near, p));
   }
   return points;
 }
@@ -137,9 +75,9 @@ std::vector<SurfacePoint> patch_points(const face::Face& face, std::span<const s
 Result<SkinSite> make_site(const face::Face& face, std::span<const std::uint32_t> triangles,
                            const Vec3& target) {
   const std::vector<std::uint32_t> around = triangles_near(face, triangles, target, 0.04);
-  const Nearest centre = nearest_on_skin(face, around.empty() ? triangles : around, target);
-  const Vec3 centre_m = at(face, centre.point);
-  const auto& [a, b, c] = face.triangles[centre.triangle];
+  const SurfacePoint centre = nearest_on_skin(face, around.empty() ? triangles : around, target);
+  const Vec3 centre_m = at(face, centre);
+  const auto& [a, b, c] = centre.vertex;
   const Vec3 facet = (neutral(face, b) - neutral(face, a)).cross(neutral(face, c) - neutral(face, a));
   const std::vector<std::uint32_t> near = triangles_near(face, triangles, centre_m, 0.02);
   const std::vector<SurfacePoint> points = patch_points(face, near, centre_m, facet.normalized());
@@ -185,17 +123,6 @@ Result<SkinSite> make_site(const face::Face& face, std::span<const std::uint32_t
   return site;
 }
 
-/// Similarity transform that lays `from` onto `to` (Umeyama 1991, doi:10.1109/34.88573).
-Eigen::Affine3d align_landmarks(const face::Face& from, const face::Face& to) {
-  Eigen::Matrix<double, 3, 68> a;
-  Eigen::Matrix<double, 3, 68> b;
-  for (std::size_t i = 0; i < 68; ++i) {
-    a.col(static_cast<Eigen::Index>(i)) = neutral(from, from.landmarks[i]);
-    b.col(static_cast<Eigen::Index>(i)) = neutral(to, to.landmarks[i]);
-  }
-  return Eigen::Affine3d(Eigen::umeyama(a, b, true));
-}
-
 /// The head that knows the sites by name; made once.
 const face::Face& default_builtin() {
   static const face::Face face = face::make_builtin();
@@ -213,7 +140,7 @@ std::optional<Vec3> builtin_site(const sensor::Mount& mount) {
 /// The same spot of skin on another identity of the built-in head: all of them share their triangles.
 Vec3 carry_to_identity(const Vec3& site, const face::Face& face) {
   const std::vector<std::uint32_t> triangles = skin_triangles(default_builtin());
-  return at(face, nearest_on_skin(default_builtin(), triangles, site).point);
+  return at(face, nearest_on_skin(default_builtin(), triangles, site));
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ device = "a1b2/0"
 ict_vertex = 963
 position_m = [0.0, -0.05, 0.09]
 outward = [0, 0, 1]
+aim = [0.6, 0, -0.8]
 [[sensor]]
 name = "ear"
 kind = "imu"
@@ -68,6 +69,7 @@ TEST(Rig, WritesWhatItReads) {
       EXPECT_EQ(a.position_m.has_value(), b.position_m.has_value());
       EXPECT_TRUE(a.position_m == b.position_m);
       EXPECT_TRUE(a.outward == b.outward);
+      EXPECT_TRUE(a.aim == b.aim);
     }
   }
 }
@@ -107,6 +109,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"[0.0, -0.05, 0.09]", "[0.0, -50.0, 90.0]", ErrorCode::out_of_range},
                     Wrong{"[0.0, -0.05, 0.09]", "[0.0, 0.1]", ErrorCode::malformed},
                     Wrong{"[0, 0, 1]", "[0, 0, 0]", ErrorCode::out_of_range},
+                    Wrong{"[0.6, 0, -0.8]", "[0.6, 0, -8]", ErrorCode::out_of_range},
+                    Wrong{"[0.6, 0, -0.8]", "\"down\"", ErrorCode::malformed},
+                    Wrong{"[0.6, 0, -0.8]", "[0.6, inf, -0.8]", ErrorCode::out_of_range},
                     Wrong{"gyro_bias_dps = 1.0", "gyro_bias_dps = inf", ErrorCode::out_of_range}));
 
 TEST(Rig, RefusesNoSensorsAndTooMany) {
@@ -126,7 +131,7 @@ TEST(Rig, RefusesWhatTheTomlLibraryOnlyAsserts) {
   EXPECT_FALSE(parse_rig("[+]\n", "t"));
   const auto stray = parse_rig(with("[faults]", "n\xC3\xA4me = 1\n[faults]"), "t");
   ASSERT_FALSE(stray);
-  EXPECT_EQ(stray.error().where, "t, line 17");
+  EXPECT_EQ(stray.error().where, "t, line 18");
   EXPECT_FALSE(parse_rig(with("\"small\"", "\"m\xC3\xA4\""), "t"));
   EXPECT_FALSE(parse_rig(with("\"small\"", "\"m\\u00e4\""), "t"));
   // In comments every letter may stand; a hash in quotes begins none.

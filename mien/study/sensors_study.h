@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/eyewear/markers.h"
+#include "mien/sensor/rig.h"
+
+namespace mien::study {
+
+/// The protocol of Asano et al. 2017, section 5.1; the defaults are the paper's.
+struct SensorsRequest {
+  int wearers = 3;
+  int poses = 600;             ///< Target poses of the training, of six components.
+  double pose_s = 3;           ///< Each is on the screen for this long.
+  std::size_t samples = 5000;  ///< Drawn from the training.
+  double test_s = 10;          ///< Each of the nineteen tests.
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: one a core.
+};
+
+/// The kinds of test expressions: neutral, (A) poses of the six components, (B) the six universal
+/// expressions, (C) asymmetric ones.
+enum class TestSet : std::uint8_t { neutral, components, universal, asymmetric };
+inline constexpr std::size_t kTestSets = 4;
+[[nodiscard]] std::string_view test_set_name(TestSet set);
+/// The tests in the order in which they are made.
+inline constexpr std::size_t kTests = 19;
+
+/// How far estimated markers are from where they truly are. The paper says "root mean squared error for each
+/// marker" and gives averages: both readings are here.
+struct MarkerError {
+  double mean_mm = 0;  ///< Mean distance.
+  double rmse_mm = 0;  ///< Root mean square distance, of each marker; their mean where several are meant.
+};
+
+/// What one method gave over some markers, tests and wearers.
+struct SensorsRow {
+  MarkerError all;
+  MarkerError eyes_nose;
+  MarkerError mouth;
+};
+
+/// A method on all wearers.
+struct SensorsMethod {
+  std::string name;  ///< "faithful", "faithful16", "mean_pose".
+  std::size_t sensors = 0;
+  SensorsRow overall;
+  std::vector<SensorsRow> wearers;
+  std::array<SensorsRow, kTestSets> sets;
+  std::vector<SensorsRow> tests;     ///< kTests of them.
+  std::vector<MarkerError> markers;  ///< In the set's order.
+};
+
+/// One wearer's training.
+struct SensorsTraining {
+  std::size_t samples = 0;
+  std::size_t outliers = 0;  ///< Rejected of these, beyond four standard deviations.
+  double share = 0;          ///< Of the markers' variance, that 20 components hold.
+};
+
+struct SensorsStudy {
+  std::vector<std::string> markers;  ///< Names.
+  std::vector<SensorsTraining> training;
+  SensorsMethod faithful;    ///< All sensors.
+  SensorsMethod faithful16;  ///< Without those on the ear hooks.
+  SensorsMethod mean_pose;   ///< The training's mean: knowing nothing.
+  /// The first wearer's error over all markers, sample by sample through the tests, mm; and when, s.
+  std::vector<double> curve_s;
+  std::vector<double> curve_mm;
+};
+
+/// Sensors on the ear hooks, by their sites "jaw_joint" and "lower_jaw".
+[[nodiscard]] std::vector<std::uint16_t> ear_hook_sensors(const sensor::Rig& rig);
+
+/// Each wearer puts the glasses on once, follows the target poses while sensors and motion capture record,
+/// and then makes the tests with the glasses still on. The published method is fitted to what was captured,
+/// and measured against where the markers truly are. Wearers are virtual ones of the built-in family; faults
+/// are the rig's. The same request gives the same numbers, whatever the number of threads. Errors: those of
+/// rig, faults and fit; bad_usage (fewer than one wearer, pose or the samples that a fit needs); cancelled.
+/// Cost: about a minute of one core a wearer.
+[[nodiscard]] Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::Rig& rig,
+                                                 const eyewear::MarkerSet& markers, const Progress& progress);
+
+}  // namespace mien::study

@@ -1,0 +1,114 @@
+#include "mien/virtual/eyewear_faults.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "mien/core/toml.h"
+
+namespace mien::virt {
+namespace {
+
+/// Beyond this no fault means anything in its unit.
+constexpr double kMost = 1e6;
+
+struct Range {
+  std::string_view key;
+  double value, least, most;
+};
+
+}  // namespace
+
+Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::string& where) {
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [faults]"));
+  EyewearFaults faults;
+  const std::map<std::string_view, double*> numbers = {
+      {"focal_peak_mm", &faults.focal_peak_mm},
+      {"falloff_mm", &faults.falloff_mm},
+      {"cone_deg", &faults.cone_deg},
+      {"white_at_peak", &faults.white_at_peak},
+      {"part_gain", &faults.part_gain},
+      {"pair_rate_hz", &faults.pair_rate_hz},
+      {"adc_bits", &faults.adc_bits},
+      {"noise_counts", &faults.noise_counts},
+      {"pattern", &faults.pattern},
+      {"pattern_mm", &faults.pattern_mm},
+      {"blush_per_sqrt_min", &faults.blush_per_sqrt_min},
+      {"sweat_per_sqrt_min", &faults.sweat_per_sqrt_min},
+      {"ambient_flicker", &faults.ambient_flicker},
+      {"ambient_walk_per_sqrt_min", &faults.ambient_walk_per_sqrt_min},
+      {"strobe_hz", &faults.strobe_hz},
+      {"strobe_ms", &faults.strobe_ms},
+      {"mount_shift_mm", &faults.mount_shift_mm},
+      {"mount_tilt_deg", &faults.mount_tilt_deg},
+      {"slip_mm_per_sqrt_min", &faults.slip_mm_per_sqrt_min},
+      {"slip_deg_per_sqrt_min", &faults.slip_deg_per_sqrt_min},
+      {"sway_mm", &faults.sway_mm},
+      {"sway_deg", &faults.sway_deg},
+      {"sway_s", &faults.sway_s},
+      {"tissue_mm", &faults.tissue_mm},
+      {"tissue_s", &faults.tissue_s},
+      {"ride_up_mm", &faults.ride_up_mm},
+      {"marker_jitter_mm", &faults.marker_jitter_mm},
+      {"mislabel_per_min", &faults.mislabel_per_min},
+      {"mislabel_s", &faults.mislabel_s},
+      {"lost_per_min", &faults.lost_per_min},
+      {"lost_s", &faults.lost_s},
+      {"lost_mm", &faults.lost_mm},
+      {"clock_drift_ppm", &faults.clock_drift_ppm},
+  };
+  const std::map<std::string_view, std::array<double, 2>*> ranges = {
+      {"skin_reflectance", &faults.skin_reflectance},
+      {"ambient", &faults.ambient},
+      {"strobe", &faults.strobe},
+      {"fit_mm", &faults.fit_mm},
+      {"clock_offset_s", &faults.clock_offset_s},
+  };
+  const auto number = [&](const toml::node& node, std::string_view key) -> Result<double> {
+    // value() alone would take true for a number.
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
+    if (!std::isfinite(*value) || *value < 0 || *value > kMost)
+      return fail(ErrorCode::out_of_range, fmt::format("{} must be 0 to {:.0f}", key, kMost), where);
+    return *value;
+  };
+  for (const auto& [name, node] : table) {
+    const std::string_view key = name.str();
+    if (const auto found = numbers.find(key); found != numbers.end()) {
+      MIEN_TRY_ASSIGN(*found->second, number(node, key));
+    } else if (const auto range = ranges.find(key); range != ranges.end()) {
+      const toml::array* pair = node.as_array();
+      if (pair == nullptr || pair->size() != 2)
+        return fail(ErrorCode::malformed, fmt::format("{} must be [least, most]", key), where);
+      for (std::size_t i = 0; i < 2; ++i) {
+        MIEN_TRY_ASSIGN((*range->second)[i], number((*pair)[i], key));
+      }
+      if ((*range->second)[1] < (*range->second)[0])
+        return fail(ErrorCode::out_of_range, fmt::format("{}: the most is less than the least", key), where);
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", key), where);
+    }
+  }
+  for (const Range& r :
+       {Range{"focal_peak_mm", faults.focal_peak_mm, 0.1, 100},
+        Range{"falloff_mm", faults.falloff_mm, 0.1, 100}, Range{"cone_deg", faults.cone_deg, 0, 60},
+        Range{"pair_rate_hz", faults.pair_rate_hz, 1, 10000}, Range{"adc_bits", faults.adc_bits, 1, 24},
+        Range{"part_gain", faults.part_gain, 0, 0.3},
+        Range{"skin_reflectance", faults.skin_reflectance[0], 0.01, 1},
+        Range{"skin_reflectance", faults.skin_reflectance[1], 0.01, 1},
+        Range{"pattern", faults.pattern, 0, 0.3}, Range{"pattern_mm", faults.pattern_mm, 0.5, 1000},
+        Range{"ambient_flicker", faults.ambient_flicker, 0, 1}, Range{"fit_mm", faults.fit_mm[0], 0.1, 100},
+        Range{"mount_shift_mm", faults.mount_shift_mm, 0, 30},
+        Range{"mount_tilt_deg", faults.mount_tilt_deg, 0, 45},
+        Range{"clock_drift_ppm", faults.clock_drift_ppm, 0, 1e4}})
+    if (r.value < r.least || r.value > r.most)
+      return fail(ErrorCode::out_of_range, fmt::format("{} must be {:g} to {:g}", r.key, r.least, r.most),
+                  where);
+  if (faults.adc_bits != std::floor(faults.adc_bits))
+    return fail(ErrorCode::out_of_range, "adc_bits must be a whole number", where);
+  return faults;
+}
+
+}  // namespace mien::virt
