@@ -75,7 +75,7 @@ Result<std::optional<Vec3>> vector(const toml::table& table, std::string_view ke
   return std::optional<Vec3>(value);
 }
 
-/// A direction; made exactly unit, since files round.
+/// A direction; made unit, since files round. What is unit already stays as it is, to the bit.
 Result<std::optional<Vec3>> unit_vector(const toml::table& table, std::string_view key,
                                         const std::string& where) {
   MIEN_TRY_ASSIGN(std::optional<Vec3> direction, vector(table, key, where));
@@ -84,7 +84,7 @@ Result<std::optional<Vec3>> unit_vector(const toml::table& table, std::string_vi
     if (length < 0.9 || length > 1.1)
       return fail(ErrorCode::out_of_range, fmt::format("'{}' is not a unit vector", key),
                   place(where, table));
-    *direction /= length;
+    if (std::abs(length - 1) > 1e-12) *direction /= length;
   }
   return direction;
 }

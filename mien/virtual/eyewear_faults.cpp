@@ -100,7 +100,8 @@ Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::str
         Range{"skin_reflectance", faults.skin_reflectance[1], 0.01, 1},
         Range{"pattern", faults.pattern, 0, 0.3}, Range{"pattern_mm", faults.pattern_mm, 0.5, 1000},
         Range{"ambient_flicker", faults.ambient_flicker, 0, 1}, Range{"fit_mm", faults.fit_mm[0], 0.1, 100},
-        Range{"mount_shift_mm", faults.mount_shift_mm, 0, 30},
+        Range{"sway_s", faults.sway_s, 1e-3, 1e6}, Range{"tissue_mm", faults.tissue_mm, 0, 20},
+        Range{"tissue_s", faults.tissue_s, 1e-3, 1e6}, Range{"mount_shift_mm", faults.mount_shift_mm, 0, 30},
         Range{"mount_tilt_deg", faults.mount_tilt_deg, 0, 45},
         Range{"clock_drift_ppm", faults.clock_drift_ppm, 0, 1e4}})
     if (r.value < r.least || r.value > r.most)

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -34,6 +35,11 @@ Eigen::Affine3d lay_on(const face::Face& from, const face::Face& to) {
     b.col(static_cast<Eigen::Index>(i)) = to.neutral_m[to.landmarks[kUnderGlasses[i]]].cast<double>();
   }
   return Eigen::Affine3d(Eigen::umeyama(a, b, false));
+}
+
+Vec3 facet_normal(const face::Face& face, const std::array<std::uint32_t, 3>& triangle) {
+  const auto at = [&](std::size_t c) -> Vec3 { return face.neutral_m[triangle[c]].cast<double>(); };
+  return (at(1) - at(0)).cross(at(2) - at(0));
 }
 
 }  // namespace
@@ -77,7 +83,8 @@ Result<EyewearWearer> seat_eyewear(face::Face face, const sensor::Rig& rig, cons
     const double back_m = 0.02;
     const Vec3f from = (sensor.position_m - back_m * sensor.aim).cast<float>();
     const render::RayScene::Hit hit = scene.first_hit(from, sensor.aim.cast<float>());
-    if (!hit.any())
+    // From behind, as a sensor sees it that looks away from the face, skin does not count.
+    if (!hit.any() || facet_normal(face, skin_mesh[hit.triangle]).dot(sensor.aim) >= 0)
       return fail(ErrorCode::not_found, fmt::format("sensor {} does not see skin", mount.name), face.name,
                   "turn its aim towards the skin");
     const double distance_m = double{hit.distance} - back_m;

@@ -41,7 +41,7 @@ TEST(Markers, StickToTheSkinOfEveryHead) {
     EXPECT_LT((home->neutral_m()[i] - set->markers[i].position_m).norm(), 0.003) << set->markers[i].name;
     moved += (home->neutral_m()[i] - other->neutral_m()[i]).norm();
   }
-  EXPECT_GT(moved / static_cast<double>(home->count()), 0.001);
+  EXPECT_GT(moved / static_cast<double>(home->count()), 0.0005);
 }
 
 TEST(Markers, MoveWithTheFace) {
