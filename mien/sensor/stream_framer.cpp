@@ -15,7 +15,8 @@ bool is_printable(std::byte byte) {
 
 std::span<const std::byte> StreamFramer::add(std::byte byte) {
   if (byte == kZero) return end(false);
-  if (byte == kNewline && (after_line_ || (printable_ && size_ > 0))) return end(true);
+  // Noise that held a zero is no reason to wait for another, where text follows.
+  if (byte == kNewline && (after_line_ || too_long_ || (printable_ && size_ > 0))) return end(true);
   printable_ = printable_ && (is_printable(byte) || (byte == kNewline && size_ == 0));
   if (size_ < frame_.size())
     frame_[size_++] = byte;

@@ -12,7 +12,7 @@ namespace mien::sensor {
 /// are printable text, or when the frame before it ended at one: then a damaged line costs itself alone. A
 /// newline that is a frame's first byte may be a stuffed frame's first code, and is left out of lines. A
 /// carriage return before the newline is left out too, and so are frames of no bytes. Longer ones than
-/// kMaxFrame are dropped whole and counted. No allocation. Thread: one at a time.
+/// kMaxFrame are dropped whole and counted; they end at either. No allocation. Thread: one at a time.
 class StreamFramer {
  public:
   static constexpr std::size_t kMaxFrame = 512;

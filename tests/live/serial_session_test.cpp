@@ -190,7 +190,8 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
 
   const auto take = take::Take::open(folder / "whole.mien");
   ASSERT_TRUE(take) << take.error().message();
-  for (const take::LogEntry& entry : take->entries().value()) ASSERT_EQ(entry.source, glasses.address());
+  const std::vector<take::LogEntry> entries = take->entries().value();
+  for (const take::LogEntry& entry : entries) ASSERT_EQ(entry.source, glasses.address());
   const auto again = session();
   ASSERT_TRUE(replay(*take, *again, [](const take::Tick&, const face::OutputFrame&) { return true; }));
   EXPECT_EQ(again->frames(), summary->frames);
