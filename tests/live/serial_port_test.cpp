@@ -322,8 +322,11 @@ TEST_F(FullRate, TextLinesSurviveABadCableToo) {
   EXPECT_EQ(good.malformed, 0u);
   const Heard heard = run({.lost = 0.001, .doubled = 0.001, .garbage = 0.02}, printed);
   std::cout << heard.taken << " of " << heard.sent << " lines taken, " << heard.malformed << " malformed\n";
-  // Without a checksum a lost digit is no error: only what breaks the line's form is told.
-  EXPECT_GT(heard.taken, kScans * 90 / 100);
+  // Without a checksum a lost digit is no error: only what breaks the line's form is told. That is a comma
+  // lost or doubled (4 % of lines), a digit doubled, since the value is then beyond the range (6 %), and
+  // garbage (3 %).
+  EXPECT_GT(heard.taken, kScans * 85 / 100);
+  EXPECT_LT(heard.taken, kScans * 92 / 100);
   EXPECT_GT(heard.malformed, kScans / 50);
 }
 
