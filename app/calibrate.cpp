@@ -143,6 +143,13 @@ class Patience {
   bool said_ = false;
 };
 
+/// What an event says of why, as one line for a terminal.
+std::string why_of(const SessionEvent& event) {
+  const auto said = nlohmann::json::parse(event.text, nullptr, false);
+  const bool told = said.is_object() && said.contains("why") && said["why"].is_string();
+  return told ? one_line(said["why"].get<std::string>()) : "it did not come about";
+}
+
 /// How a guided calibration ended.
 struct Outcome {
   std::optional<Version> made;
@@ -280,7 +287,7 @@ Result<void> run_recentre(const Options& options) {
     }
     for (const SessionEvent& event : session->take_events())
       if (event.kind == "recentre_failed")
-        return fail(ErrorCode::io, one_line(event.text, 200) + "; nothing was changed", "re-centring",
+        return fail(ErrorCode::io, why_of(event) + "; nothing was changed", "re-centring",
                     "see on the page which sensors are there");
     if (stop_asked())
       return fail(ErrorCode::cancelled, "not waited for: it may still come into force", "re-centring");

@@ -5,7 +5,6 @@
 #include <net/if.h>
 #include <netinet/in.h>
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <string_view>
@@ -45,9 +44,12 @@ std::vector<std::string> own_addresses() {
     if (one->ifa_addr == nullptr || (one->ifa_flags & IFF_UP) == 0) continue;
     if (std::string text = text_of(*one->ifa_addr); !text.empty()) out.push_back(std::move(text));
   }
-  std::ranges::stable_partition(out,
-                                [](const std::string& address) { return !is_loopback(host_of(address)); });
-  return out;
+  // Loopback's last, each kind in the machine's own order.
+  std::vector<std::string> own;
+  for (const bool loopback : {false, true})
+    for (const std::string& address : out)
+      if (is_loopback(host_of(address)) == loopback) own.push_back(address);
+  return own;
 }
 
 std::vector<std::string> openable_addresses(const std::string& served, const std::vector<std::string>& own) {

@@ -62,7 +62,7 @@ void ImuTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edg
 std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
   pipeline_.tick(frame, features_);
   // The nod puts a calibration in force; one that does not hold together is shown by no frame.
-  if (guided_until_ && pipeline_.calibration_count() != judged_) {
+  if (guided_until_ && pipeline_.calibration_count() != judged_ && pipeline_.calibration().complete) {
     judged_ = pipeline_.calibration_count();
     if (!holds_together()) {
       pipeline_.cancel_marks();

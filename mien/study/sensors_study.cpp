@@ -1,6 +1,9 @@
 #include "mien/study/sensors_study.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -177,9 +180,23 @@ std::vector<double> draw_begins(const SensorsRequest& request, double window_s, 
   return begins;
 }
 
+/// How far all wearers are together, in tests; the training counts as much as all tests of a wearer.
+struct Course {
+  std::atomic<std::size_t> done = 0;
+  std::atomic<bool> stop = false;
+  /// False when it is to end.
+  bool passed(std::size_t tests) {
+    done += tests;
+    return !stop;
+  }
+};
+
 Result<Outcome> wear(const SensorsRequest& request, const sensor::Rig& rig, const eyewear::MarkerSet& markers,
                      const virt::EyewearFaults& faults, const MarkerPoses& poses,
-                     const std::vector<Test>& tests, std::size_t index) {
+                     const std::vector<Test>& tests, std::size_t index, Course& course) {
+  const auto stopped = [] {
+    return fail(ErrorCode::cancelled, "stopped before all wearers were measured", "study sensors");
+  };
   const Random root = Random(request.seed).fork("sensors", index);
   MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
                   virt::draw_eyewear_wearer(rig, faults, root.fork("wearer")));
@@ -208,6 +225,8 @@ Result<Outcome> wear(const SensorsRequest& request, const sensor::Rig& rig, cons
   MIEN_TRY_ASSIGN(const MarkerModel without_hooks,
                   MarkerModel::fit(take_rows(training.distances_m, kept.rows, &frame_sensors), learnt));
 
+  if (!course.passed(tests.size())) return stopped();
+
   Outcome out;
   out.training = {request.samples, kept.rejected, all.share()};
   // Tests, one after the other, windows without a gap.
@@ -232,6 +251,7 @@ Result<Outcome> wear(const SensorsRequest& request, const sensor::Rig& rig, cons
       out.curve_s.push_back(static_cast<double>(t) * request.test_s + begins[static_cast<std::size_t>(i)]);
       out.curve_mm.push_back(one.distance_mm.mean());
     }
+    if (!course.passed(1)) return stopped();
   }
   return out;
 }
@@ -318,9 +338,18 @@ Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::
                   MarkerPoses::measure(markers, kMeasuredBeforeS, root.fork("before")));
   const std::vector<Test> tests = make_tests(poses, root.fork("tests"));
   std::vector<Outcome> outcomes(static_cast<std::size_t>(request.wearers));
+  Course course;
+  const std::size_t whole = 2 * tests.size() * outcomes.size();
+  const Progress by_test = [&](double, std::string_view) {
+    const std::size_t done = course.done;
+    if (!progress(static_cast<double>(done) / static_cast<double>(whole),
+                  fmt::format("{} wearers, {} tests each", outcomes.size(), tests.size())))
+      course.stop = true;
+    return !course.stop;
+  };
   MIEN_TRY(
-      for_each_performer(outcomes.size(), request.threads, progress, [&](std::size_t index) -> Result<void> {
-        MIEN_TRY_ASSIGN(outcomes[index], wear(request, rig, markers, faults, poses, tests, index));
+      for_each_performer(outcomes.size(), request.threads, by_test, [&](std::size_t index) -> Result<void> {
+        MIEN_TRY_ASSIGN(outcomes[index], wear(request, rig, markers, faults, poses, tests, index, course));
         return {};
       }));
   SensorsStudy study;

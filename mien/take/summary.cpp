@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace mien::take {
@@ -63,7 +64,11 @@ std::vector<EventGroup> group_events(std::span<const Event> events) {
     group.end = std::max(group.end, event.end);
     if (event.begin < group.first.begin) group.first = event;
   }
-  std::ranges::stable_sort(groups, {}, [](const EventGroup& group) { return group.first.begin; });
+  // What began together stands by its kind and text, so that the order is always the same.
+  std::ranges::sort(groups, {}, [](const EventGroup& group) {
+    return std::tuple(group.first.begin, std::string_view(group.first.kind),
+                      std::string_view(group.first.json));
+  });
   return groups;
 }
 
