@@ -84,6 +84,7 @@ Verdict EyewearProtocol::take_line(HostTime arrival, sensor::Peer peer, std::spa
                                    Inbox& inbox) {
   const auto line = parse_text_line(bytes);
   if (!line) return Verdict::malformed;
+  const std::size_t met = devices_.size();
   TextDevice* device = device_of(peer);
   if (device == nullptr) return Verdict::refused;
   if (std::holds_alternative<TextComment>(*line)) return Verdict::ignored;
@@ -96,7 +97,10 @@ Verdict EyewearProtocol::take_line(HostTime arrival, sensor::Peer peer, std::spa
     inbox.alive = {device->id, 0};
     return Verdict::taken;
   }
-  return take_values(arrival, *device, std::get<TextValues>(*line), inbox);
+  const Verdict verdict = take_values(arrival, *device, std::get<TextValues>(*line), inbox);
+  // What is malformed gives nobody a number: a replay, which does not hear it, would give it to another.
+  if (verdict == Verdict::malformed && devices_.size() > met) devices_.pop_back();
+  return verdict;
 }
 
 Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const TextValues& line,
