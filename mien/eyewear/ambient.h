@@ -4,12 +4,10 @@
 
 #include "mien/core/sliding_median.h"
 #include "mien/core/time.h"
+#include "mien/eyewear/block_median.h"
 #include "mien/sensor/sample.h"
 
 namespace mien::eyewear {
-
-/// Consecutive samples whose median is taken, as published against motion capture's strobes (Asano et al.).
-inline constexpr std::size_t kMedianSamples = 10;
 
 /// What one photo-reflective sensor's own LED gave back, without ambient light and without the strobes of
 /// motion capture cameras: the median of the last ten differences between LED on and LED off. Ambient light

@@ -1,15 +1,12 @@
 #include "mien/eyewear/block_median.h"
 
-#include <algorithm>
-
 namespace mien::eyewear {
 
 std::optional<float> BlockMedian::add(float value) {
-  values_[count_++] = value;
-  if (count_ < kMedianSamples) return std::nullopt;
-  count_ = 0;
-  std::ranges::sort(values_);
-  return 0.5F * (values_[kMedianSamples / 2 - 1] + values_[kMedianSamples / 2]);
+  const double median = median_.add(static_cast<double>(value));
+  if (median_.count() < kMedianSamples) return std::nullopt;
+  median_.reset();
+  return static_cast<float>(median);
 }
 
 }  // namespace mien::eyewear

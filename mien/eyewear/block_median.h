@@ -1,8 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
+
+#include "mien/core/sliding_median.h"
 
 namespace mien::eyewear {
 
@@ -17,11 +18,10 @@ class BlockMedian {
   /// The median when `value` completes ten, which then begin anew.
   std::optional<float> add(float value);
   /// Forgets an unfinished ten, as after a gap.
-  void reset() { count_ = 0; }
+  void reset() { median_.reset(); }
 
  private:
-  std::array<float, kMedianSamples> values_{};
-  std::size_t count_ = 0;
+  SlidingMedian<kMedianSamples> median_;
 };
 
 }  // namespace mien::eyewear
