@@ -3,16 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
-#include <optional>
 
-#include "mien/core/toml.h"
+#include "mien/virtual/fault_table.h"
 
 namespace mien::virt {
 namespace {
-
-/// Beyond this no fault means anything in its unit.
-constexpr double kMost = 1e6;
 
 struct Range {
   std::string_view key;
@@ -22,7 +17,6 @@ struct Range {
 }  // namespace
 
 Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::string& where) {
-  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [faults]"));
   EyewearFaults faults;
   const std::map<std::string_view, double*> numbers = {
       {"focal_peak_mm", &faults.focal_peak_mm},
@@ -66,31 +60,8 @@ Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::str
       {"fit_mm", &faults.fit_mm},
       {"clock_offset_s", &faults.clock_offset_s},
   };
-  const auto number = [&](const toml::node& node, std::string_view key) -> Result<double> {
-    // value() alone would take true for a number.
-    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
-    if (!std::isfinite(*value) || *value < 0 || *value > kMost)
-      return fail(ErrorCode::out_of_range, fmt::format("{} must be 0 to {:.0f}", key, kMost), where);
-    return *value;
-  };
-  for (const auto& [name, node] : table) {
-    const std::string_view key = name.str();
-    if (const auto found = numbers.find(key); found != numbers.end()) {
-      MIEN_TRY_ASSIGN(*found->second, number(node, key));
-    } else if (const auto range = ranges.find(key); range != ranges.end()) {
-      const toml::array* pair = node.as_array();
-      if (pair == nullptr || pair->size() != 2)
-        return fail(ErrorCode::malformed, fmt::format("{} must be [least, most]", key), where);
-      for (std::size_t i = 0; i < 2; ++i) {
-        MIEN_TRY_ASSIGN((*range->second)[i], number((*pair)[i], key));
-      }
-      if ((*range->second)[1] < (*range->second)[0])
-        return fail(ErrorCode::out_of_range, fmt::format("{}: the most is less than the least", key), where);
-    } else {
-      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", key), where);
-    }
-  }
+  const FaultTable table{numbers, ranges, {}};
+  MIEN_TRY(table.read(text, where));
   for (const Range& r :
        {Range{"focal_peak_mm", faults.focal_peak_mm, 0.1, 100},
         Range{"falloff_mm", faults.falloff_mm, 0.1, 100}, Range{"cone_deg", faults.cone_deg, 0, 60},

@@ -1,0 +1,55 @@
+#include "mien/virtual/fault_table.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <optional>
+
+#include "mien/core/toml.h"
+
+namespace mien::virt {
+namespace {
+
+/// Beyond this no fault means anything in its unit, and times would leave what a packet can say.
+constexpr double kMost = 1e6;
+
+Result<double> number(const toml::node& node, std::string_view key, const std::string& where) {
+  // value() alone would take true for a number.
+  const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+  if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
+  if (!std::isfinite(*value) || *value < 0)
+    return fail(ErrorCode::out_of_range, fmt::format("{} must be finite and not negative", key), where);
+  if (*value > kMost)
+    return fail(ErrorCode::out_of_range, fmt::format("{} must be at most {:.0f}", key, kMost), where);
+  return *value;
+}
+
+}  // namespace
+
+Result<void> FaultTable::read(std::string_view text, const std::string& where) const {
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [faults]"));
+  for (const auto& [name, node] : table) {
+    const std::string_view key = name.str();
+    if (const auto found = numbers.find(key); found != numbers.end()) {
+      MIEN_TRY_ASSIGN(*found->second, number(node, key, where));
+    } else if (const auto range = ranges.find(key); range != ranges.end()) {
+      const toml::array* pair = node.as_array();
+      if (pair == nullptr || pair->size() != 2)
+        return fail(ErrorCode::malformed, fmt::format("{} must be [least, most]", key), where);
+      for (std::size_t i = 0; i < 2; ++i) {
+        MIEN_TRY_ASSIGN((*range->second)[i], number((*pair)[i], key, where));
+      }
+      if ((*range->second)[1] < (*range->second)[0])
+        return fail(ErrorCode::out_of_range, fmt::format("{}: the most is less than the least", key), where);
+    } else if (const auto turned = switches.find(key); turned != switches.end()) {
+      if (!node.is_boolean())
+        return fail(ErrorCode::malformed, fmt::format("{} must be true or false", key), where);
+      *turned->second = *node.value<bool>();
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", key), where);
+    }
+  }
+  return {};
+}
+
+}  // namespace mien::virt
