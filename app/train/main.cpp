@@ -12,6 +12,7 @@
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/make_dataset.h"
+#include "mien/train/blendshape_task.h"
 #include "mien/train/parity.h"
 #include "mien/train/trainer.h"
 
@@ -40,20 +41,22 @@ Result<void> run_train(const TrainArguments& arguments) {
   }
   train::TrainOptions options = arguments.options;
   options.out = arguments.out;
-  MIEN_TRY_ASSIGN(options.rig, read_text(rig_path));
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(options.rig, rig_path.string()));
+  MIEN_TRY_ASSIGN(const std::string rig_text, read_text(rig_path));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_text, rig_path.string()));
 
   const Progress shown = app::terminal_progress("training");
   MIEN_TRY_ASSIGN(
-      const study::TrainingData data,
+      study::TrainingData data,
       study::make_dataset(data_recipe, arguments.face, rig, [&](double part, std::string_view what) {
         return shown(kDataShare * part * 0.999, what);
       }));
-  MIEN_TRY_ASSIGN(
-      const train::TrainReport report,
-      train::train(recipe, data.train, data.validation, options, [&](double part, std::string_view what) {
-        return shown(kDataShare + (1 - kDataShare) * part, what);
-      }));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<train::Task> task,
+                  train::BlendshapeTask::create(recipe, std::move(data.train), std::move(data.validation),
+                                                rig_text));
+  MIEN_TRY_ASSIGN(const train::TrainReport report,
+                  train::train(*task, options, [&](double part, std::string_view what) {
+                    return shown(kDataShare + (1 - kDataShare) * part, what);
+                  }));
   if (!report.replaced)
     fmt::print(stderr, "mien-train: {} is better and stays; the new model is {}\n", options.out.string(),
                report.model.string());

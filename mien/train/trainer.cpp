@@ -15,10 +15,6 @@
 
 #include "mien/core/files.h"
 #include "mien/core/sha256.h"
-#include "mien/face/profile.h"
-#include "mien/model/model_file.h"
-#include "mien/train/assess.h"
-#include "mien/train/batches.h"
 #include "mien/train/checkpoint.h"
 #include "mien/train/diffusion.h"
 #include "mien/train/network.h"
@@ -64,14 +60,15 @@ void use_threads(int threads) {
 /// Batches of the steps to come, made while the device computes.
 class BatchStream {
  public:
-  BatchStream(const BatchMaker& maker, const Recipe& recipe, std::int64_t first_step, std::size_t ahead)
-      : maker_(maker), recipe_(recipe), next_step_(first_step), ahead_(ahead) {}
+  BatchStream(const Task& task, std::int64_t first_step, std::size_t ahead)
+      : task_(task), next_step_(first_step), ahead_(ahead) {}
 
   Batch next() {
     while (coming_.size() <= ahead_)
       coming_.push_back(std::async(std::launch::async, [this, step = next_step_++] {
-        return maker_.random_batch(recipe_.batch,
-                                   Random(recipe_.seed).fork("batch", static_cast<std::uint64_t>(step)));
+        const Recipe& recipe = task_.recipe();
+        return task_.random_batch(recipe.batch,
+                                  Random(recipe.seed).fork("batch", static_cast<std::uint64_t>(step)));
       }));
     Batch batch = coming_.front().get();
     coming_.pop_front();
@@ -79,8 +76,7 @@ class BatchStream {
   }
 
  private:
-  const BatchMaker& maker_;
-  const Recipe& recipe_;
+  const Task& task_;
   std::int64_t next_step_;
   std::size_t ahead_;
   std::deque<std::future<Batch>> coming_;
@@ -122,13 +118,8 @@ double take_step(const Recipe& recipe, const torch::Device& device, const NoiseM
 
 class Training {
  public:
-  Training(Recipe recipe, const study::Dataset& training, const study::Dataset& validation,
-           const TrainOptions& options, const Progress& progress)
-      : recipe_(std::move(recipe)),
-        training_(training),
-        validation_(validation),
-        options_(options),
-        progress_(progress) {
+  Training(Task& task, const TrainOptions& options, const Progress& progress)
+      : task_(task), recipe_(task.recipe()), options_(options), progress_(progress) {
     checkpoint_path_ = options.out;
     checkpoint_path_ += ".checkpoint";
     curve_path_ = fs::path(options.out).replace_extension(".csv");
@@ -144,29 +135,14 @@ class Training {
 
  private:
   Result<void> prepare() {
-    MIEN_TRY(check(training_));
-    MIEN_TRY(check(validation_));
-    MIEN_TRY(check_apart(training_, validation_));
     MIEN_TRY_ASSIGN(device_, find_device(options_.device));
     use_threads(options_.threads);
-    layout_ = {.sensors = training_.sensors, .presence_flags = recipe_.presence_flags};
-    recipe_.architecture.condition = layout_.width();
-    recipe_.architecture.outputs = face::kShapeCount;
-    MIEN_TRY(model::check(recipe_.architecture));
-    normalisation_ = normalisation_of(training_, recipe_.lab_noise_rad);
-    training_batches_.emplace(training_, recipe_, layout_, normalisation_);
-    validation_batches_.emplace(validation_, recipe_, layout_, normalisation_);
-    if (training_batches_->places() == 0 || validation_batches_->places() == 0)
-      return fail(ErrorCode::bad_usage, fmt::format("training or validation has no sequence of {} frames",
-                                                    recipe_.architecture.window));
     mixer_.emplace(recipe_.schedule, *device_);
-    validation_windows_ =
-        validation_batches_->even_batch(recipe_.windows, Random(recipe_.seed).fork("validation"));
-    validation_hash_ =
-        sha256(fmt::format("{} {} {} {} {}", hash_of(validation_), recipe_.windows, recipe_.seed,
-                           recipe_.lab_noise_rad, recipe_.score == Score::mse ? "mse" : "loss"));
-    run_ = sha256(
-        fmt::format("{} {} {} {}", recipe_.text, hash_of(training_), validation_hash_, options_.device));
+    validation_windows_ = task_.validation_batch(Random(recipe_.seed).fork("validation"));
+    validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
+                                          recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
+    run_ = sha256(fmt::format("{} {} {} {}", recipe_.text, task_.training_hash(), validation_hash_,
+                              options_.device));
     return {};
   }
 
@@ -174,8 +150,8 @@ class Training {
   Result<std::optional<double>> standing_score() const {
     std::error_code code;
     if (!fs::exists(options_.out, code) || options_.force) return std::nullopt;
-    MIEN_TRY_ASSIGN(const model::ModelFile standing, model::read_model(options_.out));
-    const Json results = Json::parse(standing.results, nullptr, false);
+    MIEN_TRY_ASSIGN(const std::string text, task_.results_of(options_.out));
+    const Json results = Json::parse(text, nullptr, false);
     const Json validation =
         results.is_object() && results.contains("validation") ? results["validation"] : Json();
     if (!validation.is_object() || !validation.contains("hash") || validation["hash"] != validation_hash_ ||
@@ -225,7 +201,7 @@ class Training {
 
   Result<void> loop() {
     const std::size_t ahead = device_->is_cpu() ? 1 : 8;
-    BatchStream stream(*training_batches_, recipe_, state_.step, ahead);
+    BatchStream stream(task_, state_.step, ahead);
     double mark_s = now_s(), last_validation_s = mark_s;
     while (fraction() < 1) {
       const double rate = learning_rate(recipe_, state_.step, fraction());
@@ -298,87 +274,51 @@ class Training {
   }
 
   Result<TrainReport> finish() {
-    model::ModelFile model;
-    model.architecture = recipe_.architecture;
-    model.features = layout_;
-    model.normalisation = normalisation_;
-    model.shapes.assign(face::kShapeNames.begin(), face::kShapeNames.end());
-    model.mean_pose = mean_pose_of(training_);
-    model.schedule = recipe_.schedule;
-    model.rig = options_.rig;
-    model.recipe = recipe_.text;
-    model.network = state_.best;
-    MIEN_TRY_ASSIGN(const Assessment assessment, assess(recipe_, *training_batches_, *validation_batches_,
-                                                        model, [&](double part, std::string_view what) {
-                                                          return progress_(1 - kAssessShare * (1 - part),
-                                                                           what);
-                                                        }));
+    MIEN_TRY_ASSIGN(const std::string assessed,
+                    task_.assess(state_.best, [&](double part, std::string_view what) {
+                      return progress_(1 - kAssessShare * (1 - part), what);
+                    }));
     const ValidationScore score =
         validate(recipe_, from_tensors(state_.best, *device_), validation_windows_, *mixer_, *device_);
-    model.results = results(assessment, score).dump();
+    Json whole = results(score);
+    whole.merge_patch(Json::parse(assessed));
 
-    TrainReport report{.model = options_.out, .replaced = true, .results = model.results};
+    TrainReport report{.model = options_.out, .replaced = true, .results = whole.dump()};
     MIEN_TRY_ASSIGN(const std::optional<double> standing, standing_score());
     if (standing && *standing <= state_.best_score) {
       report.replaced = false;
       report.model.replace_extension(".worse.safetensors");
     }
-    MIEN_TRY(model::write_model(report.model, model));
+    MIEN_TRY(task_.write(report.model, report.results));
     std::error_code code;
     fs::remove(checkpoint_path_, code);
     progress_(1, report.replaced ? "trained" : "trained, but the model that stands here is better and stays");
     return report;
   }
 
-  [[nodiscard]] Json results(const Assessment& assessment, const ValidationScore& score) const {
-    Json profiles = Json::object(), samplers = Json::array();
-    for (const auto& p : assessment.profiles)
-      profiles[p.name] = {{"ridge_mse", p.ridge_mse}, {"mean_pose_mse", p.mean_pose_mse}};
-    for (const auto& c : assessment.samplers)
-      samplers.push_back({{"steps", c.settings.steps},
-                          {"first_noise", c.settings.first_noise},
-                          {"hold", c.settings.hold == model::OverlapHold::clean ? "clean" : "noised"},
-                          {"mse", c.mse},
-                          {"jitter_ratio", c.jitter_ratio},
-                          {"seam_ratio", c.seam_ratio}});
-    const auto frames = [](const study::Dataset& dataset) {
-      std::size_t sum = 0;
-      for (const study::Sequence& s : dataset.sequences) sum += s.frames;
-      return sum;
-    };
-    Json results = {{"validation",
-                     {{"hash", validation_hash_},
-                      {"score", state_.best_score},
-                      {"loss", score.loss},
-                      {"mse", score.mse},
-                      {"frames", frames(validation_)},
-                      {"profiles", profiles}}},
-                    {"training",
-                     {{"steps", state_.step},
-                      {"best_step", state_.best_step},
-                      {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
-                      {"frames", frames(training_)},
-                      {"seconds", std::round(state_.seconds)},
-                      {"device", options_.device},
-                      {"parameters", model::parameter_count(recipe_.architecture)}}}};
-    if (assessment.causal)
-      results["causal"] = {{"mse", assessment.causal->mse},
-                           {"jitter_ratio", assessment.causal->jitter_ratio}};
-    else
-      results["samplers"] = samplers;
-    return results;
+  [[nodiscard]] Json results(const ValidationScore& score) const {
+    return {{"validation",
+             {{"hash", validation_hash_},
+              {"score", state_.best_score},
+              {"loss", score.loss},
+              {"mse", score.mse},
+              {"frames", task_.validation_frames()}}},
+            {"training",
+             {{"steps", state_.step},
+              {"best_step", state_.best_step},
+              {"windows", state_.step * static_cast<std::int64_t>(recipe_.batch)},
+              {"frames", task_.training_frames()},
+              {"seconds", std::round(state_.seconds)},
+              {"device", options_.device},
+              {"parameters", model::parameter_count(recipe_.architecture)}}}};
   }
 
-  Recipe recipe_;
-  const study::Dataset& training_;
-  const study::Dataset& validation_;
+  Task& task_;
+  const Recipe& recipe_;
   const TrainOptions& options_;
   const Progress& progress_;
   fs::path checkpoint_path_, curve_path_;
   std::optional<torch::Device> device_;
-  model::FeatureLayout layout_;
-  model::FeatureNormalisation normalisation_;
-  std::optional<BatchMaker> training_batches_, validation_batches_;
   std::optional<NoiseMixer> mixer_;
   Batch validation_windows_;
   std::string validation_hash_, run_;
@@ -393,10 +333,9 @@ class Training {
 
 }  // namespace
 
-Result<TrainReport> train(Recipe recipe, const study::Dataset& training, const study::Dataset& validation,
-                          const TrainOptions& options, const Progress& progress) {
+Result<TrainReport> train(Task& task, const TrainOptions& options, const Progress& progress) {
   try {
-    return Training(std::move(recipe), training, validation, options, progress).run();
+    return Training(task, options, progress).run();
   } catch (const c10::Error& error) {
     return fail(ErrorCode::internal, error.what_without_backtrace(), "libtorch");
   }

@@ -6,8 +6,8 @@
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
-#include "mien/study/dataset.h"
 #include "mien/train/recipe.h"
+#include "mien/train/task.h"
 
 namespace mien::train {
 
@@ -19,7 +19,6 @@ struct TrainOptions {
   bool force = false;          ///< Replace a model, or drop a checkpoint, whatever it is.
   std::string device = "cpu";  ///< "cpu", "cuda" or "cuda:1".
   int threads = 0;             ///< Of libtorch on the CPU; 0: all cores.
-  std::string rig;             ///< Text of the rig file, to be kept in the model.
 };
 
 struct TrainReport {
@@ -28,14 +27,12 @@ struct TrainReport {
   std::string results;          ///< As in the model file: JSON.
 };
 
-/// Trains the recipe's network and writes the model; the performers of `validation` are not in `training`.
+/// Trains the task's network and writes the model.
 /// Every step depends on the recipe, the data and the step's number alone: with a budget in steps, a run that
 /// was killed and resumed ends with the same bits, on the same machine and number of threads. A stop by
 /// `progress` leaves a checkpoint. Errors: bad_usage, mismatch (data, checkpoint or model of another run),
 /// cancelled, io, internal (the loss is no longer finite).
-[[nodiscard]] Result<TrainReport> train(Recipe recipe, const study::Dataset& training,
-                                        const study::Dataset& validation, const TrainOptions& options,
-                                        const Progress& progress);
+[[nodiscard]] Result<TrainReport> train(Task& task, const TrainOptions& options, const Progress& progress);
 
 /// Training speed on made-up windows, in windows a second, the median over `steps`.
 [[nodiscard]] Result<double> measure_speed(const Recipe& recipe, std::size_t sensors, std::size_t steps,

@@ -7,6 +7,7 @@
 
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
+#include "mien/train/blendshape_task.h"
 #include "mien/train/parity.h"
 #include "tests/folder.h"
 #include "tests/model/random_network.h"
@@ -26,14 +27,13 @@ class Trainer : public testing::Test {
   }
   Result<TrainReport> run_recipe(const std::string& recipe, const std::string& name, bool resume = false,
                                  const Progress& progress = no_progress, bool force = false) const {
-    return train(*parse_recipe(recipe, "test"), training_, validation_,
-                 {.out = folder_ / name,
-                  .resume = resume,
-                  .force = force,
-                  .device = "cpu",
-                  .threads = 1,
-                  .rig = "# rig"},
-                 progress);
+    MIEN_TRY_ASSIGN(
+        const std::unique_ptr<BlendshapeTask> task,
+        BlendshapeTask::create(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
+    return train(
+        *task,
+        {.out = folder_ / name, .resume = resume, .force = force, .device = "cpu", .threads = 1},
+        progress);
   }
 
   test::Folder folder_;
@@ -177,14 +177,14 @@ TEST_F(Trainer, AllItsOptionsTrain) {
 
 TEST_F(Trainer, RefusesWhatCannotBeTrained) {
   const Recipe recipe = *parse_recipe(toy_recipe(10), "test");
-  const TrainOptions options{.out = folder_ / "m.safetensors", .device = "cpu", .threads = 1, .rig = ""};
-  EXPECT_FALSE(train(recipe, {}, validation_, options, no_progress));
-  EXPECT_FALSE(train(recipe, training_, training_, options, no_progress)) << "the same people on both sides";
-  EXPECT_FALSE(train(recipe, toy_data(0, 2, 39), validation_, options, no_progress))
+  EXPECT_FALSE(BlendshapeTask::create(recipe, {}, validation_, ""));
+  EXPECT_FALSE(BlendshapeTask::create(recipe, training_, training_, "")) << "the same people on both sides";
+  EXPECT_FALSE(BlendshapeTask::create(recipe, toy_data(0, 2, 39), validation_, ""))
       << "no take as long as a window";
-  TrainOptions nowhere = options;
-  nowhere.device = "warp-drive";
-  EXPECT_FALSE(train(recipe, training_, validation_, nowhere, no_progress));
+  const auto task = BlendshapeTask::create(recipe, training_, validation_, "");
+  ASSERT_TRUE(task) << task.error().message();
+  const TrainOptions nowhere{.out = folder_ / "m.safetensors", .device = "warp-drive", .threads = 1};
+  EXPECT_FALSE(train(**task, nowhere, no_progress));
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 

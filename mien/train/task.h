@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/core/random.h"
+#include "mien/model/safetensors.h"
+#include "mien/train/batches.h"
+#include "mien/train/recipe.h"
+
+namespace mien::train {
+
+/// What a network is to learn: data in batches, and the file that its weights end in. Training itself knows no
+/// more of it. Those who perform for validation are not in the training.
+class Task {
+ public:
+  virtual ~Task() = default;
+
+  /// As it was read, with the network's condition and outputs filled in.
+  [[nodiscard]] virtual const Recipe& recipe() const = 0;
+  /// `count` windows at random places of the training, augmented. Thread-safe.
+  [[nodiscard]] virtual Batch random_batch(std::size_t count, Random random) const = 0;
+  /// At most recipe().windows of validation, evenly spread, nothing lost.
+  [[nodiscard]] virtual Batch validation_batch(Random random) const = 0;
+
+  /// Hashes over everything that training, and a validation score, depends on beside the recipe's text.
+  [[nodiscard]] virtual std::string training_hash() const = 0;
+  [[nodiscard]] virtual std::string validation_hash() const = 0;
+  [[nodiscard]] virtual std::size_t training_frames() const = 0;
+  [[nodiscard]] virtual std::size_t validation_frames() const = 0;
+
+  /// The results text of a model of this kind. Errors: the model reader's.
+  [[nodiscard]] virtual Result<std::string> results_of(const std::filesystem::path& model) const = 0;
+  /// Measures a trained network, beside what baselines do, and keeps it for write(). Returns a JSON object
+  /// that results are completed by. Errors: cancelled, and those of the run time.
+  [[nodiscard]] virtual Result<std::string> assess(std::span<const model::Tensor> network,
+                                                   const Progress& progress) = 0;
+  /// The model that was assessed, whole or not at all. Errors: io.
+  [[nodiscard]] virtual Result<void> write(const std::filesystem::path& path,
+                                           const std::string& results) const = 0;
+};
+
+}  // namespace mien::train
