@@ -13,7 +13,6 @@ using tracker::Step;
 
 // The performer reads first.
 constexpr Duration kLeadIn = std::chrono::milliseconds(1500);
-constexpr Duration kNeutral = std::chrono::milliseconds(3000);
 constexpr Duration kGesture = std::chrono::milliseconds(4500);
 constexpr Duration kAnchor = std::chrono::milliseconds(2400);
 /// An anchor of which less than this share came through was not done, or is not felt.
@@ -27,16 +26,18 @@ void Guide::begin(bool full) {
   full_ = full;
 }
 
-void Guide::plan(DeviceTime begin) {
+void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
   DeviceTime at = begin + kLeadIn;
   const auto add = [&](Step step, std::string_view name, std::string_view prompt, Duration length,
                        const face::BlendshapeWeights* target) {
     parts_.push_back({step, name, prompt, target, at, at + length});
     at += length;
   };
-  add(Step::neutral, "neutral", "Look ahead, relax your face and hold still", kNeutral, nullptr);
-  add(Step::nod, "nod", "Keep your face still and nod twice, down first", kGesture, nullptr);
-  add(Step::shake, "shake", "Keep your face still and shake your head twice", kGesture, nullptr);
+  add(Step::neutral, "neutral", "Look ahead, relax your face and hold still", wanted.neutral, nullptr);
+  if (wanted.gestures) {
+    add(Step::nod, "nod", "Keep your face still and nod twice, down first", kGesture, nullptr);
+    add(Step::shake, "shake", "Keep your face still and shake your head twice", kGesture, nullptr);
+  }
   if (full_)
     for (const face::Anchor& anchor : face::anchors())
       add(Step::none, anchor.name, anchor.prompt, kAnchor, &anchor.target);
@@ -45,9 +46,11 @@ void Guide::plan(DeviceTime begin) {
 
 void Guide::before(DeviceTime frame, tracker::Tracker& tracker) {
   if (state_ != State::wanted) return;
-  plan(frame);
+  plan(frame, tracker.guidance());
   for (const Part& part : parts_)
     if (part.step != Step::none) tracker.guide(part.step, part.begin, part.end);
+  const auto anchors = std::ranges::find(parts_, Step::none, &Part::step);
+  if (anchors != parts_.end()) tracker.guide_range(anchors->begin, parts_.back().end);
   state_ = State::running;
 }
 

@@ -12,9 +12,9 @@
 
 namespace mien::live {
 
-/// Leads a performer through a calibration on the grid's time: neutral, nod, shake, and in a full one the
-/// anchor expressions, each with a score of how much of it the tracker saw. Allocates where it begins and
-/// ends.
+/// Leads a performer through a calibration on the grid's time: neutral, nod and shake as the tracker asks for
+/// them, and in a full one the anchor expressions, each with a score of how much of it the tracker saw.
+/// Allocates where it begins and ends.
 class Guide {
  public:
   /// From the next tick on.
@@ -50,7 +50,7 @@ class Guide {
 
  private:
   enum class State { idle, wanted, running };
-  void plan(DeviceTime begin);
+  void plan(DeviceTime begin, const tracker::Guidance& wanted);
 
   State state_ = State::idle;
   bool full_ = false;

@@ -36,6 +36,13 @@ struct CalibrationState {
   std::string_view hint;   ///< Why the last try did not do; empty when it did. A text that lives for ever.
 };
 
+/// What a guided calibration asks of the performer for a modality, whatever else it asks: a full one goes on
+/// with expressions, through which guide_range() leads.
+struct Guidance {
+  Duration neutral = std::chrono::seconds(3);
+  bool gestures = true;  ///< The head nods and shakes.
+};
+
 /// When a step of the calibration in force was performed, on the reference's time line.
 struct PerformedStep {
   Step step;
@@ -63,9 +70,14 @@ class Tracker {
   /// hold and to ease to neutral, a change to ease over.
   virtual std::size_t tick(DeviceTime frame, face::OutputFrame& out) = 0;
 
+  /// What it wants of a guided calibration.
+  [[nodiscard]] virtual Guidance guidance() const { return {}; }
   /// A guided step runs on the frames [begin, end); given before the tick of its begin. The last step's end
   /// puts the calibration in force.
   virtual void guide(Step step, DeviceTime begin, DeviceTime end) = 0;
+  /// The same of expressions that move the whole face, one after the other: a range of motion. It follows the
+  /// steps. A modality that has no use for it passes it over.
+  virtual void guide_range([[maybe_unused]] DeviceTime begin, [[maybe_unused]] DeviceTime end) {}
   /// Ends guidance; what was in force before its first step is in force again.
   virtual void cancel_guidance() = 0;
 

@@ -1,0 +1,162 @@
+#include "mien/eyewear/calibrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace mien::eyewear {
+
+bool SteadyWatch::add(const GridLight& light) {
+  if (frames_.empty()) frames_.resize(kFrames);
+  frames_[next_] = light;
+  next_ = (next_ + 1) % kFrames;
+  count_ = std::min(count_ + 1, kFrames);
+  return count_ == kFrames && steady();
+}
+
+bool SteadyWatch::steady() const {
+  const std::size_t sensors = frames_.front().present.size();
+  scatter_.clear();
+  for (std::size_t i = 0; i < sensors; ++i) {
+    double sum = 0, square = 0;
+    bool there = true;
+    for (const GridLight& light : frames_) {
+      there = there && light.present[i] != 0;
+      sum += light.log_light[i];
+      square += light.log_light[i] * light.log_light[i];
+    }
+    const double mean = sum / kFrames;
+    if (there) scatter_.push_back(std::sqrt(std::max(0.0, square / kFrames - mean * mean)));
+  }
+  if (scatter_.empty() || 2 * scatter_.size() < sensors) return false;
+  const auto middle = scatter_.begin() + static_cast<std::ptrdiff_t>(scatter_.size() / 2);
+  std::nth_element(scatter_.begin(), middle, scatter_.end());
+  return *middle <= kSteady;
+}
+
+Calibrator::Calibrator(const sensor::Rig& rig) : maker_(rig) {
+  for (const std::uint16_t number : photo_sensors(rig)) names_.push_back(rig.sensors[number].name);
+}
+
+void Calibrator::guide(const Stretch& stretch) {
+  if (stretches_.empty()) {
+    before_ = in_force_;
+    count_before_ = count_;
+    found_before_ = found_;
+    maker_.reset();
+  }
+  stretches_.push_back(stretch);
+  hint_ = {};
+}
+
+void Calibrator::guide_neutral(DeviceTime begin, DeviceTime end) {
+  guide({true, begin, end});
+}
+
+void Calibrator::guide_range(DeviceTime begin, DeviceTime end) {
+  guide({false, begin, end});
+}
+
+void Calibrator::cancel() {
+  if (guided()) fall_back();
+}
+
+void Calibrator::fall_back() {
+  stretches_.clear();
+  in_force_ = before_;
+  count_ = count_before_;
+  found_ = found_before_;
+}
+
+void Calibrator::put_in_force(Normalisation made) {
+  in_force_ = std::move(made);
+  ++count_;
+  found_.reset();
+  steady_.reset();
+}
+
+void Calibrator::add(DeviceTime frame, const GridLight& light) {
+  if (!stretches_.empty())
+    lead(frame, light);
+  else if (!in_force_.complete)
+    watch(frame, light);
+}
+
+void Calibrator::lead(DeviceTime frame, const GridLight& light) {
+  // What is over ends before what begins at the same frame; a failure ends all.
+  for (std::size_t i = 0; i < stretches_.size();) {
+    if (frame < stretches_[i].end) {
+      ++i;
+      continue;
+    }
+    const Stretch over = stretches_[i];
+    stretches_.erase(stretches_.begin() + static_cast<std::ptrdiff_t>(i));
+    finish(over);
+  }
+  for (Stretch& stretch : stretches_) {
+    if (frame < stretch.begin) continue;
+    if (!std::exchange(stretch.begun, true)) {
+      if (stretch.neutral)
+        maker_.begin_neutral();
+      else
+        maker_.begin_range();
+    }
+    if (stretch.neutral)
+      maker_.add_neutral(light);
+    else
+      maker_.add_range(light);
+  }
+}
+
+void Calibrator::finish(const Stretch& stretch) {
+  Normalisation made = maker_.solve(in_force_);
+  if (stretch.begun && made.complete) {
+    put_in_force(std::move(made));
+    return;
+  }
+  hint_ = "fewer than half of the sensors were heard through the hold; look after them and calibrate again";
+  fall_back();
+}
+
+void Calibrator::watch(DeviceTime frame, const GridLight& light) {
+  if (!steady_.add(light)) return;
+  maker_.reset();
+  maker_.begin_neutral();
+  for (std::size_t i = 0; i < SteadyWatch::kFrames; ++i) maker_.add_neutral(steady_.frame(i));
+  Normalisation made = maker_.solve(in_force_);
+  if (!made.complete) return;
+  for (sensor::Score& score : made.scores)
+    if (score.name == "neutral face")
+      score.sentence =
+          "found by itself: two seconds of steady light, whatever face that was; a guided "
+          "calibration knows better";
+  put_in_force(std::move(made));
+  found_ = Span{frame - frame_offset(SteadyWatch::kFrames - 1), frame};
+}
+
+void Calibrator::forget(std::size_t sensor) {
+  steady_.reset();
+  const auto lose = [sensor](Normalisation& normalisation) {
+    if (sensor >= normalisation.sensors.size()) return;
+    normalisation.sensors[sensor].valid = false;
+    normalisation.complete = std::ranges::any_of(normalisation.sensors, &SensorNormalisation::valid);
+  };
+  lose(in_force_);
+  lose(before_);
+}
+
+Result<void> Calibrator::restore(const Normalisation& normalisation) {
+  if (!std::ranges::equal(normalisation.sensors, names_, {}, &SensorNormalisation::sensor))
+    return fail(ErrorCode::mismatch, "the calibration is of another rig's sensors", "calibration",
+                "calibrate anew");
+  cancel();
+  put_in_force(normalisation);
+  return {};
+}
+
+bool Calibrator::wants_neutral() const {
+  if (stretches_.empty()) return !in_force_.complete;
+  return stretches_.front().neutral;
+}
+
+}  // namespace mien::eyewear

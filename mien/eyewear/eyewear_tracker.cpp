@@ -1,0 +1,153 @@
+#include "mien/eyewear/eyewear_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "mien/face/builtin.h"
+
+namespace mien::eyewear {
+namespace {
+
+using tracker::Step;
+
+/// A frame this long after the last begins anew, for the solver's calm.
+constexpr double kLongestStepS = 1;
+
+}  // namespace
+
+Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig& rig,
+                                                               const MarkerSet& markers,
+                                                               std::unique_ptr<MarkerRegressor> regressor) {
+  if (photo_sensors(rig).empty())
+    return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", rig.name);
+  if (regressor->marker_count() != markers.markers.size())
+    return fail(ErrorCode::mismatch,
+                fmt::format("the model has {} markers, and {} has {}", regressor->marker_count(),
+                            markers.name, markers.markers.size()),
+                rig.name, "use the markers that the model was made with");
+  MIEN_TRY_ASSIGN(const PlacedMarkers placed, PlacedMarkers::place(face::make_builtin(), markers));
+  const Eigen::VectorXd neutral_m = placed.at({});
+  Eigen::MatrixXd shapes_m(neutral_m.size(), static_cast<Eigen::Index>(face::kShapeCount));
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    face::BlendshapeWeights one;
+    one[k] = 1;
+    shapes_m.col(static_cast<Eigen::Index>(k)) = placed.at(one) - neutral_m;
+  }
+  MIEN_TRY_ASSIGN(face::WeightSolver solver, face::WeightSolver::create(neutral_m, std::move(shapes_m)));
+  return std::unique_ptr<EyewearTracker>(
+      new EyewearTracker(rig, std::move(regressor), neutral_m, std::move(solver)));
+}
+
+EyewearTracker::EyewearTracker(const sensor::Rig& rig, std::unique_ptr<MarkerRegressor> regressor,
+                               Eigen::VectorXd neutral_m, face::WeightSolver solver)
+    : sensors_(photo_sensors(rig)),
+      grid_(rig),
+      calibrator_(rig),
+      regressor_(std::move(regressor)),
+      neutral_m_(std::move(neutral_m)),
+      solver_(std::move(solver)) {
+  features_.values.resize(sensors_.size());
+  features_.present.resize(sensors_.size());
+  markers_m_ = neutral_m_;
+}
+
+void EyewearTracker::add(HostTime arrival, const sensor::Sample& sample) {
+  grid_.add(arrival, sample);
+}
+
+void EyewearTracker::forget(std::uint16_t sensor) {
+  grid_.forget(sensor);
+  const auto place = std::ranges::find(sensors_, sensor);
+  if (place != sensors_.end()) calibrator_.forget(static_cast<std::size_t>(place - sensors_.begin()));
+}
+
+void EyewearTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+  grid_.pulse(sensor, index, edge);
+}
+
+std::size_t EyewearTracker::normalise() {
+  const std::vector<SensorNormalisation>& sensors = calibrator_.in_force().sensors;
+  std::size_t there = 0;
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    const bool present = light_.present[i] != 0 && sensors[i].valid;
+    features_.present[i] = present ? 1 : 0;
+    features_.values[i] = present ? sensors[i].feature(light_.log_light[i]) : 0.0F;
+    there += present ? 1 : 0;
+  }
+  return there;
+}
+
+std::size_t EyewearTracker::tick(DeviceTime frame, face::OutputFrame& out) {
+  grid_.tick(frame, light_);
+  calibrator_.add(frame, light_);
+  out = {};
+  out.time = frame;
+  if (!calibrator_.in_force().complete) {
+    out.provenance.fill(face::Provenance::neutral);
+    return sensors_.size();  // Nothing is lost: nothing was there yet.
+  }
+  if (std::exchange(followed_, calibrator_.count()) != calibrator_.count()) regressor_->reset();
+  const std::size_t there = normalise();
+  regressor_->step(features_, markers_m_);
+  markers_m_ += neutral_m_;
+  const double since_s = last_frame_ ? to_seconds(frame - *last_frame_) : 1 / kFrameRateHz;
+  last_frame_ = frame;
+  solver_.solve(markers_m_, {}, since_s > 0 ? std::min(since_s, kLongestStepS) : 1 / kFrameRateHz,
+                out.weights);
+  out.provenance.fill(there > 0 ? face::Provenance::measured : face::Provenance::predicted);
+  out.confidence.fill(static_cast<float>(there) / static_cast<float>(sensors_.size()));
+  return there;
+}
+
+tracker::Guidance EyewearTracker::guidance() const {
+  return {.neutral = std::chrono::seconds(5), .gestures = false};
+}
+
+void EyewearTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
+  if (step == Step::neutral) calibrator_.guide_neutral(begin, end);
+}
+
+void EyewearTracker::guide_range(DeviceTime begin, DeviceTime end) {
+  calibrator_.guide_range(begin, end);
+}
+
+void EyewearTracker::cancel_guidance() {
+  calibrator_.cancel();
+}
+
+tracker::CalibrationState EyewearTracker::calibration_state() const {
+  using Phase = tracker::CalibrationState::Phase;
+  tracker::CalibrationState state;
+  state.step = calibrator_.wants_neutral() ? Step::neutral : Step::none;
+  state.hint = calibrator_.hint();
+  if (calibrator_.guided()) {
+    state.phase = Phase::guided;
+  } else if (calibrator_.in_force().complete) {
+    state.phase = Phase::done;
+  } else if (state.hint.empty()) {
+    state.hint = "Relax your face and hold still for two seconds: whatever it is then is taken for neutral";
+  }
+  return state;
+}
+
+std::string EyewearTracker::calibration() const {
+  return calibrator_.in_force().complete ? write_normalisation(calibrator_.in_force()) : std::string();
+}
+
+std::vector<sensor::Score> EyewearTracker::scores() const {
+  return calibrator_.in_force().scores;
+}
+
+std::vector<tracker::PerformedStep> EyewearTracker::found_steps() const {
+  if (!calibrator_.found()) return {};
+  return {{Step::neutral, calibrator_.found()->begin, calibrator_.found()->end}};
+}
+
+Result<void> EyewearTracker::restore(std::string_view json) {
+  MIEN_TRY_ASSIGN(const Normalisation normalisation, parse_normalisation(json, "calibration"));
+  return calibrator_.restore(normalisation);
+}
+
+}  // namespace mien::eyewear

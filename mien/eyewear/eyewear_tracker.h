@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "mien/eyewear/calibrator.h"
+#include "mien/eyewear/light_grid.h"
+#include "mien/eyewear/marker_regressor.h"
+#include "mien/eyewear/markers.h"
+#include "mien/face/weight_solver.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::eyewear {
+
+/// Photo-reflective smart eyewear as a tracker: light on the frames' grid (LightGrid), normalised by the
+/// wearer's calibration (Calibrator), markers by a regressor, weights by face::WeightSolver on the built-in
+/// face. It knows nothing of the head and of the eyes' directions. Cost: docs/eyewear.md.
+class EyewearTracker final : public tracker::Tracker {
+ public:
+  /// `regressor` answers for the rig's photo-reflective sensors, in the rig's order, with the markers of the
+  /// set. Errors: mismatch (another number of markers; a rig without such sensors), the face's. Cost: sculpts
+  /// the built-in face (half a second).
+  [[nodiscard]] static Result<std::unique_ptr<EyewearTracker>> create(
+      const sensor::Rig& rig, const MarkerSet& markers, std::unique_ptr<MarkerRegressor> regressor);
+
+  [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
+  void add(HostTime arrival, const sensor::Sample& sample) override;
+  void forget(std::uint16_t sensor) override;
+  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
+  /// Confidence of every shape: the share of the sensors that are there and calibrated.
+  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
+  /// Five seconds of neutral, since folds and sway come and go in one; heads need not move.
+  [[nodiscard]] tracker::Guidance guidance() const override;
+  void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
+  void guide_range(DeviceTime begin, DeviceTime end) override;
+  void cancel_guidance() override;
+  [[nodiscard]] tracker::CalibrationState calibration_state() const override;
+  [[nodiscard]] std::string calibration() const override;
+  [[nodiscard]] std::vector<sensor::Score> scores() const override;
+  [[nodiscard]] int calibration_count() const override { return calibrator_.count(); }
+  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override;
+  [[nodiscard]] Result<void> restore(std::string_view json) override;
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
+
+ private:
+  EyewearTracker(const sensor::Rig& rig, std::unique_ptr<MarkerRegressor> regressor,
+                 Eigen::VectorXd neutral_m, face::WeightSolver solver);
+  /// The features of light_ by the calibration in force; returns how many sensors are there.
+  std::size_t normalise();
+
+  std::vector<std::uint16_t> sensors_;  // Numbers in the rig.
+  LightGrid grid_;
+  Calibrator calibrator_;
+  std::unique_ptr<MarkerRegressor> regressor_;
+  Eigen::VectorXd neutral_m_;
+  face::WeightSolver solver_;
+
+  GridLight light_;
+  LightFrame features_;
+  Eigen::VectorXd markers_m_;
+  int followed_ = 0;  // Count of the calibration that the regressor's memory is of.
+  std::optional<DeviceTime> last_frame_;
+};
+
+}  // namespace mien::eyewear

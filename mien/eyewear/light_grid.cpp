@@ -1,0 +1,98 @@
+#include "mien/eyewear/light_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mien::eyewear {
+namespace {
+
+/// A reading as high as this stands at the end of its converter's range, which has 16 bits at the most.
+constexpr float kFullScale = 1 - 1e-5F;
+
+}  // namespace
+
+std::vector<std::uint16_t> photo_sensors(const sensor::Rig& rig) {
+  std::vector<std::uint16_t> numbers;
+  for (std::uint16_t i = 0; i < rig.sensors.size(); ++i)
+    if (rig.sensors[i].kind == "photo") numbers.push_back(i);
+  return numbers;
+}
+
+void LightGrid::Track::reset() {
+  filter_.reset();
+  next_ = 0;
+  saturated_ = false;
+}
+
+void LightGrid::Track::add(const sensor::Sample& sample) {
+  if (next_ > 0) {
+    const Duration since = sample.time - light(0).time;
+    if (since < -AmbientFilter::kForget)
+      reset();  // The board began anew.
+    else if (since <= Duration::zero())
+      return;
+  }
+  saturated_ = sample.values[0] >= kFullScale;
+  if (sample.values[1] >= kFullScale) return;
+  const double light = std::max(filter_.add(sample), kDimmest);
+  lights_[next_ % kKept] = {sample.time, std::log(light)};
+  ++next_;
+}
+
+std::optional<double> LightGrid::Track::at(DeviceTime time) const {
+  if (next_ == 0 || time - light(0).time > kSilence) return std::nullopt;
+  if (time >= light(0).time) return light(0).log_light;
+  for (std::size_t back = 1; back < std::min(next_, kKept); ++back) {
+    const Light& before = light(back);
+    if (before.time > time) continue;
+    const Light& after = light(back - 1);
+    if (after.time - before.time > kSilence) return std::nullopt;  // In the middle of a gap.
+    const double share = to_seconds(time - before.time) / to_seconds(after.time - before.time);
+    return before.log_light + share * (after.log_light - before.log_light);
+  }
+  // Before all that is kept: the sensor has only just been heard, or the frame comes very late.
+  const Light& oldest = light(std::min(next_, kKept) - 1);
+  return oldest.time - time > kSilence ? std::nullopt : std::optional(oldest.log_light);
+}
+
+LightGrid::LightGrid(const sensor::Rig& rig)
+    : lines_(rig.sensors.size(), rig.find(rig.reference)),
+      sensors_(photo_sensors(rig)),
+      tracks_(sensors_.size()),
+      track_of_(rig.sensors.size(), sensors_.size()) {
+  for (std::size_t i = 0; i < sensors_.size(); ++i) track_of_[sensors_[i]] = i;
+}
+
+void LightGrid::add(HostTime arrival, const sensor::Sample& sample) {
+  if (sample.sensor >= track_of_.size()) return;
+  lines_.add(arrival, sample);
+  const std::size_t track = track_of_[sample.sensor];
+  if (track < tracks_.size() && sample.kind == sensor::SampleKind::photo_reflective && sample.count >= 2)
+    tracks_[track].add(sample);
+}
+
+void LightGrid::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+  lines_.pulse(sensor, index, edge);
+}
+
+void LightGrid::forget(std::uint16_t sensor) {
+  lines_.forget(sensor);
+  if (sensor < track_of_.size() && track_of_[sensor] < tracks_.size()) tracks_[track_of_[sensor]].reset();
+}
+
+void LightGrid::tick(DeviceTime frame, GridLight& out) const {
+  out.log_light.assign(tracks_.size(), 0.0);
+  out.present.assign(tracks_.size(), 0);
+  out.saturated.assign(tracks_.size(), 0);
+  if (!lines_.ready()) return;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (!lines_.heard(sensors_[i])) continue;
+    out.saturated[i] = tracks_[i].saturated() ? 1 : 0;
+    const auto light = tracks_[i].at(lines_.from_line(sensors_[i], frame));
+    if (!light) continue;
+    out.log_light[i] = *light;
+    out.present[i] = 1;
+  }
+}
+
+}  // namespace mien::eyewear

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace mien::eyewear {
+
+/// One frame of what a regressor reads, a sensor each, in the rig's order.
+struct LightFrame {
+  std::vector<float> values;          ///< Normalised log light change from neutral; 0 where missing.
+  std::vector<std::uint8_t> present;  ///< 0 where missing.
+};
+
+/// What turns the sensors' light into markers, frame by frame, with nothing of the future: whatever model is
+/// behind it. Thread: one at a time.
+class MarkerRegressor {
+ public:
+  virtual ~MarkerRegressor() = default;
+  /// The next frame of the 60 Hz grid. `displacement_m`: 3 marker_count() displacements from neutral of the
+  /// marker set on the built-in face's default identity, x, y, z of marker 0, then of marker 1; metres, frame
+  /// H. No allocation once it has that size.
+  virtual void step(const LightFrame& light, Eigen::VectorXd& displacement_m) = 0;
+  /// Forgets what came before.
+  virtual void reset() = 0;
+  [[nodiscard]] virtual std::size_t marker_count() const = 0;
+};
+
+}  // namespace mien::eyewear
