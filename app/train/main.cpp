@@ -11,8 +11,7 @@
 #include "mien/model/denoiser.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/make_dataset.h"
-#include "mien/train/blendshape_task.h"
+#include "mien/train/make_task.h"
 #include "mien/train/parity.h"
 #include "mien/train/trainer.h"
 
@@ -33,8 +32,6 @@ constexpr double kDataShare = 0.1;
 Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
   MIEN_TRY_ASSIGN(const train::Recipe recipe, train::parse_recipe(text, arguments.recipe));
-  MIEN_TRY_ASSIGN(const study::DataRecipe data_recipe,
-                  study::parse_data_recipe(recipe.data, arguments.recipe + ", [data]"));
   std::filesystem::path rig_path = arguments.rig;
   if (rig_path.empty()) {
     MIEN_TRY_ASSIGN(rig_path, find_resource("rigs/default.toml"));
@@ -45,14 +42,11 @@ Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_text, rig_path.string()));
 
   const Progress shown = app::terminal_progress("training");
-  MIEN_TRY_ASSIGN(
-      study::TrainingData data,
-      study::make_dataset(data_recipe, arguments.face, rig, [&](double part, std::string_view what) {
-        return shown(kDataShare * part * 0.999, what);
-      }));
   MIEN_TRY_ASSIGN(const std::unique_ptr<train::Task> task,
-                  train::BlendshapeTask::create(recipe, std::move(data.train), std::move(data.validation),
-                                                rig_text));
+                  train::make_task(recipe, arguments.recipe, arguments.face, rig, rig_text,
+                                   [&](double part, std::string_view what) {
+                                     return shown(kDataShare * part * 0.999, what);
+                                   }));
   MIEN_TRY_ASSIGN(const train::TrainReport report,
                   train::train(*task, options, [&](double part, std::string_view what) {
                     return shown(kDataShare + (1 - kDataShare) * part, what);

@@ -3,28 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "mien/core/files.h"
+#include "mien/model/network_parts.h"
 
 namespace mien::model {
 namespace {
 
 using Json = nlohmann::json;
 constexpr int kVersion = 1;
-constexpr const char* kKindWindow = "window";
-constexpr const char* kKindCausal = "causal";
-constexpr std::string_view kNetworkPrefix = "network.";
 constexpr std::string_view kRidgePrefix = "ridge.";
-
-constexpr std::size_t Architecture::*kSizes[] = {
-    &Architecture::layers, &Architecture::d_model, &Architecture::heads,     &Architecture::d_head,
-    &Architecture::ffn,    &Architecture::window,  &Architecture::condition, &Architecture::outputs,
-};
-constexpr const char* kSizeNames[] = {"layers", "d_model", "heads",     "d_head",
-                                      "ffn",    "window",  "condition", "outputs"};
 
 bool unique(const std::vector<std::string>& names) {
   return std::set<std::string>(names.begin(), names.end()).size() == names.size();
@@ -74,21 +64,6 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
 Json entry(const TensorFile& file, const std::string& name) {
   const auto it = file.metadata.find(name);
   return it == file.metadata.end() ? Json() : Json::parse(it->second);
-}
-
-/// Files from before there were causal networks name no kind. False for a kind that is not known.
-bool read_architecture(const Json& from, Architecture& a) {
-  const std::string kind = from.value("kind", kKindWindow);
-  if (kind != kKindWindow && kind != kKindCausal) return false;
-  a.kind = kind == kKindCausal ? NetworkKind::causal : NetworkKind::window;
-  a.name = from.at("name").get<std::string>();
-  for (std::size_t i = 0; i < std::size(kSizes); ++i) {
-    const Json& value = from.at(kSizeNames[i]);
-    // A wrong number becomes one that check() refuses.
-    a.*kSizes[i] =
-        value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
-  }
-  return true;
 }
 
 void read_sampling(const TensorFile& file, ModelFile& m) {
@@ -150,17 +125,15 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
                 fmt::format("the model's version is {:?}, not {}", file.metadata["version"], kVersion), where,
                 "update the program");
   ModelFile m;
+  MIEN_TRY_ASSIGN(m.architecture, parse_architecture(file.metadata["architecture"], where));
   try {
-    if (!read_architecture(entry(file, "architecture"), m.architecture))
-      return fail(ErrorCode::unsupported, "the model's network is of a kind that is not known here", where,
-                  "update the program");
     read_metadata(file, m);
     read_ridges(file, m);
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed, fmt::format("the model's description is wrong: {}", error.what()),
                 where);
   }
-  if (const auto ok = check(m.architecture); !ok) return fail(ok.error().code, ok.error().what, where);
+  MIEN_TRY_ASSIGN(m.network, take_network(m.architecture, file, where));
 
   std::map<std::string, Tensor*> by_name;
   for (Tensor& tensor : file.tensors) by_name[tensor.name] = &tensor;
@@ -174,14 +147,6 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
   take("features.scale", m.normalisation.scale);
   take("mean_pose", m.mean_pose);
   for (RidgeBaseline& ridge : m.ridge) take(std::string(kRidgePrefix) + ridge.profile, ridge.matrix);
-  for (const TensorSpec& spec : network_tensors(m.architecture)) {
-    const auto it = by_name.find(std::string(kNetworkPrefix) + spec.name);
-    if (it == by_name.end())
-      return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", spec.name), where);
-    m.network.push_back(std::move(*it->second));
-    m.network.back().name = spec.name;
-    by_name.erase(it);
-  }
   if (!by_name.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
                 where);
@@ -197,8 +162,6 @@ Result<ModelFile> read_model(const std::filesystem::path& path) {
 Result<std::vector<std::byte>> format_model(const ModelFile& m) {
   MIEN_TRY(check_model(m, "model"));
   const bool causal = m.architecture.kind == NetworkKind::causal;
-  Json architecture = {{"name", m.architecture.name}, {"kind", causal ? kKindCausal : kKindWindow}};
-  for (std::size_t i = 0; i < std::size(kSizes); ++i) architecture[kSizeNames[i]] = m.architecture.*kSizes[i];
   Json ridges = Json::array();
   for (const RidgeBaseline& r : m.ridge)
     ridges.push_back({{"profile", r.profile}, {"penalty", r.penalty}, {"validation_mse", r.validation_mse}});
@@ -207,7 +170,7 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
   file.metadata = {
       {"format", "mien-model"},
       {"version", std::to_string(kVersion)},
-      {"architecture", architecture.dump()},
+      {"architecture", format_architecture(m.architecture)},
       {"features",
        Json{{"sensors", m.features.sensors}, {"presence_flags", m.features.presence_flags}}.dump()},
       {"shapes", Json(m.shapes).dump()},
@@ -229,8 +192,7 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
   const auto add = [&](std::string name, std::vector<std::size_t> shape, const std::vector<float>& values) {
     file.tensors.push_back({.name = std::move(name), .shape = std::move(shape), .values = values});
   };
-  for (const Tensor& tensor : m.network)
-    add(std::string(kNetworkPrefix) + tensor.name, tensor.shape, tensor.values);
+  add_network(m.network, file);
   add("features.mean", {m.normalisation.mean.size()}, m.normalisation.mean);
   add("features.scale", {m.normalisation.scale.size()}, m.normalisation.scale);
   add("mean_pose", {m.mean_pose.size()}, m.mean_pose);

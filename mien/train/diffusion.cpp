@@ -9,6 +9,15 @@ namespace {
 /// Windows that go through the network at once while validating.
 constexpr std::int64_t kValidationBatch = 64;
 constexpr std::uint64_t kValidationSeed = 20240601;
+/// Added to a squared distance under its root, so that its slope is finite where nothing is wrong.
+constexpr double kLeastSquare = 1e-6;
+
+torch::Tensor error_of(LossKind kind, const torch::Tensor& difference) {
+  if (kind == LossKind::l1) return difference.abs();
+  if (kind == LossKind::l2) return difference.square();
+  return (difference.view({difference.size(0), difference.size(1), -1, 3}).square().sum(-1) + kLeastSquare)
+      .sqrt();
+}
 
 }  // namespace
 
@@ -40,7 +49,7 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
 
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
   const torch::Tensor difference = predicted - batch.clean;
-  const torch::Tensor error = recipe.loss == LossKind::l1 ? difference.abs() : difference.square();
+  const torch::Tensor error = error_of(recipe.loss, difference);
   if (recipe.difference_weight > 0) {
     const torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
     return error.mean() + recipe.difference_weight * change.square().mean();

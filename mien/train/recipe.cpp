@@ -142,7 +142,8 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   o.number("ema", r.ema, 0, 0.99999);
   o.whole("ema_every", r.ema_every, 1, 100000);
   if (const auto precision = o.choice("precision", {"bf16", "fp32"})) r.bf16 = *precision == "bf16";
-  if (const auto loss = o.choice("loss", {"l1", "l2"})) r.loss = *loss == "l1" ? LossKind::l1 : LossKind::l2;
+  if (const auto loss = o.choice("loss", {"l1", "l2", "points"}))
+    r.loss = *loss == "l1" ? LossKind::l1 : *loss == "l2" ? LossKind::l2 : LossKind::points;
   if (causal) o.number("difference_weight", r.difference_weight, 0, 1e6);
   MIEN_TRY(o.finish());
 

@@ -19,8 +19,9 @@ enum class Score {
 
 /// What training makes small: of the clean windows' errors in [-1, 1].
 enum class LossKind {
-  l1,  ///< Mean absolute error: the network answers with medians, as the published one does.
-  l2,  ///< Mean squared error: it answers with means, which is what an error in squares asks for.
+  l1,      ///< Mean absolute error: the network answers with medians, as the published one does.
+  l2,      ///< Mean squared error: it answers with means, which is what an error in squares asks for.
+  points,  ///< Mean distance of points, three outputs each.
 };
 
 /// How a model is made, from data to budget: a TOML file (docs/model.md lists its keys). Defaults are the

@@ -14,8 +14,8 @@
 
 namespace mien::train {
 
-/// What a network is to learn: data in batches, and the file that its weights end in. Training itself knows no
-/// more of it. Those who perform for validation are not in the training.
+/// What a network is to learn: data in batches, and the file that its weights end in. Training itself knows
+/// no more of it. Those who perform for validation are not in the training.
 class Task {
  public:
   virtual ~Task() = default;

@@ -141,8 +141,8 @@ class Training {
     validation_windows_ = task_.validation_batch(Random(recipe_.seed).fork("validation"));
     validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
                                           recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
-    run_ = sha256(fmt::format("{} {} {} {}", recipe_.text, task_.training_hash(), validation_hash_,
-                              options_.device));
+    run_ = sha256(
+        fmt::format("{} {} {} {}", recipe_.text, task_.training_hash(), validation_hash_, options_.device));
     return {};
   }
 

@@ -9,8 +9,8 @@
 
 namespace mien::virt {
 
-/// Where the magnitudes of a rig file's [faults] table go, by their keys: numbers, pairs of a least and a most,
-/// and switches. A key that the table lacks keeps its value.
+/// Where the magnitudes of a rig file's [faults] table go, by their keys: numbers, pairs of a least and a
+/// most, and switches. A key that the table lacks keeps its value.
 struct FaultTable {
   std::map<std::string_view, double*> numbers;
   std::map<std::string_view, std::array<double, 2>*> ranges;

@@ -27,13 +27,11 @@ class Trainer : public testing::Test {
   }
   Result<TrainReport> run_recipe(const std::string& recipe, const std::string& name, bool resume = false,
                                  const Progress& progress = no_progress, bool force = false) const {
-    MIEN_TRY_ASSIGN(
-        const std::unique_ptr<BlendshapeTask> task,
-        BlendshapeTask::create(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
-    return train(
-        *task,
-        {.out = folder_ / name, .resume = resume, .force = force, .device = "cpu", .threads = 1},
-        progress);
+    MIEN_TRY_ASSIGN(const std::unique_ptr<BlendshapeTask> task,
+                    BlendshapeTask::create(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
+    return train(*task,
+                 {.out = folder_ / name, .resume = resume, .force = force, .device = "cpu", .threads = 1},
+                 progress);
   }
 
   test::Folder folder_;

@@ -1,0 +1,157 @@
+#include "mien/eyewear/marker_network.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "mien/core/files.h"
+#include "mien/model/network_parts.h"
+
+namespace mien::eyewear {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kFormat = "mien-eyewear";
+constexpr std::string_view kVersion = "1";
+
+bool unique(const std::vector<std::string>& names) {
+  return std::set<std::string>(names.begin(), names.end()).size() == names.size();
+}
+
+Result<void> check(const MarkerNetworkFile& file, const std::string& where) {
+  const auto differ = [&](std::string what) { return fail(ErrorCode::mismatch, std::move(what), where); };
+  if (const auto ok = model::check(file.architecture); !ok)
+    return fail(ok.error().code, ok.error().what, where);
+  if (file.architecture.kind != model::NetworkKind::causal)
+    return differ("the network waits for a window of frames, which eyewear has no use for");
+  if (file.sensors.empty() || file.architecture.condition != 2 * file.sensors.size())
+    return differ(fmt::format("{} sensors do not give {} numbers a frame", file.sensors.size(),
+                              file.architecture.condition));
+  if (file.markers.empty() || file.architecture.outputs != 3 * file.markers.size())
+    return differ(fmt::format("{} markers are not told by {} outputs", file.markers.size(),
+                              file.architecture.outputs));
+  if (!unique(file.sensors) || !unique(file.markers)) return differ("two sensors or markers have one name");
+  if (!(file.scale_m > 0 && file.scale_m <= 1))
+    return fail(ErrorCode::out_of_range, "the scale of its outputs is not above 0 and at most a metre", where);
+  if (const auto ok = model::check_tensors(file.architecture, file.network); !ok)
+    return differ(ok.error().what);
+  return {};
+}
+
+}  // namespace
+
+Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes, std::string_view where_view) {
+  const std::string where(where_view);
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+  auto& metadata = from.metadata;
+  if (metadata["format"] != kFormat)
+    return fail(ErrorCode::unsupported, "this safetensors file is not a model of smart eyewear", where);
+  if (metadata["version"] != kVersion)
+    return fail(ErrorCode::unsupported,
+                fmt::format("the model's version is {:?}, not {}", metadata["version"], kVersion), where,
+                "update the program");
+  MarkerNetworkFile file;
+  MIEN_TRY_ASSIGN(file.architecture, model::parse_architecture(metadata["architecture"], where));
+  try {
+    const Json markers = Json::parse(metadata["markers"]);
+    file.markers = markers.at("names").get<std::vector<std::string>>();
+    file.scale_m = markers.at("scale_m").get<double>();
+    file.sensors = Json::parse(metadata["sensors"]).get<std::vector<std::string>>();
+  } catch (const Json::exception& error) {
+    return fail(ErrorCode::malformed, fmt::format("the model's description is wrong: {}", error.what()),
+                where);
+  }
+  file.rig = metadata["rig"];
+  file.recipe = metadata["recipe"];
+  file.results = metadata["results"];
+  MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
+  if (!from.tensors.empty())
+    return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
+                where);
+  MIEN_TRY(check(file, where));
+  return file;
+}
+
+Result<MarkerNetworkFile> read_marker_network(const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
+  return parse_marker_network(bytes, path.string());
+}
+
+Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& file) {
+  MIEN_TRY(check(file, "model"));
+  model::TensorFile to;
+  to.metadata = {
+      {"format", std::string(kFormat)},
+      {"version", std::string(kVersion)},
+      {"architecture", model::format_architecture(file.architecture)},
+      {"sensors", Json(file.sensors).dump()},
+      {"markers", Json{{"names", file.markers}, {"scale_m", file.scale_m}}.dump()},
+      {"rig", file.rig},
+      {"recipe", file.recipe},
+      {"results", file.results},
+  };
+  model::add_network(file.network, to);
+  return model::write_safetensors(to);
+}
+
+Result<void> write_marker_network(const std::filesystem::path& path, const MarkerNetworkFile& file) {
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, format_marker_network(file));
+  return write_file(path, bytes);
+}
+
+void encode_light(const LightFrame& light, std::span<float> out) {
+  for (std::size_t s = 0; s < light.values.size(); ++s) {
+    const bool there = light.present[s] != 0 && std::isfinite(light.values[s]);
+    out[2 * s] = there ? light.values[s] : 0.0F;
+    out[2 * s + 1] = there ? 1.0F : 0.0F;
+  }
+}
+
+Result<std::unique_ptr<NetworkRegressor>> NetworkRegressor::create(MarkerNetworkFile file,
+                                                                   const std::vector<std::string>& sensors) {
+  MIEN_TRY_ASSIGN(model::CausalNetwork network,
+                  model::CausalNetwork::create(file.architecture, file.network));
+  std::vector<std::ptrdiff_t> places;
+  for (const std::string& name : file.sensors) {
+    const auto it = std::ranges::find(sensors, name);
+    places.push_back(it == sensors.end() ? -1 : it - sensors.begin());
+  }
+  if (std::ranges::all_of(places, [](std::ptrdiff_t place) { return place < 0; }))
+    return fail(ErrorCode::mismatch, "the model knows none of the rig's sensors", "model",
+                "use a model that was trained for this rig");
+  return std::unique_ptr<NetworkRegressor>(
+      new NetworkRegressor(std::move(file), std::move(network), std::move(places)));
+}
+
+NetworkRegressor::NetworkRegressor(MarkerNetworkFile file, model::CausalNetwork network,
+                                   std::vector<std::ptrdiff_t> places)
+    : file_(std::move(file)),
+      network_(std::move(network)),
+      state_(network_),
+      places_(std::move(places)),
+      condition_(2 * places_.size()),
+      answer_(3 * file_.markers.size()) {
+  light_.values.resize(places_.size());
+  light_.present.resize(places_.size());
+}
+
+void NetworkRegressor::step(const LightFrame& light, Eigen::VectorXd& displacement_m) {
+  for (std::size_t s = 0; s < places_.size(); ++s) {
+    const std::ptrdiff_t place = places_[s];
+    const bool there = place >= 0 && light.present[static_cast<std::size_t>(place)] != 0;
+    light_.present[s] = there ? 1 : 0;
+    light_.values[s] = there ? light.values[static_cast<std::size_t>(place)] : 0.0F;
+  }
+  encode_light(light_, condition_);
+  network_.step(condition_, state_, answer_);
+  displacement_m = file_.scale_m * Eigen::Map<const Eigen::VectorXf>(
+                                       answer_.data(), static_cast<Eigen::Index>(answer_.size()))
+                                       .cast<double>();
+}
+
+}  // namespace mien::eyewear

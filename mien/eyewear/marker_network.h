@@ -1,0 +1,71 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/eyewear/marker_regressor.h"
+#include "mien/model/causal_network.h"
+#include "mien/model/safetensors.h"
+
+namespace mien::eyewear {
+
+/// A trained regressor of markers, and where it came from: one safetensors file (docs/eyewear.md). The network
+/// is causal. Its condition is two numbers a sensor: the feature (0 where it is missing) and 1 where it is
+/// there. Its outputs are three a marker.
+struct MarkerNetworkFile {
+  model::Architecture architecture;
+  std::vector<std::string> sensors;  ///< Names, in the condition's order.
+  std::vector<std::string> markers;  ///< Names, in the outputs' order.
+  double scale_m = 0.01;             ///< Displacement that an output of 1 stands for; above 0.
+  std::string rig;                   ///< The rig file's text that it was trained for; may be empty.
+  std::string recipe;                ///< The recipe's text (TOML) that it was trained by.
+  std::string results;               ///< What was measured while training, as JSON; may be empty.
+  std::vector<model::Tensor> network;
+};
+
+/// Errors: as parse_safetensors; malformed, out_of_range, mismatch (sizes, names twice); unsupported (another
+/// file's format, a newer version).
+[[nodiscard]] Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
+                                                             std::string_view where);
+[[nodiscard]] Result<MarkerNetworkFile> read_marker_network(const std::filesystem::path& path);
+/// The bytes that parse_marker_network reads back. Errors: as parse_marker_network.
+[[nodiscard]] Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& file);
+/// The same into a file, whole or not at all. Errors: io.
+[[nodiscard]] Result<void> write_marker_network(const std::filesystem::path& path,
+                                                const MarkerNetworkFile& file);
+
+/// The condition of one frame: out.size() == 2 light.values.size(). No allocation.
+void encode_light(const LightFrame& light, std::span<float> out);
+
+/// The network as a regressor for a rig's sensors.
+class NetworkRegressor final : public MarkerRegressor {
+ public:
+  /// `sensors` names the entries of the frames that will come; those of the network that the rig lacks are
+  /// missing. Errors: mismatch (no sensor in common), the network's.
+  [[nodiscard]] static Result<std::unique_ptr<NetworkRegressor>> create(
+      MarkerNetworkFile file, const std::vector<std::string>& sensors);
+
+  /// Cost: the network's flop_count().
+  void step(const LightFrame& light, Eigen::VectorXd& displacement_m) override;
+  void reset() override { state_.reset(); }
+  [[nodiscard]] std::size_t marker_count() const override { return file_.markers.size(); }
+  [[nodiscard]] const MarkerNetworkFile& file() const { return file_; }
+
+ private:
+  NetworkRegressor(MarkerNetworkFile file, model::CausalNetwork network, std::vector<std::ptrdiff_t> places);
+
+  MarkerNetworkFile file_;
+  model::CausalNetwork network_;
+  model::CausalNetwork::State state_;
+  std::vector<std::ptrdiff_t> places_;  // For each of the network's sensors its place in the frames, or -1.
+  LightFrame light_;                    // In the network's order.
+  std::vector<float> condition_;
+  std::vector<float> answer_;
+};
+
+}  // namespace mien::eyewear

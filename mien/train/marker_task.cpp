@@ -1,0 +1,256 @@
+#include "mien/train/marker_task.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+
+#include "mien/core/sha256.h"
+#include "mien/model/ridge.h"
+
+namespace mien::train {
+namespace {
+
+using study::LightDataset;
+using study::LightSequence;
+
+constexpr double kRidgePenalty = 1e-3;
+constexpr double kMmPerM = 1000;
+
+Result<void> check(const LightDataset& dataset) {
+  const std::size_t n = dataset.sensors.size(), v = dataset.markers.size();
+  if (n == 0 || v == 0) return fail(ErrorCode::mismatch, "the data set has no sensors or no markers");
+  const auto finite = [](const std::vector<float>& values) {
+    return std::ranges::all_of(values, [](float x) { return std::isfinite(x); });
+  };
+  for (std::size_t i = 0; i < dataset.sequences.size(); ++i) {
+    const LightSequence& s = dataset.sequences[i];
+    const std::string where = fmt::format("sequence {}", i);
+    if (s.values.size() != s.frames * n || s.present.size() != s.frames * n ||
+        s.displacement_m.size() != s.frames * 3 * v)
+      return fail(ErrorCode::mismatch, fmt::format("its arrays do not fit {} frames", s.frames), where);
+    if (!finite(s.values) || !finite(s.displacement_m))
+      return fail(ErrorCode::out_of_range, "it holds a number that is not finite", where);
+  }
+  return {};
+}
+
+std::string hash_of(const LightDataset& dataset) {
+  Sha256 hash;
+  for (const auto* names : {&dataset.sensors, &dataset.markers})
+    for (const std::string& name : *names) {
+      hash.add(std::as_bytes(std::span(name)));
+      hash.add_value('\n');
+    }
+  for (const LightSequence& s : dataset.sequences) {
+    hash.add_value(s.wearer);
+    hash.add_value(static_cast<std::uint64_t>(s.frames));
+    hash.add(std::as_bytes(std::span(s.values)));
+    hash.add(std::as_bytes(std::span(s.present)));
+    hash.add(std::as_bytes(std::span(s.displacement_m)));
+  }
+  return hash.hex();
+}
+
+std::size_t frames_in(const LightDataset& dataset) {
+  std::size_t sum = 0;
+  for (const LightSequence& s : dataset.sequences) sum += s.frames;
+  return sum;
+}
+
+std::size_t places_in(const LightSequence& sequence, std::size_t window) {
+  return sequence.frames >= window ? sequence.frames - window + 1 : 0;
+}
+
+std::size_t places_in(const LightDataset& dataset, std::size_t window) {
+  std::size_t places = 0;
+  for (const LightSequence& s : dataset.sequences) places += places_in(s, window);
+  return places;
+}
+
+/// One frame of a sequence, without the sensors that are lost.
+void read_light(const LightSequence& sequence, std::size_t frame, std::span<const std::uint8_t> lost,
+                eyewear::LightFrame& light) {
+  const std::size_t n = light.values.size();
+  for (std::size_t s = 0; s < n; ++s) {
+    light.values[s] = sequence.values[frame * n + s];
+    light.present[s] = lost.empty() || lost[s] == 0 ? sequence.present[frame * n + s] : 0;
+  }
+}
+
+eyewear::LightFrame frame_of(std::size_t sensors) {
+  return {.values = std::vector<float>(sensors), .present = std::vector<std::uint8_t>(sensors)};
+}
+
+std::vector<float> condition_of(const LightSequence& sequence, std::size_t sensors) {
+  eyewear::LightFrame light = frame_of(sensors);
+  std::vector<float> condition(sequence.frames * 2 * sensors);
+  for (std::size_t f = 0; f < sequence.frames; ++f) {
+    read_light(sequence, f, {}, light);
+    eyewear::encode_light(light, std::span(condition).subspan(f * 2 * sensors, 2 * sensors));
+  }
+  return condition;
+}
+
+/// Sum of the distances of all markers of a frame, mm.
+double distances_mm(const Eigen::VectorXd& estimate_m, std::span<const float> truth_m) {
+  double sum = 0;
+  for (Eigen::Index m = 0; m < estimate_m.size(); m += 3) {
+    Eigen::Vector3d off;
+    for (Eigen::Index i = 0; i < 3; ++i)
+      off[i] = estimate_m[m + i] - double{truth_m[static_cast<std::size_t>(m + i)]};
+    sum += kMmPerM * off.norm();
+  }
+  return sum;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<MarkerTask>> MarkerTask::create(Recipe recipe, LightDataset training,
+                                                       LightDataset validation, std::string rig) {
+  if (recipe.architecture.kind != model::NetworkKind::causal)
+    return fail(ErrorCode::bad_usage, "smart eyewear's network is a causal one", "[network] architecture",
+                "write architecture = \"causal\"");
+  MIEN_TRY(check(training));
+  MIEN_TRY(check(validation));
+  if (training.sensors != validation.sensors || training.markers != validation.markers)
+    return fail(ErrorCode::mismatch, "training and validation have different sensors or markers", "data set");
+  recipe.architecture.condition = 2 * training.sensors.size();
+  recipe.architecture.outputs = 3 * training.markers.size();
+  MIEN_TRY(model::check(recipe.architecture));
+  for (const LightDataset* data : {&training, &validation})
+    if (places_in(*data, recipe.architecture.window) == 0)
+      return fail(ErrorCode::bad_usage, fmt::format("training or validation has no sequence of {} frames",
+                                                    recipe.architecture.window));
+  return std::unique_ptr<MarkerTask>(
+      new MarkerTask(std::move(recipe), std::move(training), std::move(validation), std::move(rig)));
+}
+
+MarkerTask::MarkerTask(Recipe recipe, LightDataset training, LightDataset validation, std::string rig)
+    : recipe_(std::move(recipe)), training_(std::move(training)), validation_(std::move(validation)) {
+  model_.architecture = recipe_.architecture;
+  model_.sensors = training_.sensors;
+  model_.markers = training_.markers;
+  model_.scale_m = kScaleM;
+  model_.rig = std::move(rig);
+  model_.recipe = recipe_.text;
+}
+
+void MarkerTask::append_window(const LightSequence& sequence, std::size_t first,
+                               const std::vector<std::uint8_t>& lost, Batch& batch) const {
+  const std::size_t n = training_.sensors.size(), outputs = recipe_.architecture.outputs;
+  eyewear::LightFrame light = frame_of(n);
+  std::size_t at = batch.condition.size();
+  batch.condition.resize(at + recipe_.architecture.window * 2 * n);
+  for (std::size_t f = first; f < first + recipe_.architecture.window; ++f, at += 2 * n) {
+    read_light(sequence, f, lost, light);
+    eyewear::encode_light(light, std::span(batch.condition).subspan(at, 2 * n));
+    for (std::size_t o = 0; o < outputs; ++o)
+      batch.clean.push_back(static_cast<float>(double{sequence.displacement_m[f * outputs + o]} / kScaleM));
+  }
+  batch.level.push_back(0);
+  batch.held.push_back(0);
+  ++batch.windows;
+}
+
+Batch MarkerTask::random_batch(std::size_t count, Random random) const {
+  const std::size_t window = recipe_.architecture.window;
+  const std::size_t all = places_in(training_, window);
+  Batch batch;
+  std::vector<std::uint8_t> lost(training_.sensors.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    std::uint64_t place = random.below(all);
+    std::size_t sequence = 0;
+    for (; place >= places_in(training_.sequences[sequence], window); ++sequence)
+      place -= places_in(training_.sequences[sequence], window);
+    const double chance = random.chance(recipe_.many_lost) ? random.uniform(0, 0.9) : recipe_.sensor_loss;
+    for (std::uint8_t& sensor : lost) sensor = random.chance(chance) ? 1 : 0;
+    append_window(training_.sequences[sequence], static_cast<std::size_t>(place), lost, batch);
+  }
+  return batch;
+}
+
+Batch MarkerTask::validation_batch(Random) const {
+  const std::size_t window = recipe_.architecture.window;
+  std::vector<std::pair<std::size_t, std::size_t>> windows;
+  for (std::size_t i = 0; i < validation_.sequences.size(); ++i)
+    for (std::size_t first = 0; first + window <= validation_.sequences[i].frames; first += window)
+      windows.emplace_back(i, first);
+  Batch batch;
+  const std::size_t count = std::min(recipe_.windows, windows.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [sequence, first] = windows[i * windows.size() / count];
+    append_window(validation_.sequences[sequence], first, {}, batch);
+  }
+  return batch;
+}
+
+std::string MarkerTask::training_hash() const {
+  return hash_of(training_);
+}
+
+std::string MarkerTask::validation_hash() const {
+  return hash_of(validation_);
+}
+
+std::size_t MarkerTask::training_frames() const {
+  return frames_in(training_);
+}
+
+std::size_t MarkerTask::validation_frames() const {
+  return frames_in(validation_);
+}
+
+Result<std::string> MarkerTask::results_of(const std::filesystem::path& model) const {
+  MIEN_TRY_ASSIGN(const eyewear::MarkerNetworkFile standing, eyewear::read_marker_network(model));
+  return standing.results;
+}
+
+Result<std::string> MarkerTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
+  model_.network.assign(network.begin(), network.end());
+  MIEN_TRY_ASSIGN(const auto regressor, eyewear::NetworkRegressor::create(model_, model_.sensors));
+  const std::size_t n = training_.sensors.size(), outputs = recipe_.architecture.outputs;
+  model::RidgeFit fit(2 * n, outputs);
+  for (const LightSequence& s : training_.sequences) fit.add(condition_of(s, n), s.displacement_m);
+  MIEN_TRY_ASSIGN(const model::RidgeBaseline ridge, fit.solve(kRidgePenalty));
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Map<const RowMajor> matrix(ridge.matrix.data(), static_cast<Eigen::Index>(outputs),
+                                          static_cast<Eigen::Index>(2 * n + 1));
+
+  double network_mm = 0, ridge_mm = 0, neutral_mm = 0;
+  eyewear::LightFrame light = frame_of(n);
+  Eigen::VectorXd estimate_m;
+  Eigen::VectorXf condition = Eigen::VectorXf::Ones(static_cast<Eigen::Index>(2 * n + 1));
+  for (std::size_t i = 0; i < validation_.sequences.size(); ++i) {
+    if (!progress(static_cast<double>(i) / static_cast<double>(validation_.sequences.size()), "measuring"))
+      return fail(ErrorCode::cancelled, "stopped while measuring the model");
+    const LightSequence& s = validation_.sequences[i];
+    regressor->reset();
+    for (std::size_t f = 0; f < s.frames; ++f) {
+      const std::span<const float> truth_m = std::span(s.displacement_m).subspan(f * outputs, outputs);
+      read_light(s, f, {}, light);
+      regressor->step(light, estimate_m);
+      network_mm += distances_mm(estimate_m, truth_m);
+      eyewear::encode_light(light, std::span(condition.data(), 2 * n));
+      ridge_mm += distances_mm((matrix * condition).cast<double>(), truth_m);
+      neutral_mm += distances_mm(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(outputs)), truth_m);
+    }
+  }
+  const auto count = static_cast<double>(validation_frames() * training_.markers.size());
+  return nlohmann::json{{"markers",
+                         {{"mean_mm", network_mm / count},
+                          {"ridge_mean_mm", ridge_mm / count},
+                          {"neutral_mean_mm", neutral_mm / count}}}}
+      .dump();
+}
+
+Result<void> MarkerTask::write(const std::filesystem::path& path, const std::string& results) const {
+  eyewear::MarkerNetworkFile whole = model_;
+  whole.results = results;
+  return eyewear::write_marker_network(path, whole);
+}
+
+}  // namespace mien::train
