@@ -22,9 +22,9 @@ const LEAST_HALF = 0.008;
 /** A rim that no sensor tells of, on the performer's left. */
 const PLAIN_RIM = { centre: new Vector3(0.037, 0.036, 0.104), width: 0.0235, height: 0.0205, wrap: 0.007 };
 /** The way of the left temple over the built-in head: beside the eye, over the ear, behind it. */
-const HINGE = new Vector3(0.0745, 0.043, 0.082);
-const OVER_EAR = new Vector3(0.0835, 0.034, 0.002);
-const BEHIND_EAR = [new Vector3(0.0828, 0.026, -0.012), new Vector3(0.08, 0.006, -0.022)];
+const HINGE = new Vector3(0.0745, 0.0445, 0.082);
+const OVER_EAR = new Vector3(0.0805, 0.0455, 0.004);
+const BEHIND_EAR = [new Vector3(0.079, 0.038, -0.014), new Vector3(0.0765, 0.014, -0.025)];
 
 export function glassesShape(places: readonly Vector3[]): GlassesShape {
   const front = Math.max(...places.map((place) => place.z)) - FRONT_DEPTH;
