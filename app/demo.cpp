@@ -17,6 +17,7 @@
 #include "app/performance.h"
 #include "app/read_aloud.h"
 #include "app/running_session.h"
+#include "app/seed_option.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
@@ -231,7 +232,7 @@ void add_demo_command(Commands& commands) {
                    "real sockets into a live session; page, report, film, CSV and glTF come out",
                    "mien demo --out out/demo", [options] { return run(*options); });
   command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
-  command->add_option("--seed", options->seed, "Who performs")->capture_default_str();
+  add_seed_option(command, options->seed, "Who performs");
   command->add_option("--seconds", options->seconds, "How long")
       ->check(number_between(2.0, 600.0))
       ->capture_default_str();

@@ -131,10 +131,12 @@ Result<LiveSession> open_live(LiveRequest request) {
   if (request.takes.empty()) request.takes = request.record.parent_path();
   settings.takes = request.takes.empty() ? "." : request.takes;
   if (request.seconds > 0) settings.seconds = request.seconds;
+  settings.prompts = std::move(request.prompts);
+  settings.ends_with_recording = request.only_record;
   settings.model = std::filesystem::path(request.model).filename().string();
   settings.header.software = "mien " MIEN_VERSION;
   settings.header.performer = request.performer;
-  settings.header.script = "live";
+  settings.header.script = request.script;
   settings.header.devices = "live";
   settings.header.face = request.face;
   settings.header.prologue = "none";
@@ -146,6 +148,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   auto engine = live::Engine::open(std::move(settings), std::move(session));
   if (!engine) return std::unexpected(with_option(std::move(engine).error(), request.out));
   out.engine = *std::move(engine);
+  out.out = std::move(request.out);
   return out;
 }
 

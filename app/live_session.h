@@ -25,13 +25,17 @@ struct LiveRequest {
   std::string token;
   std::string face = "builtin";
   std::string performer;
-  std::string key;     ///< A file; empty: everybody is heard.
-  double seconds = 0;  ///< 0: until it is stopped.
+  std::string script = "live";        ///< What is performed: goes into takes.
+  std::string key;                    ///< A file; empty: everybody is heard.
+  double seconds = 0;                 ///< 0: until it is stopped.
+  std::vector<live::Prompt> prompts;  ///< Poses to ask for.
+  bool only_record = false;           ///< It ends when its prompts or its recording do.
 };
 
 /// A session that is open, and what it shows.
 struct LiveSession {
   std::unique_ptr<std::vector<std::byte>> face_glb;  ///< Given out by the engine's page.
+  std::vector<std::string> out;                      ///< Addresses of the sinks that were asked for.
   std::unique_ptr<live::Engine> engine;
 };
 

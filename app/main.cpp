@@ -6,6 +6,9 @@
 #include "app/command.h"
 #include "app/usage_error.h"
 
+namespace mien::app {
+void add_record_command(Commands& commands);
+}
 int main(int argc, char** argv) {
   using namespace mien;
   CLI::App program("Mien: facial performance capture without a camera looking at the face", "mien");
@@ -16,6 +19,7 @@ int main(int argc, char** argv) {
   app::add_live_command(commands);
   app::add_calibrate_command(commands);
   app::add_perform_command(commands);
+  app::add_record_command(commands);
   app::add_train_command(commands);
   app::add_solve_command(commands);
   app::add_evaluate_command(commands);

@@ -8,6 +8,7 @@
 #include "app/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
+#include "app/seed_option.h"
 #include "mien/core/files.h"
 #include "mien/virtual/perform_take.h"
 
@@ -137,7 +138,10 @@ void add_perform_command(Commands& commands) {
       ->needs(to)
       ->check(number_between(0.0, 3600.0))
       ->capture_default_str();
-  command->add_flag("--loop", options->network.loop, "Play the motion again and again, until Ctrl-C")
+  command
+      ->add_flag(
+          "--loop", options->network.loop,
+          "Play the motion again and again, until Ctrl-C; the calibration comes once, at the beginning")
       ->needs(to);
   CLI::Option* motion = command->add_option(
       "--motion", options->motion,
@@ -169,8 +173,7 @@ void add_perform_command(Commands& commands) {
                    "of noise; or a "
                    "TOML file of faults")
       ->capture_default_str();
-  command->add_option("--seed", request.seed, "Everything that is drawn comes from it")
-      ->capture_default_str();
+  add_seed_option(command, request.seed, "Everything that is drawn comes from it");
   command->add_option("--prologue", options->prologue, "The calibration that the take begins with")
       ->check(CLI::IsMember({"short", "none", "full"}))
       ->capture_default_str();

@@ -8,7 +8,7 @@ namespace mien::app {
 RunningSession::RunningSession(live::Engine& engine)
     : thread_([this, &engine] {
         try {
-          summary_ = engine.run(stop_, {});
+          summary_ = engine.run(stop_, live::EngineListener());
         } catch (const std::exception& error) {
           summary_ = fail(ErrorCode::internal, error.what(), "the live session");
         }

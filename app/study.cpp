@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/seed_option.h"
 #include "app/study_loss.h"
 #include "app/study_sensors.h"
 #include "mien/core/files.h"
@@ -144,8 +145,7 @@ void add_drift(Commands& commands, CLI::App* study) {
   command->add_option("--every", drift->every_s, "Seconds between its readings")
       ->check(number_between(0.02, 600.0))
       ->capture_default_str();
-  command->add_option("--seed", drift->request.seed, "Of the performers and their devices")
-      ->capture_default_str();
+  add_seed_option(command, drift->request.seed, "Of the performers and their devices");
   command->add_flag("--json", drift->json, "Print one JSON object");
 }
 
@@ -170,8 +170,7 @@ void add_study_command(Commands& commands) {
   command->add_option("--noise", bound->noise_deg, "Noise of each orientation, degrees an axis")
       ->check(number_between(1e-3, 90.0))
       ->capture_default_str();
-  command->add_option("--seed", bound->seed, "Of the draws that turn weight errors into millimetres")
-      ->capture_default_str();
+  add_seed_option(command, bound->seed, "Of the draws that turn weight errors into millimetres");
   command->add_flag("--json", bound->json, "Print one JSON object");
 }
 

@@ -1,4 +1,5 @@
 #include "app/study_loss.h"
+#include "app/seed_option.h"
 
 #include <fmt/format.h>
 
@@ -174,8 +175,7 @@ void add_study_loss(Commands& commands, CLI::App* study) {
       ->add_option("--face", options->faces,
                    "Face of each --motion, or one for all, as mien face takes it (default: builtin)")
       ->needs(motions);
-  command->add_option("--seed", options->request.seed, "Of the performers, their devices and the networks")
-      ->capture_default_str();
+  add_seed_option(command, options->request.seed, "Of the performers, their devices and the networks");
   command->add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
   command->add_flag("--json", options->json, "Print one JSON object");
 }

@@ -1,4 +1,5 @@
 #include "app/study_sensors.h"
+#include "app/seed_option.h"
 
 #include <fmt/format.h>
 
@@ -121,8 +122,7 @@ void add_study_sensors(Commands& commands, CLI::App* study) {
   command->add_option("--wearers", options->request.wearers, "Virtual wearers")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--seed", options->request.seed, "Of the wearers, their glasses and what they do")
-      ->capture_default_str();
+  add_seed_option(command, options->request.seed, "Of the wearers, their glasses and what they do");
   command->add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
   command->add_flag("--json", options->json, "Print one JSON object");
 }

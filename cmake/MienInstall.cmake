@@ -1,10 +1,10 @@
-# What `cmake --install` lays down: the programs, their parts (models, rigs), the library with its headers, and the CMake
+# What `cmake --install` lays down: the programs, their parts (models, prompts, rigs), the library with its headers, and the CMake
 # package `mien`, so that another project says find_package(mien) and links mien::study or any lower room.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # The program looks for its parts upwards from its own real path: a build folder outside the project gets links.
-foreach(part models rigs)
+foreach(part models prompts rigs)
   if(NOT EXISTS "${CMAKE_BINARY_DIR}/${part}" AND NOT CMAKE_BINARY_DIR STREQUAL CMAKE_SOURCE_DIR)
     file(CREATE_LINK "${CMAKE_SOURCE_DIR}/${part}" "${CMAKE_BINARY_DIR}/${part}" SYMBOLIC)
   endif()

@@ -1,6 +1,7 @@
 #include "mien/live/command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +22,34 @@ Result<std::string> text_of(const json& object, const char* key) {
     return fail(ErrorCode::malformed, fmt::format("\"{}\" is missing or no text", key), kWhere,
                 "docs/page_protocol.md lists the fields");
   return found->get<std::string>();
+}
+
+/// The words of `Prompting::Do`, in its order.
+constexpr std::array<std::string_view, 4> kPromptingWords = {"skip", "pause", "resume", "stop"};
+
+Result<Prompt> prompt_of(const json& object) {
+  Prompt prompt;
+  MIEN_TRY_ASSIGN(prompt.name, text_of(object, "name"));
+  if (object.contains("say")) {
+    MIEN_TRY_ASSIGN(prompt.say, text_of(object, "say"));
+  }
+  if (const auto seconds = object.find("seconds"); seconds != object.end()) {
+    if (!seconds->is_number()) return fail(ErrorCode::malformed, "\"seconds\" is not a number", kWhere);
+    prompt.seconds = seconds->get<double>();
+  }
+  if (const auto target = object.find("target"); target != object.end()) {
+    if (!target->is_object()) return fail(ErrorCode::malformed, "\"target\" is not an object", kWhere);
+    for (const auto& [name, weight] : target->items()) {
+      const std::size_t shape = face::shape_index(name);
+      if (shape == face::kShapeCount || !weight.is_number())
+        return fail(ErrorCode::malformed,
+                    fmt::format("\"{}\" is no shape or has no number", name.substr(0, 40)), kWhere,
+                    "name ICT-FaceKit's shapes, each with a weight from 0 to 1");
+      prompt.target[shape] = weight.get<float>();
+    }
+  }
+  MIEN_TRY(check_prompt(prompt, kWhere));
+  return prompt;
 }
 
 /// The keys of `object` that are among `names`, as JSON of their own.
@@ -52,14 +81,31 @@ struct Writer {
     out["command"] = "shape";
     return out;
   }
+  json operator()(const AddPrompt& c) const {
+    return {{"command", "prompt"},
+            {"name", c.prompt.name},
+            {"say", c.prompt.say},
+            {"seconds", c.prompt.seconds},
+            {"target", json::parse(target_json(c.prompt.target))}};
+  }
+  json operator()(const Prompting& c) const {
+    return {{"command", "prompts"}, {"do", kPromptingWords.at(static_cast<std::size_t>(c.what))}};
+  }
 };
 
 }  // namespace
 
 bool is_session_command(std::string_view name) {
-  static constexpr std::array<std::string_view, 8> kNames = {
-      "calibrate", "cancel_calibration", "use_calibration", "restore_calibration", "recentre", "bind", "tap",
-      "shape"};
+  static constexpr std::array<std::string_view, 10> kNames = {"calibrate",
+                                                              "cancel_calibration",
+                                                              "use_calibration",
+                                                              "restore_calibration",
+                                                              "recentre",
+                                                              "bind",
+                                                              "tap",
+                                                              "shape",
+                                                              "prompt",
+                                                              "prompts"};
   return std::ranges::find(kNames, name) != kNames.end();
 }
 
@@ -106,6 +152,18 @@ Result<Command> parse_command(std::string_view text) {
     return Tap{std::move(sensor)};
   }
   if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits"})};
+  if (name == "prompt") {
+    MIEN_TRY_ASSIGN(Prompt prompt, prompt_of(object));
+    return AddPrompt{std::move(prompt)};
+  }
+  if (name == "prompts") {
+    MIEN_TRY_ASSIGN(const std::string word, text_of(object, "do"));
+    const auto* const found = std::ranges::find(kPromptingWords, word);
+    if (found == kPromptingWords.end())
+      return fail(ErrorCode::malformed, fmt::format("\"do\": \"{}\" is nothing to do", word.substr(0, 40)),
+                  kWhere, fmt::format("{}", fmt::join(kPromptingWords, ", ")));
+    return Prompting{static_cast<Prompting::Do>(found - kPromptingWords.begin())};
+  }
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), kWhere,
               "docs/page_protocol.md lists them");
 }

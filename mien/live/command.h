@@ -7,12 +7,13 @@
 #include <variant>
 
 #include "mien/core/error.h"
+#include "mien/live/prompt.h"
 #include "mien/sensor/protocol.h"
 
 namespace mien::live {
 
 // What a person may ask of a session while it runs: those commands of docs/page_protocol.md that change
-// weights. They go into the session log as they came, and a replay obeys them again.
+// weights or a take's events. They go into the session log as they came, and a replay obeys them again.
 
 struct Calibrate {
   bool full = false;  ///< Anchor expressions after neutral, nod and shake.
@@ -40,8 +41,18 @@ struct Shape {
   std::string json;
 };
 
+/// One more pose to ask the performer for, after those before.
+struct AddPrompt {
+  Prompt prompt;
+};
+/// What becomes of the poses that are asked for.
+struct Prompting {
+  enum class Do : std::uint8_t { skip, pause, resume, stop };
+  Do what = Do::skip;
+};
+
 using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
-                             Tap, Shape>;
+                             Tap, Shape, AddPrompt, Prompting>;
 
 /// Where commands come from, in a session log.
 inline constexpr std::string_view kPageSource = "page";

@@ -113,6 +113,7 @@ struct Engine::State {
   void send_frame(const Answer& answer);
   void wait_for_beat();
   void on_beat();
+  [[nodiscard]] bool time_is_over() const;
   void tell_of_lines();
   [[nodiscard]] Status status() const;
   void on_message(std::uint64_t client, std::string_view text);
@@ -157,7 +158,7 @@ struct Engine::State {
   bool was_recording = false;
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
-  std::function<void(const std::string&)> told;
+  EngineListener listener;
 };
 
 Result<void> Engine::State::add_sink(const std::string& address) {
@@ -238,7 +239,7 @@ void Engine::State::wait_for_beat() {
 }
 
 void Engine::State::on_beat() {
-  if (*stop || (settings.seconds && to_seconds(now().time_since_epoch()) >= *settings.seconds)) {
+  if (*stop || time_is_over()) {
     network.stop();
     return;
   }
@@ -275,8 +276,17 @@ void Engine::State::on_beat() {
       tell("not_calibrated",
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
-  if (page && page->clients() > 0 && beats % kBeatsPerStatus == 0)
-    page->send(status_json(status(), session->rig()));
+  const bool watched = page && page->clients() > 0;
+  if (beats % kBeatsPerStatus != 0 || (!watched && !listener.seen)) return;
+  const Status now_is = status();
+  if (watched) page->send(status_json(now_is, session->rig()));
+  if (listener.seen) listener.seen(now_is);
+}
+
+bool Engine::State::time_is_over() const {
+  if (settings.seconds && to_seconds(now().time_since_epoch()) >= *settings.seconds) return true;
+  if (!settings.ends_with_recording) return false;
+  return !recorder.state().on || (!settings.prompts.empty() && loop.report().prompts.state == "over");
 }
 
 void Engine::State::tell_of_lines() {
@@ -305,6 +315,7 @@ Status Engine::State::status() const {
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
   out.lines = intake.lines();
   out.recording = recorder.state();
+  if (out.recording.on) out.recording_ends_s = settings.seconds;
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
   if (!ignored) out.recording_megabytes = static_cast<double>(bytes) / 1e6;
@@ -317,7 +328,7 @@ Status Engine::State::status() const {
 }
 
 void Engine::State::tell(const std::string& kind, const std::string& text) {
-  if (told) told(text);
+  if (listener.told) listener.told(text);
   if (page) page->send(event_json(kind, text));
 }
 
@@ -486,11 +497,11 @@ std::size_t Engine::watchers() const {
   return state_->watchers;
 }
 
-Result<EngineSummary> Engine::run(const std::atomic<bool>& stop,
-                                  const std::function<void(const std::string&)>& told) {
+Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineListener& listener) {
   State& s = *state_;
   s.stop = &stop;
-  s.told = told;
+  s.listener = listener;
+  for (const Prompt& prompt : s.settings.prompts) MIEN_TRY(s.loop.obey(write_command(AddPrompt{prompt})));
   s.begun = std::chrono::steady_clock::now();
   s.wake.assign(s.loop.signal().descriptor());
   s.wait_for_answers();

@@ -11,8 +11,10 @@
 
 #include "mien/core/error.h"
 #include "mien/live/latency.h"
+#include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
 #include "mien/live/player.h"
+#include "mien/live/prompt.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/session.h"
 #include "mien/sink/sink.h"
@@ -30,7 +32,10 @@ struct EngineSettings {
   /// it runs, in a file without a name.
   std::filesystem::path takes = ".";
   std::optional<PageSettings> page;
-  std::optional<double> seconds;     ///< Ends by itself after this time.
+  std::optional<double> seconds;  ///< Ends by itself after this time.
+  std::vector<Prompt> prompts;    ///< Poses to ask for, from the beginning on.
+  /// The session is there for `record` alone: it ends when its prompts are over, or its recording is.
+  bool ends_with_recording = false;
   take::Header header;               ///< Of takes; rig and time are filled in by whoever fills the rest.
   std::string model;                 ///< Name of the live model, for the page and takes.
   Player::MakeSession make_session;  ///< For takes that the page looks at.
@@ -53,6 +58,14 @@ struct EngineSummary {
   Report report;  ///< The last.
 };
 
+/// Who is told how a session goes, on the thread that runs it; each may be empty.
+struct EngineListener {
+  /// Each thing that a person should see at once ("mentalis is lost").
+  std::function<void(const std::string&)> told;
+  /// How it is, five times a second.
+  std::function<void(const Status&)> seen;
+};
+
 /// A live session on the machine's clock: one event loop for everything of the network, a thread for the
 /// tracker, one for the take.
 class Engine {
@@ -70,10 +83,9 @@ class Engine {
   /// How many look at the page now. Any thread.
   [[nodiscard]] std::size_t watchers() const;
 
-  /// Runs until `stop` is set, looked at ten times a second, or the time is over. `told` is called with each
-  /// thing that a person should see at once ("sensor_lost ..."), and may be empty.
-  [[nodiscard]] Result<EngineSummary> run(const std::atomic<bool>& stop,
-                                          const std::function<void(const std::string&)>& told);
+  /// Runs until `stop` is set, looked at ten times a second, or the time, the prompts or the recording are
+  /// over.
+  [[nodiscard]] Result<EngineSummary> run(const std::atomic<bool>& stop, const EngineListener& listener);
 
  private:
   struct State;

@@ -40,6 +40,7 @@ json link_json(const Report::Link& link, const std::string& sensor) {
               {"heading_sigma_deg", link.heading_sigma_rad
                                         ? json(rounded(*link.heading_sigma_rad * 180 / std::numbers::pi))
                                         : json(nullptr)},
+              {"level", link.level ? json(std::round(*link.level * 1e3) / 1e3) : json(nullptr)},
               {"estimated", health.estimated}};
   if (health.clock) {
     out["offset_ms"] = milliseconds(health.clock->offset);
@@ -47,6 +48,30 @@ json link_json(const Report::Link& link, const std::string& sensor) {
     out["uncertainty_ms"] = milliseconds(health.clock->uncertainty);
   }
   return out;
+}
+
+json target_object(const face::BlendshapeWeights& target) {
+  json out = json::object();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    if (target[k] != 0) out[std::string(face::kShapeNames[k])] = rounded(target[k]);
+  return out;
+}
+
+json prompts_json(const Report::Prompts& prompts) {
+  if (prompts.state == "none" || prompts.state.empty()) return nullptr;
+  const bool over = prompts.state == "over";
+  return {{"state", prompts.state},
+          {"name", prompts.name},
+          {"say", prompts.say},
+          {"target", over ? json(nullptr) : target_object(prompts.target)},
+          {"next", prompts.next.empty()
+                       ? json(nullptr)
+                       : json({{"name", prompts.next}, {"target", target_object(prompts.next_target)}})},
+          {"number", prompts.number},
+          {"of", prompts.of},
+          {"progress", rounded(prompts.progress)},
+          {"remaining_s", rounded(prompts.remaining_s)},
+          {"left_s", rounded(prompts.left_s)}};
 }
 
 json calibration_json(const Report::Calibration& calibration) {
@@ -65,12 +90,7 @@ json calibration_json(const Report::Calibration& calibration) {
                         {"origin", version.origin},
                         {"scores", std::move(scores)}});
   }
-  json target = nullptr;
-  if (calibration.target) {
-    target = json::object();
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      if ((*calibration.target)[k] != 0) target[std::string(face::kShapeNames[k])] = (*calibration.target)[k];
-  }
+  json target = calibration.target ? target_object(*calibration.target) : json(nullptr);
   return {{"state", calibration.state},
           {"step", calibration.step},
           {"prompt", calibration.prompt},
@@ -94,8 +114,8 @@ sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string 
   hello.software = std::move(software);
   sink::Hello::Rig shown{rig.name, {}};
   for (const sensor::Mount& mount : rig.sensors)
-    shown.sensors.push_back(
-        {mount.name, mount.kind, mount.site, std::string(1, mount.side), mount.role, mount.position_m});
+    shown.sensors.push_back({mount.name, mount.kind, mount.site, std::string(1, mount.side), mount.role,
+                             mount.position_m, mount.aim});
   hello.rig = std::move(shown);
   hello.face = "/face.glb";
   hello.model = std::move(model);
@@ -139,28 +159,31 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
               {"has_truth", status.replay->has_truth},
               {"error", status.replay->error.empty() ? json(nullptr) : json(status.replay->error)}};
   const Recorder::State& recording = status.recording;
-  return dump({{"type", "status"},
-               {"time", to_seconds(status.report.time.time_since_epoch())},
-               {"frames", status.report.frames},
-               {"missed", status.missed},
-               {"latency_ms",
-                {{"p50", milliseconds(status.p50)},
-                 {"p99", milliseconds(status.p99)},
-                 {"max", milliseconds(status.largest)}}},
-               {"links", std::move(links)},
-               {"unbound", std::move(unbound)},
-               {"calibration", calibration_json(status.report.calibration)},
-               {"sinks", std::move(sinks)},
-               {"lines", std::move(lines)},
-               {"recording",
-                {{"on", recording.on},
-                 {"path", recording.path.string()},
-                 {"seconds", rounded(recording.seconds)},
-                 {"megabytes", rounded(status.recording_megabytes)},
-                 {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
-               {"shaping", json::parse(status.report.shaping, nullptr, false)},
-               {"replay", std::move(replay)},
-               {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
+  return dump(
+      {{"type", "status"},
+       {"time", to_seconds(status.report.time.time_since_epoch())},
+       {"frames", status.report.frames},
+       {"missed", status.missed},
+       {"latency_ms",
+        {{"p50", milliseconds(status.p50)},
+         {"p99", milliseconds(status.p99)},
+         {"max", milliseconds(status.largest)}}},
+       {"links", std::move(links)},
+       {"unbound", std::move(unbound)},
+       {"calibration", calibration_json(status.report.calibration)},
+       {"prompts", prompts_json(status.report.prompts)},
+       {"sinks", std::move(sinks)},
+       {"lines", std::move(lines)},
+       {"recording",
+        {{"on", recording.on},
+         {"path", recording.path.string()},
+         {"seconds", rounded(recording.seconds)},
+         {"ends_s", status.recording_ends_s ? json(rounded(*status.recording_ends_s)) : json(nullptr)},
+         {"megabytes", rounded(status.recording_megabytes)},
+         {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
+       {"shaping", json::parse(status.report.shaping, nullptr, false)},
+       {"replay", std::move(replay)},
+       {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }
 
 std::string reply_json(std::int64_t number, std::string_view error, std::string_view result) {
@@ -177,8 +200,6 @@ std::string event_text(const take::Event& event) {
                ? details[key].get<std::string>()
                : std::string();
   };
-  if (event.kind == "sensor_lost") return text("sensor") + " is lost";
-  if (event.kind == "sensor_back") return text("sensor") + " is back";
   if (event.kind == "bind") {
     const bool anew = details.is_object() && details.value("anew", false);
     return text("sensor") + " is now device " + text("device") +

@@ -43,6 +43,7 @@ struct Status {
   std::vector<SerialPort::Status> lines;  ///< Serial ones that devices speak on.
   Recorder::State recording;
   double recording_megabytes = 0;
+  std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
   std::optional<ReplayState> replay;
 };
 
@@ -52,7 +53,8 @@ struct Status {
 /// `result` is JSON, or empty for none.
 [[nodiscard]] std::string reply_json(std::int64_t number, std::string_view error,
                                      std::string_view result = {});
-/// An event of the session in a person's words: "frontalis_R is lost". Empty for those that need none.
+/// An event of the session in a person's words: "calibrated by the nod". Empty for those that need none, and
+/// for links lost and back, which LinkNews puts into words.
 [[nodiscard]] std::string event_text(const take::Event& event);
 [[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);
 

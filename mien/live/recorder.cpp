@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -88,7 +89,8 @@ struct Recorder::Writing {
   std::uint64_t at = 0;    // How much of the temporary file is in it, bytes.
   std::int64_t entry = 0;  // Id of the newest.
   HostTime newest;
-  std::vector<std::string> names;  // Of peers; empty: not asked for yet.
+  std::optional<HostTime> asked_for;  // The session's newest moment when the recording was asked for.
+  std::vector<std::string> names;     // Of peers; empty: not asked for yet.
 };
 
 Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name)
@@ -178,7 +180,10 @@ void Recorder::turn() {
   bool ending = false;  // What was handed over before that was asked for is still to be taken.
   {
     const std::lock_guard lock(mutex_);
-    if (wanted_) writing_ = std::move(wanted_);
+    if (wanted_) {
+      writing_ = std::move(wanted_);
+      writing_->asked_for = newest_;
+    }
     ending = end_notes_.has_value();
   }
   bool behind = false;
@@ -200,14 +205,22 @@ void Recorder::turn() {
   } while (behind && !stopping_);
 
   const std::lock_guard lock(mutex_);
-  if (writing_) state_.seconds = to_seconds(writing_->newest.time_since_epoch());
+  if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
   if (writing_ && ending && end_notes_) conclude();
+}
+
+/// Keeps the moment of a record that has one.
+void Recorder::note_moment(std::span<const std::byte> record) {
+  const Kind kind = get<Kind>(record);
+  if (kind == Kind::entry) newest_ = get<EntryHead>(record).arrival;
+  if (kind == Kind::tick) newest_ = get<sensor::FrameTick>(record).fired;
 }
 
 /// One record of the ring into the temporary file; false when there is none.
 bool Recorder::drain() {
   const std::span<const std::byte> record = ring_.front();
   if (record.empty()) return false;
+  note_moment(record);
   if (spool_ != nullptr) {
     const auto size = static_cast<std::uint32_t>(record.size());
     const bool kept = spooled_ < kMaxSpoolBytes && std::fwrite(&size, sizeof(size), 1, spool_) == 1 &&
@@ -324,7 +337,7 @@ Result<void> Recorder::start(const std::filesystem::path& path, const take::Head
   }
   MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(path, header, replace));
   const std::lock_guard lock(mutex_);
-  wanted_ = std::make_unique<Writing>(Writing{std::move(writer), 0, 0, {}, {}});
+  wanted_ = std::make_unique<Writing>(Writing{std::move(writer), 0, 0, {}, {}, {}});
   end_notes_.reset();
   state_ = {true, path, 0, {}};
   signal_.give();

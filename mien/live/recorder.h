@@ -58,7 +58,7 @@ class Recorder {
   struct State {
     bool on = false;  ///< From start() until all is on the disk.
     std::filesystem::path path;
-    double seconds = 0;  ///< Of the session, in the take.
+    double seconds = 0;  ///< Since the recording was asked for; what the session was before comes on top.
     std::string error;   ///< Why the recording ended early; empty when it did not.
     std::string unable;  ///< Why nothing can be recorded any more in this session; empty when it can.
   };
@@ -71,6 +71,7 @@ class Recorder {
   void run();
   void turn();
   bool drain();
+  void note_moment(std::span<const std::byte> record);
   bool feed();
   void write(std::span<const std::byte> record);
   void conclude();
@@ -86,6 +87,7 @@ class Recorder {
   std::unique_ptr<Writing> writing_;
   std::FILE* spool_ = nullptr;
   std::uint64_t spooled_ = 0;  // Bytes.
+  HostTime newest_;            // Of all that was drained.
   std::vector<std::byte> slice_;
 
   mutable std::mutex mutex_;  // Held for moments only.

@@ -29,6 +29,7 @@ struct Report {
     std::string device;  ///< Empty while unbound.
     sensor::LinkReport health;
     std::optional<double> heading_sigma_rad;
+    std::optional<double> level;  ///< As sensor::level() has it, of the newest sample.
   };
   struct Unbound {
     std::string device;
@@ -49,11 +50,27 @@ struct Report {
     std::vector<CalibrationVersion> versions;  ///< Without their JSON.
   };
 
+  /// The poses that are asked for, of a recording with prompts.
+  struct Prompts {
+    std::string state;  ///< "none", "ready", "running", "paused", "over".
+    std::string name;   ///< Of the present one, or of the first to come.
+    std::string say;
+    face::BlendshapeWeights target;
+    std::string next;  ///< Name of the one after it; empty when there is none.
+    face::BlendshapeWeights next_target;
+    std::size_t number = 0;  ///< From 1.
+    std::size_t of = 0;
+    double progress = 0;     ///< Of the present one, 0 to 1.
+    double remaining_s = 0;  ///< Of the present one; when ready, until it begins.
+    double left_s = 0;       ///< Until all are over.
+  };
+
   DeviceTime time;
   std::uint64_t frames = 0;
   std::vector<Link> links;  ///< One a sensor of the rig.
   std::vector<Unbound> unbound;
   Calibration calibration;
+  Prompts prompts;
   std::string shaping;  ///< JSON: {"smoothing", "gains", "limits"}.
   std::string tap;      ///< The sensor that waits for a tap; empty: none.
   std::uint64_t malformed = 0;

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "mien/sensor/level.h"
 
 namespace mien::live {
 namespace {
@@ -162,6 +165,7 @@ void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t prot
   if (impostor) return;
   link.heard = arrival;
   link.newest = reading.sample.time;
+  link.level = sensor::level(reading.sample);
   link.estimated = reading.sample.time_estimated;
   sensor::Sample& sample = samples_.emplace_back(reading.sample);
   sample.sensor = *from->sensor;
@@ -248,6 +252,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
     calibrations_ = tracker_->calibration_count();
   }
   watch_calibration(frame);
+  if (std::optional<take::Event> shown = prompter_.at(frame)) events_.push_back(*std::move(shown));
   watch_links(frame, fired);
   ++frames_;
   hash_.add(frame_);
@@ -404,6 +409,40 @@ Result<void> Session::obey(const Shape& command) {
   return {};
 }
 
+Result<void> Session::obey(const AddPrompt& command) {
+  return prompter_.add(command.prompt);
+}
+
+Result<void> Session::obey(const Prompting& command) {
+  switch (command.what) {
+    case Prompting::Do::skip:
+      return prompter_.skip();
+    case Prompting::Do::pause:
+      return prompter_.pause(true);
+    case Prompting::Do::resume:
+      return prompter_.pause(false);
+    case Prompting::Do::stop:
+      break;
+  }
+  return prompter_.stop();
+}
+
+void Session::report_prompts(Report::Prompts& out) const {
+  static constexpr std::array<std::string_view, 5> kStates = {"none", "ready", "running", "paused", "over"};
+  const Prompter::Place place = prompter_.place(newest_frame_);
+  out.state = kStates.at(static_cast<std::size_t>(place.state));
+  out.name = place.prompt != nullptr ? std::string_view(place.prompt->name) : std::string_view();
+  out.say = place.prompt != nullptr ? std::string_view(place.prompt->say) : std::string_view();
+  out.target = place.prompt != nullptr ? place.prompt->target : face::BlendshapeWeights();
+  out.next = place.next != nullptr ? std::string_view(place.next->name) : std::string_view();
+  out.next_target = place.next != nullptr ? place.next->target : face::BlendshapeWeights();
+  out.number = place.number;
+  out.of = place.of;
+  out.progress = place.progress;
+  out.remaining_s = to_seconds(place.remaining);
+  out.left_s = to_seconds(place.left);
+}
+
 void Session::report(HostTime now, Report& out) const {
   out.time = newest_frame_;
   out.frames = frames_;
@@ -428,6 +467,7 @@ void Session::report(HostTime now, Report& out) const {
     }
     link.health = links_[i].health.report(now, clock);
     if (bound == bound_.end()) link.health.state = sensor::LinkState::unbound;
+    link.level = links_[i].level;
     link.heading_sigma_rad = tracker_->heading_sigma_rad(i);
   }
 
@@ -437,6 +477,7 @@ void Session::report(HostTime now, Report& out) const {
       out.unbound.push_back({sensor::format_device(known.key), known.announces,
                              std::string(protocols_[known.protocol]->name()), now - known.heard});
 
+  report_prompts(out.prompts);
   Report::Calibration& calibration = out.calibration;
   const tracker::CalibrationState state = tracker_->calibration_state();
   calibration.in_force = in_force_;

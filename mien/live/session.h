@@ -13,6 +13,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/live/command.h"
 #include "mien/live/guide.h"
+#include "mien/live/prompter.h"
 #include "mien/live/report.h"
 #include "mien/live/tap_watch.h"
 #include "mien/sensor/link_health.h"
@@ -28,7 +29,8 @@ namespace mien::live {
 /// The session: devices, clocks, calibration, tracker, shaping. What goes in are the session log's entries
 /// and ticks, in order; what comes out are output frames; nothing else has a say, neither the clock on the
 /// wall nor a thread. So a replay of the log gives the same bits. Thread: one at a time. No allocation in
-/// receive(), due() and tick() once every device has been heard, but where a calibration is made.
+/// receive(), due() and tick() once every device has been heard, but where a calibration is made or a prompt
+/// is over.
 class Session {
  public:
   struct Parts {
@@ -96,6 +98,7 @@ class Session {
     sensor::LinkHealth health;
     std::optional<HostTime> heard;
     DeviceTime newest;
+    std::optional<float> level;
     bool estimated = false;
     bool lost = false;
   };
@@ -126,6 +129,9 @@ class Session {
   Result<void> obey(const Bind& command);
   Result<void> obey(const Tap& command);
   Result<void> obey(const Shape& command);
+  Result<void> obey(const AddPrompt& command);
+  Result<void> obey(const Prompting& command);
+  void report_prompts(Report::Prompts& out) const;
 
   sensor::Rig rig_;
   std::unique_ptr<tracker::Tracker> tracker_;
@@ -133,6 +139,7 @@ class Session {
   shaping::Shaper shaper_;
   sensor::TickRule ticks_;
   Guide guide_;
+  Prompter prompter_;
   TapWatch tap_;
 
   std::vector<Device> devices_;

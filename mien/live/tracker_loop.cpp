@@ -17,9 +17,6 @@ constexpr std::size_t kSaidBytes = std::size_t{1} << 18U;
 /// How often devices are greeted, and a report is made each second time.
 constexpr Duration kLook = std::chrono::milliseconds(100);
 
-/// So many sensors at once are said in one sentence.
-constexpr std::ptrdiff_t kMany = 3;
-
 struct SaidHead {
   Said::Kind kind;
   std::uint64_t to;
@@ -42,6 +39,11 @@ TrackerLoop::TrackerLoop(Session& session, Intake& intake, Recorder& recorder, C
 
 TrackerLoop::~TrackerLoop() {
   stop();
+}
+
+Result<void> TrackerLoop::obey(std::string_view json) {
+  recorder_.command(newest_, json);
+  return session_.command(newest_, json);
 }
 
 void TrackerLoop::start() {
@@ -90,7 +92,7 @@ void TrackerLoop::fire(HostTime now, HostTime cause) {
     } else {
       ++missed_;
     }
-    hand_over_news();
+    hand_over_news(now);
   }
 }
 
@@ -102,7 +104,7 @@ void TrackerLoop::take(const Arrived& arrived) {
     const auto done = session_.command(arrived.arrival, json);
     const std::string error = done ? std::string() : done.error().message();
     say({Said::Kind::reply, arrived.client, arrived.number, bytes_of(error)});
-    hand_over_news();
+    hand_over_news(arrived.arrival);
     return;
   }
   const Session::Received received = session_.receive(arrived.arrival, arrived.peer, arrived.bytes);
@@ -131,25 +133,19 @@ std::optional<Said> TrackerLoop::front_said() {
   return Said{head.kind, head.to, head.number, record.subspan(sizeof(head))};
 }
 
-void TrackerLoop::hand_over_news() {
+void TrackerLoop::say_event(std::string_view kind, std::string_view text) {
+  const std::string both = fmt::format("{} {}", kind, text);
+  say({Said::Kind::event, 0, 0, bytes_of(both)});
+}
+
+void TrackerLoop::hand_over_news(HostTime now) {
   const std::vector<take::Event> events = session_.take_events();
-  for (const char* kind : {"sensor_lost", "sensor_back"}) {
-    const auto count = std::ranges::count(events, kind, &take::Event::kind);
-    if (count < kMany) continue;
-    const std::string text = fmt::format("{} {} sensors are {}", kind, count,
-                                         kind == std::string_view("sensor_lost") ? "lost" : "back");
-    say({Said::Kind::event, 0, 0, bytes_of(text)});
-  }
   for (const take::Event& event : events) {
     recorder_.event(event);
-    if (event.kind.starts_with("sensor_") &&
-        std::ranges::count(events, event.kind, &take::Event::kind) >= kMany)
-      continue;
-    if (const std::string words = event_text(event); !words.empty()) {
-      const std::string text = event.kind + " " + words;
-      say({Said::Kind::event, 0, 0, bytes_of(text)});
-    }
+    if (LinkNews::is_about_a_link(event)) continue;
+    if (const std::string words = event_text(event); !words.empty()) say_event(event.kind, words);
   }
+  for (const LinkNews::Sentence& news : link_news_.tell(now, events)) say_event(news.kind, news.text);
   const auto& versions = session_.versions();
   for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {
     const CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
@@ -166,6 +162,7 @@ void TrackerLoop::look_around(HostTime now) {
   for (const sensor::Protocol::Outgoing& said : outgoing_)
     say({Said::Kind::datagram, said.peer, 0, said.datagram});
   if (++looks_ % 2 == 0) return;
+  for (const LinkNews::Sentence& news : link_news_.tell(now, {})) say_event(news.kind, news.text);
   session_.report(now, draft_);
   // A reader that holds it gets the next one.
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);

@@ -9,6 +9,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/live/byte_ring.h"
 #include "mien/live/intake.h"
+#include "mien/live/link_news.h"
 #include "mien/live/recorder.h"
 #include "mien/live/report.h"
 #include "mien/live/ring.h"
@@ -42,6 +43,8 @@ class TrackerLoop {
   TrackerLoop(Session& session, Intake& intake, Recorder& recorder, Clock clock);
   ~TrackerLoop();  ///< As stop().
 
+  /// Before start(): the session's first commands, logged as the page's. Errors: the session's.
+  [[nodiscard]] Result<void> obey(std::string_view json);
   void start();
   /// Returns when the thread has ended.
   void stop();
@@ -64,7 +67,8 @@ class TrackerLoop {
   void fire(HostTime now, HostTime cause);
   void take(const Arrived& arrived);
   void say(const Said& said);
-  void hand_over_news();
+  void hand_over_news(HostTime now);
+  void say_event(std::string_view kind, std::string_view text);
   void look_around(HostTime now);
 
   Session& session_;
@@ -80,6 +84,7 @@ class TrackerLoop {
   HostTime next_look_;
   unsigned looks_ = 0;
   std::int64_t versions_ = 0;  // Handed over.
+  LinkNews link_news_;
   std::vector<sensor::Protocol::Outgoing> outgoing_;
   Report draft_;
   mutable std::mutex report_mutex_;

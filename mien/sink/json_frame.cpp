@@ -65,6 +65,7 @@ std::string hello_json(const Hello& hello) {
       Json one = {{"name", sensor.name}, {"kind", sensor.kind}, {"site", sensor.site},
                   {"side", sensor.side}, {"role", sensor.role}, {"position_m", nullptr}};
       if (const auto& p = sensor.position_m) one["position_m"] = {p->x(), p->y(), p->z()};
+      if (const auto& a = sensor.aim) one["aim"] = {a->x(), a->y(), a->z()};
       sensors.push_back(std::move(one));
     }
     json["rig"] = {{"name", hello.rig->name}, {"sensors", std::move(sensors)}};

@@ -22,6 +22,7 @@ struct Hello {
     std::string side;                ///< "L", "R" or "M".
     std::string role;                ///< "face" or "head".
     std::optional<Vec3> position_m;  ///< On the built-in face's neutral, frame H.
+    std::optional<Vec3> aim;         ///< Which way it looks (unit), frame H; left out where it has none.
   };
   struct Rig {
     std::string name;

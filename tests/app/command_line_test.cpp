@@ -139,7 +139,10 @@ TEST_F(WrongInput, EveryMistakeNamesTheWayOut) {
        {{"perform", "--to", "udp://a:1", "--take", "b.mien"}, "cannot be given together"},
        {{"perform", "--loop"}, "mien: perform: --loop means nothing without --to"},
        {{"perform", "--seed"}, "mien: perform: --seed has no value"},
-       {{"perform", "--seed", "x"}, "mien: perform: --seed: 'x' is not what it takes"},
+       {{"perform", "--seed", "x"}, "mien: perform: --seed: x is no whole number from 0 on"},
+       {{"perform", "--seed", "-1"}, "mien: perform: --seed: -1 is no whole number from 0 on"},
+       {{"study", "bound", "--seed", "-1"}, "mien: study bound: --seed: -1 is no whole number from 0 on"},
+       {{"record"}, "mien: record: --out is missing"},
        {{"perform", "--script", "opera"}, "mien: perform: --script: opera is none of "},
        {{"calibrate", "--wait", "0"}, "mien: calibrate: --wait: 0 is no number from 1 to 3600"}});
 }
@@ -193,8 +196,30 @@ TEST_F(WrongInput, Performances) {
                   {perform({"--prologue", "long"}), "long"},
                   {perform({"--pace", "slow"}), "slow"},
                   {perform({"--seed", "x"}), "--seed"},
+                  {perform({"--seed", "1.5"}), "--seed"},
                   {perform({"--take", "@kept.mien"}), "--force"},
                   {perform({"--take", "@nowhere/new.mien"}), "nowhere"}});
+}
+
+TEST_F(WrongInput, Prompts) {
+  write(folder_ / "smirk.toml", "[[prompt]]\nname = \"a\"\nweights = { smirk = 1 }\n");
+  write(folder_ / "empty.toml", "");
+  const auto record = [](const std::string& prompts, const std::string& take = "@new.mien") {
+    return std::vector<std::string>{
+        "record", "--out", take, "--page", "off", "--listen", "udp://127.0.0.1:0", "--prompts", prompts};
+  };
+  expect_refused({{record("@smirk.toml"), "smirk.toml, line 3"},
+                  {record("@empty.toml"), "asks for no pose"},
+                  {record("@broken.toml"), "broken.toml"},
+                  {record("@none.toml"), "none.toml"},
+                  {record("two_minutes"), "there are no such prompts"},
+                  {record("components:"), "components:N"},
+                  {record("components:0"), "components:N"},
+                  {record("components:9999"), "components:N"},
+                  {record("components:3:-1"), "components:N"},
+                  {record("components:3:1:1"), "components:N"},
+                  {record("one_minute", "@new.csv"), ".mien"},
+                  {record("one_minute", "@kept.mien"), "--force"}});
 }
 
 TEST_F(WrongInput, ModelsFacesAndMotions) {

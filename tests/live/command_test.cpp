@@ -8,12 +8,15 @@ namespace mien::live {
 namespace {
 
 TEST(Command, AreWrittenAsTheyAreRead) {
-  for (const char* text :
-       {R"({"command":"calibrate","kind":"short"})", R"({"command":"calibrate","kind":"full"})",
-        R"({"command":"cancel_calibration"})", R"({"command":"use_calibration","version":3})",
-        R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
-        R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
-        R"({"command":"tap","sensor":""})", R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {
+  for (
+      const char* text :
+      {R"({"command":"calibrate","kind":"short"})", R"({"command":"calibrate","kind":"full"})",
+       R"({"command":"cancel_calibration"})", R"({"command":"use_calibration","version":3})",
+       R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
+       R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
+       R"({"command":"prompt","name":"smile","say":"","seconds":2.5,"target":{"jawOpen":0.1,"mouthSmile_L":1.0}})",
+       R"({"command":"prompts","do":"pause"})", R"({"command":"prompts","do":"stop"})",
+       R"({"command":"tap","sensor":""})", R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {
     const auto command = parse_command(text);
     ASSERT_TRUE(command) << text << ": " << command.error().message();
     EXPECT_EQ(write_command(*command), text);
@@ -30,6 +33,16 @@ TEST(Command, TakesOnlyWhatItsKindHas) {
   ASSERT_TRUE(shape);
   EXPECT_EQ(std::get<Shape>(*shape).json, R"({"limits":{}})");
   EXPECT_TRUE(std::get<Calibrate>(*parse_command(R"({"command": "calibrate", "kind": "full"})")).full);
+}
+
+TEST(Command, APromptHasThreeSecondsAndNothingToSayUnlessItSaysSo) {
+  const auto command = parse_command(R"({"command": "prompt", "name": "rest"})");
+  ASSERT_TRUE(command) << command.error().message();
+  const Prompt& prompt = std::get<AddPrompt>(*command).prompt;
+  EXPECT_EQ(prompt.name, "rest");
+  EXPECT_EQ(prompt.say, "");
+  EXPECT_EQ(prompt.seconds, 3);
+  EXPECT_EQ(prompt.target, face::BlendshapeWeights());
 }
 
 TEST(Command, RefusesEachMistakeAlone) {
@@ -52,6 +65,17 @@ TEST(Command, RefusesEachMistakeAlone) {
       {R"({"command": "bind", "device": "02:4D:49:45:4E:07"})", ErrorCode::malformed},
       {R"({"command": "bind", "sensor": "mentalis", "device": "02:4D:49:45:4E"})", ErrorCode::malformed},
       {R"({"command": "tap"})", ErrorCode::malformed},
+      {R"({"command": "prompts"})", ErrorCode::malformed},
+      {R"({"command": "prompts", "do": "dance"})", ErrorCode::malformed},
+      {R"({"command": "prompt"})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": ""})", ErrorCode::out_of_range},
+      {R"({"command": "prompt", "name": "a", "say": 1})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "seconds": "3"})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "seconds": 1e9})", ErrorCode::out_of_range},
+      {R"({"command": "prompt", "name": "a", "target": [1]})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "target": {"nose": 1}})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "target": {"jawOpen": "1"}})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "target": {"jawOpen": -1}})", ErrorCode::out_of_range},
       {R"({"command": "tap", "sensor": null})", ErrorCode::malformed},
       {R"({"command": "shape", "gains": [[[[[[[[[[1]]]]]]]]]]})", ErrorCode::malformed},
   };
@@ -74,7 +98,7 @@ TEST(Command, RefusesWhatIsLongOrDeepBeforeItIsRead) {
 
 TEST(Command, KnowsWhichAreTheSessions) {
   for (const char* name : {"calibrate", "cancel_calibration", "use_calibration", "restore_calibration",
-                           "recentre", "bind", "tap", "shape"}) {
+                           "recentre", "bind", "tap", "shape", "prompt", "prompts"}) {
     EXPECT_TRUE(is_session_command(name)) << name;
     // Whatever is wrong with it, its name is known.
     const auto command = parse_command(std::string(R"({"command": ")") + name + "\"}");

@@ -78,7 +78,7 @@ class Running {
  public:
   explicit Running(EngineSettings settings) : engine_(Engine::open(std::move(settings), test::session())) {
     if (!engine_) return;
-    thread_ = std::jthread([this] { summary_ = (*engine_)->run(stop_, {}); });
+    thread_ = std::jthread([this] { summary_ = (*engine_)->run(stop_, EngineListener()); });
   }
   ~Running() { stop_ = true; }
   [[nodiscard]] const Result<std::unique_ptr<Engine>>& engine() const { return engine_; }
@@ -231,6 +231,64 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
   EXPECT_EQ(session->frames(), summary.frames);
   EXPECT_EQ(session->hash(), summary.hash);
   EXPECT_EQ(take->note("live.hash").value(), summary.hash);
+}
+
+TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  EngineSettings asked = settings(folder);
+  asked.record = folder / "poses.mien";
+  asked.ends_with_recording = true;
+  asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
+  for (const char* name : {"rest", "open", "shut"}) {
+    Prompt& prompt = asked.prompts.emplace_back();
+    prompt.name = name;
+    prompt.seconds = 1;
+    if (prompt.name == "open") prompt.target[face::shape("jawOpen")] = 0.5F;
+  }
+  Running running(std::move(asked));
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  boost::asio::io_context network;
+  PageClient page(network, test::port_of((*running).page()));
+  const virt::VirtualSession performed = test::performance(60);
+  Nodes nodes(performed, test::port_of((*running).listening().front()));
+  EXPECT_TRUE(run_until(network, [&] {
+    Json prompts = page.last("status")["prompts"];
+    return prompts.is_object() && prompts["state"] == "running" && prompts["name"] == "open";
+  }));
+  Json prompts = page.last("status")["prompts"];
+  EXPECT_EQ(prompts["number"], 2);
+  EXPECT_EQ(prompts["of"], 3);
+  EXPECT_EQ(prompts["target"]["jawOpen"], 0.5);
+  EXPECT_EQ(prompts["next"]["name"], "shut");
+  EXPECT_TRUE(
+      run_until(network, [&] { return page.ended() || page.last("status")["prompts"]["state"] == "over"; }));
+  const EngineSummary summary = running.wait();
+  nodes.stop();
+  EXPECT_THAT(summary.recording_error, IsEmpty());
+  EXPECT_EQ(summary.report.prompts.state, "over");
+
+  const auto take = take::Take::open(folder / "poses.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  EXPECT_TRUE(take->finished());
+  const auto events = take->events().value();
+  EXPECT_EQ(std::ranges::count(events, "prompt", &take::Event::kind), 3);
+  // What is asked for is in the log: a replay comes to the same events.
+  const auto session = test::session();
+  std::vector<take::Event> again;
+  ASSERT_TRUE(replay(*take, *session, [&](const take::Tick&, const face::OutputFrame&) {
+    for (take::Event& event : session->take_events()) again.push_back(std::move(event));
+    return true;
+  }));
+  EXPECT_EQ(session->hash(), summary.hash);
+  std::erase_if(again, [](const take::Event& event) { return event.kind != "prompt"; });
+  ASSERT_EQ(again.size(), 3u);
+  std::size_t i = 0;
+  for (const take::Event& event : events) {
+    if (event.kind != "prompt") continue;
+    EXPECT_EQ(event.begin, again[i].begin);
+    EXPECT_EQ(event.end, again[i].end);
+    EXPECT_EQ(event.json, again[i++].json);
+  }
 }
 
 TEST(Engine, SaysWhyItCannotBegin) {

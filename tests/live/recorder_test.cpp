@@ -67,6 +67,24 @@ TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
   EXPECT_EQ(take::Take::open(folder / "again.mien").value().ticks().value().size(), 25u * 60);
 }
 
+TEST(Recorder, CountsTheSecondsSinceItWasAskedFor) {
+  const test::Folder folder(test::Folder::On::memory);
+  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
+  record_seconds(recorder, 0, 20);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // What was handed over is taken by then.
+  ASSERT_TRUE(recorder.start(folder / "late.mien", header(), false));
+  const auto reached = [&](double seconds) {
+    for (int i = 0; i < 1000 && recorder.state().seconds < seconds; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return recorder.state().seconds;
+  };
+  record_seconds(recorder, 20, 25);
+  EXPECT_NEAR(reached(4.9), 5, 0.1) << "not of the session";
+  recorder.end({});
+  ASSERT_TRUE(recorder.wait());
+  EXPECT_EQ(take::Take::open(folder / "late.mien").value().ticks().value().size(), 25u * 60);
+}
+
 TEST(Recorder, SaysWhyItCannotBegin) {
   const test::Folder folder(test::Folder::On::memory);
   Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });

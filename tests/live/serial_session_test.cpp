@@ -149,8 +149,10 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
   std::atomic<bool> stop = false;
   Result<EngineSummary> summary = EngineSummary();
   std::vector<std::string> told;
-  std::jthread running(
-      [&] { summary = (*engine)->run(stop, [&](const std::string& text) { told.push_back(text); }); });
+  std::jthread running([&] {
+    summary =
+        (*engine)->run(stop, {.told = [&](const std::string& text) { told.push_back(text); }, .seen = {}});
+  });
 
   boost::asio::io_context network;
   test::PageClient page(network, test::port_of((*engine)->page()));

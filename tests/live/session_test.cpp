@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <iostream>
+#include <iterator>
 #include <tuple>
 
 #include "tests/live/live_run.h"
@@ -80,6 +82,35 @@ TEST(Session, TheSameLogGivesTheSameBits) {
       session->tick(f.tick.frame, f.tick.fired);
     }
     EXPECT_EQ(session->hash(), live.hash);
+  }
+}
+
+TEST(Session, PromptsChangeNoWeightAndAreTheSameEventsAgain) {
+  const virt::VirtualSession performed = performance(8);
+  const std::vector<test::Order> orders = {
+      {1, R"({"command": "prompt", "name": "rest", "seconds": 2})"},
+      {1, R"({"command": "prompt", "name": "smile", "seconds": 2, "target": {"mouthSmile_L": 1}})"},
+      {1, R"({"command": "prompt", "name": "no", "seconds": 4})"},
+      {1, R"({"command": "prompt", "name": "open", "seconds": 2, "target": {"jawOpen": 0.25}})"},
+      {10, R"({"command": "prompts", "do": "skip"})"}};
+  const Played plain = test::run(*test::session(), performed.entries);
+  const Played asked = test::run(*test::session(), performed.entries, orders);
+  EXPECT_EQ(asked.hash, plain.hash);
+  ASSERT_EQ(asked.count("prompt"), 3u);
+  EXPECT_EQ(asked.report.prompts.state, "over");
+  std::vector<take::Event> prompts;
+  std::ranges::copy_if(asked.events, std::back_inserter(prompts),
+                       [](const take::Event& event) { return event.kind == "prompt"; });
+  EXPECT_EQ(prompts[0].end - prompts[0].begin, std::chrono::seconds(2));
+  EXPECT_EQ(prompts[1].begin, prompts[0].end);
+  EXPECT_EQ(prompts[1].json, R"({"name": "smile", "target": {"mouthSmile_L": 1}})");
+  EXPECT_EQ(prompts[2].json, R"({"name": "open", "target": {"jawOpen": 0.25}})") << "one was skipped";
+
+  const Played again = test::run(*test::session(), performed.entries, orders);
+  ASSERT_EQ(again.events.size(), asked.events.size());
+  for (std::size_t i = 0; i < again.events.size(); ++i) {
+    EXPECT_EQ(again.events[i].begin, asked.events[i].begin);
+    EXPECT_EQ(again.events[i].json, asked.events[i].json);
   }
 }
 

@@ -33,6 +33,7 @@ class Switch {
 export class Actions {
   private readonly recording = new Switch();
   private readonly pause = new Switch();
+  private readonly prompts = new Switch();
 
   constructor(
     private readonly session: Session,
@@ -76,9 +77,25 @@ export class Actions {
     settle(await this.send({ command: "replay", paused }));
   }
 
-  /** In a replay the space bar pauses; live it re-centres. */
+  /** In a replay the space bar pauses, and where poses are asked for; else it re-centres. */
   async space(): Promise<void> {
-    await (this.session.status.value?.replay ? this.togglePause() : this.recentre());
+    const status = this.session.status.value;
+    if (status?.replay) await this.togglePause();
+    else if (status?.prompts && status.prompts.state !== "over") await this.togglePrompts();
+    else await this.recentre();
+  }
+
+  /** The poses of a recording wait, or go on with the one that was interrupted. */
+  async togglePrompts(): Promise<void> {
+    const prompts = this.session.status.value?.prompts;
+    if (!prompts || prompts.state === "over") return;
+    const paused = this.prompts.flip(prompts.state === "paused");
+    const settle = this.prompts.press();
+    settle(await this.send({ command: "prompts", do: paused ? "pause" : "resume" }));
+  }
+
+  async skipPrompt(): Promise<void> {
+    await this.send({ command: "prompts", do: "skip" });
   }
 
   async seek(seconds: number): Promise<void> {

@@ -5,13 +5,14 @@ import { withToken } from "./connection";
 import { h, setHidden, setText } from "./dom";
 import { fixed } from "./format";
 import { restingPose, type Pose } from "./playout";
-import type { CalibrationStatus } from "./protocol";
+import type { CalibrationStatus, PromptStatus, Status } from "./protocol";
 import type { Session } from "./session";
 import { shapeLabel } from "./shapes";
 import type { Avatar } from "./scene/avatar";
 import { SkinDifference } from "./scene/difference";
 import { SensorDots } from "./scene/dots";
 import { acceptDrops, pickFile } from "./scene/drop";
+import { Glasses } from "./scene/glasses";
 import { loadAvatar, refusal } from "./scene/load_avatar";
 import { Stage } from "./scene/stage";
 import { Signal } from "./signal";
@@ -32,9 +33,12 @@ export class FaceView {
   readonly loading = new Signal<boolean>(true);
 
   private readonly stage: Stage | null;
+  private readonly glasses = new Glasses();
   private readonly dots: SensorDots;
   private readonly left = h("div", { class: "face-label", hidden: true });
   private readonly right = h("div", { class: "face-label", hidden: true });
+  private readonly nextLabel = h("span");
+  private readonly nextFace = h("div", { class: "next-face", hidden: true }, this.nextLabel);
   private readonly difference = h("div", { class: "difference", hidden: true });
   private readonly veil = h(
     "div",
@@ -52,6 +56,7 @@ export class FaceView {
   private readonly pose = restingPose();
   private readonly truth = restingPose();
   private readonly target = restingPose();
+  private readonly next = restingPose();
   private lastReadout = 0;
   private lastTargetMs = 0;
 
@@ -59,7 +64,7 @@ export class FaceView {
     private readonly session: Session,
     private readonly view: ViewState,
   ) {
-    this.dots = new SensorDots((sensor) => {
+    this.dots = new SensorDots(this.glasses, (sensor) => {
       view.sensor.set(view.sensor.value === sensor ? null : sensor);
       if (view.sensor.value) {
         view.panel.set("sensors");
@@ -67,7 +72,7 @@ export class FaceView {
       }
     });
     const host = h("div", { class: "stage-host" });
-    this.element.append(host, this.dots.element, this.left, this.right, this.difference, this.veil);
+    this.element.append(host, this.dots.element, this.left, this.right, this.nextFace, this.difference, this.veil);
     this.stage = this.makeStage(host);
     if (!this.stage) return;
 
@@ -76,6 +81,7 @@ export class FaceView {
     session.frame.listen(() => this.stage?.wake());
     session.hello.listen((hello) => {
       if (!hello) return;
+      this.glasses.setSensors(hello.sensors);
       this.dots.setSensors(hello.sensors);
       this.refreshDots();
       if (!this.bytes || this.bytes.own) void this.loadOwn(hello.face);
@@ -87,7 +93,11 @@ export class FaceView {
     view.sensor.listen(() => this.refreshDots());
     view.showTruth.listen(() => this.chooseSecond());
     view.turnHead.listen(() => this.stage?.wake());
-    view.showDots.listen((shown) => setHidden(this.dots.element, !shown));
+    view.showDots.listen((shown) => {
+      setHidden(this.dots.element, !shown);
+      this.glasses.object.visible = shown;
+      this.stage?.wake();
+    });
     acceptDrops(
       (file) => void this.wear(file),
       (hanging) => setHidden(this.veil, !hanging),
@@ -179,8 +189,10 @@ export class FaceView {
       const avatar = await loadAvatar(bytes.data, bytes.name, bytes.own);
       this.bytes = bytes;
       this.dropSecond();
+      this.glasses.object.removeFromParent();
       this.first?.dispose();
       this.first = avatar;
+      avatar.worn.add(this.glasses.object);
       this.skin = null;
       this.stage.put("first", avatar.object);
       this.dots.setAvatar(avatar);
@@ -203,16 +215,21 @@ export class FaceView {
   private refreshDots(): void {
     const status = this.session.status.value;
     this.dots.setHealth(status?.links ?? [], this.view.sensor.value, status?.tap ?? null);
+    if (this.glasses.setHealth(status?.links ?? [])) this.stage?.wake();
   }
 
   private chooseSecond(): void {
     const status = this.session.status.value;
     const guided = status?.calibration.state === "running";
-    const shown = guided && (status.calibration.target !== null || isMotion(status.calibration));
-    const truth = !guided && status?.replay?.hasTruth === true && this.view.showTruth.value;
+    const prompts = guided ? null : promptsOf(status);
+    const shown = prompts !== null || (guided && (status.calibration.target !== null || isMotion(status.calibration)));
+    const truth = !guided && !prompts && status?.replay?.hasTruth === true && this.view.showTruth.value;
     this.secondWanted = shown ? "target" : truth ? "truth" : "none";
-    setText(this.left, shown ? "Do this" : "Truth");
+    setText(this.left, !shown ? "Truth" : prompts && prompts.state !== "running" ? "Get ready" : "Do this");
     setText(this.right, shown ? "You" : "Capture");
+    this.stage?.setInset(prompts?.next ? () => this.poseNext() : null);
+    setHidden(this.nextFace, !prompts?.next);
+    setText(this.nextLabel, prompts?.next ? `Next: ${prompts.next.name}` : "");
     setHidden(this.left, this.secondWanted === "none");
     setHidden(this.right, this.secondWanted === "none");
     setHidden(this.difference, this.secondWanted !== "truth");
@@ -262,14 +279,16 @@ export class FaceView {
 
   /** Eases the example into the face that is asked for, or lets it nod and shake as is asked. True while it moves. */
   private poseTarget(now: number): boolean {
-    const calibration = this.session.status.value?.calibration;
+    const status = this.session.status.value;
+    const calibration = status?.calibration;
+    const asked = calibration?.state === "running" ? calibration.target : promptsOf(status)?.target;
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     // By the clock, so that a slow display eases as fast as a quick one.
     const ease = calm ? 1 : 1 - Math.exp(-Math.min(200, now - this.lastTargetMs) / EASE_MS);
     this.lastTargetMs = now;
     let moving = false;
     for (let k = 0; k < this.target.weights.length; ++k) {
-      const wanted = calibration?.target?.[k] ?? 0;
+      const wanted = asked?.[k] ?? 0;
       const before = this.target.weights[k] ?? 0;
       const after = before + (wanted - before) * ease;
       this.target.weights[k] = after;
@@ -285,6 +304,13 @@ export class FaceView {
     return moving || nods || shakes;
   }
 
+  /** The example, for the small picture of what comes next. */
+  private poseNext(): void {
+    const next = promptsOf(this.session.status.value)?.next;
+    for (let k = 0; k < this.next.weights.length; ++k) this.next.weights[k] = next?.target[k] ?? 0;
+    this.second?.apply(this.next);
+  }
+
   private afterDraw(): void {
     if (!this.stage) return;
     this.dots.update(this.stage, "first");
@@ -293,6 +319,8 @@ export class FaceView {
       const rect = this.stage.rectOf(place);
       label.style.transform = `translate(${Math.round(rect.left + rect.width / 2)}px, ${Math.round(rect.top + 8)}px) translateX(-50%)`;
     }
+    const inset = this.stage.insetRect();
+    Object.assign(this.nextFace.style, { left: `${inset.left}px`, top: `${inset.top}px`, width: `${inset.width}px`, height: `${inset.height}px` });
     const now = performance.now();
     if (this.secondWanted === "truth" && now - this.lastReadout > READOUT_MS) {
       this.lastReadout = now;
@@ -334,6 +362,11 @@ export class FaceView {
       if (cell?.lastElementChild) setText(cell.lastElementChild, unit);
     });
   }
+}
+
+/** The poses that are asked for; null when none are any more. */
+function promptsOf(status: Status | null | undefined): PromptStatus | null {
+  return status?.prompts && status.prompts.state !== "over" ? status.prompts : null;
 }
 
 function isMotion(calibration: CalibrationStatus): boolean {

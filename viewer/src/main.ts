@@ -8,6 +8,7 @@ import { ActionBar } from "./chrome/action_bar";
 import { Dock } from "./chrome/dock";
 import { CalibrationGuide } from "./chrome/guide";
 import { makeHelp } from "./chrome/help";
+import { PromptGuide } from "./chrome/prompts";
 import { Notices } from "./chrome/notices";
 import { TapBanner } from "./chrome/tap_banner";
 import { Timeline } from "./chrome/timeline";
@@ -32,6 +33,7 @@ applyTheme(view);
 const face = new FaceView(session, view);
 const topbar = new Topbar(session, view);
 const guide = new CalibrationGuide(session, actions);
+const prompts = new PromptGuide(session, actions);
 const timeline = new Timeline(session, actions);
 const notices = new Notices(session, view);
 const weights = new WeightsPanel(session, view, actions);
@@ -44,7 +46,7 @@ const dock = new Dock(view, {
   output: new OutputPanel(session, view, actions).element,
 });
 
-const bottom = h("div", { class: "bottom" }, guide.element, new TapBanner(session, actions).element, timeline.element, actionBar.element);
+const bottom = h("div", { class: "bottom" }, guide.element, prompts.element, new TapBanner(session, actions).element, timeline.element, actionBar.element);
 const stage = h("main", { class: "stage" }, face.element, topbar.element, topbar.badge, notices.element, bottom);
 document.body.append(h("div", { class: "app" }, stage, dock.element));
 
@@ -52,7 +54,7 @@ const TURN = 0.15;
 const keys: Key[] = [
   { keys: ["r"], shown: "R", does: "Record, or stop", act: () => void actions.toggleRecording() },
   { keys: ["c"], shown: "C", does: "Calibrate", act: () => void actions.calibrate("short") },
-  { keys: [" "], shown: "Space", does: "Re-centre; in a replay: pause or play", act: () => void actions.space() },
+  { keys: [" "], shown: "Space", does: "Re-centre; in a replay, and where poses are asked for: pause or go on", act: () => void actions.space() },
   ...PANELS.map((panel, i) => ({
     keys: [String(i + 1)],
     shown: i === 0 ? "1 2 3 4 5" : "",
@@ -106,10 +108,9 @@ function schedule(): void {
   requestAnimationFrame((now) => {
     scheduled = false;
     if (!weights.element.hidden) weights.draw(now);
-    if (guide.open) {
-      guide.draw(now);
-      schedule();
-    }
+    if (guide.open) guide.draw(now);
+    if (prompts.open) prompts.draw(now);
+    if (guide.open || prompts.open) schedule();
   });
 }
 session.frame.listen(schedule);

@@ -13,6 +13,8 @@ export interface RigSensor {
   role: string;
   /** On the built-in face's neutral, frame H, metres; null where the rig does not say. */
   position: readonly [number, number, number] | null;
+  /** Which way it looks at the skin, unit; null for a sensor that sits on it. */
+  aim: readonly [number, number, number] | null;
 }
 
 export interface Hello {
@@ -67,6 +69,8 @@ export interface Link {
   uncertaintyMs: number | null;
   battery: number | null;
   headingSigmaDeg: number | null;
+  /** How much it gets of what it is there for, 0 to 1; null for kinds that have no such number. */
+  level: number | null;
   estimated: boolean;
 }
 
@@ -108,6 +112,25 @@ export interface CalibrationStatus {
   versions: CalibrationVersion[];
 }
 
+/** The poses of a recording, asked for one after the other. */
+export interface PromptStatus {
+  state: "ready" | "running" | "paused" | "over";
+  name: string;
+  say: string;
+  /** In our order; null when all are over. */
+  target: Float32Array | null;
+  next: { name: string; target: Float32Array } | null;
+  /** From 1. */
+  number: number;
+  of: number;
+  /** Of the present pose, 0 to 1. */
+  progress: number;
+  /** Of the present pose; when ready, until it begins. */
+  remainingS: number;
+  /** Until all are over. */
+  leftS: number;
+}
+
 export interface SinkStatus {
   id: string | number;
   address: string;
@@ -142,8 +165,10 @@ export interface Status {
   links: Link[];
   unbound: UnboundDevice[];
   calibration: CalibrationStatus;
+  prompts: PromptStatus | null;
   sinks: SinkStatus[];
-  recording: { on: boolean; path: string; seconds: number; megabytes: number; error: string };
+  /** `endsS`: when the session ends by itself, and the recording with it. */
+  recording: { on: boolean; path: string; seconds: number; endsS: number | null; megabytes: number; error: string };
   shaping: Shaping;
   replay: ReplayStatus | null;
   /** The sensor that waits for a tap. */
@@ -179,6 +204,7 @@ export type Command =
   | { command: "cancel_calibration" }
   | { command: "use_calibration"; version: string | number }
   | { command: "recentre" }
+  | { command: "prompts"; do: "skip" | "pause" | "resume" | "stop" }
   | { command: "record"; on: boolean; name: string }
   | { command: "sink"; add: string }
   | { command: "sink"; sink: string | number; on: boolean }
@@ -270,6 +296,13 @@ function positionOf(value: unknown): readonly [number, number, number] | null {
   return x == null || y == null || z == null ? null : [x, y, z];
 }
 
+function directionOf(value: unknown): readonly [number, number, number] | null {
+  const direction = positionOf(value);
+  const length = direction ? Math.hypot(...direction) : 0;
+  if (!direction || length < 0.5) return null;
+  return [direction[0] / length, direction[1] / length, direction[2] / length];
+}
+
 function readHello(fields: Fields): Hello {
   const rig = fieldsOf(fields["rig"]);
   return {
@@ -284,6 +317,7 @@ function readHello(fields: Fields): Hello {
       side: text(one["side"]),
       role: text(one["role"]),
       position: positionOf(one["position_m"]),
+      aim: directionOf(one["aim"]),
     })).filter((one) => one.name !== ""),
     face: text(fields["face"], "/face.glb"),
     model: text(fields["model"]),
@@ -331,6 +365,7 @@ function readLink(one: Fields): Link {
     uncertaintyMs: numberOrNull(one["uncertainty_ms"]),
     battery: numberOrNull(one["battery"]),
     headingSigmaDeg: numberOrNull(one["heading_sigma_deg"]),
+    level: numberOrNull(one["level"]) === null ? null : share(one["level"]),
     estimated: one["estimated"] === true,
   };
 }
@@ -369,6 +404,30 @@ function readCalibration(fields: Fields): CalibrationStatus {
     stepNumber: Math.max(0, Math.round(number(fields["step_number"]))),
     steps: Math.min(64, Math.max(0, Math.round(number(fields["steps"])))),
     versions: list(fields["versions"], readVersion),
+  };
+}
+
+/** Texts of more poses than a session asks for. */
+const MOST_PROMPTS = 10_000;
+
+function readPrompts(value: unknown): PromptStatus | null {
+  if (typeof value !== "object" || value === null) return null;
+  const fields = fieldsOf(value);
+  const state = fields["state"];
+  if (state !== "ready" && state !== "running" && state !== "paused" && state !== "over") return null;
+  const next = fieldsOf(fields["next"]);
+  const nextTarget = readTarget(next["target"]);
+  return {
+    state,
+    name: text(fields["name"]),
+    say: text(fields["say"]),
+    target: readTarget(fields["target"]),
+    next: nextTarget ? { name: text(next["name"]), target: nextTarget } : null,
+    number: Math.min(MOST_PROMPTS, Math.max(0, Math.round(number(fields["number"])))),
+    of: Math.min(MOST_PROMPTS, Math.max(0, Math.round(number(fields["of"])))),
+    progress: share(fields["progress"]),
+    remainingS: Math.max(0, number(fields["remaining_s"])),
+    leftS: Math.max(0, number(fields["left_s"])),
   };
 }
 
@@ -416,6 +475,7 @@ function readStatus(fields: Fields): Status {
       protocol: text(one["protocol"]),
     })).filter((one) => one.device !== ""),
     calibration: readCalibration(fieldsOf(fields["calibration"])),
+    prompts: readPrompts(fields["prompts"]),
     sinks: list(fields["sinks"], (one) => ({
       id: idOf(one["id"]),
       address: text(one["address"]),
@@ -430,6 +490,7 @@ function readStatus(fields: Fields): Status {
       on: recording["on"] === true,
       path: text(recording["path"]),
       seconds: number(recording["seconds"]),
+      endsS: numberOrNull(recording["ends_s"]),
       megabytes: number(recording["megabytes"]),
       error: text(recording["error"]),
     },

@@ -1,7 +1,9 @@
 // A session for developing and testing the page without devices: serves the built page, a face and /ws, and behaves as
 // docs/page_protocol.md says, with made-up but believable data: a talking face, a lossy sensor, a frozen one, a lost one.
 //
-//   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated]
+//   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated] [-- --eyewear] [-- --prompts]
+//
+// --eyewear wears the glasses of rigs/eyewear.toml beside the ear's sensor; --prompts records, and asks for a few poses.
 //
 // The face is the built-in one where MIEN_PROGRAM names the program that makes it, else an egg.
 import { execFileSync } from "node:child_process";
@@ -22,6 +24,32 @@ const RIG = [
   ["zygomaticus_lower_L", 0.0343, -0.019, 0.0963], ["buccinator_R", -0.0393, -0.0363, 0.0902],
   ["buccinator_L", 0.0393, -0.0363, 0.0902], ["mentalis", 0, -0.0684, 0.1087], ["mastoid_L", 0.06, -0.0076, -0.0164],
 ];
+
+/** The sensors of rigs/eyewear.toml as `hello` lists them. */
+function eyewearSensors() {
+  const text = readFileSync(join(here, "../../rigs/eyewear.toml"), "utf8");
+  return text.split("[[sensor]]").slice(1).map((part) => {
+    const words = (key) => new RegExp(`^${key} = "(.*)"`, "m").exec(part)?.[1] ?? "";
+    const numbers = (key) => JSON.parse(new RegExp(`^${key} = (\\[.*\\])`, "m").exec(part)[1]);
+    return { name: words("name"), kind: "photo", site: words("site"), side: words("side"), role: "face", position_m: numbers("position_m"), aim: numbers("aim") };
+  });
+}
+
+const IMUS = RIG.map(([name, ...position]) => ({
+  name, kind: "imu", site: name.replace(/_[LR]$/, ""), side: /_([LR])$/.exec(name)?.[1] ?? "M",
+  role: name === "mastoid_L" ? "head" : "face", position_m: position,
+}));
+
+const PROMPTS = [
+  { name: "neutral", say: "Look ahead, relax your face and hold still", seconds: 10, target: {} },
+  { name: "brows up", say: "Raise your eyebrows", seconds: 3, target: { browInnerUp_L: 1, browInnerUp_R: 1, browOuterUp_L: 1, browOuterUp_R: 1, eyeWide_L: 0.3, eyeWide_R: 0.3 } },
+  { name: "smile", say: "Smile as wide as you can", seconds: 3, target: { mouthSmile_L: 1, mouthSmile_R: 1, cheekSquint_L: 0.5, cheekSquint_R: 0.5 } },
+  { name: "pucker", say: "Pucker your lips, as for a kiss", seconds: 3, target: { mouthPucker: 1 } },
+  { name: "jaw open", say: "Open your mouth wide", seconds: 3, target: { jawOpen: 1 } },
+];
+/** Before the first pose, and after a pause, s. */
+const LEAD_IN = 3;
+
 const TAKES = [
   { name: "reading_aloud.mien", seconds: 28.9, megabytes: 1.8, recorded: "2026-11-21T18:53:41Z", truth: true },
   { name: "range_of_motion.mien", seconds: 64.2, megabytes: 4.1, recorded: "2026-11-20T10:12:05Z", truth: true },
@@ -108,13 +136,15 @@ class MockSession {
   /** While set, a calibration that has reached this step stays there, half way through. */
   holdAt = "";
 
-  constructor({ quick = false, uncalibrated = false } = {}) {
+  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false } = {}) {
+    this.sensors = eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : IMUS;
     this.quick = quick;
     this.random = seeded(7);
     this.started = Date.now();
     this.clients = new Set();
-    this.states = { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost" };
-    this.devices = Object.fromEntries(RIG.map(([name], i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
+    this.states = eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost" };
+    this.prompts = prompts ? { at: 0, seconds: -LEAD_IN, paused: false } : null;
+    this.devices = Object.fromEntries(this.sensors.map(({ name }, i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
     this.unbound = [
       { device: "02:4D:49:45:4E:1F/0", announces: "mentalis", protocol: "mien" },
       { device: "5C:CF:7F:0A:11:3E/0", announces: "", protocol: "slimevr" },
@@ -127,6 +157,7 @@ class MockSession {
       { id: 3, address: "ws://127.0.0.1:8741", on: true, sent: 0, failed: 0, receivers: 1, note: "" },
     ];
     this.recording = { on: false, path: "", since: 0, error: null };
+    if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
     this.shaping = { smoothing: 0.25, gains: { jawOpen: 1.2 }, limits: {} };
     this.replay = null;
@@ -169,10 +200,7 @@ class MockSession {
       type: "hello", software: "mien 0.1.0 (mock)", shapes: SHAPES,
       rig: {
         name: "default",
-        sensors: RIG.map(([name, ...position]) => ({
-          name, kind: "imu", site: name.replace(/_[LR]$/, ""), side: /_([LR])$/.exec(name)?.[1] ?? "M",
-          role: name === "mastoid_L" ? "head" : "face", position_m: position,
-        })),
+        sensors: this.sensors,
       },
       face: "/face.glb", model: "default live", mode: this.replay ? "replay" : "live", listening: ["udp://127.0.0.1:5005", "udp://0.0.0.0:6969"],
     };
@@ -184,6 +212,7 @@ class MockSession {
       if (this.replay.time >= this.replay.duration) this.replay = { ...this.replay, time: this.replay.duration, paused: true };
     }
     this.advanceCalibration();
+    this.advancePrompts();
     ++this.frames;
     for (const sink of this.sinks) if (sink.on) ++sink.sent;
     this.say(this.frame());
@@ -226,7 +255,7 @@ class MockSession {
 
   status() {
     const t = this.now();
-    const links = RIG.map(([sensor], i) => {
+    const links = this.sensors.map(({ name: sensor, kind }, i) => {
       const state = !this.devices[sensor] ? "unbound" : (this.states[sensor] ?? "good");
       const rate = { good: 240, lossy: 208, frozen: 240, lost: 0, unbound: 0 }[state] ?? 200;
       const heard = state !== "unbound";
@@ -235,7 +264,8 @@ class MockSession {
         rate_hz: heard ? rate + (rate ? 0.6 * (this.random() - 0.5) : 0) : null, lost: state === "lossy" ? Math.floor(31 * t) : i, late: Math.floor(this.random() * 2), doubled: 0,
         reordered: 0, malformed: 0, loss: !heard ? null : state === "lost" ? 1 : state === "lossy" ? 0.12 + 0.02 * this.random() : 0.003 * this.random(),
         offset_ms: heard ? 3187.4 * (i + 1) + 0.2 * this.random() : null, drift_ppm: heard ? 18 * Math.sin(3 * i) : null, uncertainty_ms: heard ? 0.3 + 0.2 * this.random() : null,
-        battery: heard ? 92 - ((7 * i) % 60) : null, heading_sigma_deg: heard ? 1.4 + 0.3 * (i % 4) : null, estimated: false,
+        battery: heard && kind === "imu" ? 92 - ((7 * i) % 60) : null, heading_sigma_deg: heard && kind === "imu" ? 1.4 + 0.3 * (i % 4) : null,
+        level: kind === "photo" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
       };
     });
     const run = this.calibration.run;
@@ -249,9 +279,34 @@ class MockSession {
         progress: run ? Math.min(1, this.calibration.stepSeconds / step.seconds) : 0, remaining_s: run ? Math.max(0, step.seconds - this.calibration.stepSeconds) : 0,
         step_number: run ? run.at + 1 : 0, steps: run ? run.steps.length : 0, versions: this.versions,
       },
+      prompts: this.promptStatus(),
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       shaping: this.shaping, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
+    };
+  }
+
+  advancePrompts() {
+    const run = this.prompts;
+    if (!run || run.paused || run.at >= PROMPTS.length) return;
+    run.seconds += (this.quick ? 6 : 1) / 60;
+    if (run.seconds < PROMPTS[run.at].seconds) return;
+    ++run.at;
+    run.seconds = 0;
+  }
+
+  promptStatus() {
+    const run = this.prompts;
+    if (!run) return null;
+    const prompt = PROMPTS[run.at];
+    if (!prompt) return { state: "over", name: "", say: "", target: null, next: null, number: PROMPTS.length, of: PROMPTS.length, progress: 0, remaining_s: 0, left_s: 0 };
+    const next = PROMPTS[run.at + 1];
+    const after = PROMPTS.slice(run.at + 1).reduce((sum, one) => sum + one.seconds, 0);
+    return {
+      state: run.paused ? "paused" : run.seconds < 0 ? "ready" : "running", name: prompt.name, say: prompt.say, target: prompt.target,
+      next: next ? { name: next.name, target: next.target } : null, number: run.at + 1, of: PROMPTS.length,
+      progress: Math.max(0, run.seconds / prompt.seconds), remaining_s: run.seconds < 0 ? -run.seconds : prompt.seconds - run.seconds,
+      left_s: prompt.seconds - run.seconds + after,
     };
   }
 
@@ -299,6 +354,12 @@ class MockSession {
       case "recentre":
         for (const version of this.versions) version.in_force = false;
         this.versions.push({ ...this.version(this.versions.length + 1, "recentre", 0, 0.15), in_force: true });
+        return null;
+      case "prompts":
+        if (!this.prompts || this.prompts.at >= PROMPTS.length) throw new Error("No pose is being asked for.");
+        if (command.do === "skip") Object.assign(this.prompts, { at: this.prompts.at + 1, seconds: 0 });
+        else if (command.do === "stop") this.prompts.at = PROMPTS.length;
+        else Object.assign(this.prompts, { paused: command.do === "pause", seconds: -LEAD_IN });
         return null;
       case "record":
         if (command.on) {
@@ -456,6 +517,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   };
   const { url } = await startMockSession({
     port: Number(option("port", 8740)), token: option("token", ""), uncalibrated: process.argv.includes("--uncalibrated"),
+    eyewear: process.argv.includes("--eyewear"), prompts: process.argv.includes("--prompts"),
   });
   console.log(`A mock session: ${url}\nIts page with changes shown at once: npm run dev`);
 }

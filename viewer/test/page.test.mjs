@@ -413,6 +413,38 @@ test("dark, light and phone", { timeout: 6 * PATIENCE }, async () => {
   await phone.context().close();
 });
 
+test("glasses with their sensors, and poses to make", { timeout: 6 * PATIENCE }, async () => {
+  const glasses = await startMockSession({ eyewear: true, prompts: true });
+  const page = await open({ viewport: { width: 1280, height: 800 } }, glasses.url);
+  try {
+    await settled(page, () => document.querySelector(".prompts:not([hidden]) h2")?.textContent === "neutral", "the first pose");
+    await settled(page, () => [...document.querySelectorAll(".dot.worn")].filter((dot) => dot.style.transform !== "").length === 20, "sensors on the glasses");
+    assert.equal(await page.locator(".dot:not(.worn)").count(), 1, "and the one at the ear on its skin");
+    assert.equal(await page.locator(".dot.worn[data-severity=bad]").count(), 1);
+    await settled(page, () => document.querySelector(".face-view").dataset.second === "target", "a face to follow");
+    assert.equal(await page.locator(".next-face").innerText(), "Next: brows up");
+    await picture(page, "prompts");
+
+    await button(page, "Pause").click();
+    await settled(page, () => document.querySelector(".prompts h2").textContent === "Paused", "a pause");
+    await page.keyboard.press(" ");
+    await settled(page, () => document.querySelector(".prompts h2").textContent === "Get ready", "on again, by the space bar");
+    await button(page, "Skip").click();
+    await settled(page, () => /^[2-5] of 5/.test(document.querySelector(".prompt-figures span").textContent), "the next");
+
+    await go(page, "Sensors");
+    await settled(page, () => getComputedStyle(document.querySelector("tr[data-sensor=brow_inner_R] .level")).display !== "none", "light levels");
+    assert.equal(await page.locator(".links.without-level").count(), 0);
+    glasses.session.prompts.at = 99;
+    await settled(page, () => document.querySelector(".prompts").hidden && document.querySelector(".face-view").dataset.second === "none", "the end of it");
+    await picture(page, "glasses");
+    assert.deepEqual(glasses.session.commands.filter((one) => one.command === "prompts").map((one) => one.do), ["pause", "resume", "skip"]);
+  } finally {
+    await page.context().close();
+    await glasses.close();
+  }
+});
+
 test("memory stays flat", { timeout: 4 * PATIENCE }, async () => {
   const page = await shared();
   await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");

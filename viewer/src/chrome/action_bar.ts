@@ -27,7 +27,8 @@ export class ActionBar {
       }
       record.classList.toggle("on", on);
       setAttribute(record, "aria-label", on ? "Stop recording" : "Record");
-      setText(recordText, on ? clock(status?.recording.seconds ?? 0) : "Record");
+      const ends = status?.recording.endsS;
+      setText(recordText, on ? clock(status?.recording.seconds ?? 0) + (ends == null ? "" : ` of ${clock(ends)}`) : "Record");
       calibrate.disabled = status?.calibration.state === "running" || status?.replay != null;
       recentre.disabled = status?.replay != null;
     });

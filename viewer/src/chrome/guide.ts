@@ -1,20 +1,18 @@
 /** The guided calibration over the face: what to do now, a ring that runs down, and afterwards how well it went. */
 import type { Actions } from "../actions";
-import { h, setAttribute, setHidden, setText, svg } from "../dom";
+import { h, setAttribute, setHidden, setText } from "../dom";
 import type { Session } from "../session";
 import type { Status } from "../protocol";
 import { scoreItems } from "../panels/calibration";
+import { CountdownRing } from "./ring";
 
-const RADIUS = 34;
-const AROUND = 2 * Math.PI * RADIUS;
 const TITLES: Readonly<Record<string, string>> = { neutral: "Hold still", nod: "Nod", shake: "Shake your head", anchor: "Make this face" };
 
 export class CalibrationGuide {
   readonly element = h("section", { class: "guide", "aria-label": "Calibration", hidden: true });
   private readonly title = h("h2");
   private readonly prompt = h("p", { "aria-live": "assertive" });
-  private readonly ring = svg("circle", { cx: 40, cy: 40, r: RADIUS, class: "ring-run", "stroke-dasharray": AROUND, "stroke-dashoffset": 0 });
-  private readonly seconds = h("span", { class: "ring-seconds" });
+  private readonly ring = new CountdownRing();
   private readonly steps = h("ol", { class: "steps", "aria-hidden": "true" });
   private readonly running = h("div", { class: "guide-running" });
   private readonly done = h("div", { class: "guide-done", hidden: true });
@@ -22,10 +20,6 @@ export class CalibrationGuide {
   private wasRunning = false;
   /** The versions that there were when it began: a cancelled one brings no other. */
   private before: ReadonlySet<string | number> = new Set();
-  private progress = 0;
-  private remaining = 0;
-  private duration = 0;
-  private heardAtMs = 0;
   private step = "";
 
   constructor(
@@ -33,12 +27,7 @@ export class CalibrationGuide {
     private readonly actions: Actions,
   ) {
     this.running.append(
-      h(
-        "div",
-        { class: "ring" },
-        svg("svg", { viewBox: "0 0 80 80", "aria-hidden": "true" }, svg("circle", { cx: 40, cy: 40, r: RADIUS, class: "ring-back" }), this.ring),
-        this.seconds,
-      ),
+      this.ring.element,
       h("div", { class: "guide-words" }, this.title, this.prompt, this.steps),
       h("button", { type: "button", class: "button", text: "Cancel", onclick: () => void actions.cancelCalibration() }),
     );
@@ -60,11 +49,7 @@ export class CalibrationGuide {
 
   /** Moves the ring between two messages of the session; called at the display's rate while it is open. */
   draw(nowMs: number): void {
-    if (!this.wasRunning) return;
-    const passed = (nowMs - this.heardAtMs) / 1000;
-    const progress = this.duration > 0 ? Math.min(1, this.progress + passed / this.duration) : this.progress;
-    this.ring.setAttribute("stroke-dashoffset", (AROUND * progress).toFixed(1));
-    setText(this.seconds, this.remaining > 0 ? String(Math.max(0, Math.ceil(this.remaining - passed))) : "");
+    if (this.wasRunning) this.ring.draw(nowMs);
   }
 
   private update(status: Status): void {
@@ -86,11 +71,7 @@ export class CalibrationGuide {
       }
       setText(this.title, TITLES[calibration.step] ?? "Calibrating");
       setText(this.prompt, calibration.prompt);
-      this.progress = calibration.progress;
-      this.remaining = calibration.remainingS ?? 0;
-      // What is left takes the time that is left: the ring needs the whole.
-      this.duration = this.progress < 1 ? this.remaining / (1 - this.progress) : 0;
-      this.heardAtMs = performance.now();
+      this.ring.set(calibration.progress, calibration.remainingS ?? 0);
       this.drawSteps(calibration.stepNumber, calibration.steps);
       return;
     }

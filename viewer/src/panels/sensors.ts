@@ -11,6 +11,7 @@ export class SensorsPanel {
   readonly element = h("div", { class: "panel sensors-panel" });
   private readonly summary = h("p", { class: "summary" });
   private readonly body = h("tbody");
+  private readonly table = h("table", { class: "links" });
   private readonly detail: Detail;
   private readonly unboundSection = h("section", { class: "unbound" });
   private readonly rows: KeyedList<Link, SensorRow>;
@@ -28,8 +29,8 @@ export class SensorsPanel {
       h(
         "tr",
         {},
-        ...[["Sensor", ""], ["Rate", "Samples a second"], ["Age", "Since its last sample"], ["Loss", "Share of packets lost over the last seconds"], ["Offset", "Its clock against ours"], ["Drift", "How fast its clock goes wrong, parts in a million"], ["Battery", ""]].map(
-          ([name, meaning]) => h("th", { scope: "col", text: name, title: meaning || null }),
+        ...[["Sensor", ""], ["Level", "How much comes back of what it sends out"], ["Rate", "Samples a second"], ["Age", "Since its last sample"], ["Loss", "Share of packets lost over the last seconds"], ["Offset", "Its clock against ours"], ["Drift", "How fast its clock goes wrong, parts in a million"], ["Battery", ""]].map(
+          ([name, meaning]) => h("th", { scope: "col", class: `${name}-column`.toLowerCase(), text: name, title: meaning || null }),
         ),
       ),
     );
@@ -38,10 +39,11 @@ export class SensorsPanel {
       h("h3", { text: "Heard, but bound to no site" }),
       list,
     );
+    this.table.append(h("caption", { class: "hidden-visually", text: "Sensors and their links" }), head, this.body);
     this.element.append(
       this.summary,
       this.detail.element,
-      h("div", { class: "table-scroll" }, h("table", { class: "links" }, h("caption", { class: "hidden-visually", text: "Sensors and their links" }), head, this.body)),
+      h("div", { class: "table-scroll" }, this.table),
       this.unboundSection,
     );
     this.rows = new KeyedList(this.body, (link) => link.sensor, (link) => new SensorRow(link.sensor, view));
@@ -68,6 +70,9 @@ export class SensorsPanel {
       troubles.length === 0 ? `${good} of ${status.links.length} sensors are well.` : `${good} of ${status.links.length} well; ${troubles.join(", ")}.`,
     );
     this.rows.update(status.links);
+    // No column for what no sensor of this rig has.
+    this.table.classList.toggle("without-level", status.links.every((link) => link.level === null));
+    this.table.classList.toggle("without-battery", status.links.some((link) => link.level !== null) && status.links.every((link) => link.battery === null));
     for (const row of this.body.children) {
       setAttribute(row, "aria-selected", String(row instanceof HTMLElement && row.dataset["sensor"] === this.view.sensor.value));
     }
@@ -80,7 +85,9 @@ export class SensorsPanel {
 class SensorRow {
   readonly element: HTMLTableRowElement;
   private readonly state = h("span", { class: "row-state" });
-  private readonly cells = Array.from({ length: 6 }, () => h("td"));
+  private readonly cells = Array.from({ length: 6 }, (_, i) => h("td", { class: i === 5 ? "battery-column" : null }));
+  private readonly bar = h("div", { class: "level-run" });
+  private readonly level = h("td", { class: "level-column" }, h("div", { class: "level" }, this.bar));
   private readonly pip = h("span", { class: "pip" });
 
   constructor(sensor: string, view: ViewState) {
@@ -94,7 +101,7 @@ class SensorRow {
       this.pip,
       h("span", {}, h("span", { text: sensorLabel(sensor) }), this.state),
     );
-    this.element = h("tr", { "data-sensor": sensor }, h("th", { scope: "row" }, name), ...this.cells);
+    this.element = h("tr", { "data-sensor": sensor }, h("th", { scope: "row" }, name), this.level, ...this.cells);
   }
 
   update(link: Link): void {
@@ -114,6 +121,8 @@ class SensorRow {
       const cell = this.cells[i];
       if (cell) setText(cell, text);
     });
+    this.bar.style.transform = `scaleX(${link.level ?? 0})`;
+    setAttribute(this.level, "aria-label", link.level === null ? null : `${Math.round(100 * link.level)} %`);
     this.cells[5]?.classList.toggle("low", link.battery !== null && link.battery < 15);
   }
 }

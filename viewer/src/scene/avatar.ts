@@ -8,6 +8,8 @@ export interface Avatar {
   readonly name: string;
   /** The mesh on which sensors are placed; null where no mesh has morph targets. */
   readonly face: Mesh | null;
+  /** What hangs here follows the head; placed as on the built-in face, metres, frame H. */
+  readonly worn: Group;
   /** How many of the 53 shapes it can show. */
   readonly known: number;
   apply(pose: Pose): void;
@@ -36,6 +38,16 @@ export function placeOver(content: Object3D, box: Box3, reference: Box3): Group 
   const outer = new Group();
   outer.add(group);
   return outer;
+}
+
+/** A group for what a head wears. `head` turns, and is at rest now; without one, all of `object` is worn on. */
+export function hangOn(object: Group, head: Object3D | null): Group {
+  object.updateWorldMatrix(true, true);
+  const node = head ?? object;
+  const worn = new Group();
+  worn.applyMatrix4(node.matrixWorld.clone().invert());
+  node.add(worn);
+  return worn;
 }
 
 /** Gives back what the graphics card holds of a tree. */

@@ -1,10 +1,11 @@
-/** The sensors as dots on the face: ordinary buttons laid over the picture, so that they can be focused, named and pressed. */
-import { Vector3 } from "three";
+/** The sensors as dots on the face, or over the lamps of what it wears: ordinary buttons laid over the picture, so that they can be focused, named and pressed. */
+import { Quaternion, Vector3, type Mesh } from "three";
 import { h, setAttribute, setText } from "../dom";
 import { sensorLabel } from "../format";
 import { healthOf } from "../health";
 import type { Link, RigSensor } from "../protocol";
 import type { Avatar } from "./avatar";
+import { isWorn, type Glasses } from "./glasses";
 import { nearestVertices, normalAt, vertexAt } from "./skin_points";
 import type { Place, Stage } from "./stage";
 
@@ -24,7 +25,10 @@ export class SensorDots {
   private dots: Dot[] = [];
   private avatar: Avatar | null = null;
 
-  constructor(private readonly choose: (sensor: string) => void) {}
+  constructor(
+    private readonly glasses: Glasses,
+    private readonly choose: (sensor: string) => void,
+  ) {}
 
   /** Makes a dot for each sensor of the rig that has a place. */
   setSensors(sensors: readonly RigSensor[]): void {
@@ -34,7 +38,7 @@ export class SensorDots {
       .map((sensor) => {
         const mark = h("span", { class: "dot-mark" });
         const label = h("span", { class: "dot-label", text: sensorLabel(sensor.name) });
-        const element = h("button", { class: "dot", type: "button", onclick: () => this.choose(sensor.name) }, mark, label);
+        const element = h("button", { class: isWorn(sensor) ? "dot worn" : "dot", type: "button", onclick: () => this.choose(sensor.name) }, mark, label);
         this.element.append(element);
         return { sensor, element, label, mark, vertex: -1, x: NaN, y: NaN, shown: "" };
       });
@@ -64,12 +68,10 @@ export class SensorDots {
   update(stage: Stage, place: Place): void {
     const mesh = this.avatar?.face;
     for (const dot of this.dots) {
-      if (!mesh || dot.vertex < 0) {
+      if (!locate(dot, mesh ?? null, this.glasses)) {
         show(dot, "none");
         continue;
       }
-      vertexAt(mesh, dot.vertex, point, true);
-      normalAt(mesh, dot.vertex, normal);
       const facing = normal.dot(toCamera.copy(stage.camera.position).sub(point).normalize());
       stage.project(place, point);
       show(dot, facing > 0.12 ? "front" : facing > -0.25 ? "edge" : "behind");
@@ -90,7 +92,7 @@ export class SensorDots {
     this.avatar?.object.updateMatrixWorld(true);
     const vertices = nearestVertices(mesh, places);
     this.dots.forEach((dot, i) => {
-      dot.vertex = vertices[i] ?? -1;
+      dot.vertex = isWorn(dot.sensor) ? -1 : (vertices[i] ?? -1);
     });
   }
 }
@@ -98,6 +100,22 @@ export class SensorDots {
 const point = new Vector3();
 const normal = new Vector3();
 const toCamera = new Vector3();
+const turn = new Quaternion();
+
+/** Puts a dot's place and the direction out of the face there into `point` and `normal`; false where it has none. */
+function locate(dot: Dot, mesh: Mesh | null, glasses: Glasses): boolean {
+  const lamp = glasses.lampOf(dot.sensor.name);
+  if (lamp) {
+    lamp.getWorldPosition(point);
+    const [x, y, z] = dot.sensor.aim ?? [0, 0, -1];
+    normal.set(-x, -y, -z).applyQuaternion(lamp.getWorldQuaternion(turn));
+    return true;
+  }
+  if (!mesh || dot.vertex < 0) return false;
+  vertexAt(mesh, dot.vertex, point, true);
+  normalAt(mesh, dot.vertex, normal);
+  return true;
+}
 
 function show(dot: Dot, how: string): void {
   if (dot.shown === how) return;

@@ -1,7 +1,7 @@
 /** A glTF head with named morph targets, with or without a skeleton. */
 import { Box3, Euler, Group, Quaternion, Vector3, type Mesh, type Object3D } from "three";
 import type { Pose } from "../playout";
-import { disposeTree, FACE_BOX, materialsOf, placeOver, type Avatar } from "./avatar";
+import { disposeTree, FACE_BOX, hangOn, materialsOf, placeOver, type Avatar } from "./avatar";
 import { bindNames, driven, type Drive } from "./binding";
 import { dress } from "./materials";
 import { mergePieces } from "./merge";
@@ -19,6 +19,7 @@ export class GltfAvatar implements Avatar {
   readonly object: Group;
   readonly name: string;
   readonly face: Mesh | null;
+  readonly worn: Group;
   readonly known: number;
 
   private readonly drives: { mesh: Mesh; drives: Drive<number>[] }[] = [];
@@ -60,6 +61,8 @@ export class GltfAvatar implements Avatar {
     } else {
       this.object = placeOver(scene, box, FACE_BOX);
     }
+
+    this.worn = hangOn(this.object, this.head?.node ?? null);
 
     const known = new Set<number>();
     scene.traverse((node) => {

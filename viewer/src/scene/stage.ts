@@ -42,6 +42,8 @@ export class Stage {
   private readonly renderer: WebGLRenderer;
   private readonly scene = new Scene();
   private readonly controls: OrbitControls;
+  /** Poses the second head for a small picture beside it; null: there is none. */
+  private inset: (() => void) | null = null;
   private readonly heads: Record<Place, Object3D | null> = { first: null, second: null };
   private width = 1;
   private height = 1;
@@ -102,6 +104,12 @@ export class Stage {
     this.fit();
     this.wake();
     return before;
+  }
+
+  /** A small picture of the second head beside it, posed by `pose` just before it is drawn; null takes it away. */
+  setInset(pose: (() => void) | null): void {
+    if ((this.inset === null) !== (pose === null)) this.wake();
+    this.inset = pose;
   }
 
   /** Keeps these margins of the canvas free of the face, CSS pixels. */
@@ -168,6 +176,14 @@ export class Stage {
     return { ...free, top: free.top + (place === "first" ? half : 0), height: half };
   }
 
+  /** Where the small picture is drawn: a lower corner of the second head's, away from the first. */
+  insetRect(): Rect {
+    const rect = this.rectOf("second");
+    const width = Math.round(Math.max(64, Math.min(rect.width * 0.3, rect.height * 0.24)));
+    const height = Math.round(width * 1.2);
+    return { left: rect.left + 14, top: rect.top + rect.height - height - 30, width, height };
+  }
+
   /** Where a point of the world lies in the picture of a head, CSS pixels of the canvas; z is below 1 before the camera. */
   project(place: Place, point: Vector3): Vector3 {
     this.lens(this.rectOf(place));
@@ -225,6 +241,18 @@ export class Stage {
     camera.updateMatrixWorld();
   }
 
+  private drawInset(head: Object3D, pose: () => void): void {
+    if (this.heads.first) this.heads.first.visible = false;
+    head.visible = true;
+    pose();
+    const rect = this.insetRect();
+    this.lens(rect);
+    this.renderer.setScissorTest(true);
+    this.renderer.setScissor(rect.left, this.height - rect.top - rect.height, rect.width, rect.height);
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+  }
+
   private draw(nowMs: number): void {
     this.scheduled = 0;
     // Before the picture: a canvas that has changed its size is empty.
@@ -254,6 +282,7 @@ export class Stage {
       }
       renderer.render(this.scene, this.camera);
     }
+    if (this.inset && this.heads.second) this.drawInset(this.heads.second, this.inset);
     this.onDrawn();
     if (more || damping) this.wake();
   }

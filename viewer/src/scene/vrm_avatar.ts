@@ -6,7 +6,7 @@ import { VRMUtils, type VRM } from "@pixiv/three-vrm";
 import { Quaternion, type Group, type Mesh, type Object3D } from "three";
 import type { Pose } from "../playout";
 import { shapeIndex } from "../shapes";
-import { disposeTree, FACE_BOX, placeOver, type Avatar } from "./avatar";
+import { disposeTree, FACE_BOX, hangOn, placeOver, type Avatar } from "./avatar";
 import { bindNames, driven, type Drive } from "./binding";
 import { faceMesh, movingBoxIn, richestMesh } from "./moving_skin";
 
@@ -31,6 +31,7 @@ export class VrmAvatar implements Avatar {
   readonly object: Group;
   readonly name: string;
   readonly face: Mesh | null;
+  readonly worn: Group;
   readonly known: number;
 
   private readonly expressions: Drive<string>[];
@@ -66,6 +67,7 @@ export class VrmAvatar implements Avatar {
     if (this.head) this.rest.copy(this.head.quaternion);
     this.face = faceMesh(vrm.scene) ?? richestMesh(vrm.scene);
     this.object = this.placed();
+    this.worn = hangOn(this.object, this.head);
   }
 
   apply(pose: Pose): void {

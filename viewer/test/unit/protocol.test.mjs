@@ -74,6 +74,7 @@ test("every message survives every field being of a wrong kind", () => {
     {
       type: "status", time: 1, latency_ms: { p50: 1, p99: 2, max: 3 }, links: [{ sensor: "a", state: "good" }], unbound: [{ device: "d" }],
       calibration: { state: "running", target: { jawOpen: 1 }, versions: [{ id: 1, scores: [{ name: "s" }] }] }, sinks: [{ id: 1 }],
+      prompts: { state: "running", name: "a", target: { jawOpen: 1 }, next: { name: "b", target: { jawOpen: 1 } }, number: 1, of: 2 },
       recording: { on: true }, shaping: { gains: { jawOpen: 1.5 }, limits: { jawOpen: [0, 0.5] } }, replay: { take: "t" }, tap: { sensor: "a" },
     },
     { type: "reply", id: 1, ok: true, result: {} },
@@ -113,6 +114,35 @@ test("a status is read", () => {
   assert.deepEqual([...message.shaping.gains], [["jawOpen", 1.2]]);
   assert.equal(message.tap, "mentalis");
   assert.equal(message.replay, null);
+});
+
+test("prompts are read, and none where there are none", () => {
+  const prompts = {
+    state: "running", name: "smile", say: "Smile", target: { mouthSmile_L: 0.6, nothing: 1 }, next: { name: "open", target: { jawOpen: 1 } },
+    number: 2, of: 9, progress: 0.25, remaining_s: 1.5, left_s: 21,
+  };
+  const { prompts: shown } = read({ type: "status", prompts });
+  assert.equal(shown.name, "smile");
+  assert.ok(Math.abs(shown.target[SHAPES.indexOf("mouthSmile_L")] - 0.6) < 1e-6);
+  assert.equal(shown.next.name, "open");
+  assert.equal(shown.next.target[SHAPES.indexOf("jawOpen")], 1);
+  assert.deepEqual([shown.number, shown.of, shown.remainingS, shown.leftS], [2, 9, 1.5, 21]);
+  assert.equal(read({ type: "status", prompts: { ...prompts, next: null } }).prompts.next, null);
+  const over = read({ type: "status", prompts: { ...prompts, state: "over", target: null } }).prompts;
+  assert.equal(over.target, null);
+  for (const odd of [null, undefined, 3, "running", [], { state: "dancing" }]) assert.equal(read({ type: "status", prompts: odd }).prompts, null);
+});
+
+test("a sensor's aim is made unit, a level a share, and both may be missing", () => {
+  const hello = read({
+    type: "hello",
+    rig: { name: "glasses", sensors: [{ name: "a", kind: "photo", aim: [0, 0, -2] }, { name: "b", aim: [0, 0, 0] }, { name: "c", aim: [1, "x", 0] }, { name: "d" }] },
+  });
+  assert.deepEqual(hello.sensors.map((one) => one.aim), [[0, 0, -1], null, null, null]);
+  const status = read({ type: "status", links: [{ sensor: "a", level: 0.4 }, { sensor: "b", level: 7 }, { sensor: "c" }, { sensor: "d", level: "much" }] });
+  assert.deepEqual(status.links.map((one) => one.level), [0.4, 1, null, null]);
+  assert.equal(read({ type: "status", recording: { on: true, ends_s: 60 } }).recording.endsS, 60);
+  assert.equal(status.recording.endsS, null);
 });
 
 test("endless lists and texts are cut", () => {

@@ -1,0 +1,81 @@
+#include "mien/live/page_messages.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace mien::live {
+namespace {
+
+using Json = nlohmann::json;
+
+sensor::Rig glasses() {
+  sensor::Rig rig;
+  rig.name = "glasses";
+  sensor::Mount brow;
+  brow.name = "brow";
+  brow.kind = "photo";
+  brow.role = "face";
+  brow.position_m = Vec3(0.018, 0.054, 0.114);
+  brow.aim = Vec3(0, 0, -1);
+  sensor::Mount ear;
+  ear.name = "ear";
+  ear.kind = "imu";
+  ear.role = "head";
+  rig.sensors = {brow, ear};
+  return rig;
+}
+
+Status status() {
+  Status status;
+  status.report.links.resize(2);
+  status.report.links[0].level = 0.3456F;
+  status.report.shaping = "{}";
+  return status;
+}
+
+TEST(PageMessages, HelloSaysWhereASensorLooks) {
+  const Json hello = Json::parse(sink::hello_json(hello_for(glasses(), "mien", "m", {}, false)));
+  EXPECT_EQ(hello["rig"]["sensors"][0]["kind"], "photo");
+  EXPECT_EQ(hello["rig"]["sensors"][0]["aim"], Json({0.0, 0.0, -1.0}));
+  EXPECT_FALSE(hello["rig"]["sensors"][1].contains("aim"));
+}
+
+TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor) {
+  Status now = status();
+  Json said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["links"][0]["level"], 0.346);
+  EXPECT_TRUE(said["links"][1]["level"].is_null());
+  EXPECT_TRUE(said["prompts"].is_null());
+  EXPECT_TRUE(said["recording"]["ends_s"].is_null());
+
+  Report::Prompts& prompts = now.report.prompts;
+  prompts.state = "running";
+  prompts.name = "smile";
+  prompts.say = "Smile";
+  prompts.target[face::shape("mouthSmile_L")] = 0.6F;
+  prompts.next = "open";
+  prompts.next_target[face::shape("jawOpen")] = 1;
+  prompts.number = 2;
+  prompts.of = 9;
+  prompts.progress = 0.25;
+  prompts.remaining_s = 1.5;
+  prompts.left_s = 21;
+  now.recording_ends_s = 60;
+  said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["prompts"], Json::parse(R"({"state": "running", "name": "smile", "say": "Smile",
+    "target": {"mouthSmile_L": 0.6}, "next": {"name": "open", "target": {"jawOpen": 1.0}}, "number": 2, "of": 9,
+    "progress": 0.25, "remaining_s": 1.5, "left_s": 21.0})"));
+  EXPECT_EQ(said["recording"]["ends_s"], 60);
+
+  prompts = {};
+  prompts.state = "over";
+  prompts.number = prompts.of = 9;
+  said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["prompts"]["state"], "over");
+  EXPECT_TRUE(said["prompts"]["target"].is_null());
+  EXPECT_TRUE(said["prompts"]["next"].is_null());
+}
+
+}  // namespace
+}  // namespace mien::live
