@@ -66,9 +66,8 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
 
 Result<void> run_replay(Options options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.replay));
-  MIEN_TRY_ASSIGN(model::ModelFile model, read_live_model(options.request.model));
-  MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session,
-                  live::make_session(take.rig(), std::move(model)));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model, live::live_model(take.rig(), options.request.model));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session, live::make_session(take.rig(), model));
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   const Progress progress = terminal_progress("replay");
   std::size_t calibrated = 0;
@@ -160,7 +159,8 @@ void add_live_command(Commands& commands) {
       "Where the face goes: livelink://, vmc://, vrchat://, ifacialmocap://, ws://HOST[:PORT] "
       "or csv:FILE; may be given often");
   command->add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
-  command->add_option("--model", request.model, "The live model (default: models/live.safetensors)");
+  command->add_option("--model", request.model,
+                      "The live model (default: the one in models/ for the rig's sensors)");
   CLI::Option* record =
       command->add_option("--record", request.record, "The take to write, from the first packet on");
   command->add_flag("--force", request.force, "Replace an existing take");
