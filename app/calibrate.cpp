@@ -306,7 +306,8 @@ void add_calibrate_command(Commands& commands) {
   guided->require_subcommand(0, 1);
   guided
       ->add_option("kind", options->kind,
-                   "short: hold still, nod, shake the head; full: then the anchor expressions")
+                   "short: hold still, and nod and shake the head where the sensors need it; full: then the anchor "
+                   "expressions")
       ->check(CLI::IsMember({"short", "full"}))
       ->capture_default_str();
   guided

@@ -110,7 +110,10 @@ Pair motions_of(const study::TakeEstimates& estimates, std::span<const face::Out
 
 Result<void> run(Options options) {
   // What it needs at its end is looked for before its beginning.
-  MIEN_TRY(read_live_model(options.model));
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig, find_resource("rigs/default.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig sensors, sensor::read_rig(rig));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model_path, live::live_model(sensors, options.model));
+  MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(model_path));
   MIEN_TRY(find_helper("mien-media"));
   std::error_code code;
   std::filesystem::create_directories(options.out, code);
@@ -131,7 +134,7 @@ Result<void> run(Options options) {
   request.take = options.out / "performance.mien";
   request.replace = true;
   request.software = "mien " MIEN_VERSION;
-  MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
+  request.rig = rig;
   MIEN_TRY(virt::perform_take(request, terminal_progress("1/5 performing")));
 
   const std::filesystem::path live_path = options.out / "live.mien";
@@ -139,10 +142,8 @@ Result<void> run(Options options) {
 
   // The take that was recorded gives the session's frames again, to the bit.
   MIEN_TRY_ASSIGN(const take::Take live_take, take::Take::open(live_path));
-  MIEN_TRY_ASSIGN(model::ModelFile model, read_live_model(options.model));
-  const std::vector<float> mean = model.mean_pose;
   MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session,
-                  live::make_session(live_take.rig(), std::move(model)));
+                  live::make_session(live_take.rig(), model_path));
   study::Solution solution;
   const Progress replaying = terminal_progress("3/5 replaying the take");
   MIEN_TRY(live::replay(live_take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
@@ -158,7 +159,7 @@ Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(truth_take, solution));
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
   face::BlendshapeWeights mean_pose;
-  std::ranges::copy(mean, mean_pose.values.begin());
+  std::ranges::copy(model.mean_pose, mean_pose.values.begin());
   const Progress writing = terminal_progress("4/5 measuring and writing");
   writing(0.1, "the capture beside the truth");
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,

@@ -9,6 +9,7 @@
 #include "app/model_option.h"
 #include "mien/core/files.h"
 #include "mien/face/load.h"
+#include "mien/live/registry.h"
 #include "mien/study/evaluation_json.h"
 #include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
@@ -58,7 +59,6 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
 
 Result<void> run(Options options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
-  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open());
   std::vector<take::Take> takes;
   std::set<std::string> devices;
   std::set<std::string> performed_on;
@@ -69,6 +69,11 @@ Result<void> run(Options options) {
     performed_on.insert(take.header().face);
     takes.push_back(std::move(take));
   }
+  for (const take::Take& take : takes)
+    if (live::has_window_models(take.rig()) != live::has_window_models(takes.front().rig()))
+      return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
+                  take.path().string(), "evaluate them apart");
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
   std::vector<study::TakeEstimates> estimates;
@@ -77,10 +82,8 @@ Result<void> run(Options options) {
                     model.solve(take, study::SolveFrom::samples, take.path().string()));
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
   }
-  face::BlendshapeWeights mean_pose;
-  std::ranges::copy(model.file().mean_pose, mean_pose.values.begin());
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
-                  study::evaluate(study::Meter(face), estimates, mean_pose));
+                  study::evaluate(study::Meter(face), estimates, model.mean_pose()));
   const study::EvaluationContext context{
       .face = face_name,
       .model = options.model.path,

@@ -24,9 +24,8 @@ struct Options {
 
 Result<void> run_replay(Options options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.replay));
-  MIEN_TRY_ASSIGN(model::ModelFile model, read_live_model(options.request.model));
-  MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session,
-                  live::make_session(take.rig(), std::move(model)));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model, live::live_model(take.rig(), options.request.model));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<live::Session> session, live::make_session(take.rig(), model));
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   const Progress progress = terminal_progress("replay");
   std::size_t calibrated = 0;

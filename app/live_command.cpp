@@ -64,7 +64,8 @@ CLI::Option* add_session_options(CLI::App* command, LiveRequest& request) {
       "given often. Devices' languages are told apart by what they say (default: udp://0.0.0.0:5005 and "
       "udp://0.0.0.0:6969)");
   command->add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
-  command->add_option("--model", request.model, "The live model (default: models/live.safetensors)");
+  command->add_option("--model", request.model,
+                      "The live model (default: the one in models/ for the rig's sensors)");
   command->add_flag("--force", request.force, "Replace an existing take");
   command
       ->add_option(

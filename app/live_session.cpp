@@ -92,13 +92,6 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
 
 }  // namespace
 
-Result<model::ModelFile> read_live_model(std::string& path) {
-  if (path.empty()) {
-    MIEN_TRY_ASSIGN(path, find_resource("models/live.safetensors"));
-  }
-  return model::read_model(path);
-}
-
 Result<LiveSession> open_live(LiveRequest request) {
   live::EngineSettings settings;
   if (request.rig.empty()) {
@@ -107,7 +100,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   }
   MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
-  MIEN_TRY_ASSIGN(const model::ModelFile model, read_live_model(request.model));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model, live::live_model(rig, request.model));
   MIEN_TRY_ASSIGN(const std::vector<live::PairingKey> keys, read_key(request.key));
   if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
 
@@ -133,7 +126,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   if (request.seconds > 0) settings.seconds = request.seconds;
   settings.prompts = std::move(request.prompts);
   settings.ends_with_recording = request.only_record;
-  settings.model = std::filesystem::path(request.model).filename().string();
+  settings.model = model.filename().string();
   settings.header.software = "mien " MIEN_VERSION;
   settings.header.performer = request.performer;
   settings.header.script = request.script;
@@ -142,7 +135,11 @@ Result<LiveSession> open_live(LiveRequest request) {
   settings.header.prologue = "none";
   settings.header.rig_toml = rig_toml;
   settings.header.created_utc = now_utc();
-  settings.make_session = [model](const sensor::Rig& taken) { return live::make_session(taken, model); };
+  settings.make_session =
+      [named = request.model](const sensor::Rig& taken) -> Result<std::unique_ptr<live::Session>> {
+    MIEN_TRY_ASSIGN(const std::filesystem::path its_model, live::live_model(taken, named));
+    return live::make_session(taken, its_model);
+  };
 
   MIEN_TRY_ASSIGN(std::unique_ptr<live::Session> session, live::make_session(rig, model, {}, keys));
   auto engine = live::Engine::open(std::move(settings), std::move(session));

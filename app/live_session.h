@@ -8,14 +8,13 @@
 
 #include "mien/core/error.h"
 #include "mien/live/engine.h"
-#include "mien/model/model_file.h"
 
 namespace mien::app {
 
 /// What a live session is asked for on the command line.
 struct LiveRequest {
   std::string rig;                  ///< Empty: the default one.
-  std::string model;                ///< Empty: the default live one.
+  std::string model;                ///< Empty: the default live one of the rig's sensors.
   std::vector<std::string> listen;  ///< Empty: our port and SlimeVR's, from everywhere.
   std::vector<std::string> out;
   std::filesystem::path record;  ///< Empty: the page's visitors may record.
@@ -41,9 +40,5 @@ struct LiveSession {
 
 /// Reads what the request names and opens every port, sink, take and page. Errors: theirs.
 [[nodiscard]] Result<LiveSession> open_live(LiveRequest request);
-
-/// Reads the live model: the file at `path`, or the default one when it is empty; `path` then says where that
-/// was. Errors: not_found (none is installed), the reader's.
-[[nodiscard]] Result<model::ModelFile> read_live_model(std::string& path);
 
 }  // namespace mien::app

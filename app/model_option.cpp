@@ -2,28 +2,36 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <utility>
 
 #include "app/command.h"
 #include "mien/core/files.h"
+#include "mien/live/registry.h"
 #include "mien/model/model_file.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 
 OpenModel::OpenModel(tracker::WindowSolver solver, int steps) : model_(std::move(solver)) {
-  settings_ = file().sampler;
+  const model::ModelFile& file = std::get<tracker::WindowSolver>(model_).file();
+  settings_ = file.sampler;
   if (steps > 0) {
     settings_.steps = static_cast<std::size_t>(steps);
     settings_.kind =
-        settings_.steps == file().schedule.levels ? model::SamplerKind::ddpm : model::SamplerKind::ddim;
+        settings_.steps == file.schedule.levels ? model::SamplerKind::ddpm : model::SamplerKind::ddim;
   }
 }
 
-const model::ModelFile& OpenModel::file() const {
-  const auto* solver = std::get_if<tracker::WindowSolver>(&model_);
-  return solver != nullptr ? solver->file() : std::get<model::ModelFile>(model_);
+face::BlendshapeWeights OpenModel::mean_pose() const {
+  face::BlendshapeWeights pose;
+  if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_))
+    std::ranges::copy(solver->file().mean_pose, pose.values.begin());
+  else if (const auto* causal = std::get_if<model::ModelFile>(&model_))
+    std::ranges::copy(causal->mean_pose, pose.values.begin());
+  return pose;
 }
 
 int OpenModel::steps() const {
@@ -37,17 +45,21 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
   const Progress progress = terminal_progress(title);
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
-  } else {
-    MIEN_TRY_ASSIGN(
-        tracker::CausalTracker tracker,
-        tracker::CausalTracker::create(std::get<model::ModelFile>(model_), take.rig().face_sensor_names()));
+  } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
+    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
+                    tracker::CausalTracker::create(*causal, take.rig().face_sensor_names()));
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, tracker, from, progress));
+  } else {
+    MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
+                    live::make_tracker(take.rig(), std::get<std::filesystem::path>(model_)));
+    MIEN_TRY_ASSIGN(const auto protocols, live::make_protocols());
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *tracker, protocols, from, progress));
   }
   if (solution.felt == 0)
     fmt::print(
         stderr,
-        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (neutral, nod, "
-        "shake) to be calibrated by\n",
+        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (a neutral "
+        "face, and a nod and a shake where the sensors ask for them) to be calibrated by\n",
         take.path().string());
   else if (solution.felt < kFew)
     fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
@@ -57,7 +69,7 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
 
 void ModelOption::add_to(CLI::App* command) {
   CLI::Option* named =
-      command->add_option("--model", path, "Model file (default: models/default.safetensors)");
+      command->add_option("--model", path, "Model file (default: the one in models/ for the take's sensors)");
   CLI::Option* counted =
       command
           ->add_option("--steps", steps,
@@ -68,7 +80,16 @@ void ModelOption::add_to(CLI::App* command) {
       ->excludes(counted);
 }
 
-Result<OpenModel> ModelOption::open() {
+Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
+  if (!live::has_window_models(rig)) {
+    MIEN_TRY_ASSIGN(std::filesystem::path file, live::live_model(rig, path));
+    path = file.string();
+    if (steps > 0)
+      return fail(ErrorCode::bad_usage,
+                  "this rig's sensors are solved frame by frame, without denoising steps", path,
+                  "leave --steps out");
+    return OpenModel(std::move(file));
+  }
   if (path.empty()) {
     MIEN_TRY_ASSIGN(path, find_resource(live ? "models/live.safetensors" : "models/default.safetensors"));
   }

@@ -1,24 +1,29 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 #include <variant>
 
 #include "mien/core/error.h"
+#include "mien/sensor/rig.h"
 #include "mien/study/solve.h"
 #include "mien/take/take.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::app {
 
-/// A model that was read, of either kind, and how it is asked.
+/// A model that was found, of any kind, and how it is asked.
 class OpenModel {
  public:
   /// `steps`: a window network's denoising steps; 0: as its file says.
   OpenModel(tracker::WindowSolver solver, int steps);
   explicit OpenModel(model::ModelFile causal) : model_(std::move(causal)) {}
+  /// Of sensors whose tracker alone reads it.
+  explicit OpenModel(std::filesystem::path tracked) : model_(std::move(tracked)) {}
 
-  [[nodiscard]] const model::ModelFile& file() const;
+  /// The training set's; the neutral face where the file keeps none.
+  [[nodiscard]] face::BlendshapeWeights mean_pose() const;
   /// Denoising steps; 0 for a causal network, which takes none.
   [[nodiscard]] int steps() const;
   /// Solves a take, showing progress under `title`; says on stderr where the answer stands on few of the
@@ -28,7 +33,7 @@ class OpenModel {
 
  private:
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
-  std::variant<tracker::WindowSolver, model::ModelFile> model_;
+  std::variant<tracker::WindowSolver, model::ModelFile, std::filesystem::path> model_;
   model::SamplerSettings settings_;
 };
 
@@ -39,9 +44,9 @@ struct ModelOption {
   int steps = 0;      ///< 0: as the model file says.
 
   void add_to(CLI::App* command);
-  /// Reads the model; `path` becomes the one that it is. Errors: not_found (no default model is installed),
-  /// bad_usage (steps for a model that takes none), and the model reader's.
-  [[nodiscard]] Result<OpenModel> open();
+  /// Finds the model for takes of a rig; `path` becomes the one that it is. Errors: not_found (no default
+  /// model is installed), bad_usage (steps for a model that takes none), and the model reader's.
+  [[nodiscard]] Result<OpenModel> open(const sensor::Rig& rig);
 };
 
 }  // namespace mien::app

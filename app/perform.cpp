@@ -60,11 +60,13 @@ Result<void> run_network(const Options& options) {
                 {"latest_ms", summary.latest_ms},
                 {"stopped", summary.stopped}});
   else
-    fmt::print(
-        "{}: {:.1f} s{}, {} packets, {} refused, {} of {} nodes answered; the latest went out {:.1f} ms "
-        "late\n",
-        options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.packets,
-        summary.refused, summary.answered, summary.nodes, summary.latest_ms);
+    fmt::print("{}: {:.1f} s{}, {} packets, {} refused{}; the latest went out {:.1f} ms late\n",
+               options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.packets,
+               summary.refused,
+               summary.listening == 0
+                   ? std::string()
+                   : fmt::format(", {} of {} nodes answered", summary.answered, summary.listening),
+               summary.latest_ms);
   return {};
 }
 

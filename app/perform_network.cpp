@@ -158,7 +158,7 @@ Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
     const HostTime at = now();
     const std::size_t count = answered();
     if (count > 0 && !first_answer) first_answer = at;
-    if (count == nodes_.size() || at.time_since_epoch() >= patience ||
+    if (count == summary_.listening || at.time_since_epoch() >= patience ||
         (first_answer && at - *first_answer >= kOthersAnswer))
       return true;
     if (!said && at.time_since_epoch() > std::chrono::milliseconds(200)) {
@@ -181,6 +181,7 @@ Result<void> Broadcast::simulate_ahead(HostTime at) {
 
 Result<NetworkSummary> Broadcast::run() {
   summary_.nodes = nodes_.size();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) summary_.listening += nodes_[n].listens() ? 1 : 0;
   Progress progress = terminal_progress(options_.title);
   MIEN_TRY_ASSIGN(const bool waited, wait_for_an_answer(progress));
   summary_.stopped = !waited;
@@ -204,8 +205,10 @@ Result<NetworkSummary> Broadcast::run() {
       summary_.answered = answered();
       return summary_;
     }
-    summary_.stopped =
-        !progress(std::min(0.999, share), fmt::format("{} of {} nodes answered", answered(), nodes_.size()));
+    summary_.stopped = !progress(
+        std::min(0.999, share), summary_.listening == 0
+                                    ? fmt::format("{} nodes", nodes_.size())
+                                    : fmt::format("{} of {} nodes answered", answered(), summary_.listening));
 
     HostTime next = at + kLookUp;
     for (std::size_t n = 0; n < nodes_.size(); ++n) next = std::min(next, nodes_[n].due());
@@ -240,11 +243,9 @@ Result<NetworkTarget> parse_target(const std::string& text) {
 Result<NetworkSummary> perform_to_network(const virt::StageRequest& request, const NetworkOptions& options) {
   MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
-  if (stage.lab)
-    return fail(ErrorCode::bad_usage, "the profile lab has no devices that could be on a network", options.to,
-                "use --devices device, or --take");
-  virt::NodeGroup nodes(std::move(stage), target.language, options.loop);
-  Broadcast broadcast(nodes, options);
+  MIEN_TRY_ASSIGN(const std::unique_ptr<virt::NodeGroup> nodes,
+                  virt::NodeGroup::create(std::move(stage), target.language, options.loop));
+  Broadcast broadcast(*nodes, options);
   MIEN_TRY(broadcast.open(target));
   return broadcast.run();
 }

@@ -33,7 +33,8 @@ struct NetworkOptions {
 /// What went out.
 struct NetworkSummary {
   std::size_t nodes = 0;
-  std::size_t answered = 0;  ///< Nodes that the receiver knew of at the end.
+  std::size_t listening = 0;  ///< Nodes that wait for answers; others only speak.
+  std::size_t answered = 0;   ///< Nodes that the receiver knew of at the end.
   double performed_s = 0;
   std::size_t rounds = 0;  ///< Times that the motion was begun.
   std::uint64_t packets = 0;

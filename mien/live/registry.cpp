@@ -5,28 +5,89 @@
 #include <algorithm>
 #include <utility>
 
+#include "mien/core/files.h"
 #include "mien/eyewear/eyewear_protocol.h"
+#include "mien/eyewear/eyewear_tracker.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/node_protocol.h"
 #include "mien/imu/slimevr_protocol.h"
+#include "mien/model/model_file.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::live {
+namespace {
 
-Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, model::ModelFile live_model,
-                                              const shaping::ShaperSettings& shaping,
-                                              const std::vector<PairingKey>& keys) {
-  if (std::ranges::find(rig.sensors, "photo", &sensor::Mount::kind) != rig.sensors.end())
-    return fail(ErrorCode::unsupported, "this version has no tracker for photo-reflective sensors",
-                "rig " + rig.name, "use a rig of IMUs");
-  Session::Parts parts;
-  parts.rig = rig;
-  parts.shaping = shaping;
+using MadeTracker = Result<std::unique_ptr<tracker::Tracker>>;
+
+MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   MIEN_TRY_ASSIGN(tracker::CausalTracker model,
-                  tracker::CausalTracker::create(std::move(live_model), rig.face_sensor_names()));
-  parts.tracker =
-      std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(std::move(model)));
+                  tracker::CausalTracker::create(std::move(file), rig.face_sensor_names()));
+  return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(std::move(model)));
+}
 
+/// Where eyewear's model comes in: what reads the file at `path` for the rig's photo-reflective sensors.
+Result<std::unique_ptr<eyewear::MarkerRegressor>> make_regressor(const sensor::Rig& rig,
+                                                                 const std::filesystem::path& path) {
+  return fail(ErrorCode::unsupported, "this version reads no models for photo-reflective sensors",
+              path.string(), "use a newer one with rig " + rig.name);
+}
+
+MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(std::unique_ptr<eyewear::MarkerRegressor> regressor, make_regressor(rig, path));
+  MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
+  MIEN_TRY_ASSIGN(const eyewear::MarkerSet set, eyewear::read_markers(markers));
+  return eyewear::EyewearTracker::create(rig, set, std::move(regressor));
+}
+
+/// One kind of sensors, and what tracks them.
+struct Modality {
+  std::string_view kind;  ///< As rigs name it.
+  const char* default_model;
+  bool window_models;
+  MadeTracker (*make)(const sensor::Rig&, const std::filesystem::path& model);
+};
+constexpr std::array kModalities = {
+    Modality{"imu", "models/live.safetensors", true, make_imu_tracker},
+    Modality{"photo", "models/eyewear.safetensors", false, make_eyewear_tracker},
+};
+
+/// That of the rig's sensors. Errors: unsupported.
+Result<const Modality*> modality_of(const sensor::Rig& rig) {
+  const std::string& kind = rig.sensors.front().kind;
+  const auto found = std::ranges::find(kModalities, kind, &Modality::kind);
+  if (found == kModalities.end())
+    return fail(ErrorCode::unsupported, "this version knows no sensors of the kind " + kind,
+                "rig " + rig.name, "use a rig of the kinds imu or photo");
+  for (const sensor::Mount& mount : rig.sensors)
+    if (mount.kind != kind)
+      return fail(ErrorCode::unsupported,
+                  "sensors of the kinds " + kind + " and " + mount.kind + " in one rig", "rig " + rig.name,
+                  "use a rig with one kind of sensors");
+  return &*found;
+}
+
+}  // namespace
+
+Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named) {
+  if (!named.empty()) return named;
+  MIEN_TRY_ASSIGN(const Modality* modality, modality_of(rig));
+  return find_resource(modality->default_model);
+}
+
+bool has_window_models(const sensor::Rig& rig) {
+  const auto modality = modality_of(rig);
+  return modality && (*modality)->window_models;
+}
+
+Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
+                                                       const std::filesystem::path& model) {
+  MIEN_TRY_ASSIGN(const Modality* modality, modality_of(rig));
+  return modality->make(rig, model);
+}
+
+Result<std::vector<std::unique_ptr<sensor::Protocol>>> make_protocols(const std::vector<PairingKey>& keys) {
+  std::vector<std::unique_ptr<sensor::Protocol>> protocols;
   imu::NodeProtocolSettings nodes;
   if (sodium_init() < 0) return fail(ErrorCode::internal, "libsodium does not start", "session");
   do {
@@ -38,10 +99,21 @@ Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, model::Mod
   // as nodes' do, so they are asked about first.
   if (keys.empty()) {
     MIEN_TRY_ASSIGN(eyewear::EyewearProtocol eyewear_protocol, eyewear::EyewearProtocol::create());
-    parts.protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(std::move(eyewear_protocol)));
+    protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(std::move(eyewear_protocol)));
   }
-  parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(std::move(node_protocol)));
-  if (keys.empty()) parts.protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
+  protocols.push_back(std::make_unique<imu::NodeProtocol>(std::move(node_protocol)));
+  if (keys.empty()) protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
+  return protocols;
+}
+
+Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, const std::filesystem::path& model,
+                                              const shaping::ShaperSettings& shaping,
+                                              const std::vector<PairingKey>& keys) {
+  Session::Parts parts;
+  parts.rig = rig;
+  parts.shaping = shaping;
+  MIEN_TRY_ASSIGN(parts.tracker, make_tracker(rig, model));
+  MIEN_TRY_ASSIGN(parts.protocols, make_protocols(keys));
   return Session::create(std::move(parts));
 }
 

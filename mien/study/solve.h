@@ -1,13 +1,17 @@
 #pragma once
 
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
+#include "mien/sensor/protocol.h"
 #include "mien/study/evaluation.h"
 #include "mien/take/take.h"
 #include "mien/tracker/causal_tracker.h"
+#include "mien/tracker/tracker.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::study {
@@ -43,6 +47,15 @@ struct Solution {
 
 /// Solves a whole take frame by frame, as a live session would; the tracker is reset first and last.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
+                                          SolveFrom from, const Progress& progress);
+
+/// Solves a whole take with the tracker of its sensors, as a live session would: with the calibrations that
+/// the take holds, each from when it was made; where it holds none, with those that the tracker makes of the
+/// take's events ("neutral", "nod", "shake", "range") or finds by itself. The tracker is a fresh one.
+/// `protocols` decode the log, and are fresh ones too; no ridge. Errors: the take's; not_found (no ticks);
+/// what the tracker says of a calibration; cancelled.
+[[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker,
+                                          std::span<const std::unique_ptr<sensor::Protocol>> protocols,
                                           SolveFrom from, const Progress& progress);
 
 /// Whether a take can be measured: to be asked before it is solved, which takes long. Errors: not_found.

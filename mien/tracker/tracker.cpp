@@ -16,4 +16,10 @@ std::string_view step_name(Step step) {
   return "";
 }
 
+Step step_named(std::string_view name) {
+  for (const Step step : {Step::neutral, Step::nod, Step::shake})
+    if (step_name(step) == name) return step;
+  return Step::none;
+}
+
 }  // namespace mien::tracker

@@ -23,6 +23,8 @@ enum class Step : std::uint8_t {
   shake,    ///< Face still, the head shakes about the vertical.
 };
 [[nodiscard]] std::string_view step_name(Step step);
+/// The step of that name, as events of takes have it; none for any other.
+[[nodiscard]] Step step_named(std::string_view name);
 
 /// How far a calibration is, for people.
 struct CalibrationState {

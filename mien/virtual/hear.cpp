@@ -8,7 +8,17 @@
 
 namespace mien::virt {
 
-void hear(std::vector<Datagram> arrived, const sensor::Rig& rig, VirtualSession& session,
+Decode decode_nodes(const sensor::Rig& rig) {
+  return [sensors = rig.sensors.size()](const Datagram& datagram, std::vector<sensor::Sample>& out) {
+    const auto packet = imu::parse_packet(datagram.bytes);
+    // Ids below the first node's wrap round to more than any rig has.
+    const std::uint64_t sensor = packet ? packet->device - virtual_device(0) : sensors;
+    if (packet && sensor < sensors) imu::append_samples(*packet, static_cast<std::uint16_t>(sensor), out);
+  };
+}
+
+void hear(std::vector<Datagram> arrived, const sensor::Rig& rig, const Decode& decode,
+          VirtualSession& session,
           const std::function<void(const take::Tick&, const sensor::TimeLines&)>& on_tick) {
   sensor::TickRule rule(rig);
   std::vector<sensor::Sample> decoded;
@@ -23,16 +33,11 @@ void hear(std::vector<Datagram> arrived, const sensor::Rig& rig, VirtualSession&
   for (Datagram& datagram : arrived) {
     fire(datagram.time);
     const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
-    const auto packet = imu::parse_packet(datagram.bytes);
-    // Ids below the first node's wrap round to more than any rig has.
-    const std::uint64_t sensor = packet ? packet->device - virtual_device(0) : rig.sensors.size();
-    if (packet && sensor < rig.sensors.size()) {
-      decoded.clear();
-      imu::append_samples(*packet, static_cast<std::uint16_t>(sensor), decoded);
-      for (const sensor::Sample& sample : decoded) {
-        session.samples.push_back({id, datagram.time, sample});
-        rule.add(datagram.time, sample);
-      }
+    decoded.clear();
+    decode(datagram, decoded);
+    for (const sensor::Sample& sample : decoded) {
+      session.samples.push_back({id, datagram.time, sample});
+      rule.add(datagram.time, sample);
     }
     session.entries.push_back({id, datagram.time, "virtual", std::move(datagram.bytes)});
     fire(datagram.time);

@@ -167,15 +167,18 @@ Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& 
   OldClock host_clock(session, reference);
   NewLine line;
   VirtualSession out;
-  hear(std::move(arrived), rig, out, [&](const take::Tick& tick, const sensor::TimeLines& lines) {
-    DeviceTime old = tick.frame;
-    if (lines.on_host_time())
-      old = host_clock.at(lines.to_host(tick.frame) - lag, tick.fired).value_or(tick.frame);
-    else if (in_trouble)
-      old = reference_clock.before(lines.from_line(reference, tick.frame), tick.fired).value_or(tick.frame);
-    line.add(old, tick.frame);
-    out.truth.push_back(truth.at(old, tick.frame));
-  });
+  hear(
+      std::move(arrived), rig, decode_nodes(rig), out,
+      [&](const take::Tick& tick, const sensor::TimeLines& lines) {
+        DeviceTime old = tick.frame;
+        if (lines.on_host_time())
+          old = host_clock.at(lines.to_host(tick.frame) - lag, tick.fired).value_or(tick.frame);
+        else if (in_trouble)
+          old =
+              reference_clock.before(lines.from_line(reference, tick.frame), tick.fired).value_or(tick.frame);
+        line.add(old, tick.frame);
+        out.truth.push_back(truth.at(old, tick.frame));
+      });
   out.motion_start = line.at(session.motion_start);
   for (const take::Event& event : session.events)
     out.events.push_back({event.kind, line.at(event.begin), line.at(event.end), event.json});

@@ -13,7 +13,7 @@ namespace mien::virt {
 /// A node that speaks our own packets (docs/protocol.md): hello with its site every second until it is
 /// welcomed, samples when the simulated radio would deliver them whether it is welcomed or not, heartbeats
 /// once it is. The samples' bytes are those that a take of the same performance holds.
-class MienNode : public Node {
+class MienNode : public ImuNode {
  public:
   /// `sensor` is its place in the rig and gives it its id, `site` the rig's name for it.
   MienNode(std::size_t sensor, std::string site, const VirtualClock& clock, const DeviceFaults& faults);

@@ -20,9 +20,6 @@ class Node {
 
   /// The performance begins: its time 0 is `start`. Once, before what is due from then on is asked for.
   virtual void begin(HostTime start) = 0;
-  /// What the device has sampled next; to be given before it is due. Errors: what the encoders find.
-  [[nodiscard]] virtual Result<void> play(std::span<const VirtualPacket> packets) = 0;
-
   /// When it next has something to say; what has yet to be played is not known of.
   [[nodiscard]] virtual HostTime due() const = 0;
   /// The next datagram that is due at `now`; ask until there is none.
@@ -30,10 +27,19 @@ class Node {
   /// A datagram from the receiver. What breaks its protocol's rules is ignored.
   virtual void receive(HostTime now, std::span<const std::byte> datagram) = 0;
 
+  /// It waits for a receiver's answers; one that only speaks does not.
+  [[nodiscard]] virtual bool listens() const { return true; }
   /// The receiver knows of it, as far as it knows.
   [[nodiscard]] virtual bool answered() const = 0;
   /// All that was played has been said.
   [[nodiscard]] virtual bool idle() const = 0;
+};
+
+/// The board of one IMU.
+class ImuNode : public Node {
+ public:
+  /// What the device has sampled next; to be given before it is due. Errors: what the encoders find.
+  [[nodiscard]] virtual Result<void> play(std::span<const VirtualPacket> packets) = 0;
 };
 
 /// A receiver that has not been heard for this long is gone; the node looks for it again.

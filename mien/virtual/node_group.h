@@ -8,27 +8,29 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/virtual/encore.h"
-#include "mien/virtual/imu_simulator.h"
 #include "mien/virtual/node.h"
-#include "mien/virtual/skin_trajectory.h"
 #include "mien/virtual/stage.h"
 
 namespace mien::virt {
 
 /// What nodes speak on the network.
 enum class NodeLanguage {
-  mien,     ///< Our own packets.
+  mien,     ///< Our own packets, of IMUs and of eyewear.
   slimevr,  ///< A SlimeVR tracker's.
 };
 
-/// All nodes of a performer, one a sensor of the rig, and their simulation, which runs a little ahead of the
-/// performance. The devices are those of play_devices(): the same stage gives the same samples.
+/// All nodes of a performer, one an IMU of the rig or one a board of its eyewear, and their simulation, which
+/// runs a little ahead of the performance. The devices are those of play(): the same stage gives the same
+/// samples.
 class NodeGroup {
  public:
-  /// `again`: the motion is played again and again. The stage is not the profile *lab*'s.
-  NodeGroup(Stage stage, NodeLanguage language, bool again);
+  /// `again`: the motion is played again and again. Errors: bad_usage (the profile *lab*; eyewear that is to
+  /// speak SlimeVR's language), those of EyewearBoards.
+  [[nodiscard]] static Result<std::unique_ptr<NodeGroup>> create(Stage stage, NodeLanguage language,
+                                                                 bool again);
   NodeGroup(const NodeGroup&) = delete;
   NodeGroup& operator=(const NodeGroup&) = delete;
+  ~NodeGroup();
 
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] Node& operator[](std::size_t node) { return *nodes_[node]; }
@@ -41,7 +43,8 @@ class NodeGroup {
   [[nodiscard]] Round round_at(double time_s) const;
 
   void begin(HostTime start);
-  /// Simulates a sixtieth of a second more (0.2 ms of work for twelve sensors). Errors: what the nodes find.
+  /// Simulates a sixtieth of a second more (0.2 ms of work for twelve IMUs, a millisecond for eyewear).
+  /// Errors: what the nodes find.
   [[nodiscard]] Result<void> simulate();
   /// True time up to which everything is simulated, s from the performance's time 0; infinite when all is:
   /// what the nodes say from then on is not known yet.
@@ -50,12 +53,17 @@ class NodeGroup {
   [[nodiscard]] bool finished() const;
 
  private:
+  /// The sensors of one kind, which hand what they sample to their nodes.
+  class Devices;
+  class Imus;
+  class Eyewear;
+  NodeGroup(Stage stage, bool again);
+
   Stage stage_;
   std::optional<Encore> encore_;
   face::MotionCurve curve_;
-  SkinTracer tracer_;
-  std::vector<ImuSimulator> simulators_;
-  std::vector<std::unique_ptr<Node>> nodes_;
+  std::unique_ptr<Devices> devices_;
+  std::vector<Node*> nodes_;  // Of the devices.
 };
 
 }  // namespace mien::virt

@@ -8,9 +8,8 @@
 #include <span>
 #include <thread>
 
-#include "mien/imu/pipeline.h"
-#include "mien/take/session_log.h"
 #include "mien/take/take.h"
+#include "mien/virtual/prologue_calibration.h"
 #include "mien/virtual/session.h"
 
 namespace mien::virt {
@@ -33,26 +32,6 @@ std::string now_utc() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
 }
 
-/// The calibration that the prologue gave, as the pipeline of a live session would have made it.
-std::vector<take::CalibrationVersion> calibrations_of(const sensor::Rig& rig, const VirtualSession& session) {
-  imu::Pipeline pipeline(rig);
-  for (const take::Event& event : session.events)
-    if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
-  std::vector<take::CalibrationVersion> versions;
-  model::FeatureFrame frame;
-  int seen = 0;
-  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr) pipeline.add(step.item->arrival, step.item->sample);
-    if (step.tick == nullptr) continue;
-    pipeline.tick(step.tick->frame, frame);
-    if (pipeline.calibration_count() == seen) continue;
-    seen = pipeline.calibration_count();
-    versions.push_back({static_cast<std::int64_t>(versions.size()) + 1, step.tick->frame, "imu",
-                        imu::write_calibration(pipeline.calibration())});
-  }
-  return versions;
-}
-
 }  // namespace
 
 Result<void> check_take_is_new(const PerformRequest& request) {
@@ -72,10 +51,7 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
   MIEN_TRY_ASSIGN(const Stage stage, set_stage(request));
   if (!progress(0.1, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
-  MIEN_TRY_ASSIGN(const VirtualSession session,
-                  stage.lab
-                      ? play_lab(stage.motion, stage.sites, stage.rig, stage.devices)
-                      : play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices));
+  MIEN_TRY_ASSIGN(const VirtualSession session, play(stage));
   if (!progress(0.5, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
 
   take::Header header;
@@ -89,8 +65,7 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.rig_toml = stage.rig_toml;
   header.created_utc = now_utc();
   // Before the file is there: a recording begins when its take does.
-  std::vector<take::CalibrationVersion> calibrations;  // In lab it is the identity.
-  if (!stage.lab) calibrations = calibrations_of(stage.rig, session);
+  const std::vector<take::CalibrationVersion> calibrations = prologue_calibrations(stage, session);
   MIEN_TRY_ASSIGN(
       take::TakeWriter writer,
       take::TakeWriter::create(request.take, header, request.replace,

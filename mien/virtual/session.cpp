@@ -1,7 +1,5 @@
 #include "mien/virtual/session.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,48 +8,9 @@
 #include "mien/virtual/device_packet.h"
 #include "mien/virtual/hear.h"
 #include "mien/virtual/imu_simulator.h"
+#include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
-namespace {
-
-/// Frames stand on whole nanoseconds, a motion's own times do not: nearer than this they are one moment.
-constexpr double kSameMomentS = 1e-6;
-
-/// From the motion's time to events on the reference's clock.
-void add_events(const PrologueTimes& times, const VirtualClock& reference, std::vector<take::Event>& events) {
-  const auto add = [&](const char* kind, double begin_s, double end_s, std::string json = {}) {
-    if (end_s > begin_s)
-      events.push_back({kind, reference.device(begin_s), reference.device(end_s), std::move(json)});
-  };
-  add("neutral", times.neutral.begin_s, times.neutral.end_s);
-  add("nod", times.nod.begin_s, times.nod.end_s);
-  add("shake", times.shake.begin_s, times.shake.end_s);
-  for (const Prompt& prompt : times.prompts) {
-    std::string target;
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      if (prompt.target[k] != 0)
-        target +=
-            fmt::format("{}\"{}\": {}", target.empty() ? "" : ", ", face::kShapeNames[k], prompt.target[k]);
-    add("prompt", prompt.begin_s, prompt.end_s,
-        fmt::format(R"({{"name": "{}", "anchor": {}, "rise_s": {}, "target": {{{}}}}})", prompt.name,
-                    prompt.anchor, prompt.rise_s, target));
-  }
-  add("ease", times.ease.begin_s, times.ease.end_s);
-}
-
-take::TruthFrame truth_at(const face::MotionCurve& curve, double true_s, double motion_start_s,
-                          DeviceTime frame) {
-  const face::MotionFrame moment = curve.at(true_s);
-  take::TruthFrame truth;
-  truth.time = frame;
-  truth.weights = moment.weights;
-  truth.tongue_out = moment.tongue_out;
-  truth.has_face = moment.has_face;
-  truth.evaluated = true_s >= motion_start_s - kSameMomentS && true_s <= curve.duration_s() + kSameMomentS;
-  return truth;
-}
-
-}  // namespace
 
 Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
                                     const sensor::Rig& rig, const DeviceFaults& faults,
@@ -78,12 +37,13 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
 
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   VirtualSession session;
-  add_events(motion.times, clocks[reference], session.events);
+  session.events = prologue_events(motion.times, clocks[reference]);
   session.motion_start = clocks[reference].device(motion.times.motion_start_s);
-  hear(std::move(sent), rig, session, [&](const take::Tick& tick, const sensor::TimeLines&) {
-    session.truth.push_back(
-        truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
-  });
+  hear(std::move(sent), rig, decode_nodes(rig), session,
+       [&](const take::Tick& tick, const sensor::TimeLines&) {
+         session.truth.push_back(
+             truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
+       });
   return session;
 }
 
@@ -98,7 +58,7 @@ Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<
 
   VirtualSession session;
   const VirtualClock host;  // All clocks are one.
-  add_events(motion.times, host, session.events);
+  session.events = prologue_events(motion.times, host);
   session.motion_start = host.device(motion.times.motion_start_s);
   const auto frames =
       static_cast<std::int64_t>(std::floor((curve.duration_s() + kSameMomentS) * kFrameRateHz)) + 1;

@@ -19,7 +19,7 @@ struct VirtualSession {
   std::vector<take::Tick> ticks;
   std::vector<take::TruthFrame> truth;  ///< One a tick.
   DeviceTime motion_start;              ///< The motion's time 0, after the prologue.
-  std::vector<take::Event> events;      ///< "neutral", "nod", "shake", "ease", "prompt".
+  std::vector<take::Event> events;      ///< "neutral", "nod", "shake", "range", "prompt", "ease".
 };
 
 /// White noise of the lab profile, an axis: 1 degree.

@@ -18,7 +18,7 @@ namespace mien::virt {
 /// sent. Heartbeats and pings are answered; a server that has not been heard for 3 s is looked for anew.
 /// Datagrams leave in their order (one radio has one queue), as bundles where the server understands them.
 /// Its MAC is virtual_device()'s.
-class SlimeVrNode : public Node {
+class SlimeVrNode : public ImuNode {
  public:
   SlimeVrNode(std::size_t sensor, const VirtualClock& clock);
 

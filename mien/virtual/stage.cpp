@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "mien/core/files.h"
 #include "mien/face/load.h"
+#include "mien/virtual/eyewear_boards.h"
+#include "mien/virtual/eyewear_session.h"
 #include "mien/virtual/head_motion.h"
 #include "mien/virtual/performer.h"
 #include "mien/virtual/style.h"
@@ -20,28 +24,57 @@ face::Motion motion_of(const StageRequest& request, const Random& root) {
   return perform(script, style, root.fork("motion"));
 }
 
+/// The [faults] table that the request's devices are of, and where it stands; not for *lab*.
+struct FaultsText {
+  std::string toml;
+  std::string where;
+};
+Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig) {
+  std::error_code code;
+  if (request.devices == "device") return FaultsText{rig.faults_toml, request.rig.string()};
+  if (!std::filesystem::exists(request.devices, code))
+    return fail(ErrorCode::not_found, "there are no such devices", request.devices,
+                "name device, lab, or a TOML file of faults");
+  MIEN_TRY_ASSIGN(std::string text, read_text(request.devices));
+  return FaultsText{std::move(text), request.devices};
+}
+
+Result<void> place_on_skin(const StageRequest& request, const face::Face& face, const Random& root,
+                           Stage& stage) {
+  if (!stage.lab) {
+    MIEN_TRY_ASSIGN(const FaultsText faults, read_faults(request, stage.rig));
+    MIEN_TRY_ASSIGN(stage.faults, parse_faults(faults.toml, faults.where));
+  }
+  const std::vector<Vec3> placement_m =
+      draw_placement(stage.rig, 1e-3 * stage.faults.mount_position_mm, root.fork("placement"));
+  MIEN_TRY_ASSIGN(stage.sites, skin_sites(face, stage.rig, placement_m));
+  return {};
+}
+
+Result<void> put_on_glasses(const StageRequest& request, face::Face face, const Random& root, Stage& stage) {
+  if (stage.lab)
+    return fail(ErrorCode::bad_usage, "the profile lab is of sensors on the skin, and these look at it",
+                stage.rig.name, "use --devices device");
+  MIEN_TRY_ASSIGN(const FaultsText faults, read_faults(request, stage.rig));
+  WornEyewear& worn = stage.eyewear.emplace();
+  MIEN_TRY_ASSIGN(worn.faults, parse_eyewear_faults(faults.toml, faults.where));
+  MIEN_TRY_ASSIGN(worn.wearer, seat_eyewear(std::move(face), stage.rig, worn.faults, root.fork("wearer")));
+  return {};
+}
+
 }  // namespace
 
 Result<Stage> set_stage(const StageRequest& request) {
-  std::error_code code;
   Stage stage;
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
   stage.lab = request.devices == "lab";
-  if (request.devices == "device") {
-    MIEN_TRY_ASSIGN(stage.faults, parse_faults(stage.rig.faults_toml, request.rig.string()));
-  } else if (!stage.lab) {
-    if (!std::filesystem::exists(request.devices, code))
-      return fail(ErrorCode::not_found, "there are no such devices", request.devices,
-                  "name device, lab, or a TOML file of faults");
-    MIEN_TRY_ASSIGN(const std::string text, read_text(request.devices));
-    MIEN_TRY_ASSIGN(stage.faults, parse_faults(text, request.devices));
-  }
-  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
+  MIEN_TRY_ASSIGN(face::Face face, face::load_face(request.face));
   const Random root(request.seed);
-  const std::vector<Vec3> placement_m =
-      draw_placement(stage.rig, 1e-3 * stage.faults.mount_position_mm, root.fork("placement"));
-  MIEN_TRY_ASSIGN(stage.sites, skin_sites(face, stage.rig, placement_m));
+  if (is_eyewear(stage.rig))
+    MIEN_TRY(put_on_glasses(request, std::move(face), root, stage));
+  else
+    MIEN_TRY(place_on_skin(request, face, root, stage));
 
   const double seconds = request.motion ? request.motion->duration_s() : request.script.duration_s();
   if (!(seconds <= kLongestPerformanceS))
@@ -56,6 +89,13 @@ Result<Stage> set_stage(const StageRequest& request) {
   stage.motion = with_prologue(motion, request.prologue, root.fork("prologue"), !stage.lab);
   stage.devices = root.fork("devices");
   return stage;
+}
+
+Result<VirtualSession> play(const Stage& stage) {
+  if (stage.eyewear)
+    return play_eyewear(stage.motion, stage.eyewear->wearer, stage.rig, stage.eyewear->faults, stage.devices);
+  if (stage.lab) return play_lab(stage.motion, stage.sites, stage.rig, stage.devices);
+  return play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices);
 }
 
 }  // namespace mien::virt

@@ -12,8 +12,11 @@
 #include "mien/face/motion.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/device_faults.h"
+#include "mien/virtual/eyewear_faults.h"
+#include "mien/virtual/eyewear_wearer.h"
 #include "mien/virtual/performer_prologue.h"
 #include "mien/virtual/script.h"
+#include "mien/virtual/session.h"
 #include "mien/virtual/skin_site.h"
 
 namespace mien::virt {
@@ -34,19 +37,30 @@ struct StageRequest {
   PrologueKind prologue = PrologueKind::brief;
 };
 
+/// Smart eyewear, and who wears it.
+struct WornEyewear {
+  EyewearFaults faults;
+  EyewearWearer wearer;
+};
+
 /// Everything that a performance needs, read and drawn: the same request gives the same stage.
 struct Stage {
   std::string rig_toml;  ///< The rig file, whole.
   sensor::Rig rig;
   bool lab = false;  ///< The profile *lab*: there are no faults then.
   DeviceFaults faults;
-  std::vector<SkinSite> sites;  ///< Of the rig's sensors, in its order.
+  std::vector<SkinSite> sites;         ///< Of the rig's sensors, in its order, where these are on the skin.
+  std::optional<WornEyewear> eyewear;  ///< Where they are photo-reflective ones instead.
   PrologueMotion motion;
   Random devices = Random(0);  ///< What the devices' faults are drawn from.
 };
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
-/// not_found (no such devices); out_of_range (too long).
+/// not_found (no such devices); bad_usage (eyewear in the profile *lab*); out_of_range (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
+
+/// The whole performance on its stage, as the rig's kind of sensors feels it. Errors: those of
+/// play_devices(), play_lab() and play_eyewear().
+[[nodiscard]] Result<VirtualSession> play(const Stage& stage);
 
 }  // namespace mien::virt

@@ -17,6 +17,8 @@ class Guided final : public tracker::Tracker {
     DeviceTime begin, end;
   };
   std::vector<Asked> asked;
+  std::vector<Asked> ranges;
+  tracker::Guidance wanted;
 
   [[nodiscard]] std::string_view modality() const override { return "none"; }
   void add(HostTime, const sensor::Sample&) override {}
@@ -24,6 +26,8 @@ class Guided final : public tracker::Tracker {
   void pulse(std::uint16_t, std::uint32_t, DeviceTime) override {}
   std::size_t tick(DeviceTime, face::OutputFrame&) override { return 0; }
   void guide(Step step, DeviceTime begin, DeviceTime end) override { asked.push_back({step, begin, end}); }
+  [[nodiscard]] tracker::Guidance guidance() const override { return wanted; }
+  void guide_range(DeviceTime begin, DeviceTime end) override { ranges.push_back({Step::none, begin, end}); }
   void cancel_guidance() override {}
   [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
   [[nodiscard]] std::string calibration() const override { return {}; }
@@ -88,6 +92,26 @@ TEST(Guide, AFullOneScoresEachAnchorByHowMuchOfItCameThrough) {
 
   guide.begin(false);
   EXPECT_TRUE(guide.anchor_scores().empty()) << "those of the last run";
+}
+
+TEST(Guide, AsksForWhatTheTrackerWantsAndTellsItOfTheRangeOfMotion) {
+  Guide guide;
+  Guided tracker;
+  tracker.wanted = {.neutral = std::chrono::seconds(5), .gestures = false};
+  guide.begin(false);
+  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (1.5 + 5), 1);
+  ASSERT_EQ(tracker.asked.size(), 1u);
+  EXPECT_EQ(tracker.asked[0].step, Step::neutral);
+  EXPECT_TRUE(tracker.ranges.empty()) << "a short one has none";
+
+  guide.begin(true);
+  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (6.5 + 2.4 * static_cast<double>(face::anchors().size())), 1);
+  ASSERT_EQ(tracker.asked.size(), 2u);
+  ASSERT_EQ(tracker.ranges.size(), 1u);
+  EXPECT_EQ(tracker.ranges[0].begin, tracker.asked[1].end);
+  EXPECT_NEAR(to_seconds(tracker.ranges[0].end - tracker.ranges[0].begin),
+              2.4 * static_cast<double>(face::anchors().size()), 1e-9);
+  EXPECT_EQ(guide.anchor_scores().size(), face::anchors().size());
 }
 
 TEST(Guide, TellsWhereItIs) {

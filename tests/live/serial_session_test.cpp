@@ -13,9 +13,12 @@
 #include <thread>
 
 #include "mien/core/cobs.h"
-#include "mien/eyewear/ambient.h"
+#include "mien/core/files.h"
 #include "mien/eyewear/eyewear_protocol.h"
+#include "mien/eyewear/eyewear_tracker.h"
+#include "mien/face/builtin.h"
 #include "mien/live/replay.h"
+#include "tests/eyewear/glasses.h"
 #include "tests/folder.h"
 #include "tests/live/pseudo_terminal.h"
 
@@ -39,54 +42,33 @@ std::string rig_toml() {
   return text;
 }
 
-/// A tracker that can be checked by hand: each sensor's light is a shape's weight.
-class LightShapes final : public tracker::Tracker {
- public:
-  [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
-  void add(HostTime, const sensor::Sample& sample) override {
-    light_[sample.sensor] = std::max(0.0, filters_[sample.sensor].add(sample));
-    heard_[sample.sensor] = sample.time;
-  }
-  void forget(std::uint16_t sensor) override { filters_[sensor].reset(); }
-  void pulse(std::uint16_t, std::uint32_t, DeviceTime) override {}
-  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override {
-    out = {};
-    out.time = frame;
-    std::size_t felt = 0;
-    for (std::size_t c = 0; c < kChannels; ++c) {
-      out.weights[c] = static_cast<float>(light_[c]);
-      felt += heard_[c] && frame - *heard_[c] < std::chrono::milliseconds(100) ? 1 : 0;
-    }
-    out.provenance.fill(face::Provenance::measured);
-    out.confidence.fill(static_cast<float>(felt) / kChannels);
-    return felt;
-  }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
-  [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
-  [[nodiscard]] std::string calibration() const override { return {}; }
-  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] int calibration_count() const override { return 0; }
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override { return {}; }
-  [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
-  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
-
- private:
-  std::array<eyewear::AmbientFilter, kChannels> filters_;
-  std::array<double, kChannels> light_{};
-  std::array<std::optional<DeviceTime>, kChannels> heard_;
-};
-
+/// The first sensor's light opens the jaw.
 std::unique_ptr<Session> session() {
+  const eyewear::MarkerSet markers = eyewear::test::mouth_markers();
+  const auto placed = eyewear::PlacedMarkers::place(face::make_builtin(), markers).value();
+  face::BlendshapeWeights open;
+  open[face::shape("jawOpen")] = 1;
+  Eigen::MatrixXd gain_m = Eigen::MatrixXd::Zero(placed.at({}).size(), kChannels);
+  gain_m.col(0) = placed.at(open) - placed.at({});
   Session::Parts parts;
   parts.rig = sensor::parse_rig(rig_toml(), "glasses").value();
-  parts.tracker = std::make_unique<LightShapes>();
+  parts.tracker = eyewear::EyewearTracker::create(
+                      parts.rig, markers, std::make_unique<eyewear::test::LinearRegressor>(std::move(gain_m)))
+                      .value();
   parts.protocols.push_back(
       std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
   return Session::create(std::move(parts)).value();
 }
 
-/// A pair of glasses at 200 scans a second on a cable, with garbage now and then.
+/// Steps of light that the board sees: steady at first, then the first sensor's comes and goes.
+std::uint16_t light(std::uint32_t scan, std::size_t channel) {
+  constexpr std::uint32_t kSteady = 600;
+  if (scan < kSteady || channel > 0) return 300;
+  return static_cast<std::uint16_t>(400 - 100 * std::cos(0.02 * (scan - kSteady)));
+}
+
+/// A pair of glasses at 200 scans a second on a cable: one frame in sixteen is damaged, one in ten comes
+/// twice, and there is garbage between them.
 class Glasses {
  public:
   explicit Glasses(const std::filesystem::path& line)
@@ -118,11 +100,18 @@ class Glasses {
       packet.sequence = i;
       packet.time = DeviceTime(time);
       for (std::size_t c = 0; c < kChannels; ++c)
-        packet.light[c] = {static_cast<std::uint16_t>(300 + i % 500), static_cast<std::uint16_t>(10 * c)};
+        packet.light[c] = {static_cast<std::uint16_t>(light(i, c) + i % 2),
+                           static_cast<std::uint16_t>(10 * c)};
       std::vector<std::byte> frame;
       cobs_encode(eyewear::encode_packet(packet).value(), frame);
       if (i % 16 == 7) frame[40] ^= std::byte{0x55};
       frame.push_back(std::byte{0});
+      if (i % 10 == 4) {
+        const std::vector<std::byte> again = frame;
+        frame.insert(frame.end(), again.begin(), again.end());
+      }
+      if (i % 25 == 3)
+        for (int b = 0; b < 40; ++b) frame.push_back(static_cast<std::byte>(i * 7 + 13 * b));
       const std::lock_guard lock(mutex_);
       cable_.write(frame);
     }
@@ -140,6 +129,7 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
   settings.listen = {glasses.address()};
   settings.takes = folder.path();
   settings.record = folder / "whole.mien";
+  settings.out = {"csv:" + (folder / "faces.csv").string()};
   settings.header.software = "test";
   settings.header.rig_toml = rig_toml();
   settings.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
@@ -169,6 +159,10 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
     const nlohmann::json status = page.last("status");
     return status["lines"][0]["open"] == open && status["lines"][0]["unplugged"] == unplugged;
   };
+  EXPECT_TRUE(test::run_until(network, [&] {
+    const nlohmann::json status = page.last("status");
+    return status.is_object() && status["calibration"]["state"] == "done";
+  })) << "steady light is its neutral";
   for (int i = 1; i <= 2; ++i) {
     glasses.unplug();
     EXPECT_TRUE(test::run_until(network, [&] { return line_is(false, i) && all_are("lost"); }));
@@ -183,6 +177,14 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
   ASSERT_TRUE(summary) << summary.error().message();
   EXPECT_THAT(summary->recording_error, IsEmpty());
   EXPECT_GT(summary->malformed, 10u);
+  for (const Report::Link& link : summary->report.links) {
+    EXPECT_GT(link.health.doubled, 10u);
+    EXPECT_GT(link.health.lost, 10u);
+    EXPECT_GT(link.health.malformed, 10u);
+  }
+  EXPECT_GT(summary->sinks.front().sent, 120u);
+  const std::string csv = read_text(folder / "faces.csv").value();
+  EXPECT_GE(std::ranges::count(csv, '\n'), 120);
   EXPECT_EQ(summary->lines.size(), 1u);
   EXPECT_EQ(summary->lines.front().unplugged, 2u);
   EXPECT_TRUE(summary->lines.front().open);

@@ -41,7 +41,8 @@ TEST(NodeGroup, SaysWhatATakeOfTheSamePerformanceHolds) {
   const Stage same = stage();
   const VirtualSession session =
       play_devices(same.motion, same.sites, same.rig, same.faults, same.devices).value();
-  NodeGroup nodes(stage(), NodeLanguage::mien, false);
+  const auto group = NodeGroup::create(stage(), NodeLanguage::mien, false).value();
+  NodeGroup& nodes = *group;
   ASSERT_EQ(nodes.size(), 3U);
   std::multimap<std::vector<std::byte>, HostTime> said;
   for (const auto& [time, bytes] : perform(nodes, 10))
@@ -58,7 +59,8 @@ TEST(NodeGroup, SaysWhatATakeOfTheSamePerformanceHolds) {
 }
 
 TEST(NodeGroup, GoesOnWhereItIsToldTo) {
-  NodeGroup nodes(stage(), NodeLanguage::mien, true);  // A second and a half, and one to come back.
+  const auto group = NodeGroup::create(stage(), NodeLanguage::mien, true).value();
+  NodeGroup& nodes = *group;  // A second and a half, and one to come back.
   std::map<std::uint64_t, imu::Packet> last;
   std::size_t packets = 0;
   for (const auto& [time, bytes] : perform(nodes, 20)) {
@@ -82,7 +84,8 @@ TEST(NodeGroup, GoesOnWhereItIsToldTo) {
 }
 
 TEST(NodeGroup, SpeaksSlimeVrWhereItIsToldTo) {
-  NodeGroup nodes(stage(), NodeLanguage::slimevr, false);
+  const auto group = NodeGroup::create(stage(), NodeLanguage::slimevr, false).value();
+  NodeGroup& nodes = *group;
   const auto said = perform(nodes, 5);
   ASSERT_FALSE(said.empty());
   for (const auto& [time, bytes] : said) EXPECT_EQ(bytes[3], std::byte{3});  // Handshakes: nobody greets.

@@ -1,0 +1,88 @@
+// Takes of sensors that only their tracker knows: smart eyewear.
+#include <gtest/gtest.h>
+
+#include "mien/eyewear/eyewear_protocol.h"
+#include "mien/eyewear/eyewear_tracker.h"
+#include "mien/face/builtin.h"
+#include "mien/study/solve.h"
+#include "mien/virtual/perform_take.h"
+#include "tests/eyewear/glasses.h"
+#include "tests/study/performed_take.h"
+
+namespace mien::study {
+namespace {
+
+const std::size_t kJaw = face::shape("jawOpen");
+
+/// A second of a talking wearer after a short prologue, as mien perform writes it.
+const take::Take& worn_take() {
+  static const test::Folder folder;
+  static const take::Take take = [] {
+    virt::PerformRequest request;
+    request.rig = MIEN_SOURCE_DIR "/rigs/eyewear.toml";
+    request.motion = virt::test::talking(60);
+    request.take = folder / "worn.mien";
+    request.seed = 5;
+    request.software = "mien test";
+    const auto done = virt::perform_take(request, no_progress);
+    EXPECT_TRUE(done) << (done ? "" : done.error().message());
+    return take::Take::open(request.take).value();
+  }();
+  return take;
+}
+
+/// The jaw opens as the hooks' light falls.
+std::unique_ptr<tracker::Tracker> tracker_of(const sensor::Rig& rig) {
+  const eyewear::MarkerSet markers = eyewear::test::mouth_markers();
+  const auto placed = eyewear::PlacedMarkers::place(face::make_builtin(), markers).value();
+  face::BlendshapeWeights open;
+  open[kJaw] = 1;
+  Eigen::MatrixXd gain_m = Eigen::MatrixXd::Zero(placed.at({}).size(), std::ssize(rig.sensors));
+  for (std::size_t s = 0; s < rig.sensors.size(); ++s)
+    if (rig.sensors[s].site == "lower_jaw")
+      gain_m.col(static_cast<Eigen::Index>(s)) = 0.5 * (placed.at(open) - placed.at({}));
+  return eyewear::EyewearTracker::create(rig, markers,
+                                         std::make_unique<eyewear::test::LinearRegressor>(std::move(gain_m)))
+      .value();
+}
+
+Result<Solution> solved(SolveFrom from, const Progress& progress = no_progress) {
+  std::vector<std::unique_ptr<sensor::Protocol>> protocols;
+  protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
+  const auto tracker = tracker_of(worn_take().rig());
+  return solve_take(worn_take(), *tracker, protocols, from, progress);
+}
+
+TEST(SolveTracked, SamplesAndLogGiveTheSameBits) {
+  const auto samples = solved(SolveFrom::samples);
+  ASSERT_TRUE(samples) << samples.error().message();
+  EXPECT_EQ(samples->frames.size(), worn_take().ticks()->size());
+  EXPECT_TRUE(samples->ridge.empty());
+  const auto log = solved(SolveFrom::log);
+  ASSERT_TRUE(log) << log.error().message();
+  EXPECT_EQ(log->hash, samples->hash);
+}
+
+TEST(SolveTracked, PutsTheTakesCalibrationsInForce) {
+  const auto versions = worn_take().calibrations().value();
+  ASSERT_EQ(versions.size(), 1U);
+  EXPECT_EQ(versions[0].modality, "eyewear");
+  const Solution solution = solved(SolveFrom::samples).value();
+  EXPECT_GT(solution.felt, 0.99);
+  for (const face::OutputFrame& frame : solution.frames)
+    if (frame.time >= versions[0].made) {
+      EXPECT_EQ(frame.provenance[kJaw], face::Provenance::measured);
+    }
+  const auto measured = with_truth(worn_take(), solution);
+  ASSERT_TRUE(measured) << measured.error().message();
+  EXPECT_EQ(measured->model.size(), solution.frames.size());
+}
+
+TEST(SolveTracked, IsStopped) {
+  const auto stopped = solved(SolveFrom::samples, [](double, std::string_view) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+}  // namespace
+}  // namespace mien::study
