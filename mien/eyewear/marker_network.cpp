@@ -33,11 +33,12 @@ Result<void> check(const MarkerNetworkFile& file, const std::string& where) {
     return differ(fmt::format("{} sensors do not give {} numbers a frame", file.sensors.size(),
                               file.architecture.condition));
   if (file.markers.empty() || file.architecture.outputs != 3 * file.markers.size())
-    return differ(fmt::format("{} markers are not told by {} outputs", file.markers.size(),
-                              file.architecture.outputs));
+    return differ(
+        fmt::format("{} markers are not told by {} outputs", file.markers.size(), file.architecture.outputs));
   if (!unique(file.sensors) || !unique(file.markers)) return differ("two sensors or markers have one name");
   if (!(file.scale_m > 0 && file.scale_m <= 1))
-    return fail(ErrorCode::out_of_range, "the scale of its outputs is not above 0 and at most a metre", where);
+    return fail(ErrorCode::out_of_range, "the scale of its outputs is not above 0 and at most a metre",
+                where);
   if (const auto ok = model::check_tensors(file.architecture, file.network); !ok)
     return differ(ok.error().what);
   return {};
@@ -45,7 +46,8 @@ Result<void> check(const MarkerNetworkFile& file, const std::string& where) {
 
 }  // namespace
 
-Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes, std::string_view where_view) {
+Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
+                                               std::string_view where_view) {
   const std::string where(where_view);
   MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
   auto& metadata = from.metadata;

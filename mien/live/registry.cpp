@@ -8,6 +8,7 @@
 #include "mien/core/files.h"
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/eyewear/eyewear_tracker.h"
+#include "mien/eyewear/marker_network.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/node_protocol.h"
 #include "mien/imu/slimevr_protocol.h"
@@ -26,17 +27,16 @@ MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path
   return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(std::move(model)));
 }
 
-/// Where eyewear's model comes in: what reads the file at `path` for the rig's photo-reflective sensors.
-Result<std::unique_ptr<eyewear::MarkerRegressor>> make_regressor(const sensor::Rig& rig,
-                                                                 const std::filesystem::path& path) {
-  return fail(ErrorCode::unsupported, "this version reads no models for photo-reflective sensors",
-              path.string(), "use a newer one with rig " + rig.name);
-}
-
 MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
-  MIEN_TRY_ASSIGN(std::unique_ptr<eyewear::MarkerRegressor> regressor, make_regressor(rig, path));
   MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const eyewear::MarkerSet set, eyewear::read_markers(markers));
+  MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile file, eyewear::read_marker_network(path));
+  if (!std::ranges::equal(file.markers, set.markers, {}, {}, &eyewear::Marker::name))
+    return fail(ErrorCode::mismatch, "the model answers with other markers than " + markers.string(),
+                path.string(), "train one with this program's markers");
+  std::vector<std::string> sensors;
+  for (const std::uint16_t s : eyewear::photo_sensors(rig)) sensors.push_back(rig.sensors[s].name);
+  MIEN_TRY_ASSIGN(auto regressor, eyewear::NetworkRegressor::create(std::move(file), sensors));
   return eyewear::EyewearTracker::create(rig, set, std::move(regressor));
 }
 

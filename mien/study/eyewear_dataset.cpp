@@ -153,19 +153,18 @@ Result<EyewearData> make_eyewear_dataset(const EyewearDataRecipe& recipe, const 
                                          const eyewear::MarkerSet& markers, const Progress& progress,
                                          unsigned threads) {
   MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
-  MIEN_TRY_ASSIGN(
-      const MarkerPoses poses,
-      MarkerPoses::measure(markers, kMeasuredBeforeS, Random(recipe.seed).fork("before")));
-  MIEN_TRY_ASSIGN(eyewear::PlacedMarkers placed, eyewear::PlacedMarkers::place(face::make_builtin(), markers));
+  MIEN_TRY_ASSIGN(const MarkerPoses poses,
+                  MarkerPoses::measure(markers, kMeasuredBeforeS, Random(recipe.seed).fork("before")));
+  MIEN_TRY_ASSIGN(eyewear::PlacedMarkers placed,
+                  eyewear::PlacedMarkers::place(face::make_builtin(), markers));
   Eigen::VectorXd neutral_m = placed.at({});
   const Markers canonical{std::move(placed), std::move(neutral_m)};
   std::vector<LightSequence> sequences(static_cast<std::size_t>(recipe.wearers + recipe.validation_wearers));
-  MIEN_TRY(
-      for_each_performer(sequences.size(), threads, progress, [&](std::size_t index) -> Result<void> {
-        MIEN_TRY_ASSIGN(sequences[index],
-                        wear(recipe, rig, faults, poses, canonical, static_cast<std::uint32_t>(index)));
-        return {};
-      }));
+  MIEN_TRY(for_each_performer(sequences.size(), threads, progress, [&](std::size_t index) -> Result<void> {
+    MIEN_TRY_ASSIGN(sequences[index],
+                    wear(recipe, rig, faults, poses, canonical, static_cast<std::uint32_t>(index)));
+    return {};
+  }));
   EyewearData data;
   for (const std::uint16_t s : eyewear::photo_sensors(rig)) data.train.sensors.push_back(rig.sensors[s].name);
   for (const eyewear::Marker& marker : markers.markers) data.train.markers.push_back(marker.name);

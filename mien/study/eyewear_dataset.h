@@ -53,7 +53,8 @@ struct EyewearData {
 /// Lets virtual wearers wear the rig's glasses. The same recipe, rig and markers give the same bits on any
 /// number of threads; 0 threads: one a core. Errors: those of the rig's faults; cancelled. Cost: about two
 /// minutes of one core an hour.
-[[nodiscard]] Result<EyewearData> make_eyewear_dataset(const EyewearDataRecipe& recipe, const sensor::Rig& rig,
+[[nodiscard]] Result<EyewearData> make_eyewear_dataset(const EyewearDataRecipe& recipe,
+                                                       const sensor::Rig& rig,
                                                        const eyewear::MarkerSet& markers,
                                                        const Progress& progress = no_progress,
                                                        unsigned threads = 0);

@@ -68,8 +68,8 @@ void EyewearSession::play(const face::Motion& motion, double seconds, const See&
   };
   for (double at_s = 0; at_s < seconds; at_s += window_s) {
     const double end_s = std::min(at_s + window_s, seconds);
-    for (const sensor::Sample& sample : simulator_->play(now_s_ + at_s, kPairs, curve.at(at_s).weights,
-                                                         curve.at(end_s).weights)) {
+    for (const sensor::Sample& sample :
+         simulator_->play(now_s_ + at_s, kPairs, curve.at(at_s).weights, curve.at(end_s).weights)) {
       look_until(sample.time);
       grid_.add(HostTime(sample.time.time_since_epoch()), sample);
     }

@@ -8,6 +8,7 @@
 namespace mien::study {
 namespace {
 
+constexpr std::size_t kLearned = 2;  // Of MinuteStudy::methods.
 constexpr std::size_t kCurvePoints = 900;  // More than a page has pixels for.
 
 std::string mm(double value) {
@@ -34,6 +35,17 @@ Table overview(const SensorsStudy& study) {
   return table;
 }
 
+Table minute_table(const MinuteStudy& minute) {
+  Table table;
+  table.caption = "After one minute of the wearer's own, without motion capture but for \"linear\", mm";
+  table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
+  for (const auto* methods : {&minute.methods, &minute.conditions})
+    for (const SensorsMethod& method : *methods)
+      table.rows.push_back(cells(method.name, method.overall));
+  table.strong_rows = {2};
+  return table;
+}
+
 Table wearers(const SensorsStudy& study) {
   Table table;
   table.caption = "By wearer and by expressions, all sensors, mm";
@@ -48,15 +60,16 @@ Table wearers(const SensorsStudy& study) {
   return table;
 }
 
-BarPlot by_marker(const SensorsStudy& study) {
+BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
   BarPlot plot;
   plot.title = "Mean error of each marker";
   plot.value_label = "mm";
-  plot.series = {"all sensors", "without the ear hooks", "mean pose"};
+  plot.series = {"published method", "without the ear hooks", "mean pose", "learned, one minute"};
   for (std::size_t m = 0; m < study.markers.size(); ++m)
     plot.groups.push_back({fmt::format("{}", m + 1),
                            {study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
-                            study.mean_pose.markers[m].mean_mm},
+                            study.mean_pose.markers[m].mean_mm,
+                            minute.methods[kLearned].markers[m].mean_mm},
                            {}});
   return plot;
 }
@@ -79,7 +92,7 @@ LinePlot curve(const SensorsStudy& study) {
 
 }  // namespace
 
-Report sensors_report(const SensorsStudy& study, const std::string& subtitle) {
+Report sensors_report(const SensorsStudy& study, const MinuteStudy& minute, const std::string& subtitle) {
   Report report("Markers from photo-reflective eyewear", subtitle);
   report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mean_mm))},
@@ -88,7 +101,8 @@ Report sensors_report(const SensorsStudy& study, const std::string& subtitle) {
                       {"Mouth", mm(study.faithful.overall.mouth.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mouth_mm))}});
   report.table(overview(study));
-  report.bars(by_marker(study));
+  report.table(minute_table(minute));
+  report.bars(by_marker(study, minute));
   Table names;
   names.caption = "Markers by number";
   names.columns = {"", "marker"};

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "mien/study/minute_study.h"
 #include "mien/study/report.h"
 #include "mien/study/sensors_study.h"
 
@@ -18,6 +19,7 @@ inline constexpr PublishedSensors kPublished16{3.95, 1.89, 6.97};
 
 /// The study as one page: beside the published figures, by region, wearer, set and marker, and the error as
 /// it goes on through the tests. `subtitle` says whose numbers these are.
-[[nodiscard]] Report sensors_report(const SensorsStudy& study, const std::string& subtitle);
+[[nodiscard]] Report sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                                    const std::string& subtitle);
 
 }  // namespace mien::study

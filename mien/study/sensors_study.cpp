@@ -16,7 +16,6 @@
 #include "mien/face/motion.h"
 #include "mien/study/marker_poses.h"
 #include "mien/study/performers.h"
-#include "mien/virtual/expression.h"
 #include "mien/virtual/eyewear_faults.h"
 #include "mien/virtual/eyewear_simulator.h"
 #include "mien/virtual/eyewear_wearer.h"
@@ -31,38 +30,6 @@ using face::BlendshapeWeights;
 
 constexpr double kMeasuredBeforeS = 300;  // Marker motion that the components are of.
 constexpr double kRestS = 60;             // Between training and tests.
-constexpr double kMmPerM = 1000;
-
-struct Test {
-  TestSet set = TestSet::neutral;
-  BlendshapeWeights target;
-};
-
-BlendshapeWeights weights_of(const virt::Pose& pose) {
-  BlendshapeWeights weights;
-  for (const virt::PosePart& part : pose) weights[part.shape] = part.weight;
-  return weights;
-}
-
-/// Expressions that one side alone makes; the paper shows some and lists none.
-std::array<virt::Pose, 6> asymmetric_poses() {
-  return {virt::pose_of({{"mouthSmile_L", 0.85F}, {"cheekSquint_L", 0.5F}, {"mouthDimple_L", 0.2F}}),
-          virt::pose_of({{"browOuterUp_R", 0.8F}, {"browInnerUp_R", 0.5F}, {"browDown_L", 0.6F}}),
-          virt::pose_of({{"eyeBlink_L", 1.0F}, {"cheekSquint_L", 0.6F}, {"mouthSmile_L", 0.3F}}),
-          virt::pose_of({{"mouthLeft", 0.8F}, {"mouthPucker", 0.3F}}),
-          virt::pose_of({{"jawRight", 0.7F}, {"jawOpen", 0.25F}, {"mouthRight", 0.3F}}),
-          virt::pose_of({{"noseSneer_R", 0.8F}, {"mouthUpperUp_R", 0.7F}, {"cheekSquint_R", 0.4F}})};
-}
-
-std::vector<Test> make_tests(const MarkerPoses& poses, Random random) {
-  std::vector<Test> tests = {{TestSet::neutral, {}}};
-  for (int i = 0; i < 6; ++i) tests.push_back({TestSet::components, poses.draw(random)});
-  for (const virt::Emotion emotion : {virt::Emotion::joy, virt::Emotion::disgust, virt::Emotion::anger,
-                                      virt::Emotion::surprise, virt::Emotion::fear, virt::Emotion::sadness})
-    tests.push_back({TestSet::universal, weights_of(virt::emotion_expression(emotion).pose)});
-  for (const virt::Pose& pose : asymmetric_poses()) tests.push_back({TestSet::asymmetric, weights_of(pose)});
-  return tests;
-}
 
 /// One window of ten on-off pairs, as a host sees it, and what was there.
 struct Recorded {
@@ -123,32 +90,10 @@ class Recorder {
   std::vector<eyewear::BlockMedian> medians_;
 };
 
-/// Sums over one wearer's samples of one test.
-struct Sums {
-  std::size_t samples = 0;
-  Eigen::ArrayXd distance_mm;  ///< A marker.
-  Eigen::ArrayXd square_mm2;
-};
-
-Sums sum_errors(const Eigen::MatrixXd& estimate_m, const Eigen::MatrixXd& truth_m) {
-  Sums sums;
-  const Eigen::Index markers = truth_m.cols() / 3;
-  sums.samples = static_cast<std::size_t>(truth_m.rows());
-  sums.distance_mm = Eigen::ArrayXd::Zero(markers);
-  sums.square_mm2 = Eigen::ArrayXd::Zero(markers);
-  for (Eigen::Index i = 0; i < truth_m.rows(); ++i)
-    for (Eigen::Index m = 0; m < markers; ++m) {
-      const double mm = kMmPerM * (estimate_m.row(i) - truth_m.row(i)).segment<3>(3 * m).norm();
-      sums.distance_mm[m] += mm;
-      sums.square_mm2[m] += mm * mm;
-    }
-  return sums;
-}
-
 /// What one wearer's training and tests gave.
 struct Outcome {
   SensorsTraining training;
-  std::array<std::vector<Sums>, 3> methods;  ///< faithful, faithful16, mean_pose: a test each.
+  std::array<std::vector<MarkerSums>, 3> methods;  ///< faithful, faithful16, mean_pose: a test each.
   std::vector<double> curve_s;
   std::vector<double> curve_mm;
 };
@@ -193,7 +138,7 @@ struct Course {
 
 Result<Outcome> wear(const SensorsRequest& request, const sensor::Rig& rig, const eyewear::MarkerSet& markers,
                      const virt::EyewearFaults& faults, const MarkerPoses& poses,
-                     const std::vector<Test>& tests, std::size_t index, Course& course) {
+                     const std::vector<SensorsTest>& tests, std::size_t index, Course& course) {
   const auto stopped = [] {
     return fail(ErrorCode::cancelled, "stopped before all wearers were measured", "study sensors");
   };
@@ -227,6 +172,8 @@ Result<Outcome> wear(const SensorsRequest& request, const sensor::Rig& rig, cons
 
   if (!course.passed(tests.size())) return stopped();
 
+  std::vector<std::size_t> every_marker(markers.markers.size());
+  for (std::size_t m = 0; m < every_marker.size(); ++m) every_marker[m] = m;
   Outcome out;
   out.training = {request.samples, kept.rejected, all.share()};
   // Tests, one after the other, windows without a gap.
@@ -241,82 +188,23 @@ Result<Outcome> wear(const SensorsRequest& request, const sensor::Rig& rig, cons
     std::vector<std::size_t> every(begins.size());
     for (std::size_t i = 0; i < every.size(); ++i) every[i] = i;
     const Eigen::MatrixXd estimated = estimate(all, test.distances_m);
-    out.methods[0].push_back(sum_errors(estimated, test.truth_m));
-    out.methods[1].push_back(sum_errors(
-        estimate(without_hooks, take_rows(test.distances_m, every, &frame_sensors)), test.truth_m));
-    out.methods[2].push_back(
-        sum_errors(all.mean().transpose().replicate(test.truth_m.rows(), 1), test.truth_m));
+    out.methods[0].emplace_back().add(estimated, test.truth_m);
+    out.methods[1].emplace_back().add(
+        estimate(without_hooks, take_rows(test.distances_m, every, &frame_sensors)), test.truth_m);
+    const Eigen::MatrixXd mean_m = all.mean().transpose().replicate(test.truth_m.rows(), 1);
+    out.methods[2].emplace_back().add(mean_m, test.truth_m);
     for (Eigen::Index i = 0; i < test.truth_m.rows(); ++i) {
-      const Sums one = sum_errors(estimated.row(i), test.truth_m.row(i));
+      MarkerSums one;
+      one.add(Eigen::VectorXd(estimated.row(i)), Eigen::VectorXd(test.truth_m.row(i)));
       out.curve_s.push_back(static_cast<double>(t) * request.test_s + begins[static_cast<std::size_t>(i)]);
-      out.curve_mm.push_back(one.distance_mm.mean());
+      out.curve_mm.push_back(one.over(every_marker).mean_mm);
     }
     if (!course.passed(1)) return stopped();
   }
   return out;
 }
 
-MarkerError over(const Sums& sums, const std::vector<std::size_t>& markers) {
-  MarkerError error;
-  if (sums.samples == 0 || markers.empty()) return error;
-  const auto samples = static_cast<double>(sums.samples);
-  for (const std::size_t m : markers) {
-    error.mean_mm += sums.distance_mm[static_cast<Eigen::Index>(m)] / samples;
-    error.rmse_mm += std::sqrt(sums.square_mm2[static_cast<Eigen::Index>(m)] / samples);
-  }
-  error.mean_mm /= static_cast<double>(markers.size());
-  error.rmse_mm /= static_cast<double>(markers.size());
-  return error;
-}
-
-Sums& operator+=(Sums& sums, const Sums& more) {
-  if (sums.samples == 0) return sums = more;
-  sums.samples += more.samples;
-  sums.distance_mm += more.distance_mm;
-  sums.square_mm2 += more.square_mm2;
-  return sums;
-}
-
-SensorsMethod summed(std::string name, std::size_t sensors, std::size_t method,
-                     const std::vector<Outcome>& outcomes, const std::vector<Test>& tests,
-                     const eyewear::MarkerSet& markers) {
-  std::vector<std::size_t> every(markers.markers.size());
-  for (std::size_t m = 0; m < every.size(); ++m) every[m] = m;
-  const std::vector<std::size_t> eyes = markers.of(eyewear::MarkerRegion::eyes_nose);
-  const std::vector<std::size_t> mouth = markers.of(eyewear::MarkerRegion::mouth);
-  const auto row = [&](const Sums& sums) {
-    return SensorsRow{over(sums, every), over(sums, eyes), over(sums, mouth)};
-  };
-  SensorsMethod out;
-  out.name = std::move(name);
-  out.sensors = sensors;
-  Sums all;
-  std::array<Sums, kTestSets> sets;
-  std::vector<Sums> each(tests.size());
-  for (const Outcome& outcome : outcomes) {
-    Sums wearer;
-    for (std::size_t t = 0; t < tests.size(); ++t) {
-      const Sums& sums = outcome.methods[method][t];
-      wearer += sums;
-      each[t] += sums;
-      sets[static_cast<std::size_t>(tests[t].set)] += sums;
-    }
-    out.wearers.push_back(row(wearer));
-    all += wearer;
-  }
-  out.overall = row(all);
-  for (std::size_t s = 0; s < kTestSets; ++s) out.sets[s] = row(sets[s]);
-  for (const Sums& sums : each) out.tests.push_back(row(sums));
-  for (const std::size_t m : every) out.markers.push_back(over(all, {m}));
-  return out;
-}
-
 }  // namespace
-
-std::string_view test_set_name(TestSet set) {
-  constexpr std::array<std::string_view, kTestSets> kNames = {"neutral", "A", "B", "C"};
-  return kNames[static_cast<std::size_t>(set)];
-}
 
 std::vector<std::uint16_t> ear_hook_sensors(const sensor::Rig& rig) {
   std::vector<std::uint16_t> sensors;
@@ -336,7 +224,7 @@ Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::
   const Random root = Random(request.seed).fork("sensors");
   MIEN_TRY_ASSIGN(const MarkerPoses poses,
                   MarkerPoses::measure(markers, kMeasuredBeforeS, root.fork("before")));
-  const std::vector<Test> tests = make_tests(poses, root.fork("tests"));
+  const std::vector<SensorsTest> tests = make_sensors_tests(poses, root.fork("tests"));
   std::vector<Outcome> outcomes(static_cast<std::size_t>(request.wearers));
   Course course;
   const std::size_t whole = 2 * tests.size() * outcomes.size();
@@ -356,10 +244,14 @@ Result<SensorsStudy> study_sensors(const SensorsRequest& request, const sensor::
   for (const eyewear::Marker& marker : markers.markers) study.markers.push_back(marker.name);
   for (const Outcome& outcome : outcomes) study.training.push_back(outcome.training);
   const std::size_t sensors = rig.sensors.size();
-  study.faithful = summed("faithful", sensors, 0, outcomes, tests, markers);
-  study.faithful16 =
-      summed("faithful16", sensors - ear_hook_sensors(rig).size(), 1, outcomes, tests, markers);
-  study.mean_pose = summed("mean_pose", 0, 2, outcomes, tests, markers);
+  const auto method = [&](std::string name, std::size_t of_sensors, std::size_t which) {
+    std::vector<std::vector<MarkerSums>> sums;
+    for (const Outcome& outcome : outcomes) sums.push_back(outcome.methods[which]);
+    return sum_up(std::move(name), of_sensors, sums, tests, markers);
+  };
+  study.faithful = method("faithful", sensors, 0);
+  study.faithful16 = method("faithful16", sensors - ear_hook_sensors(rig).size(), 1);
+  study.mean_pose = method("mean_pose", 0, 2);
   study.curve_s = outcomes.front().curve_s;
   study.curve_mm = outcomes.front().curve_mm;
   return study;

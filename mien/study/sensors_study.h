@@ -11,6 +11,7 @@
 #include "mien/core/progress.h"
 #include "mien/eyewear/markers.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/marker_errors.h"
 
 namespace mien::study {
 
@@ -23,39 +24,6 @@ struct SensorsRequest {
   double test_s = 10;          ///< Each of the nineteen tests.
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: one a core.
-};
-
-/// The kinds of test expressions: neutral, (A) poses of the six components, (B) the six universal
-/// expressions, (C) asymmetric ones.
-enum class TestSet : std::uint8_t { neutral, components, universal, asymmetric };
-inline constexpr std::size_t kTestSets = 4;
-[[nodiscard]] std::string_view test_set_name(TestSet set);
-/// The tests in the order in which they are made.
-inline constexpr std::size_t kTests = 19;
-
-/// How far estimated markers are from where they truly are. The paper says "root mean squared error for each
-/// marker" and gives averages: both readings are here.
-struct MarkerError {
-  double mean_mm = 0;  ///< Mean distance.
-  double rmse_mm = 0;  ///< Root mean square distance, of each marker; their mean where several are meant.
-};
-
-/// What one method gave over some markers, tests and wearers.
-struct SensorsRow {
-  MarkerError all;
-  MarkerError eyes_nose;
-  MarkerError mouth;
-};
-
-/// A method on all wearers.
-struct SensorsMethod {
-  std::string name;  ///< "faithful", "faithful16", "mean_pose".
-  std::size_t sensors = 0;
-  SensorsRow overall;
-  std::vector<SensorsRow> wearers;
-  std::array<SensorsRow, kTestSets> sets;
-  std::vector<SensorsRow> tests;     ///< kTests of them.
-  std::vector<MarkerError> markers;  ///< In the set's order.
 };
 
 /// One wearer's training.
