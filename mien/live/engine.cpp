@@ -33,6 +33,8 @@ constexpr auto kFrame = std::chrono::milliseconds(8);  // Half a frame: none is 
 constexpr auto kBeat = std::chrono::milliseconds(100);
 /// Status messages: five a second.
 constexpr int kBeatsPerStatus = 2;
+/// A session that is over goes on for a second, so that the page hears of it.
+constexpr int kLastBeats = 10;
 /// A session that calibrates itself has done so by then: half a minute.
 constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
@@ -113,7 +115,7 @@ struct Engine::State {
   void send_frame(const Answer& answer);
   void wait_for_beat();
   void on_beat();
-  [[nodiscard]] bool time_is_over() const;
+  [[nodiscard]] bool recording_is_over() const;
   void tell_of_lines();
   [[nodiscard]] Status status() const;
   void on_message(std::uint64_t client, std::string_view text);
@@ -149,6 +151,7 @@ struct Engine::State {
   std::array<Latencies, kPieces> pieces;
   std::size_t piece = 0;
   int beats = 0;
+  int beats_over = 0;  // Since the recording was over that the session is there for.
   std::uint64_t frames = 0;
   std::string frame_text;
   std::optional<std::filesystem::path> take;
@@ -239,7 +242,10 @@ void Engine::State::wait_for_beat() {
 }
 
 void Engine::State::on_beat() {
-  if (*stop || time_is_over()) {
+  if (recording_is_over() && ++beats_over == 1)
+    tell("recording_over", "the recording is over, and the session with it");
+  if (*stop || (settings.seconds && to_seconds(now().time_since_epoch()) >= *settings.seconds) ||
+      beats_over > kLastBeats) {
     network.stop();
     return;
   }
@@ -283,8 +289,7 @@ void Engine::State::on_beat() {
   if (listener.seen) listener.seen(now_is);
 }
 
-bool Engine::State::time_is_over() const {
-  if (settings.seconds && to_seconds(now().time_since_epoch()) >= *settings.seconds) return true;
+bool Engine::State::recording_is_over() const {
   if (!settings.ends_with_recording) return false;
   return !recorder.state().on || (!settings.prompts.empty() && loop.report().prompts.state == "over");
 }

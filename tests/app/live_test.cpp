@@ -108,9 +108,9 @@ class LiveProgram : public testing::Test {
       GTEST_SKIP() << "there is no models/live.safetensors";
     write(folder / "rig.toml", virt::test::kRig);
   }
-  Live start_live(const std::string& name, std::vector<std::string> more) {
+  Live start_live(const std::string& name, std::vector<std::string> more, const char* command = "live") {
     std::vector<std::string> arguments = {
-        "live", "--rig", folder / "rig.toml", "--listen", "udp://127.0.0.1:0", "--page", "off"};
+        command, "--rig", folder / "rig.toml", "--listen", "udp://127.0.0.1:0", "--page", "off"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     Live live;
     live.process = start(arguments, folder / (name + ".out"), folder / (name + ".err"));
@@ -154,6 +154,35 @@ TEST_F(LiveProgram, ATakeReplaysTenTimesToTheBitsOfTheSessionThatRecordedIt) {
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
+}
+
+TEST_F(LiveProgram, RecordAsksForPosesWritesThemAndEndsWithThem) {
+  const std::string take = folder / "poses.mien";
+  write(folder / "poses.toml",
+        "seconds = 1\n[[prompt]]\nname = \"rest\"\n[[prompt]]\nname = \"smile\"\nweights = { mouthSmile = "
+        "0.5 }\n");
+  const Live live =
+      start_live("record", {"--out", take, "--prompts", folder / "poses.toml", "--json"}, "record");
+  ASSERT_GT(live.port, 0) << content(folder / "record.err");
+  Sender sender(live.port, 10);
+  ASSERT_EQ(finish(live.process), 0) << content(folder / "record.err");  // By itself, while they still send.
+  const auto summary = nlohmann::json::parse(content(folder / "record.out"));
+  EXPECT_GT(summary["frames"], 60 * 4);
+  EXPECT_EQ(summary["take"], take);
+
+  const auto recorded = take::Take::open(take);
+  ASSERT_TRUE(recorded) << recorded.error().message();
+  EXPECT_EQ(recorded->header().script, folder / "poses.toml");
+  std::vector<take::Event> events = recorded->events().value();
+  std::erase_if(events, [](const take::Event& event) { return event.kind != "prompt"; });
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].json, R"({"name": "rest", "target": {}})");
+  EXPECT_EQ(events[1].json, R"({"name": "smile", "target": {"mouthSmile_L": 0.5, "mouthSmile_R": 0.5}})");
+  EXPECT_EQ(events[1].end - events[0].begin, std::chrono::seconds(2));
+
+  const Outcome again = run({"live", "--replay", take, "--json"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["hash"], summary["hash"]);
 }
 
 TEST_F(LiveProgram, KilledWhileRecordingItLosesASecondAtMost) {

@@ -260,8 +260,8 @@ TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   EXPECT_EQ(prompts["of"], 3);
   EXPECT_EQ(prompts["target"]["jawOpen"], 0.5);
   EXPECT_EQ(prompts["next"]["name"], "shut");
-  EXPECT_TRUE(
-      run_until(network, [&] { return page.ended() || page.last("status")["prompts"]["state"] == "over"; }));
+  EXPECT_TRUE(run_until(network, [&] { return page.last("status")["prompts"]["state"] == "over"; }));
+  EXPECT_TRUE(run_until(network, [&] { return page.has_event("recording_over"); }));
   const EngineSummary summary = running.wait();
   nodes.stop();
   EXPECT_THAT(summary.recording_error, IsEmpty());

@@ -96,6 +96,7 @@ export class Topbar {
     switch (standing) {
       case "away":
         if (connection.kind === "lost" && connection.refused) return "The session refuses this page: its address lacks the right token.";
+        if (connection.kind === "lost" && this.session.status.value?.prompts?.state === "over") return "The recording is over, and the session has ended.";
         if (connection.kind === "lost") return "Connection lost. Trying again.";
         return connection.kind === "stalled" ? "Nothing heard from the session." : "Connecting.";
       case "held":
