@@ -11,11 +11,6 @@ namespace {
 
 using face::Provenance;
 
-/// A critically damped spring that begins at rest has 5 % of its way left at this many of its time constants.
-constexpr double kConstantsTo5Percent = 4.744;
-/// And a hundred-thousandth after three times that: from there on the tracker's frame passes untouched.
-constexpr double kDoneAfter = 3;
-
 }  // namespace
 
 Fallback::Fallback(const FallbackSettings& settings) : shown_(neutral_frame({})), from_(neutral_frame({})) {
@@ -44,7 +39,7 @@ void Fallback::lose(face::OutputFrame& frame) {
     from_ = shown_;
     since_ = phase_ == Phase::waiting ? frame.time : shown_.time;
     phase_ = Phase::lost;
-    letting_go_ = false;
+    letting_go_.stop();
   }
   const double age_s = to_seconds(frame.time - since_);
   const double gone = ease((age_s - settings_.hold_s) / settings_.neutral_s);
@@ -72,63 +67,23 @@ void Fallback::lose(face::OutputFrame& frame) {
 }
 
 void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_there) {
-  if (phase_ == Phase::lost) {
-    from_ = shown_;
-    returning_ = true;
-    speed_.fill(0);
-    take_difference(frame);
-  } else if (phase_ == Phase::following && sensors_there != sensors_there_) {
-    if (!letting_go_) {
-      returning_ = false;
-      speed_.fill(0);
-    }
-    take_difference(frame);
+  const bool back = phase_ == Phase::lost;
+  if (back) from_ = shown_;
+  if (back || (phase_ == Phase::following && sensors_there != sensors_there_)) {
+    if (!letting_go_.going()) returning_ = back;
+    since_ = shown_.time;
+    letting_go_.take_all(shown_, frame);
   }
   phase_ = Phase::following;
   sensors_there_ = sensors_there;
-  if (letting_go_) let_go(frame);
+  letting_go_.apply(frame, to_seconds(frame.time - shown_.time), settings_.return_s);
+  if (returning_ && letting_go_.going()) tell_of_return(frame);
 }
 
-void Fallback::take_difference(const face::OutputFrame& frame) {
-  for (std::size_t i = 0; i < face::kShapeCount; ++i)
-    difference_[i] = static_cast<double>(shown_.weights[i]) - frame.weights[i];
-  difference_[kTongue] = static_cast<double>(shown_.tongue_out) - frame.tongue_out;
-  const Vec3 head = log_rotation(shown_.head * frame.head.conjugate());
-  for (int a = 0; a < 3; ++a) difference_[kHead + static_cast<std::size_t>(a)] = head[a];
-  for (std::size_t e = 0; e < 2; ++e) {
-    difference_[kEyes + 2 * e] = shown_.eyes_rad[e].x() - frame.eyes_rad[e].x();
-    difference_[kEyes + 2 * e + 1] = shown_.eyes_rad[e].y() - frame.eyes_rad[e].y();
-  }
-  since_ = shown_.time;
-  letting_go_ = true;
-}
-
-void Fallback::let_go(face::OutputFrame& frame) {
-  const double age_s = to_seconds(frame.time - since_);
-  if (age_s >= kDoneAfter * settings_.return_s) {
-    letting_go_ = false;
-    return;
-  }
-  const double omega = kConstantsTo5Percent / settings_.return_s;
-  const double step_s = to_seconds(frame.time - shown_.time);
-  const double fall = std::exp(-omega * step_s);
-  for (std::size_t i = 0; i < difference_.size(); ++i) {
-    const double pull = speed_[i] + omega * difference_[i];
-    difference_[i] = (difference_[i] + pull * step_s) * fall;
-    speed_[i] = (speed_[i] - omega * pull * step_s) * fall;
-  }
-  for (std::size_t i = 0; i < face::kShapeCount; ++i)
-    frame.weights[i] = std::clamp(static_cast<float>(frame.weights[i] + difference_[i]), 0.0f, 1.0f);
-  frame.tongue_out = std::clamp(static_cast<float>(frame.tongue_out + difference_[kTongue]), 0.0f, 1.0f);
-  const Vec3 head(difference_[kHead], difference_[kHead + 1], difference_[kHead + 2]);
-  frame.head = canonical(exp_rotation(head) * frame.head);
-  for (std::size_t e = 0; e < 2; ++e) {
-    const Eigen::Vector2d away(difference_[kEyes + 2 * e], difference_[kEyes + 2 * e + 1]);
-    frame.eyes_rad[e] =
-        (frame.eyes_rad[e] + away.cast<float>()).cwiseMax(-kEyeAtMostRad).cwiseMin(kEyeAtMostRad);
-  }
-  if (!returning_) return;
+void Fallback::tell_of_return(face::OutputFrame& frame) const {
   // Confidence comes with the tracker's share of what is shown, provenance with its larger half.
+  const double omega = kConstantsTo5Percent / settings_.return_s;
+  const double age_s = to_seconds(frame.time - since_);
   const double back = 1 - (1 + omega * age_s) * std::exp(-omega * age_s);
   const auto sure = static_cast<float>(back);
   for (std::size_t i = 0; i < face::kShapeCount; ++i) {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 
 #include "mien/face/output_frame.h"
+#include "mien/shaping/letting_go.h"
 
 namespace mien::shaping {
 
@@ -27,9 +27,9 @@ struct FallbackSettings {
 /// upright at the yaw where it was (a face that turned away by itself would be worse than one that keeps
 /// looking there). Provenance held while holding, then neutral; confidence falls evenly to 0 over both.
 /// Back, or another number of sensors there: what is shown goes on from where it was. The difference to the
-/// tracker's face is let go as by a critically damped spring that begins at rest, so the tracker's own
-/// movement shows at once. The largest step a 60 Hz frame besides the face's own is 0.1 of the difference on
-/// the way back and 0.05 of the weight on the way to neutral.
+/// tracker's face is let go (LettingGo), so the tracker's own movement shows at once. The largest step a
+/// 60 Hz frame besides the face's own is 0.1 of the difference on the way back and 0.05 of the weight on the
+/// way to neutral.
 /// On frame time; no allocation; a frame that follows without a change keeps its bits.
 class Fallback {
  public:
@@ -45,16 +45,11 @@ class Fallback {
 
  private:
   enum class Phase : std::uint8_t { waiting, following, lost };
-  // Weights, tongue, head (rotation vector, frame W), eyes: what is shown less the tracker's.
-  static constexpr std::size_t kTongue = face::kShapeCount;
-  static constexpr std::size_t kHead = kTongue + 1;
-  static constexpr std::size_t kEyes = kHead + 3;
-  using Difference = std::array<double, kEyes + 4>;
 
   void lose(face::OutputFrame& frame);
   void follow(face::OutputFrame& frame, std::size_t sensors_there);
-  void take_difference(const face::OutputFrame& frame);
-  void let_go(face::OutputFrame& frame);
+  /// Confidence and provenance while the tracker's face is taken up again.
+  void tell_of_return(face::OutputFrame& frame) const;
 
   FallbackSettings settings_;
   Phase phase_ = Phase::waiting;
@@ -62,10 +57,8 @@ class Fallback {
   face::OutputFrame shown_;  // The last frame as it left.
   face::OutputFrame from_;   // What was shown when sensors were lost, or when they came back.
   DeviceTime since_;         // Of the loss, or of the newest difference.
-  bool letting_go_ = false;
-  bool returning_ = false;  // From a loss of all, not from a change.
-  Difference difference_{};
-  Difference speed_{};  // Of the difference, a second.
+  bool returning_ = false;   // From a loss of all, not from a change.
+  LettingGo letting_go_;
 };
 
 }  // namespace mien::shaping

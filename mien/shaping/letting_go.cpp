@@ -1,0 +1,82 @@
+#include "mien/shaping/letting_go.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/shaping/bounds.h"
+
+namespace mien::shaping {
+namespace {
+
+/// A hundred-thousandth is left after so many times the time to 5 %: from there on frames pass untouched.
+constexpr double kDoneAfter = 3;
+
+}  // namespace
+
+void LettingGo::take(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
+  const std::size_t first = first_value(part);
+  if (part < face::kShapeCount) {
+    difference_[first] = static_cast<double>(shown.weights[part]) - next.weights[part];
+  } else if (part == kTongue) {
+    difference_[first] = static_cast<double>(shown.tongue_out) - next.tongue_out;
+  } else if (part == kHead) {
+    const Vec3 head = log_rotation(shown.head * next.head.conjugate());
+    for (std::size_t a = 0; a < 3; ++a) difference_[first + a] = head[static_cast<Eigen::Index>(a)];
+  } else {
+    for (std::size_t e = 0; e < 2; ++e) {
+      difference_[first + 2 * e] = shown.eyes_rad[e].x() - next.eyes_rad[e].x();
+      difference_[first + 2 * e + 1] = shown.eyes_rad[e].y() - next.eyes_rad[e].y();
+    }
+  }
+  since_[part] = shown.time;
+  if (going_[part]) return;
+  for (std::size_t i = first; i < first_value(part + 1); ++i) speed_[i] = 0;
+  going_[part] = true;
+  ++going_count_;
+}
+
+void LettingGo::take_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
+  for (std::size_t part = 0; part < kParts; ++part) take(part, shown, next);
+}
+
+void LettingGo::stop() {
+  going_.fill(false);
+  going_count_ = 0;
+}
+
+void LettingGo::apply(face::OutputFrame& frame, double step_s, double return_s) {
+  if (!going()) return;
+  const double omega = kConstantsTo5Percent / return_s;
+  const double fall = std::exp(-omega * step_s);
+  for (std::size_t part = 0; part < kParts; ++part) {
+    if (!going_[part]) continue;
+    if (to_seconds(frame.time - since_[part]) >= kDoneAfter * return_s) {
+      going_[part] = false;
+      --going_count_;
+      continue;
+    }
+    const std::size_t first = first_value(part);
+    for (std::size_t i = first; i < first_value(part + 1); ++i) {
+      const double pull = speed_[i] + omega * difference_[i];
+      difference_[i] = (difference_[i] + pull * step_s) * fall;
+      speed_[i] = (speed_[i] - omega * pull * step_s) * fall;
+    }
+    if (part < face::kShapeCount) {
+      frame.weights[part] =
+          std::clamp(static_cast<float>(frame.weights[part] + difference_[first]), 0.0F, 1.0F);
+    } else if (part == kTongue) {
+      frame.tongue_out = std::clamp(static_cast<float>(frame.tongue_out + difference_[first]), 0.0F, 1.0F);
+    } else if (part == kHead) {
+      const Vec3 head(difference_[first], difference_[first + 1], difference_[first + 2]);
+      frame.head = canonical(exp_rotation(head) * frame.head);
+    } else {
+      for (std::size_t e = 0; e < 2; ++e) {
+        const Eigen::Vector2d away(difference_[first + 2 * e], difference_[first + 2 * e + 1]);
+        frame.eyes_rad[e] =
+            (frame.eyes_rad[e] + away.cast<float>()).cwiseMax(-kEyeAtMostRad).cwiseMin(kEyeAtMostRad);
+      }
+    }
+  }
+}
+
+}  // namespace mien::shaping

@@ -1,0 +1,98 @@
+#include "mien/shaping/letting_go.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/shaping/frames.h"
+
+namespace mien::shaping {
+namespace {
+
+constexpr double kStep_s = 1.0 / 60;
+constexpr double kReturn_s = 0.3;
+
+TEST(LettingGo, EachPartGoesByItselfAndLeavesTheOthersBits) {
+  for (std::size_t part = 0; part < LettingGo::kParts; ++part) {
+    LettingGo letting_go;
+    face::OutputFrame shown = measured(0, 0.2F);
+    const auto next = [](int i) {
+      face::OutputFrame frame = measured(i, 0.7F);
+      frame.tongue_out = 0.4F;
+      frame.head = exp_rotation({0.1, 0.5, 0});
+      frame.eyes_rad = {Eigen::Vector2f(0.2F, 0.1F), Eigen::Vector2f(-0.1F, 0.3F)};
+      return frame;
+    };
+    letting_go.take(part, shown, next(1));
+    ASSERT_TRUE(letting_go.going());
+    for (int i = 1; i <= 60; ++i) {
+      face::OutputFrame out = next(i);
+      letting_go.apply(out, kStep_s, kReturn_s);
+      const face::OutputFrame plain = next(i);
+      for (std::size_t k = 0; k < face::kShapeCount; ++k)
+        if (k != part) {
+          ASSERT_EQ(out.weights[k], plain.weights[k]);
+        }
+      if (part != LettingGo::kTongue) {
+        ASSERT_EQ(out.tongue_out, plain.tongue_out);
+      }
+      if (part != LettingGo::kHead) {
+        ASSERT_EQ(angle_between(out.head, plain.head), 0);
+      }
+      if (part != LettingGo::kEyes) {
+        ASSERT_EQ(out.eyes_rad, plain.eyes_rad);
+      }
+      // At 0.3 s 5 % are left: of the weight 0.5, of the tongue 0.4, of the head and of each eye.
+      if (i != 18) continue;
+      if (part < face::kShapeCount) {
+        EXPECT_NEAR(out.weights[part], 0.7 - 0.05 * 0.5, 1e-3);
+      }
+      if (part == LettingGo::kTongue) {
+        EXPECT_NEAR(out.tongue_out, 0.4 - 0.05 * 0.4, 1e-3);
+      }
+      if (part == LettingGo::kHead) {
+        EXPECT_NEAR(angle_between(out.head, plain.head), 0.05 * std::hypot(0.1, 0.5), 1e-3);
+      }
+      if (part == LettingGo::kEyes) {
+        EXPECT_NEAR(out.eyes_rad[0].x(), 0.95 * 0.2, 1e-3);
+        EXPECT_NEAR(out.eyes_rad[1].y(), 0.95 * 0.3, 1e-3);
+      }
+    }
+    EXPECT_FALSE(letting_go.going()) << "done after 3 return_s";
+  }
+}
+
+TEST(LettingGo, FollowsItsClosedForm) {
+  LettingGo letting_go;
+  letting_go.take(0, measured(0, 1), measured(0, 0));
+  const double omega = kConstantsTo5Percent / kReturn_s;
+  double before = 1;
+  for (int i = 1; i <= 53; ++i) {
+    face::OutputFrame out = measured(i, 0);
+    letting_go.apply(out, to_seconds(frame_time(i) - frame_time(i - 1)), kReturn_s);
+    const double t = to_seconds(frame_time(i) - frame_time(0));
+    ASSERT_NEAR(out.weights[0], (1 + omega * t) * std::exp(-omega * t), 1e-6);
+    ASSERT_LE(before - out.weights[0], 0.0975);
+    before = out.weights[0];
+  }
+}
+
+TEST(LettingGo, ATakeInTheMiddleKeepsTheSpeed) {
+  LettingGo letting_go;
+  letting_go.take(0, measured(0, 1), measured(0, 0));
+  face::OutputFrame out;
+  for (int i = 1; i <= 5; ++i) {
+    out = measured(i, 0);
+    letting_go.apply(out, kStep_s, kReturn_s);
+  }
+  // The same difference to the same source, taken again: nothing changes but the time at which it is done.
+  LettingGo again = letting_go;
+  again.take(0, out, measured(6, 0));
+  face::OutputFrame one = measured(6, 0), other = measured(6, 0);
+  letting_go.apply(one, kStep_s, kReturn_s);
+  again.apply(other, kStep_s, kReturn_s);
+  EXPECT_NEAR(one.weights[0], other.weights[0], 1e-6);
+  again.stop();
+  EXPECT_FALSE(again.going());
+}
+
+}  // namespace
+}  // namespace mien::shaping
