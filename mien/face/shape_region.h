@@ -18,9 +18,6 @@ enum class ShapeRegion : std::uint8_t {
   jaw,
 };
 inline constexpr std::size_t kShapeRegionCount = 5;
-/// "brows", ...: in the order of ShapeRegion.
-inline constexpr std::array<std::string_view, kShapeRegionCount> kShapeRegionNames = {
-    "brows", "eyes", "cheeks", "mouth", "jaw"};
 
 namespace detail {
 /// ICT's names begin with the region.

@@ -1,29 +1,19 @@
 #include "mien/shaping/fallback.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "mien/shaping/bounds.h"
-#include "mien/shaping/ease.h"
+#include "mien/shaping/fading.h"
+#include "mien/shaping/frame_parts.h"
 
 namespace mien::shaping {
-namespace {
-
-using face::Provenance;
-
-}  // namespace
 
 Fallback::Fallback(const FallbackSettings& settings) : shown_(neutral_frame({})), from_(neutral_frame({})) {
   set(settings);
 }
 
 void Fallback::set(const FallbackSettings& settings) {
-  const auto within = [](double x, double least) {
-    return x > least ? std::min(x, FallbackSettings::kLongest_s) : least;  // Not a number: the least.
-  };
-  settings_.hold_s = within(settings.hold_s, 0);
-  settings_.neutral_s = within(settings.neutral_s, FallbackSettings::kShortest_s);
-  settings_.return_s = within(settings.return_s, FallbackSettings::kShortest_s);
+  settings_ = settings.within_range();
 }
 
 void Fallback::apply(face::OutputFrame& frame, std::size_t sensors_there) {
@@ -41,29 +31,8 @@ void Fallback::lose(face::OutputFrame& frame) {
     phase_ = Phase::lost;
     letting_go_.stop();
   }
-  const double age_s = to_seconds(frame.time - since_);
-  const double gone = ease((age_s - settings_.hold_s) / settings_.neutral_s);
-  const auto sure =
-      static_cast<float>(std::clamp(1 - age_s / (settings_.hold_s + settings_.neutral_s), 0.0, 1.0));
-  const auto told = [&](Provenance was) {
-    return was == Provenance::neutral || age_s > settings_.hold_s ? Provenance::neutral : Provenance::held;
-  };
-  const auto left = static_cast<float>(1 - gone);
-  for (std::size_t i = 0; i < face::kShapeCount; ++i) {
-    frame.weights[i] = left * from_.weights[i];
-    frame.confidence[i] = sure * from_.confidence[i];
-    frame.provenance[i] = told(from_.provenance[i]);
-  }
-  frame.tongue_out = left * from_.tongue_out;
-  const Quat upright = twist_about(from_.head, Vec3::UnitY());
-  frame.head =
-      gone > 0 ? canonical(exp_rotation(gone * log_rotation(upright * from_.head.conjugate())) * from_.head)
-               : from_.head;
-  frame.head_confidence = sure * from_.head_confidence;
-  frame.head_provenance = told(from_.head_provenance);
-  for (std::size_t e = 0; e < 2; ++e) frame.eyes_rad[e] = left * from_.eyes_rad[e];
-  frame.eyes_confidence = sure * from_.eyes_confidence;
-  frame.eyes_provenance = told(from_.eyes_provenance);
+  const Fading fading(to_seconds(frame.time - since_), settings_);
+  for (std::size_t part = 0; part < kPartCount; ++part) fading.apply(part, from_, frame);
 }
 
 void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_there) {

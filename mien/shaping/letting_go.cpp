@@ -17,9 +17,9 @@ void LettingGo::take(std::size_t part, const face::OutputFrame& shown, const fac
   const std::size_t first = first_value(part);
   if (part < face::kShapeCount) {
     difference_[first] = static_cast<double>(shown.weights[part]) - next.weights[part];
-  } else if (part == kTongue) {
+  } else if (part == kTonguePart) {
     difference_[first] = static_cast<double>(shown.tongue_out) - next.tongue_out;
-  } else if (part == kHead) {
+  } else if (part == kHeadPart) {
     const Vec3 head = log_rotation(shown.head * next.head.conjugate());
     for (std::size_t a = 0; a < 3; ++a) difference_[first + a] = head[static_cast<Eigen::Index>(a)];
   } else {
@@ -36,7 +36,13 @@ void LettingGo::take(std::size_t part, const face::OutputFrame& shown, const fac
 }
 
 void LettingGo::take_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
-  for (std::size_t part = 0; part < kParts; ++part) take(part, shown, next);
+  for (std::size_t part = 0; part < kPartCount; ++part) take(part, shown, next);
+}
+
+void LettingGo::stop(std::size_t part) {
+  if (!going_[part]) return;
+  going_[part] = false;
+  --going_count_;
 }
 
 void LettingGo::stop() {
@@ -48,11 +54,10 @@ void LettingGo::apply(face::OutputFrame& frame, double step_s, double return_s) 
   if (!going()) return;
   const double omega = kConstantsTo5Percent / return_s;
   const double fall = std::exp(-omega * step_s);
-  for (std::size_t part = 0; part < kParts; ++part) {
+  for (std::size_t part = 0; part < kPartCount; ++part) {
     if (!going_[part]) continue;
     if (to_seconds(frame.time - since_[part]) >= kDoneAfter * return_s) {
-      going_[part] = false;
-      --going_count_;
+      stop(part);
       continue;
     }
     const std::size_t first = first_value(part);
@@ -64,9 +69,9 @@ void LettingGo::apply(face::OutputFrame& frame, double step_s, double return_s) 
     if (part < face::kShapeCount) {
       frame.weights[part] =
           std::clamp(static_cast<float>(frame.weights[part] + difference_[first]), 0.0F, 1.0F);
-    } else if (part == kTongue) {
+    } else if (part == kTonguePart) {
       frame.tongue_out = std::clamp(static_cast<float>(frame.tongue_out + difference_[first]), 0.0F, 1.0F);
-    } else if (part == kHead) {
+    } else if (part == kHeadPart) {
       const Vec3 head(difference_[first], difference_[first + 1], difference_[first + 2]);
       frame.head = canonical(exp_rotation(head) * frame.head);
     } else {

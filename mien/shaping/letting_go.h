@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "mien/face/output_frame.h"
+#include "mien/shaping/frame_parts.h"
 
 namespace mien::shaping {
 
@@ -19,14 +20,8 @@ inline constexpr double kConstantsTo5Percent = 4.744;
 /// On frame time; no allocation; frames keep the bits of parts that are not being let go.
 class LettingGo {
  public:
-  /// The parts of a frame: the 53 shapes by their numbers, then these.
-  static constexpr std::size_t kTongue = face::kShapeCount;
-  static constexpr std::size_t kHead = kTongue + 1;
-  static constexpr std::size_t kEyes = kHead + 1;
-  static constexpr std::size_t kParts = kEyes + 1;
-
-  /// Takes the difference of what was `shown` to the `next` source's frame in one part. A part that is still
-  /// being let go keeps its speed.
+  /// Takes the difference of what was `shown` to the `next` source's frame in one part (frame_parts.h). A
+  /// part that is still being let go keeps its speed.
   void take(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next);
   /// As take, of every part.
   void take_all(const face::OutputFrame& shown, const face::OutputFrame& next);
@@ -35,23 +30,24 @@ class LettingGo {
   void apply(face::OutputFrame& frame, double step_s, double return_s);
   /// Some part is being let go.
   [[nodiscard]] bool going() const { return going_count_ > 0; }
-  /// Nothing is left of any part.
+  /// Nothing is left of one part, or of any.
+  void stop(std::size_t part);
   void stop();
 
  private:
   // The values of a part: one a shape and of the tongue, 3 of the head (rotation vector, frame W), 4 of the
   // eyes.
-  static constexpr std::size_t kHeadValues = kHead;
+  static constexpr std::size_t kHeadValues = kHeadPart;
   static constexpr std::size_t kEyesValues = kHeadValues + 3;
   static constexpr std::size_t kValues = kEyesValues + 4;
   [[nodiscard]] static constexpr std::size_t first_value(std::size_t part) {
-    return part < kEyes ? part : part == kEyes ? kEyesValues : kValues;
+    return part < kEyesPart ? part : part == kEyesPart ? kEyesValues : kValues;
   }
 
-  std::array<double, kValues> difference_{};  // What is shown less the source's.
-  std::array<double, kValues> speed_{};       // Of the difference, a second.
-  std::array<DeviceTime, kParts> since_{};    // When the difference was taken.
-  std::array<bool, kParts> going_{};
+  std::array<double, kValues> difference_{};    // What is shown less the source's.
+  std::array<double, kValues> speed_{};         // Of the difference, a second.
+  std::array<DeviceTime, kPartCount> since_{};  // When the difference was taken.
+  std::array<bool, kPartCount> going_{};
   std::size_t going_count_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -73,6 +74,63 @@ Result<void> read_fallback(const json& table, const std::string& where, Fallback
   return {};
 }
 
+/// The trackers that are asked about one place.
+Result<void> read_order(const std::string& place, const json& names, const std::string& where,
+                        MergeSettings& merge) {
+  const auto found = std::ranges::find(kMergePlaceNames, place);
+  if (found == kMergePlaceNames.end())
+    return fail(ErrorCode::malformed, fmt::format("'order' has no '{}'", place), where,
+                fmt::format("places are {}", fmt::join(kMergePlaceNames, ", ")));
+  if (!names.is_array())
+    return fail(ErrorCode::malformed, fmt::format("the order of {} is no list", place), where,
+                R"(give names of trackers, as ["eyewear", "imu"])");
+  if (names.size() > MergeSettings::kMostNames)
+    return fail(ErrorCode::out_of_range,
+                fmt::format("the order of {} has more than {} names", place, MergeSettings::kMostNames),
+                where);
+  MergeSettings::Order order;
+  for (const json& entry : names) {
+    if (!entry.is_string())
+      return fail(ErrorCode::malformed, fmt::format("the order of {} holds what is no name", place), where);
+    std::string name = entry.get<std::string>();
+    if (name.empty() || name.size() > MergeSettings::kLongestName ||
+        !std::ranges::all_of(name, [](char c) { return c >= 'a' && c <= 'z'; }))
+      return fail(ErrorCode::malformed, fmt::format("the order of {} holds what is no tracker's name", place),
+                  where, "names are of small letters, as imu");
+    if (std::ranges::find(order, name) != order.end())
+      return fail(ErrorCode::malformed, fmt::format("the order of {} names {} twice", place, name), where);
+    order.push_back(std::move(name));
+  }
+  merge.order[static_cast<std::size_t>(found - kMergePlaceNames.begin())] = std::move(order);
+  return {};
+}
+
+Result<void> read_merge(const json& table, const std::string& where, MergeSettings& merge) {
+  if (!table.is_object()) return fail(ErrorCode::malformed, "'merge' is no table", where);
+  for (const auto& [key, value] : table.items()) {
+    if (key == "sure") {
+      MIEN_TRY(read_within(value, "'sure'", 0.0F, 1.0F, where, merge.sure));
+    } else if (key == "unsure") {
+      MIEN_TRY(read_within(value, "'unsure'", 0.0F, 1.0F, where, merge.unsure));
+    } else if (key == "order") {
+      if (!value.is_object()) return fail(ErrorCode::malformed, "'order' is no table of places", where);
+      for (const auto& [place, names] : value.items()) MIEN_TRY(read_order(place, names, where, merge));
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("'merge' has no '{}'", key), where);
+    }
+  }
+  if (merge.unsure > merge.sure)
+    return fail(ErrorCode::out_of_range, "'unsure' is above 'sure'", where, "give it at most as much");
+  return {};
+}
+
+json write_merge(const MergeSettings& merge) {
+  json order = json::object();
+  for (std::size_t place = 0; place < kMergePlaceCount; ++place)
+    order[std::string(kMergePlaceNames[place])] = merge.order[place];
+  return {{"sure", merge.sure}, {"unsure", merge.unsure}, {"order", std::move(order)}};
+}
+
 }  // namespace
 
 std::string write_settings(const ShaperSettings& settings) {
@@ -84,15 +142,16 @@ std::string write_settings(const ShaperSettings& settings) {
     if (shape.gain != 1) gains[name] = shape.gain;
     if (shape.low != 0 || shape.high != 1) limits[name] = json::array({shape.low, shape.high});
   }
-  return json{{"smoothing", settings.smoothing},
+  json out = {{"smoothing", settings.smoothing},
               {"smooth_head", settings.smooth_head},
               {"gains", std::move(gains)},
               {"limits", std::move(limits)},
               {"fallback",
                {{"hold_s", settings.fallback.hold_s},
                 {"neutral_s", settings.fallback.neutral_s},
-                {"return_s", settings.fallback.return_s}}}}
-      .dump();
+                {"return_s", settings.fallback.return_s}}}};
+  if (settings.merge != MergeSettings{}) out["merge"] = write_merge(settings.merge);
+  return out.dump();
 }
 
 Result<ShaperSettings> parse_settings(std::string_view text, const std::string& where,
@@ -112,6 +171,8 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
       MIEN_TRY(read_limits(value, where, settings.limits));
     } else if (key == "fallback") {
       MIEN_TRY(read_fallback(value, where, settings.fallback));
+    } else if (key == "merge") {
+      MIEN_TRY(read_merge(value, where, settings.merge));
     } else {
       return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", key), where);
     }

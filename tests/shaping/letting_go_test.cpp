@@ -11,7 +11,7 @@ constexpr double kStep_s = 1.0 / 60;
 constexpr double kReturn_s = 0.3;
 
 TEST(LettingGo, EachPartGoesByItselfAndLeavesTheOthersBits) {
-  for (std::size_t part = 0; part < LettingGo::kParts; ++part) {
+  for (std::size_t part = 0; part < kPartCount; ++part) {
     LettingGo letting_go;
     face::OutputFrame shown = measured(0, 0.2F);
     const auto next = [](int i) {
@@ -31,13 +31,13 @@ TEST(LettingGo, EachPartGoesByItselfAndLeavesTheOthersBits) {
         if (k != part) {
           ASSERT_EQ(out.weights[k], plain.weights[k]);
         }
-      if (part != LettingGo::kTongue) {
+      if (part != kTonguePart) {
         ASSERT_EQ(out.tongue_out, plain.tongue_out);
       }
-      if (part != LettingGo::kHead) {
+      if (part != kHeadPart) {
         ASSERT_EQ(angle_between(out.head, plain.head), 0);
       }
-      if (part != LettingGo::kEyes) {
+      if (part != kEyesPart) {
         ASSERT_EQ(out.eyes_rad, plain.eyes_rad);
       }
       // At 0.3 s 5 % are left: of the weight 0.5, of the tongue 0.4, of the head and of each eye.
@@ -45,13 +45,13 @@ TEST(LettingGo, EachPartGoesByItselfAndLeavesTheOthersBits) {
       if (part < face::kShapeCount) {
         EXPECT_NEAR(out.weights[part], 0.7 - 0.05 * 0.5, 1e-3);
       }
-      if (part == LettingGo::kTongue) {
+      if (part == kTonguePart) {
         EXPECT_NEAR(out.tongue_out, 0.4 - 0.05 * 0.4, 1e-3);
       }
-      if (part == LettingGo::kHead) {
+      if (part == kHeadPart) {
         EXPECT_NEAR(angle_between(out.head, plain.head), 0.05 * std::hypot(0.1, 0.5), 1e-3);
       }
-      if (part == LettingGo::kEyes) {
+      if (part == kEyesPart) {
         EXPECT_NEAR(out.eyes_rad[0].x(), 0.95 * 0.2, 1e-3);
         EXPECT_NEAR(out.eyes_rad[1].y(), 0.95 * 0.3, 1e-3);
       }

@@ -16,6 +16,22 @@ TEST(Settings, GoThroughJson) {
   EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
 }
 
+TEST(Settings, OfMergingGoThroughJsonAndAreLeftOutWhileDefault) {
+  ShaperSettings settings;
+  EXPECT_EQ(write_settings(settings).find("merge"), std::string::npos);
+  settings.merge.sure = 0.7F;
+  settings.merge.unsure = 0.1F;
+  settings.merge.order[static_cast<std::size_t>(MergePlace::gaze)] = {"imu"};
+  settings.merge.order[static_cast<std::size_t>(MergePlace::mouth)] = {};
+  EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
+  const ShaperSettings changed =
+      parse_settings(R"({"merge": {"order": {"mouth": ["speech", "imu"]}}})", "page").value();
+  EXPECT_EQ(changed.merge.order[static_cast<std::size_t>(MergePlace::mouth)],
+            (MergeSettings::Order{"speech", "imu"}));
+  EXPECT_EQ(changed.merge.order[static_cast<std::size_t>(MergePlace::jaw)],
+            MergeSettings().order[static_cast<std::size_t>(MergePlace::jaw)]);
+}
+
 TEST(Settings, WhatIsNotNamedStays) {
   ShaperSettings base;
   base.smoothing = 0.5;
@@ -50,6 +66,17 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"fallback": 1})",
                            R"({"fallback": {"hold": 1}})",
                            R"({"fallback": {"hold_s": {}}})",
+                           R"({"merge": []})",
+                           R"({"merge": {"hold": 1}})",
+                           R"({"merge": {"sure": "very"}})",
+                           R"({"merge": {"order": ["imu"]}})",
+                           R"({"merge": {"order": {"nose": ["imu"]}}})",
+                           R"({"merge": {"order": {"jaw": "imu"}}})",
+                           R"({"merge": {"order": {"jaw": [1]}}})",
+                           R"({"merge": {"order": {"jaw": [""]}}})",
+                           R"({"merge": {"order": {"jaw": ["IMU"]}}})",
+                           R"({"merge": {"order": {"jaw": ["imu", "imu"]}}})",
+                           R"({"merge": {"order": {"jaw": ["abcdefghijklmnopqrstuvwxyzabcdefg"]}}})",
                            R"({"colour": 1})",
                            R"({"smoothing": 1e999})"})
     EXPECT_EQ(code(text), ErrorCode::malformed) << text;
@@ -57,7 +84,9 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"gains": {"jawOpen": -1}})", R"({"limits": {"jawOpen": [0.5, 0.4]}})",
                            R"({"limits": {"jawOpen": [-0.1, 1]}})", R"({"limits": {"jawOpen": [0, 1.5]}})",
                            R"({"fallback": {"hold_s": -1}})", R"({"fallback": {"neutral_s": 0}})",
-                           R"({"fallback": {"return_s": 11}})"})
+                           R"({"fallback": {"return_s": 11}})", R"({"merge": {"sure": 1.5}})",
+                           R"({"merge": {"sure": 0.2}})", R"({"merge": {"unsure": 0.6}})",
+                           R"({"merge": {"order": {"jaw": ["a", "b", "c", "d", "e", "f", "g", "h", "i"]}}})"})
     EXPECT_EQ(code(text), ErrorCode::out_of_range) << text;
   EXPECT_EQ(parse_settings(R"({"smoothing": 2})", "page").error().message(),
             "page: 'smoothing' is 2; give 0 to 1");

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+
+#include "mien/face/output_frame.h"
+
+namespace mien::shaping {
+
+/// The parts of an output frame that can come from different sources and go their own ways: the 53 shapes by
+/// their numbers, each with its confidence and provenance, then these.
+inline constexpr std::size_t kTonguePart = face::kShapeCount;
+inline constexpr std::size_t kHeadPart = kTonguePart + 1;
+inline constexpr std::size_t kEyesPart = kHeadPart + 1;
+inline constexpr std::size_t kPartCount = kEyesPart + 1;
+
+/// One part of a frame into another frame, to the bit.
+inline void copy_part(const face::OutputFrame& from, std::size_t part, face::OutputFrame& out) {
+  if (part < face::kShapeCount) {
+    out.weights[part] = from.weights[part];
+    out.confidence[part] = from.confidence[part];
+    out.provenance[part] = from.provenance[part];
+  } else if (part == kTonguePart) {
+    out.tongue_out = from.tongue_out;
+  } else if (part == kHeadPart) {
+    out.head = from.head;
+    out.head_confidence = from.head_confidence;
+    out.head_provenance = from.head_provenance;
+  } else {
+    out.eyes_rad = from.eyes_rad;
+    out.eyes_confidence = from.eyes_confidence;
+    out.eyes_provenance = from.eyes_provenance;
+  }
+}
+
+}  // namespace mien::shaping

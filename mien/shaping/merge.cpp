@@ -1,0 +1,159 @@
+#include "mien/shaping/merge.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "mien/shaping/bounds.h"
+#include "mien/shaping/fading.h"
+
+namespace mien::shaping {
+namespace {
+
+using face::OutputFrame;
+using face::Provenance;
+
+/// The place that decides over a part of the frame; the tongue goes with the jaw.
+constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
+  std::array<std::size_t, kPartCount> places{};
+  for (std::size_t i = 0; i < face::kShapeCount; ++i)
+    places[i] = static_cast<std::size_t>(face::kShapeRegions[i]);
+  places[kTonguePart] = static_cast<std::size_t>(MergePlace::jaw);
+  places[kHeadPart] = static_cast<std::size_t>(MergePlace::head);
+  places[kEyesPart] = static_cast<std::size_t>(MergePlace::gaze);
+  return places;
+}();
+/// The tongue has no confidence of its own.
+constexpr std::size_t kTongueGoesWith = face::shape("jawOpen");
+
+bool knows_anything(const Merge::Source& source) {
+  const auto told = [](Provenance p) { return p != Provenance::neutral; };
+  return source.sensors_there > 0 &&
+         (std::ranges::any_of(source.frame->provenance, told) || told(source.frame->head_provenance) ||
+          told(source.frame->eyes_provenance));
+}
+
+}  // namespace
+
+std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order() {
+  return {{
+      {"headset", "eyewear", "imu", "speech"},  // brows
+      {"headset", "eyewear", "imu", "speech"},  // eyes
+      {"imu", "eyewear", "headset", "speech"},  // cheeks
+      {"headset", "imu", "eyewear", "speech"},  // mouth
+      {"headset", "imu", "eyewear", "speech"},  // jaw
+      {"imu", "headset", "eyewear", "speech"},  // head
+      {"headset", "eyewear", "imu", "speech"},  // gaze
+  }};
+}
+
+Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
+             const FallbackSettings& times)
+    : modalities_(std::move(modalities)), last_(modalities_.size(), neutral_frame({})) {
+  assert(!modalities_.empty() && modalities_.size() <= kMostSources);
+  set(settings, times);
+  reset();
+}
+
+void Merge::set(const MergeSettings& settings, const FallbackSettings& times) {
+  settings_ = settings;
+  settings_.sure = settings.sure > 0 ? std::min(settings.sure, 1.0F) : 0.0F;  // Not a number: the least.
+  settings_.unsure = settings.unsure > 0 ? std::min(settings.unsure, settings_.sure) : 0.0F;
+  times_ = times.within_range();
+  for (std::size_t place = 0; place < kMergePlaceCount; ++place) {
+    std::vector<std::uint8_t>& order = order_[place];
+    order.clear();
+    const auto ask = [&](std::size_t source) {
+      const auto number = static_cast<std::uint8_t>(source);
+      if (std::ranges::find(order, number) == order.end()) order.push_back(number);
+    };
+    for (const std::string& name : settings_.order[place])
+      for (std::size_t s = 0; s < modalities_.size(); ++s)
+        if (modalities_[s] == name) ask(s);
+    for (std::size_t s = 0; s < modalities_.size(); ++s) ask(s);
+  }
+}
+
+void Merge::reset() {
+  std::ranges::fill(last_, neutral_frame({}));
+  answers_.fill(kNobody);
+  letting_go_.stop();
+  from_ = neutral_frame({});
+  begun_ = known_ = false;
+}
+
+Merge::Say Merge::say(const Source& source, std::size_t part) {
+  Say out;
+  const OutputFrame& frame = *source.frame;
+  const bool shape = part < face::kShapeCount;
+  const Provenance provenance = shape               ? frame.provenance[part]
+                                : part == kHeadPart ? frame.head_provenance
+                                                    : frame.eyes_provenance;
+  out.knows = source.sensors_there > 0 && provenance != Provenance::neutral;
+  out.confidence = shape               ? frame.confidence[part]
+                   : part == kHeadPart ? frame.head_confidence
+                                       : frame.eyes_confidence;
+  return out;
+}
+
+std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) const {
+  const std::vector<std::uint8_t>& order = order_[kPlaces[part]];
+  const std::uint8_t present = answers_[part];
+  for (const std::uint8_t s : order) {
+    const Say said = say(sources[s], part);
+    if (said.knows && said.confidence >= (s == present ? settings_.unsure : settings_.sure)) return s;
+  }
+  const float ahead = settings_.sure - settings_.unsure;
+  std::uint8_t best = kNobody;
+  float most = 0;
+  for (const std::uint8_t s : order) {
+    const Say said = say(sources[s], part);
+    const float counts = said.confidence + (s == present ? ahead : 0);
+    if (!said.knows || (best != kNobody && counts <= most)) continue;
+    best = s;
+    most = counts;
+  }
+  return best;
+}
+
+std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
+  assert(sources.size() == modalities_.size());
+  const DeviceTime time = sources.front().frame->time;
+  if (begun_ && time <= shown_.time) reset();
+  std::size_t there = 0, behind = 0;
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    mend(*sources[s].frame, last_[s]);
+    last_[s] = *sources[s].frame;
+    there += sources[s].sensors_there;
+    if (knows_anything(sources[s])) behind += sources[s].sensors_there;
+  }
+  if (sources.size() == 1) {
+    out = *sources.front().frame;
+    return there;
+  }
+  known_ = known_ || behind > 0;
+
+  out.time = time;
+  for (std::size_t part = 0; part < kPartCount; ++part) {
+    const std::uint8_t before = answers_[part];
+    const std::uint8_t now = part == kTonguePart ? answers_[kTongueGoesWith] : choose(sources, part);
+    answers_[part] = now;
+    if (now != kNobody) {
+      copy_part(*sources[now].frame, part, out);
+      if (begun_ && now != before) letting_go_.take(part, shown_, out);
+      continue;
+    }
+    if (before != kNobody) {
+      copy_part(shown_, part, from_);
+      since_[part] = shown_.time;
+      letting_go_.stop(part);
+    }
+    Fading(to_seconds(time - since_[part]), times_).apply(part, from_, out);
+  }
+  if (begun_) letting_go_.apply(out, to_seconds(time - shown_.time), times_.return_s);
+  shown_ = out;
+  begun_ = true;
+  return known_ ? behind : there;
+}
+
+}  // namespace mien::shaping

@@ -1,0 +1,335 @@
+#include "mien/shaping/merge.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "mien/face/frame_hash.h"
+#include "mien/shaping/shaper.h"
+#include "tests/shaping/frames.h"
+
+namespace mien::shaping {
+namespace {
+
+using face::OutputFrame;
+using face::Provenance;
+using face::shape;
+
+constexpr std::size_t kImu = 0;
+constexpr std::size_t kEyewear = 1;
+const std::size_t kBrow = shape("browDown_L");
+const std::size_t kBlink = shape("eyeBlink_R");
+const std::size_t kNose = shape("noseSneer_L");
+const std::size_t kSmile = shape("mouthSmile_L");
+const std::size_t kJaw = shape("jawOpen");
+
+/// Glasses: sure of the shapes, and nothing of the head.
+OutputFrame glasses(std::int64_t index, float weight) {
+  OutputFrame frame = measured(index, weight);
+  frame.head_confidence = 0;
+  frame.head_provenance = Provenance::neutral;
+  return frame;
+}
+
+/// A tracker that has no calibration yet.
+OutputFrame uncalibrated(std::int64_t index) {
+  return neutral_frame(frame_time(index));
+}
+
+/// The merged frame of IMUs and glasses, and how many sensors stand behind it.
+struct Merged {
+  OutputFrame frame;
+  std::size_t behind = 0;
+};
+Merged merge(Merge& merge, OutputFrame imu, std::size_t imus, OutputFrame eyewear, std::size_t lights) {
+  const std::array<Merge::Source, 2> sources = {Merge::Source{&imu, imus}, Merge::Source{&eyewear, lights}};
+  Merged out;
+  out.behind = merge.apply(sources, out.frame);
+  return out;
+}
+
+TEST(Merge, ALoneTrackerPassesToTheBit) {
+  Merge alone({"imu"});
+  Random random(2);
+  for (int i = 0; i < 300; ++i) {
+    OutputFrame in = moving(i, random);
+    in.eyes_rad[0] = {0.1F, -0.0F};
+    const OutputFrame as_it_was = in;
+    OutputFrame out;
+    const std::size_t there = static_cast<std::size_t>(i % 3);  // Lost ones too: that is fallback's affair.
+    const std::array<Merge::Source, 1> sources = {Merge::Source{&in, there}};
+    ASSERT_EQ(alone.apply(sources, out), there);
+    ASSERT_TRUE(same_bits(out, as_it_was));
+  }
+}
+
+TEST(Merge, EachRegionIsAnsweredByTheFirstOfItsOrder) {
+  Merge both({"imu", "eyewear"});
+  OutputFrame imu = measured(0, 0.2F);
+  imu.tongue_out = 0.9F;
+  imu.head = exp_rotation({0, 0.4, 0});
+  const Merged out = merge(both, imu, 12, glasses(0, 0.8F), 20);
+  EXPECT_EQ(out.behind, 32u);
+  EXPECT_EQ(out.frame.time, frame_time(0));
+  for (const std::size_t eyewear : {kBrow, kBlink}) EXPECT_EQ(out.frame.weights[eyewear], 0.8F);
+  for (const std::size_t by_imu : {kNose, kSmile, kJaw}) EXPECT_EQ(out.frame.weights[by_imu], 0.2F);
+  EXPECT_EQ(out.frame.tongue_out, 0.9F);
+  EXPECT_EQ(out.frame.head_provenance, Provenance::measured);
+  EXPECT_EQ(angle_between(out.frame.head, imu.head), 0);
+  EXPECT_EQ(both.answers(kBrow), kEyewear);
+  EXPECT_EQ(both.answers(kJaw), kImu);
+  EXPECT_EQ(both.answers(kHeadPart), kImu);
+  EXPECT_EQ(both.answers(kEyesPart), std::nullopt) << "neither knows where the eyes look";
+}
+
+TEST(Merge, ConfidenceAndProvenanceAreThoseOfWhoAnswers) {
+  Merge both({"imu", "eyewear"});
+  OutputFrame imu = measured(0, 0.2F), eyewear = glasses(0, 0.8F);
+  imu.confidence.fill(0.6F);
+  imu.provenance.fill(Provenance::predicted);
+  const Merged out = merge(both, imu, 12, eyewear, 20);
+  EXPECT_EQ(out.frame.confidence[kJaw], 0.6F);
+  EXPECT_EQ(out.frame.provenance[kJaw], Provenance::predicted);
+  EXPECT_EQ(out.frame.confidence[kBrow], 0.9F);
+  EXPECT_EQ(out.frame.provenance[kBrow], Provenance::measured);
+}
+
+TEST(Merge, TheOrderIsASettingAndUnnamedTrackersComeLast) {
+  MergeSettings settings;
+  settings.order[static_cast<std::size_t>(MergePlace::mouth)] = {"eyewear"};
+  settings.order[static_cast<std::size_t>(MergePlace::brows)] = {"nobody", "speech"};
+  Merge both({"imu", "eyewear"}, settings);
+  const Merged out = merge(both, measured(0, 0.2F), 12, glasses(0, 0.8F), 20);
+  EXPECT_EQ(out.frame.weights[kSmile], 0.8F);
+  EXPECT_EQ(out.frame.weights[kBrow], 0.2F) << "the session's own order";
+}
+
+TEST(Merge, WhoIsNotSureGivesWayAndTheMostConfidentFillsIn) {
+  Merge both({"imu", "eyewear"});
+  OutputFrame imu = measured(0, 0.2F), eyewear = glasses(0, 0.8F);
+  imu.confidence.fill(0.3F);
+  EXPECT_EQ(merge(both, imu, 3, eyewear, 20).frame.weights[kJaw], 0.8F);
+  both.reset();
+  eyewear.confidence.fill(0.2F);
+  EXPECT_EQ(merge(both, imu, 3, eyewear, 4).frame.weights[kBrow], 0.2F) << "nobody is sure: the surer";
+  // Who answers now stays until another is surer by sure - unsure.
+  imu.time = eyewear.time = frame_time(1);
+  imu.confidence.fill(0.2F);
+  eyewear.confidence.fill(0.3F);
+  merge(both, imu, 3, eyewear, 4);
+  EXPECT_EQ(both.answers(kBrow), kImu);
+  imu.time = eyewear.time = frame_time(2);
+  eyewear.confidence.fill(0.4F);
+  merge(both, imu, 3, eyewear, 4);
+  EXPECT_EQ(both.answers(kBrow), kEyewear);
+}
+
+TEST(Merge, AConfidenceAboutTheThresholdDoesNotFlap) {
+  Merge both({"imu", "eyewear"});
+  Random random(4);
+  int hand_overs = 0;
+  std::optional<std::size_t> before;
+  for (int i = 0; i < 3000; ++i) {
+    OutputFrame eyewear = glasses(i, 0.8F);
+    eyewear.confidence.fill(static_cast<float>(0.5 + random.uniform(-0.12, 0.12)));
+    merge(both, measured(i, 0.2F), 12, eyewear, 10);
+    if (before && both.answers(kBrow) != before) ++hand_overs;
+    before = both.answers(kBrow);
+  }
+  EXPECT_LE(hand_overs, 1) << "once it is sure it stays";
+  EXPECT_EQ(before, kEyewear);
+}
+
+TEST(Merge, ATrackerThatDropsOutIsReplacedSoftlyAndComesBackSoftly) {
+  Merge both({"imu", "eyewear"});
+  Shaper shaper;
+  OutputFrame before;
+  double largest = 0, largest_shaped = 0, largest_turn = 0;
+  OutputFrame shaped_before;
+  for (int i = 0; i < 400; ++i) {
+    // From one extreme to the other: the IMUs' mouth is open, the glasses' closed.
+    const bool lost = i >= 100 && i < 250;
+    OutputFrame imu = measured(i, 1);
+    imu.head = exp_rotation({0.2, 0.5, 0});
+    if (lost) {
+      imu.provenance.fill(Provenance::predicted);  // What a tracker guesses without any sensor.
+      imu.confidence.fill(0);
+      imu.weights.values.fill(0.4F);
+      imu.head = Quat::Identity();
+    }
+    const Merged out = merge(both, imu, lost ? 0 : 12, glasses(i, 0), 20);
+    OutputFrame shaped = out.frame;
+    shaper.apply(shaped, out.behind);
+    if (i > 0) {
+      largest = std::max(largest, largest_step(out.frame, before));
+      largest_shaped = std::max(largest_shaped, largest_step(shaped, shaped_before));
+      largest_turn = std::max(largest_turn, angle_between(shaped.head, shaped_before.head));
+    }
+    before = out.frame;
+    shaped_before = shaped;
+    ASSERT_EQ(out.behind, lost ? 20u : 32u);
+    ASSERT_EQ(out.frame.provenance[kSmile], Provenance::measured);
+    if (i == 99) {
+      EXPECT_EQ(out.frame.weights[kSmile], 1);
+    }
+    if (i >= 100 && i < 130) {
+      // The critically damped spring's closed form, from the last frame with IMUs on.
+      const double way = kConstantsTo5Percent / 0.3 * to_seconds(frame_time(i) - frame_time(99));
+      ASSERT_NEAR(out.frame.weights[kSmile], (1 + way) * std::exp(-way), 1e-6) << i;
+    }
+    if (i == 99 + 15) {
+      EXPECT_NEAR(shaped.weights[kSmile], out.frame.weights[kSmile], 0.02) << "eased once, not twice";
+      EXPECT_EQ(out.frame.head_provenance, Provenance::held) << "the glasses know nothing of it";
+      EXPECT_LT(angle_between(shaped.head, exp_rotation({0.2, 0.5, 0})), 1e-6);
+    }
+    if (i == 200) {
+      EXPECT_EQ(out.frame.weights[kSmile], 0);
+      EXPECT_EQ(out.frame.head_provenance, Provenance::neutral);
+      EXPECT_LT(angle_between(out.frame.head, twist_about(exp_rotation({0.2, 0.5, 0}), Vec3::UnitY())), 1e-9);
+    }
+  }
+  EXPECT_EQ(before.weights[kSmile], 1);
+  EXPECT_LE(largest, 0.0975);
+  EXPECT_LE(largest_shaped, 0.1);
+  EXPECT_LE(largest_turn, 0.06);
+}
+
+/// Three trackers that come and go, are sure and are not, and now and then answer with what is no number.
+/// Returns the hash of what was merged.
+std::string hash_of_trouble() {
+  Merge three({"imu", "eyewear", "speech"});
+  Random random(6);
+  std::array<bool, 3> there = {true, true, true};
+  std::array<float, 3> sure = {0.9F, 0.9F, 0.6F};
+  OutputFrame before, shaped_before;
+  Shaper shaper;
+  face::FrameHash hash;
+  for (int i = 0; i < 6000; ++i) {
+    std::array<OutputFrame, 3> frames;
+    std::array<Merge::Source, 3> sources;
+    for (std::size_t s = 0; s < 3; ++s) {
+      if (random.uniform(0, 1) < 0.02) there[s] = !there[s];
+      if (random.uniform(0, 1) < 0.05) sure[s] = static_cast<float>(random.uniform(0, 1));
+      frames[s] = moving(i + 200 * static_cast<std::int64_t>(s), random);
+      frames[s].time = frame_time(i);
+      frames[s].confidence.fill(there[s] ? sure[s] : 0);
+      if (s == 2) frames[s].provenance.fill(Provenance::audio);
+      if (random.below(50) == 0) frames[s].weights[random.below(face::kShapeCount)] = std::nanf("");
+      if (random.below(50) == 0) frames[s].confidence[random.below(face::kShapeCount)] = std::nanf("");
+      if (random.below(200) == 0) frames[s].head = Quat(0, 0, std::numeric_limits<double>::infinity(), 0);
+      sources[s] = {&frames[s], there[s] ? 10u : 0u};
+    }
+    OutputFrame out;
+    const std::size_t behind = three.apply(sources, out);
+    EXPECT_EQ(behind, 10u * static_cast<std::size_t>(std::ranges::count(there, true)));
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      EXPECT_GE(out.weights[k], 0) << i;
+      EXPECT_LE(out.weights[k], 1) << i;
+      EXPECT_GE(out.confidence[k], 0) << i;
+      EXPECT_LE(out.confidence[k], 1) << i;
+      if (const auto who = three.answers(k)) {
+        EXPECT_TRUE(there[*who]);
+        EXPECT_EQ(out.confidence[k], frames[*who].confidence[k]);
+        EXPECT_EQ(out.provenance[k], frames[*who].provenance[k]);
+      }
+    }
+    EXPECT_NEAR(out.head.norm(), 1, 1e-9);
+    EXPECT_TRUE(std::isfinite(out.tongue_out));
+    OutputFrame shaped = out;
+    shaper.apply(shaped, behind);
+    if (i > 0) {
+      // The waves themselves step by up to 0.045 and their noise by 0.04.
+      EXPECT_LE(largest_step(out, before), 0.25) << i;
+      EXPECT_LE(largest_step(shaped, shaped_before), kStepAtMost) << i;
+    }
+    before = out;
+    shaped_before = shaped;
+    hash.add(out);
+  }
+  return hash.hex();
+}
+
+TEST(Merge, WhateverHappensIsSoundAndWithinTheStatedStepAndTheSameEachTime) {
+  EXPECT_EQ(hash_of_trouble(), hash_of_trouble());
+}
+
+TEST(Merge, SpeechFillsInWhereTheSensorsFail) {
+  // The fallback to audio is a tracker at the order's end.
+  Merge merge({"imu", "speech"});
+  for (int i = 0; i < 120; ++i) {
+    const bool lost = i >= 60;
+    OutputFrame imu = measured(i, 0.3F), speech = glasses(i, 0.6F);
+    speech.provenance.fill(Provenance::neutral);
+    for (const std::size_t k : {kSmile, kJaw}) speech.provenance[k] = Provenance::audio;
+    speech.confidence.fill(0.5F);
+    if (lost) imu.confidence[kSmile] = 0.1F;  // The cheek's sensors fell off, the chin's is there.
+    const std::array<Merge::Source, 2> sources = {Merge::Source{&imu, lost ? 8u : 12u},
+                                                  Merge::Source{&speech, 1}};
+    OutputFrame out;
+    merge.apply(sources, out);
+    ASSERT_EQ(out.provenance[kSmile], lost ? Provenance::audio : Provenance::measured);
+    ASSERT_EQ(out.provenance[kJaw], Provenance::measured);
+    ASSERT_EQ(out.provenance[kBrow], Provenance::measured) << "speech knows nothing of brows";
+    if (i == 119) {
+      EXPECT_EQ(out.weights[kSmile], 0.6F);
+    }
+  }
+}
+
+TEST(Merge, AnUncalibratedTrackerIsNotAskedAndDoesNotCount) {
+  Merge both({"imu", "eyewear"});
+  EXPECT_EQ(merge(both, uncalibrated(0), 11, uncalibrated(0), 20).behind, 31u) << "nothing is lost yet";
+  Merged out = merge(both, uncalibrated(1), 11, glasses(1, 0.8F), 20);
+  EXPECT_EQ(out.behind, 20u);
+  EXPECT_EQ(out.frame.provenance[kJaw], Provenance::measured);
+  EXPECT_EQ(out.frame.head_provenance, Provenance::neutral);
+  out = merge(both, uncalibrated(2), 11, glasses(2, 0.8F), 0);
+  EXPECT_EQ(out.behind, 0u) << "the one that knew something is gone";
+  EXPECT_EQ(out.frame.provenance[kJaw], Provenance::held);
+}
+
+TEST(Merge, AllLostIsFallbacksAffairAndComesBackWithoutAJump) {
+  Merge both({"imu", "eyewear"});
+  Shaper shaper;
+  OutputFrame before;
+  for (int i = 0; i < 400; ++i) {
+    const bool lost = i >= 60 && i < 240;
+    const Merged out =
+        merge(both, measured(i, 0.9F), lost ? 0 : 12, glasses(i, 0.7F), lost && i < 280 ? 0 : 20);
+    ASSERT_EQ(out.behind == 0, lost);
+    OutputFrame shaped = out.frame;
+    shaper.apply(shaped, out.behind);
+    if (i > 0) {
+      ASSERT_LE(largest_step(shaped, before), 0.1) << i;
+    }
+    if (i == 239) {
+      EXPECT_EQ(shaped.weights[kJaw], 0);
+    }
+    before = shaped;
+  }
+  EXPECT_EQ(before.weights[kJaw], 0.9F);
+  EXPECT_EQ(before.weights[kBrow], 0.7F);
+}
+
+TEST(Merge, BeginsAnewWhenTimeRunsBack) {
+  Merge both({"imu", "eyewear"});
+  merge(both, measured(10, 1), 12, glasses(10, 1), 20);
+  const Merged out = merge(both, measured(3, 0.2F), 12, glasses(3, 0.2F), 0);
+  EXPECT_EQ(out.frame.weights[kBrow], 0.2F) << "no way to go from what was shown then";
+  EXPECT_EQ(both.answers(kBrow), kImu);
+}
+
+TEST(Merge, BringsItsFiguresIntoRange) {
+  MergeSettings settings;
+  settings.sure = std::nanf("");
+  settings.unsure = 7;
+  Merge both({"imu", "eyewear"}, settings, {.hold_s = -1, .neutral_s = std::nan(""), .return_s = 0});
+  for (int i = 0; i < 60; ++i) {
+    const Merged out =
+        merge(both, measured(i, 0.2F), i % 7 == 0 ? 0 : 3, glasses(i, 0.8F), i % 5 == 0 ? 0 : 3);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) ASSERT_TRUE(std::isfinite(out.frame.weights[k]));
+  }
+}
+
+}  // namespace
+}  // namespace mien::shaping
