@@ -11,6 +11,7 @@ namespace {
 
 using sensor::DeviceKey;
 using sensor::Verdict;
+using tracker::Step;
 
 const char* const kWhere = "session";
 
@@ -50,6 +51,7 @@ Session::Session(Parts parts)
       tracker_(std::move(parts.tracker)),
       protocols_(std::move(parts.protocols)),
       shaper_(parts.shaping),
+      reshape_(std::move(parts.reshape)),
       ticks_(rig_),
       links_(rig_.sensors.size()),
       bound_at_(rig_.sensors.size()) {
@@ -268,16 +270,30 @@ void Session::watch_calibration(DeviceTime frame) {
   if (guide_.running() || tracker_->calibration_count() == calibrations_) return;
   calibrations_ = tracker_->calibration_count();
   std::vector<sensor::Score> scores = tracker_->scores();
-  // The shake judges what is in force; all else is a version of its own.
-  const bool judged = !versions_.empty() && versions_.back().origin == "self" &&
+  const std::vector<tracker::PerformedStep> found = new_steps();
+  // The shake judges what is in force; all else is a version of its own, and so is what another modality's
+  // tracker found.
+  const bool judged = !found.empty() &&
+                      std::ranges::all_of(found, [](const auto& s) { return s.step == Step::shake; }) &&
+                      !versions_.empty() && versions_.back().origin == "self" &&
                       versions_.back().id == in_force_ && frame - versions_.back().made < kShakeFollows;
   if (judged)
     versions_.back().scores = std::move(scores);
   else
     add_version(frame, "self", std::move(scores));
-  for (const tracker::PerformedStep& step : tracker_->found_steps())
-    if (judged == (step.step == tracker::Step::shake))
-      add_event(std::string(step_name(step.step)), step.begin, step.end, R"({"found": true})");
+  for (const tracker::PerformedStep& step : found) {
+    add_event(std::string(step_name(step.step)), step.begin, step.end, R"({"found": true})");
+    told_.push_back(step);
+  }
+}
+
+std::vector<tracker::PerformedStep> Session::new_steps() const {
+  std::vector<tracker::PerformedStep> steps = tracker_->found_steps();
+  std::erase_if(steps, [this](const tracker::PerformedStep& step) {
+    return std::ranges::any_of(told_,
+                               [&](const auto& t) { return t.step == step.step && t.end == step.end; });
+  });
+  return steps;
 }
 
 void Session::add_version(DeviceTime frame, std::string_view origin, std::vector<sensor::Score> scores) {
@@ -401,6 +417,7 @@ Result<void> Session::obey(const Shape& command) {
   MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings,
                   shaping::parse_settings(command.json, kWhere, shaper_.settings()));
   shaper_.set(settings);
+  if (reshape_) reshape_(settings);
   return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -36,6 +37,8 @@ class Session {
     std::unique_ptr<tracker::Tracker> tracker;
     std::vector<std::unique_ptr<sensor::Protocol>> protocols;
     shaping::ShaperSettings shaping;
+    /// Told of every change of these settings: for a tracker that has a use for some. May be empty.
+    std::function<void(const shaping::ShaperSettings&)> reshape;
   };
   /// A rig that binds no sensor binds virtual nodes, whose ids name their place. Errors: malformed (a binding
   /// of the rig that is no device), bad_usage (two sensors bound to one).
@@ -115,6 +118,8 @@ class Session {
   void watch_links(DeviceTime frame, HostTime fired);
   void watch_calibration(DeviceTime frame);
   void add_version(DeviceTime frame, std::string_view origin, std::vector<sensor::Score> scores);
+  /// The steps that the tracker found and that no event tells of yet.
+  [[nodiscard]] std::vector<tracker::PerformedStep> new_steps() const;
   void add_event(std::string kind, DeviceTime begin, DeviceTime end, std::string json = {});
   Result<void> use_version(std::int64_t id);
 
@@ -131,6 +136,7 @@ class Session {
   std::unique_ptr<tracker::Tracker> tracker_;
   std::vector<std::unique_ptr<sensor::Protocol>> protocols_;
   shaping::Shaper shaper_;
+  std::function<void(const shaping::ShaperSettings&)> reshape_;
   sensor::TickRule ticks_;
   Guide guide_;
   TapWatch tap_;
@@ -143,8 +149,9 @@ class Session {
   std::vector<sensor::Sample> samples_;
 
   std::vector<CalibrationVersion> versions_;
-  std::int64_t in_force_ = 0;  // Id; 0: none.
-  int calibrations_ = 0;       // As the tracker counts them.
+  std::int64_t in_force_ = 0;                 // Id; 0: none.
+  int calibrations_ = 0;                      // As the tracker counts them.
+  std::vector<tracker::PerformedStep> told_;  // Found steps that are events already.
   bool recentring_ = false;
   std::string_view failure_;
   std::vector<take::Event> events_;

@@ -1,0 +1,181 @@
+#include "mien/shaping/combined_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace mien::shaping {
+namespace {
+
+using nlohmann::json;
+using tracker::CalibrationState;
+
+constexpr std::uint8_t kNobodys = 0xFF;
+/// A tracker none of whose sensors was heard for so long is not there.
+constexpr Duration kThere = std::chrono::seconds(2);
+
+std::vector<std::string> modalities_of(const std::vector<CombinedTracker::Part>& parts) {
+  std::vector<std::string> names;
+  for (const CombinedTracker::Part& part : parts) names.emplace_back(part.tracker->modality());
+  return names;
+}
+
+}  // namespace
+
+CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& settings)
+    : modality_(fmt::format("{}", fmt::join(modalities_of(parts), "+"))),
+      merge_(modalities_of(parts), settings.merge, settings.fallback),
+      sources_(parts.size()) {
+  members_.reserve(parts.size());
+  for (Part& part : parts) {
+    for (const std::uint16_t sensor : part.sensors) {
+      if (sensor >= member_of_.size()) member_of_.resize(sensor + std::size_t{1}, kNobodys);
+      assert(member_of_[sensor] == kNobodys);
+      member_of_[sensor] = static_cast<std::uint8_t>(members_.size());
+    }
+    members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}});
+  }
+}
+
+void CombinedTracker::add(HostTime arrival, const sensor::Sample& sample) {
+  newest_ = std::max(newest_, arrival);
+  if (sample.sensor < member_of_.size() && member_of_[sample.sensor] != kNobodys)
+    members_[member_of_[sample.sensor]].heard = arrival;
+  for (Member& member : members_) member.tracker->add(arrival, sample);
+}
+
+void CombinedTracker::forget(std::uint16_t sensor) {
+  for (Member& member : members_) member.tracker->forget(sensor);
+}
+
+void CombinedTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
+  for (Member& member : members_) member.tracker->pulse(sensor, index, edge);
+}
+
+std::size_t CombinedTracker::tick(DeviceTime frame, face::OutputFrame& out) {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    sources_[i].sensors_there = members_[i].tracker->tick(frame, members_[i].frame);
+    sources_[i].frame = &members_[i].frame;
+  }
+  return merge_.apply(sources_, out);
+}
+
+bool CombinedTracker::any_there() const {
+  return std::ranges::any_of(members_,
+                             [this](const Member& m) { return m.heard && newest_ - *m.heard <= kThere; });
+}
+
+bool CombinedTracker::counts(const Member& member) const {
+  return (member.heard && newest_ - *member.heard <= kThere) || !any_there();
+}
+
+tracker::Guidance CombinedTracker::guidance() const {
+  tracker::Guidance all{.neutral = {}, .gestures = false};
+  for (const Member& member : members_) {
+    if (!counts(member)) continue;
+    const tracker::Guidance one = member.tracker->guidance();
+    all.neutral = std::max(all.neutral, one.neutral);
+    all.gestures = all.gestures || one.gestures;
+  }
+  return all;
+}
+
+void CombinedTracker::guide(tracker::Step step, DeviceTime begin, DeviceTime end) {
+  for (Member& member : members_) member.tracker->guide(step, begin, end);
+}
+
+void CombinedTracker::guide_range(DeviceTime begin, DeviceTime end) {
+  for (Member& member : members_) member.tracker->guide_range(begin, end);
+}
+
+void CombinedTracker::cancel_guidance() {
+  for (Member& member : members_) member.tracker->cancel_guidance();
+}
+
+CalibrationState CombinedTracker::calibration_state() const {
+  using Phase = CalibrationState::Phase;
+  CalibrationState all;
+  bool guided = false, done = true;
+  for (const Member& member : members_) {
+    if (!counts(member)) continue;
+    const CalibrationState one = member.tracker->calibration_state();
+    guided = guided || one.phase == Phase::guided;
+    done = done && one.phase == Phase::done;
+    if (all.step == tracker::Step::none) all.step = one.step;
+    if (all.hint.empty()) all.hint = one.hint;
+  }
+  all.phase = guided ? Phase::guided : done ? Phase::done : Phase::watching;
+  return all;
+}
+
+std::string CombinedTracker::calibration() const {
+  json all = json::object();
+  for (const Member& member : members_) {
+    const std::string one = member.tracker->calibration();
+    if (one.empty()) continue;
+    json parsed = json::parse(one, nullptr, false);
+    assert(!parsed.is_discarded());
+    all[std::string(member.tracker->modality())] = std::move(parsed);
+  }
+  return all.empty() ? std::string() : all.dump();
+}
+
+std::vector<sensor::Score> CombinedTracker::scores() const {
+  std::vector<sensor::Score> all;
+  for (const Member& member : members_)
+    for (sensor::Score& score : member.tracker->scores()) all.push_back(std::move(score));
+  return all;
+}
+
+int CombinedTracker::sum_of_counts() const {
+  int sum = 0;
+  for (const Member& member : members_) sum += member.tracker->calibration_count();
+  return sum;
+}
+
+int CombinedTracker::calibration_count() const {
+  return sum_of_counts() - not_counted_;
+}
+
+std::vector<tracker::PerformedStep> CombinedTracker::found_steps() const {
+  std::vector<tracker::PerformedStep> all;
+  for (const Member& member : members_)
+    for (const tracker::PerformedStep& step : member.tracker->found_steps()) all.push_back(step);
+  return all;
+}
+
+Result<void> CombinedTracker::restore(std::string_view text) {
+  const json all = json::parse(text, nullptr, false);
+  if (!all.is_object() || all.empty())
+    return fail(ErrorCode::malformed, "not the calibrations of several trackers", "calibration",
+                "give one that was made with " + modality_);
+  for (const auto& [name, one] : all.items())
+    if (std::ranges::none_of(members_, [&](const Member& m) { return m.tracker->modality() == name; }))
+      return fail(ErrorCode::mismatch, fmt::format("there is no tracker \"{}\" here", name), "calibration",
+                  "give one that was made with " + modality_);
+  const int before = sum_of_counts();
+  std::vector<std::pair<tracker::Tracker*, std::string>> changed;
+  for (Member& member : members_) {
+    const auto found = all.find(std::string(member.tracker->modality()));
+    if (found == all.end()) continue;
+    std::string had = member.tracker->calibration();
+    if (auto done = member.tracker->restore(found->dump()); !done) {
+      for (auto& [other, earlier] : changed)
+        if (!earlier.empty()) MIEN_TRY(other->restore(earlier));
+      not_counted_ += sum_of_counts() - before;
+      return done;
+    }
+    changed.emplace_back(member.tracker.get(), std::move(had));
+  }
+  return {};
+}
+
+std::optional<double> CombinedTracker::heading_sigma_rad(std::uint16_t sensor) const {
+  if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return std::nullopt;
+  return members_[member_of_[sensor]].tracker->heading_sigma_rad(sensor);
+}
+
+}  // namespace mien::shaping

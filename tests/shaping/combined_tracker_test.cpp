@@ -1,0 +1,259 @@
+#include "mien/shaping/combined_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/shaping/frames.h"
+
+namespace mien::shaping {
+namespace {
+
+using face::OutputFrame;
+using face::Provenance;
+using tracker::CalibrationState;
+using tracker::Step;
+using Phase = CalibrationState::Phase;
+
+/// A tracker that does as it is told, and remembers what it was told.
+class Puppet final : public tracker::Tracker {
+ public:
+  explicit Puppet(std::string name) : name_(std::move(name)) {}
+
+  // What it is to answer.
+  float weight = 0;
+  float confidence = 0.9F;
+  std::size_t there = 4;
+  CalibrationState state{.phase = Phase::done, .step = Step::none, .hint = {}};
+  tracker::Guidance wants;
+  std::string made = "{}";
+  int count = 0;
+  std::vector<tracker::PerformedStep> found;
+  std::vector<sensor::Score> judged;
+  // What it heard.
+  std::vector<std::uint16_t> samples, forgotten, pulses;
+  std::vector<Step> guided;
+  DeviceTime range_end;
+  int cancelled = 0;
+  std::string restored;
+
+  [[nodiscard]] std::string_view modality() const override { return name_; }
+  void add(HostTime, const sensor::Sample& sample) override { samples.push_back(sample.sensor); }
+  void forget(std::uint16_t sensor) override { forgotten.push_back(sensor); }
+  void pulse(std::uint16_t sensor, std::uint32_t, DeviceTime) override { pulses.push_back(sensor); }
+  std::size_t tick(DeviceTime frame, OutputFrame& out) override {
+    out = measured(0, weight);
+    out.time = frame;
+    out.confidence.fill(confidence);
+    if (made.empty()) out.provenance.fill(Provenance::neutral);
+    return there;
+  }
+  [[nodiscard]] tracker::Guidance guidance() const override { return wants; }
+  void guide(Step step, DeviceTime, DeviceTime) override { guided.push_back(step); }
+  void guide_range(DeviceTime, DeviceTime end) override { range_end = end; }
+  void cancel_guidance() override { ++cancelled; }
+  [[nodiscard]] CalibrationState calibration_state() const override { return state; }
+  [[nodiscard]] std::string calibration() const override { return made; }
+  [[nodiscard]] std::vector<sensor::Score> scores() const override { return judged; }
+  [[nodiscard]] int calibration_count() const override { return count; }
+  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override { return found; }
+  [[nodiscard]] Result<void> restore(std::string_view json) override {
+    if (json.find("bad") != std::string_view::npos)
+      return fail(ErrorCode::mismatch, "another rig's", "puppet " + name_);
+    made = restored = std::string(json);
+    ++count;
+    return {};
+  }
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override {
+    return sensor + 0.5;
+  }
+
+ private:
+  std::string name_;
+};
+
+/// Sensors 0, 1 and 4 are IMUs, 2 and 3 the glasses'.
+struct Stage {
+  Puppet* imu;
+  Puppet* eyewear;
+  std::unique_ptr<CombinedTracker> both;
+
+  explicit Stage(const ShaperSettings& settings = {}) {
+    auto first = std::make_unique<Puppet>("imu");
+    auto second = std::make_unique<Puppet>("eyewear");
+    imu = first.get();
+    eyewear = second.get();
+    std::vector<CombinedTracker::Part> parts;
+    parts.push_back({std::move(first), {0, 1, 4}});
+    parts.push_back({std::move(second), {2, 3}});
+    both = std::make_unique<CombinedTracker>(std::move(parts), settings);
+  }
+  void hear(std::uint16_t sensor, double at_s) const {
+    sensor::Sample sample;
+    sample.sensor = sensor;
+    both->add(HostTime(from_seconds(at_s)), sample);
+  }
+};
+
+TEST(CombinedTracker, EveryTrackerHearsEverySensorsClock) {
+  const Stage stage;
+  EXPECT_EQ(stage.both->modality(), "imu+eyewear");
+  for (const std::uint16_t sensor : {0, 2, 4, 9}) stage.hear(sensor, 1);
+  stage.both->forget(3);
+  stage.both->pulse(1, 5, DeviceTime(from_seconds(2)));
+  for (const Puppet* one : {stage.imu, stage.eyewear}) {
+    EXPECT_EQ(one->samples, (std::vector<std::uint16_t>{0, 2, 4, 9}));
+    EXPECT_EQ(one->forgotten, (std::vector<std::uint16_t>{3}));
+    EXPECT_EQ(one->pulses, (std::vector<std::uint16_t>{1}));
+  }
+}
+
+TEST(CombinedTracker, AHeadingIsAskedOfWhoOwnsTheSensor) {
+  const Stage stage;
+  EXPECT_EQ(stage.both->heading_sigma_rad(4), 4.5);
+  EXPECT_EQ(stage.both->heading_sigma_rad(3), 3.5);
+  EXPECT_EQ(stage.both->heading_sigma_rad(5), std::nullopt) << "nobody's";
+}
+
+TEST(CombinedTracker, MergesWhatItsTrackersAnswer) {
+  const Stage stage;
+  stage.imu->weight = 0.25F;
+  stage.eyewear->weight = 0.75F;
+  OutputFrame out;
+  EXPECT_EQ(stage.both->tick(frame_time(0), out), 8u);
+  EXPECT_EQ(out.time, frame_time(0));
+  EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.25F);
+  EXPECT_EQ(out.weights[face::shape("browDown_L")], 0.75F);
+  stage.imu->there = 0;
+  EXPECT_EQ(stage.both->tick(frame_time(1), out), 4u);
+  for (int i = 2; i < 70; ++i) stage.both->tick(frame_time(i), out);
+  EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.75F);
+}
+
+TEST(CombinedTracker, ALoneTrackerIsThatTracker) {
+  auto only = std::make_unique<Puppet>("imu");
+  Puppet& puppet = *only;
+  std::vector<CombinedTracker::Part> parts;
+  parts.push_back({std::move(only), {0}});
+  CombinedTracker alone(std::move(parts));
+  EXPECT_EQ(alone.modality(), "imu");
+  for (int i = 0; i < 20; ++i) {
+    puppet.weight = static_cast<float>(i) / 20;
+    puppet.there = static_cast<std::size_t>(i % 4);
+    OutputFrame out, plain;
+    EXPECT_EQ(alone.tick(frame_time(i), out), puppet.there);
+    puppet.tick(frame_time(i), plain);
+    ASSERT_TRUE(same_bits(out, plain));
+  }
+}
+
+TEST(CombinedTracker, SettingsTakeEffectAtTheNextFrame) {
+  ShaperSettings settings;
+  settings.merge.order[static_cast<std::size_t>(MergePlace::jaw)] = {"eyewear"};
+  const Stage stage(settings);
+  stage.imu->weight = 0.25F;
+  stage.eyewear->weight = 0.75F;
+  OutputFrame out;
+  stage.both->tick(frame_time(0), out);
+  EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.75F);
+  stage.both->set(ShaperSettings());
+  for (int i = 1; i < 70; ++i) {
+    const float before = out.weights[face::shape("jawOpen")];
+    stage.both->tick(frame_time(i), out);
+    ASSERT_LE(std::abs(out.weights[face::shape("jawOpen")] - before), 0.05F) << "eased";
+  }
+  EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.25F);
+}
+
+TEST(CombinedTracker, CalibrationIsDoneWhenAllThatAreThereAreDone) {
+  const Stage stage;
+  stage.eyewear->state = {.phase = Phase::watching, .step = Step::neutral, .hint = "hold still"};
+  EXPECT_EQ(stage.both->calibration_state().phase, Phase::watching) << "none was heard: all count";
+  stage.hear(0, 10);
+  EXPECT_EQ(stage.both->calibration_state().phase, Phase::done) << "the glasses are not there";
+  EXPECT_TRUE(stage.both->calibration_state().hint.empty());
+  stage.hear(2, 11);
+  const CalibrationState state = stage.both->calibration_state();
+  EXPECT_EQ(state.phase, Phase::watching);
+  EXPECT_EQ(state.step, Step::neutral);
+  EXPECT_EQ(state.hint, "hold still");
+  stage.imu->state.phase = Phase::guided;
+  stage.imu->state.step = Step::nod;
+  EXPECT_EQ(stage.both->calibration_state().phase, Phase::guided);
+  EXPECT_EQ(stage.both->calibration_state().step, Step::nod);
+  stage.imu->state = {.phase = Phase::done, .step = Step::none, .hint = {}};
+  stage.hear(0, 14);  // The glasses were taken off.
+  EXPECT_EQ(stage.both->calibration_state().phase, Phase::done);
+}
+
+TEST(CombinedTracker, GuidesAllAsLongAsOneWants) {
+  const Stage stage;
+  stage.eyewear->wants = {.neutral = std::chrono::seconds(5), .gestures = false};
+  EXPECT_EQ(stage.both->guidance().neutral, std::chrono::seconds(5));
+  EXPECT_TRUE(stage.both->guidance().gestures);
+  stage.hear(3, 1);
+  EXPECT_FALSE(stage.both->guidance().gestures) << "glasses alone need no nod";
+  const DeviceTime begin = frame_time(0), end = frame_time(60);
+  stage.both->guide(Step::neutral, begin, end);
+  stage.both->guide(Step::nod, begin, end);
+  stage.both->guide_range(begin, end);
+  stage.both->cancel_guidance();
+  for (const Puppet* one : {stage.imu, stage.eyewear}) {
+    EXPECT_EQ(one->guided, (std::vector<Step>{Step::neutral, Step::nod}));
+    EXPECT_EQ(one->range_end, end);
+    EXPECT_EQ(one->cancelled, 1);
+  }
+}
+
+TEST(CombinedTracker, ACalibrationHasAPartOfEachAndGoesBackToEach) {
+  const Stage stage;
+  stage.imu->made = R"({"headings": [0.25, -1.5]})";
+  stage.eyewear->made = "";
+  EXPECT_EQ(stage.both->calibration(), R"({"imu":{"headings":[0.25,-1.5]}})");
+  stage.eyewear->made = R"({"neutral": 1})";
+  const std::string both = stage.both->calibration();
+  EXPECT_EQ(both, R"({"eyewear":{"neutral":1},"imu":{"headings":[0.25,-1.5]}})");
+  ASSERT_TRUE(stage.both->restore(both));
+  EXPECT_EQ(stage.imu->restored, R"({"headings":[0.25,-1.5]})");
+  EXPECT_EQ(stage.eyewear->restored, R"({"neutral":1})");
+  EXPECT_EQ(stage.both->calibration(), both);
+  EXPECT_EQ(stage.both->calibration_count(), 2);
+  stage.imu->restored.clear();
+  ASSERT_TRUE(stage.both->restore(R"({"eyewear": {"neutral": 2}})"));
+  EXPECT_EQ(stage.imu->restored, "") << "keeps what it has";
+
+  stage.imu->made = stage.eyewear->made = "";
+  EXPECT_EQ(stage.both->calibration(), "");
+}
+
+TEST(CombinedTracker, ARestoreThatFailsLeavesAllAsItWas) {
+  const Stage stage;
+  stage.imu->made = R"({"version": 1})";
+  const std::string before = stage.both->calibration();
+  EXPECT_EQ(stage.both->restore("").error().code, ErrorCode::malformed);
+  EXPECT_EQ(stage.both->restore("{}").error().code, ErrorCode::malformed);
+  EXPECT_EQ(stage.both->restore("[1]").error().code, ErrorCode::malformed);
+  EXPECT_EQ(stage.both->restore(R"({"imu": {}, "speech": {}})").error().code, ErrorCode::mismatch);
+  EXPECT_EQ(stage.both->restore(R"({"imu": {"version": 2}, "eyewear": "bad"})").error().code,
+            ErrorCode::mismatch);
+  EXPECT_EQ(stage.both->calibration_count(), 0);
+  EXPECT_EQ(stage.both->calibration(), before == "" ? "" : R"({"eyewear":{},"imu":{"version":1}})");
+}
+
+TEST(CombinedTracker, ScoresStepsAndCountsAreThoseOfAll) {
+  const Stage stage;
+  stage.imu->judged = {{.name = "nod", .value = 20, .unit = "deg", .pass = true, .sentence = "wide"}};
+  stage.eyewear->judged = {{.name = "light", .value = 1, .unit = "", .pass = true, .sentence = "bright"}};
+  stage.imu->found = {{Step::nod, frame_time(1), frame_time(2)}};
+  stage.eyewear->found = {{Step::neutral, frame_time(0), frame_time(1)}};
+  stage.imu->count = 2;
+  stage.eyewear->count = 3;
+  const std::vector<sensor::Score> scores = stage.both->scores();
+  ASSERT_EQ(scores.size(), 2u);
+  EXPECT_EQ(scores[0].name, "nod");
+  EXPECT_EQ(scores[1].name, "light");
+  ASSERT_EQ(stage.both->found_steps().size(), 2u);
+  EXPECT_EQ(stage.both->found_steps()[1].step, Step::neutral);
+  EXPECT_EQ(stage.both->calibration_count(), 5);
+}
+
+}  // namespace
+}  // namespace mien::shaping
