@@ -402,7 +402,8 @@ void Pipeline::add(HostTime arrival, const Sample& sample) {
       s.lines.add(arrival, sample);
       channel.lab.add(sample.time, vec3(sample, 0));
       return;
-    default:  // Other modalities'.
+    default:  // Another modality's; but the frame grid may stand on its clock.
+      s.lines.add(arrival, sample);
       return;
   }
 }

@@ -83,7 +83,7 @@ class Pipeline {
   void cancel_marks();
 
   /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
-  /// ignored.
+  /// ignored; of other modalities' only the clock counts.
   void add(HostTime arrival, const sensor::Sample& sample);
   /// The sensor's next samples are another board's: another bias, clock and heading, and fixed in another
   /// way. Without a neutral of its own a face sensor is missing until the next calibration; without the

@@ -47,6 +47,28 @@ TEST(Rig, ReadsTheDefaultRig) {
   EXPECT_NE(rig->faults_toml.find("gyro_bias_dps"), std::string::npos);
 }
 
+TEST(Rig, TheRigOfBothHasTheSensorsOfEach) {
+  const auto both = read_rig(MIEN_SOURCE_DIR "/rigs/imu_eyewear.toml");
+  ASSERT_TRUE(both) << both.error().message();
+  const Rig imus = read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  const Rig glasses = read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  EXPECT_EQ(both->sensors.size(), 28u);
+  EXPECT_EQ(both->reference, imus.reference);
+  for (std::size_t i = 0; i < both->sensors.size(); ++i) {
+    const Mount& mount = both->sensors[i];
+    const Mount& original = i < 12 ? imus.sensors[i] : glasses.sensors[i - 12];
+    EXPECT_EQ(mount.name, original.name);
+    EXPECT_EQ(mount.kind, i < 12 ? "imu" : "photo");
+    EXPECT_EQ(mount.device, original.device);
+    EXPECT_EQ(mount.role, original.role);
+    EXPECT_EQ(mount.site, original.site);
+    EXPECT_EQ(mount.side, original.side);
+    EXPECT_EQ(mount.ict_vertex, original.ict_vertex);
+    EXPECT_TRUE(mount.position_m == original.position_m);
+    EXPECT_TRUE(mount.aim == original.aim);
+  }
+}
+
 TEST(Rig, WritesWhatItReads) {
   for (const std::string& text : {kSmall, with("\"chin\"", "\"a \\\"quoted\\\" \\\\ name\"")}) {
     const auto first = parse_rig(text, "t");
