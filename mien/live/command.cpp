@@ -105,7 +105,7 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
     return Tap{std::move(sensor)};
   }
-  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits"})};
+  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits", "merge"})};
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), kWhere,
               "docs/page_protocol.md lists them");
 }
