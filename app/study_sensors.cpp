@@ -55,8 +55,7 @@ Json to_json(const study::SensorsMethod& method, const std::vector<std::string>&
   return out;
 }
 
-void print_study(const study::SensorsStudy& study, const study::MinuteStudy& minute,
-                 const Options& options) {
+void print_study(const study::SensorsStudy& study, const study::MinuteStudy& minute, const Options& options) {
   Json out = {{"rig", options.rig}, {"wearers", options.request.wearers}, {"seed", options.request.seed}};
   for (const study::SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
     out[method->name] = to_json(*method, study.markers);
@@ -114,16 +113,16 @@ Result<void> run(Options options) {
   }
   MIEN_TRY_ASSIGN(const eyewear::MarkerNetworkFile model, eyewear::read_marker_network(options.model));
   const Progress shown = terminal_progress("sensors");
-  MIEN_TRY_ASSIGN(const study::SensorsStudy study,
-                  study::study_sensors(options.request, rig, markers,
-                                       [&](double part, std::string_view what) {
-                                         return shown(kFaithfulShare * part * 0.999, what);
-                                       }));
-  MIEN_TRY_ASSIGN(const study::MinuteStudy minute,
-                  study::study_minute(options.request, rig, markers, model,
-                                      [&](double part, std::string_view what) {
-                                        return shown(kFaithfulShare + (1 - kFaithfulShare) * part, what);
-                                      }));
+  MIEN_TRY_ASSIGN(
+      const study::SensorsStudy study,
+      study::study_sensors(options.request, rig, markers, [&](double part, std::string_view what) {
+        return shown(kFaithfulShare * part * 0.999, what);
+      }));
+  MIEN_TRY_ASSIGN(
+      const study::MinuteStudy minute,
+      study::study_minute(options.request, rig, markers, model, [&](double part, std::string_view what) {
+        return shown(kFaithfulShare + (1 - kFaithfulShare) * part, what);
+      }));
   clear_progress();
   const std::string subtitle =
       fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);

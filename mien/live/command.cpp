@@ -151,7 +151,7 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
     return Tap{std::move(sensor)};
   }
-  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits"})};
+  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits", "merge"})};
   if (name == "prompt") {
     MIEN_TRY_ASSIGN(Prompt prompt, prompt_of(object));
     return AddPrompt{std::move(prompt)};

@@ -36,7 +36,7 @@ struct Bind {
 struct Tap {
   std::string sensor;
 };
-/// Shaping settings, each optional, as JSON: {"smoothing", "gains", "limits"}.
+/// Shaping settings, each optional, as JSON: {"smoothing", "gains", "limits", "merge"}.
 struct Shape {
   std::string json;
 };

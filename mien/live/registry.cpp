@@ -3,6 +3,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "mien/core/files.h"
@@ -13,6 +14,8 @@
 #include "mien/imu/node_protocol.h"
 #include "mien/imu/slimevr_protocol.h"
 #include "mien/model/model_file.h"
+#include "mien/sensor/rig_part.h"
+#include "mien/shaping/combined_tracker.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::live {
@@ -52,38 +55,57 @@ constexpr std::array kModalities = {
     Modality{"photo", "models/eyewear.safetensors", false, make_eyewear_tracker},
 };
 
-/// That of the rig's sensors. Errors: unsupported.
-Result<const Modality*> modality_of(const sensor::Rig& rig) {
-  const std::string& kind = rig.sensors.front().kind;
-  const auto found = std::ranges::find(kModalities, kind, &Modality::kind);
-  if (found == kModalities.end())
-    return fail(ErrorCode::unsupported, "this version knows no sensors of the kind " + kind,
-                "rig " + rig.name, "use a rig of the kinds imu or photo");
-  for (const sensor::Mount& mount : rig.sensors)
-    if (mount.kind != kind)
-      return fail(ErrorCode::unsupported,
-                  "sensors of the kinds " + kind + " and " + mount.kind + " in one rig", "rig " + rig.name,
-                  "use a rig with one kind of sensors");
-  return &*found;
+/// Those of the rig's sensors, in the order in which their kinds come. Errors: unsupported.
+Result<std::vector<const Modality*>> modalities_of(const sensor::Rig& rig) {
+  std::vector<const Modality*> modalities;
+  for (const std::string& kind : sensor::kinds_of(rig)) {
+    const auto found = std::ranges::find(kModalities, kind, &Modality::kind);
+    if (found == kModalities.end())
+      return fail(ErrorCode::unsupported, "this version knows no sensors of the kind " + kind,
+                  "rig " + rig.name, "use a rig of the kinds imu or photo");
+    modalities.push_back(&*found);
+  }
+  return modalities;
+}
+
+using Reshape = std::function<void(const shaping::ShaperSettings&)>;
+
+/// The rig's tracker; of several kinds one that merges theirs, each with the model of its default name in the
+/// folder. `reshape` becomes what must be told of other settings, where there is somebody to tell.
+MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
+                 const shaping::ShaperSettings& shaping, Reshape& reshape) {
+  MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
+  if (modalities.size() == 1) return modalities.front()->make(rig, model);
+  std::vector<shaping::CombinedTracker::Part> parts;
+  for (const Modality* modality : modalities) {
+    const std::filesystem::path its_model = model / std::filesystem::path(modality->default_model).filename();
+    MIEN_TRY_ASSIGN(std::unique_ptr<tracker::Tracker> one,
+                    modality->make(sensor::part_of(rig, modality->kind), its_model));
+    parts.push_back({std::move(one), sensor::sensors_of(rig, modality->kind)});
+  }
+  auto combined = std::make_unique<shaping::CombinedTracker>(std::move(parts), shaping);
+  reshape = [tracker = combined.get()](const shaping::ShaperSettings& settings) { tracker->set(settings); };
+  return combined;
 }
 
 }  // namespace
 
 Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named) {
   if (!named.empty()) return named;
-  MIEN_TRY_ASSIGN(const Modality* modality, modality_of(rig));
-  return find_resource(modality->default_model);
+  MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
+  MIEN_TRY_ASSIGN(std::filesystem::path model, find_resource(modalities.front()->default_model));
+  return modalities.size() == 1 ? model : model.parent_path();
 }
 
 bool has_window_models(const sensor::Rig& rig) {
-  const auto modality = modality_of(rig);
-  return modality && (*modality)->window_models;
+  const auto modalities = modalities_of(rig);
+  return modalities && modalities->size() == 1 && modalities->front()->window_models;
 }
 
 Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
                                                        const std::filesystem::path& model) {
-  MIEN_TRY_ASSIGN(const Modality* modality, modality_of(rig));
-  return modality->make(rig, model);
+  Reshape nobody_asks;
+  return make(rig, model, {}, nobody_asks);
 }
 
 Result<std::vector<std::unique_ptr<sensor::Protocol>>> make_protocols(const std::vector<PairingKey>& keys) {
@@ -112,7 +134,7 @@ Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, const std:
   Session::Parts parts;
   parts.rig = rig;
   parts.shaping = shaping;
-  MIEN_TRY_ASSIGN(parts.tracker, make_tracker(rig, model));
+  MIEN_TRY_ASSIGN(parts.tracker, make(rig, model, shaping, parts.reshape));
   MIEN_TRY_ASSIGN(parts.protocols, make_protocols(keys));
   return Session::create(std::move(parts));
 }

@@ -24,15 +24,17 @@ struct PairingKey {
 };
 
 /// The live model for a rig's sensors: the file `named`, or where that is empty the default one of such
-/// sensors. Errors: not_found (none is installed).
+/// sensors. A rig with sensors of several kinds takes a folder instead, in which the model of each kind has
+/// its default name. Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
 [[nodiscard]] Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named);
 
 /// Whether there are models that see a whole window of such sensors, past and future; else only the live
 /// model solves their takes, frame by frame.
 [[nodiscard]] bool has_window_models(const sensor::Rig& rig);
 
-/// The tracker for a rig's sensors, with the live model of this file. Errors: unsupported (sensors of several
-/// kinds), the model's (mismatch: another rig's).
+/// The tracker for a rig's sensors, with the live model of live_model(); for sensors of several kinds one
+/// that merges those of each (shaping::CombinedTracker). Errors: unsupported (sensors of a kind that is
+/// unknown), the model's (mismatch: another rig's).
 [[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
                                                                      const std::filesystem::path& model);
 

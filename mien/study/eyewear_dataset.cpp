@@ -28,7 +28,7 @@ using face::kShapeCount;
 using face::kShapeNames;
 
 constexpr double kMeasuredBeforeS = 300;    // Marker motion that target poses are of.
-constexpr double kPosesShare = 7.0 / 12.0;  // Of a wearer's performance.
+constexpr double kPosesShare = 0.7;      // Of a wearer's performance.
 
 bool may_be_posed(std::size_t shape) {
   return !kShapeNames[shape].starts_with("eyeLook") && kShapeNames[shape] != "mouthClose";
@@ -59,7 +59,7 @@ face::Motion poses_motion(const MarkerPoses& poses, double seconds, const Random
     const double kind = drawn.uniform();
     virt::PoseCue& cue = cues.emplace_back();
     cue.begin_s = at_s;
-    if (kind < 0.4)
+    if (kind < 0.5)
       cue.target = poses.draw(drawn);
     else if (kind < 0.85)
       cue.target = random_pose(drawn);

@@ -17,7 +17,7 @@ struct EyewearDataRecipe {
   std::uint64_t seed = 1;
   int wearers = 300;            ///< Each has an identity, skin, glasses and a seat of its own.
   int validation_wearers = 16;  ///< Held out: never trained on.
-  /// What each performs after the first minute: seven twelfths of poses that are held (components of marker
+  /// What each performs after the first minute: seven tenths of poses that are held (components of marker
   /// motion as target poses have them, and random ones of a few shapes), the rest of reading, a range of
   /// motion and free motion. No emotion and no look of daily life is among them: studies test on those.
   double seconds = 120;

@@ -37,11 +37,10 @@ struct Condition {
   double moved_m = 0;   ///< Taken off, and put on again this far off.
   bool renewed = true;  ///< Then five seconds of neutral.
 };
-constexpr std::array kConditions = {Condition{.name = "as they were"},
-                                    Condition{.name = "remounted", .moved_m = kRemountM, .renewed = false},
-                                    Condition{.name = "remounted_5s", .moved_m = kRemountM},
-                                    Condition{.name = "dark", .light = 0},
-                                    Condition{.name = "bright", .light = 3}};
+constexpr std::array kConditions = {
+    Condition{.name = "as they were"}, Condition{.name = "remounted", .moved_m = kRemountM, .renewed = false},
+    Condition{.name = "remounted_5s", .moved_m = kRemountM}, Condition{.name = "dark", .light = 0},
+    Condition{.name = "bright", .light = 3}};
 
 constexpr std::array<std::string_view, 4> kMethods = {"neutral", "linear", "learned", "learned16"};
 
@@ -232,8 +231,8 @@ Result<MinuteStudy> study_minute(const SensorsRequest& request, const sensor::Ri
                                    markers));
   for (std::size_t c = 1; c < kConditions.size(); ++c)
     study.conditions.push_back(sum_up(std::string(kConditions[c].name), sensors,
-                                      gather([c](const Outcome& o) { return o.conditions[c]; }),
-                                      course.tests, markers));
+                                      gather([c](const Outcome& o) { return o.conditions[c]; }), course.tests,
+                                      markers));
   return study;
 }
 

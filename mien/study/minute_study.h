@@ -13,22 +13,22 @@
 
 namespace mien::study {
 
-/// What a minute of a wearer's own is worth: the same wearers, glasses, seats and tests as study_sensors(), but
-/// instead of half an hour of poses under motion capture ten seconds of neutral and fifty of a range of motion
-/// without any, and then a minute of rest. Every frame of 60 Hz counts, at its own time.
+/// What a minute of a wearer's own is worth: the same wearers, glasses, seats and tests as study_sensors(),
+/// but instead of half an hour of poses under motion capture ten seconds of neutral and fifty of a range of
+/// motion without any, and then a minute of rest. Every frame of 60 Hz counts, at its own time.
 struct MinuteStudy {
-  /// "neutral": the wearer's neutral markers, whatever the sensors say; "linear": the published model fitted to
-  /// the minute, under motion capture; "learned": the network; "learned16": without the ear hooks.
+  /// "neutral": the wearer's neutral markers, whatever the sensors say; "linear": the published model fitted
+  /// to the minute, under motion capture; "learned": the network; "learned16": without the ear hooks.
   std::vector<SensorsMethod> methods;
   /// The network under other conditions: "remounted" (2 mm off, nothing done), "remounted_5s" (the same, and
   /// five seconds of neutral), "dark", "bright" (no other light, and three times as much).
   std::vector<SensorsMethod> conditions;
 };
 
-/// The network answers with displacements from the wearer's neutral markers, which are known. Uses the request's
-/// wearers, test_s, seed and threads. The same request and model give the same numbers, whatever the number of
-/// threads. Errors: those of rig, faults and model; bad_usage; cancelled. Cost: a minute and a half of one core
-/// a wearer.
+/// The network answers with displacements from the wearer's neutral markers, which are known. Uses the
+/// request's wearers, test_s, seed and threads. The same request and model give the same numbers, whatever
+/// the number of threads. Errors: those of rig, faults and model; bad_usage; cancelled. Cost: a minute and a
+/// half of one core a wearer.
 [[nodiscard]] Result<MinuteStudy> study_minute(const SensorsRequest& request, const sensor::Rig& rig,
                                                const eyewear::MarkerSet& markers,
                                                const eyewear::MarkerNetworkFile& model,

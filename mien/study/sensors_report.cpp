@@ -8,7 +8,7 @@
 namespace mien::study {
 namespace {
 
-constexpr std::size_t kLearned = 2;  // Of MinuteStudy::methods.
+constexpr std::size_t kLearned = 2;        // Of MinuteStudy::methods.
 constexpr std::size_t kCurvePoints = 900;  // More than a page has pixels for.
 
 std::string mm(double value) {
@@ -40,8 +40,7 @@ Table minute_table(const MinuteStudy& minute) {
   table.caption = "After one minute of the wearer's own, without motion capture but for \"linear\", mm";
   table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
   for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const SensorsMethod& method : *methods)
-      table.rows.push_back(cells(method.name, method.overall));
+    for (const SensorsMethod& method : *methods) table.rows.push_back(cells(method.name, method.overall));
   table.strong_rows = {2};
   return table;
 }
@@ -68,8 +67,7 @@ BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
   for (std::size_t m = 0; m < study.markers.size(); ++m)
     plot.groups.push_back({fmt::format("{}", m + 1),
                            {study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
-                            study.mean_pose.markers[m].mean_mm,
-                            minute.methods[kLearned].markers[m].mean_mm},
+                            study.mean_pose.markers[m].mean_mm, minute.methods[kLearned].markers[m].mean_mm},
                            {}});
   return plot;
 }

@@ -6,6 +6,7 @@
 
 #include "mien/core/files.h"
 #include "mien/face/load.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/virtual/eyewear_boards.h"
 #include "mien/virtual/eyewear_session.h"
 #include "mien/virtual/head_motion.h"
@@ -68,6 +69,9 @@ Result<Stage> set_stage(const StageRequest& request) {
   Stage stage;
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
+  if (sensor::kinds_of(stage.rig).size() > 1)
+    return fail(ErrorCode::unsupported, "no virtual performer wears sensors of several kinds at once",
+                request.rig.string(), "perform each kind with a rig of its own, to one session that has all");
   stage.lab = request.devices == "lab";
   MIEN_TRY_ASSIGN(face::Face face, face::load_face(request.face));
   const Random root(request.seed);

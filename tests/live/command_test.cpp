@@ -32,6 +32,9 @@ TEST(Command, TakesOnlyWhatItsKindHas) {
   const auto shape = parse_command(R"({"command": "shape", "limits": {}, "id": 3, "command2": 1})");
   ASSERT_TRUE(shape);
   EXPECT_EQ(std::get<Shape>(*shape).json, R"({"limits":{}})");
+  const auto merge = parse_command(R"({"command": "shape", "merge": {"order": {"jaw": ["imu"]}}})");
+  ASSERT_TRUE(merge);
+  EXPECT_EQ(std::get<Shape>(*merge).json, R"({"merge":{"order":{"jaw":["imu"]}}})");
   EXPECT_TRUE(std::get<Calibrate>(*parse_command(R"({"command": "calibrate", "kind": "full"})")).full);
 }
 

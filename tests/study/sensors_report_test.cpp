@@ -30,8 +30,13 @@ TEST(SensorsReport, StandsBesideThePublishedFigures) {
     study.curve_s.push_back(0.05 * i);
     study.curve_mm.push_back(3);
   }
-  const std::string html = sensors_report(study, "one wearer").html();
-  for (const char* words : {"one wearer", "3.25 mm", "published 3.19 mm", "6.97", "321 of 5000", "chin"})
+  MinuteStudy minute;
+  for (const char* name : {"neutral", "linear", "learned", "learned16"})
+    minute.methods.push_back(method(name, 20, 2.375));
+  minute.conditions = {method("remounted_5s", 20, 2.625)};
+  const std::string html = sensors_report(study, minute, "one wearer").html();
+  for (const char* words : {"one wearer", "3.25 mm", "published 3.19 mm", "6.97", "321 of 5000", "chin",
+                            "learned", "2.38", "remounted_5s"})
     EXPECT_THAT(html, HasSubstr(words));
 }
 

@@ -56,5 +56,12 @@ TEST_F(SetStage, RefusesAMotionWithoutFrames) {
   EXPECT_THAT(refused.error().message(), ::testing::HasSubstr("talking"));
 }
 
+TEST_F(SetStage, RefusesSensorsOfSeveralKinds) {
+  request_.rig = MIEN_SOURCE_DIR "/rigs/imu_eyewear.toml";
+  const auto refused = set_stage(request_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
+}
+
 }  // namespace
 }  // namespace mien::virt
