@@ -3,13 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <filesystem>
 #include <memory>
+#include <utility>
 
 #include "app/json_output.h"
+#include "app/performance.h"
 #include "mien/core/files.h"
 #include "mien/eyewear/marker_network.h"
 #include "mien/eyewear/markers.h"
+#include "mien/face/load.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/error_picture.h"
 #include "mien/study/minute_study.h"
 #include "mien/study/sensors_report.h"
 #include "mien/study/sensors_study.h"
@@ -22,6 +28,8 @@ struct Options {
   std::string rig;
   std::string markers;
   std::string model;
+  std::string face;
+  std::vector<std::string> motions;
   std::string out;
   bool json = false;
 };
@@ -30,6 +38,8 @@ using Json = nlohmann::ordered_json;
 
 /// Of the whole study's time.
 constexpr double kFaithfulShare = 0.5;
+/// Where the colours of the picture end.
+constexpr double kPictureScaleMm = 8;
 
 Json to_json(const study::SensorsRow& row) {
   return {{"mean_mm", row.all.mean_mm},
@@ -55,14 +65,21 @@ Json to_json(const study::SensorsMethod& method, const std::vector<std::string>&
   return out;
 }
 
-void print_study(const study::SensorsStudy& study, const study::MinuteStudy& minute, const Options& options) {
+void add_minute(const study::MinuteStudy& minute, const eyewear::MarkerSet& markers, Json& out) {
+  std::vector<std::string> names;
+  for (const eyewear::Marker& marker : markers.markers) names.push_back(marker.name);
+  for (const study::SensorsMethod& method : minute.methods)
+    out["minute"][method.name] = to_json(method, names);
+  for (const study::SensorsMethod& method : minute.conditions)
+    out["minute"]["conditions"][method.name] = to_json(method, names);
+}
+
+void print_study(const study::SensorsStudy& study, const study::MinuteStudy& minute,
+                 const eyewear::MarkerSet& markers, const Options& options) {
   Json out = {{"rig", options.rig}, {"wearers", options.request.wearers}, {"seed", options.request.seed}};
   for (const study::SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
     out[method->name] = to_json(*method, study.markers);
-  for (const study::SensorsMethod& method : minute.methods)
-    out["minute"][method.name] = to_json(method, study.markers);
-  for (const study::SensorsMethod& method : minute.conditions)
-    out["minute"]["conditions"][method.name] = to_json(method, study.markers);
+  add_minute(minute, markers, out);
   out["training"] = Json::array();
   for (const study::SensorsTraining& training : study.training)
     out["training"].push_back(
@@ -70,32 +87,66 @@ void print_study(const study::SensorsStudy& study, const study::MinuteStudy& min
   print_json(out);
 }
 
+void print_row(const std::string& name, const study::SensorsRow& row) {
+  fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f} {:7.2f}\n", name, row.all.mean_mm, row.all.rmse_mm,
+             row.eyes_nose.mean_mm, row.mouth.mean_mm);
+}
+
+std::string title_of(const study::SensorsMethod& method) {
+  return method.sensors > 0 ? fmt::format("{}, {} sensors", method.name, method.sensors) : method.name;
+}
+
 void print_table(const study::SensorsStudy& study, const study::MinuteStudy& minute) {
-  const auto line = [](const std::string& name, const study::SensorsRow& row) {
-    fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f} {:7.2f}\n", name, row.all.mean_mm, row.all.rmse_mm,
-               row.eyes_nose.mean_mm, row.mouth.mean_mm);
-  };
   fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm", "mean", "RMSE", "eyes, nose", "mouth");
   for (const study::SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
-    line(method->sensors > 0 ? fmt::format("{}, {} sensors", method->name, method->sensors) : method->name,
-         method->overall);
+    print_row(title_of(*method), method->overall);
   fmt::print("\nafter one minute\n");
   for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const study::SensorsMethod& method : *methods)
-      line(method.sensors > 0 ? fmt::format("{}, {} sensors", method.name, method.sensors) : method.name,
-           method.overall);
+    for (const study::SensorsMethod& method : *methods) print_row(title_of(method), method.overall);
   fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "faithful, by wearer", "", "", "", "");
   for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
-    line(fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
-         study.faithful.wearers[w]);
+    print_row(fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
+              study.faithful.wearers[w]);
   fmt::print("\nby expressions\n");
   for (std::size_t s = 0; s < study::kTestSets; ++s)
-    line(std::string(study::test_set_name(static_cast<study::TestSet>(s))), study.faithful.sets[s]);
+    print_row(std::string(study::test_set_name(static_cast<study::TestSet>(s))), study.faithful.sets[s]);
   fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "by marker, mean", "faithf.", "16", "knowing 0", "");
   for (std::size_t m = 0; m < study.markers.size(); ++m)
     fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f}\n", fmt::format("{} {}", m + 1, study.markers[m]),
                study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
                study.mean_pose.markers[m].mean_mm);
+}
+
+/// The learned method alone, on another face or in others' performances.
+Result<void> run_scene(const Options& options, const sensor::Rig& rig, const eyewear::MarkerSet& markers,
+                       const eyewear::MarkerNetworkFile& model) {
+  study::MinuteScene scene;
+  if (!options.face.empty()) {
+    MIEN_TRY_ASSIGN(scene.face, face::load_face(options.face, terminal_progress("face")));
+  }
+  for (const std::string& path : options.motions) {
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(path));
+    scene.motions.push_back(std::move(performance.motion));
+    scene.motions.back().name = std::filesystem::path(path).filename().string();
+  }
+  MIEN_TRY_ASSIGN(const study::MinuteStudy minute, study::study_minute(options.request, rig, markers, model,
+                                                                       scene, terminal_progress("sensors")));
+  clear_progress();
+  if (options.json) {
+    Json out = {{"face", options.face}, {"seed", options.request.seed}, {"motions", options.motions}};
+    add_minute(minute, markers, out);
+    print_json(out);
+    return {};
+  }
+  fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm, after one minute", "mean", "RMSE", "eyes, nose",
+             "mouth");
+  for (const auto* methods : {&minute.methods, &minute.conditions})
+    for (const study::SensorsMethod& method : *methods) print_row(title_of(method), method.overall);
+  for (std::size_t m = 0; m < scene.motions.size(); ++m) {
+    fmt::print("\n{}\n", scene.motions[m].name);
+    for (const study::SensorsMethod& method : minute.methods) print_row(title_of(method), method.tests[m]);
+  }
+  return {};
 }
 
 Result<void> run(Options options) {
@@ -112,6 +163,7 @@ Result<void> run(Options options) {
     MIEN_TRY_ASSIGN(options.model, find_resource("models/eyewear.safetensors"));
   }
   MIEN_TRY_ASSIGN(const eyewear::MarkerNetworkFile model, eyewear::read_marker_network(options.model));
+  if (!options.face.empty() || !options.motions.empty()) return run_scene(options, rig, markers, model);
   const Progress shown = terminal_progress("sensors");
   MIEN_TRY_ASSIGN(
       const study::SensorsStudy study,
@@ -120,16 +172,23 @@ Result<void> run(Options options) {
       }));
   MIEN_TRY_ASSIGN(
       const study::MinuteStudy minute,
-      study::study_minute(options.request, rig, markers, model, [&](double part, std::string_view what) {
+      study::study_minute(options.request, rig, markers, model, {}, [&](double part, std::string_view what) {
         return shown(kFaithfulShare + (1 - kFaithfulShare) * part, what);
       }));
   clear_progress();
   const std::string subtitle =
       fmt::format("{} virtual wearers, seed {}", options.request.wearers, options.request.seed);
-  if (!options.out.empty()) MIEN_TRY(study::sensors_report(study, minute, subtitle).write(options.out));
+  if (!options.out.empty()) {
+    const std::array<const study::SensorsMethod*, 3> shown_methods = {&study.mean_pose, &study.faithful,
+                                                                      &minute.learned()};
+    MIEN_TRY_ASSIGN(const render::Image picture,
+                    study::error_picture(markers, shown_methods, kPictureScaleMm));
+    MIEN_TRY_ASSIGN(const study::Report report, study::sensors_report(study, minute, subtitle, picture));
+    MIEN_TRY(report.write(options.out));
+  }
   if (options.json) {
     options.rig = rig.name;
-    print_study(study, minute, options);
+    print_study(study, minute, markers, options);
     return {};
   }
   fmt::print("Markers from photo-reflective eyewear: {}\n\n", subtitle);
@@ -149,6 +208,12 @@ void add_study_sensors(Commands& commands, CLI::App* study) {
   command->add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");
   command->add_option("--model", options->model,
                       "The learned method's model (default: models/eyewear.safetensors)");
+  command->add_option("--face", options->face,
+                      "Another wearer, for the learned method alone: an ICT-FaceKit folder, a .glb or .vrm");
+  command->add_option(
+      "--motion", options->motions,
+      "A performance to test on instead of the protocol's expressions, for the learned method "
+      "alone: a Live Link Face CSV or a take; may be given often");
   command->add_option("--wearers", options->request.wearers, "Virtual wearers")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

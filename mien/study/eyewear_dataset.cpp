@@ -27,8 +27,8 @@ using face::BlendshapeWeights;
 using face::kShapeCount;
 using face::kShapeNames;
 
-constexpr double kMeasuredBeforeS = 300;    // Marker motion that target poses are of.
-constexpr double kPosesShare = 0.7;      // Of a wearer's performance.
+constexpr double kMeasuredBeforeS = 300;  // Marker motion that target poses are of.
+constexpr double kPosesShare = 0.7;       // Of a wearer's performance.
 
 bool may_be_posed(std::size_t shape) {
   return !kShapeNames[shape].starts_with("eyeLook") && kShapeNames[shape] != "mouthClose";

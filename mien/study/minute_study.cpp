@@ -50,8 +50,9 @@ struct Course {
   const sensor::Rig& rig;
   const eyewear::MarkerSet& markers;
   const eyewear::MarkerNetworkFile& model;
+  const MinuteScene& scene;
   virt::EyewearFaults faults;
-  std::vector<SensorsTest> tests;
+  std::vector<SensorsTest> tests;         ///< One a motion where the scene has some.
   std::vector<std::string> sensors;       ///< Names of the photo-reflective ones.
   std::vector<std::uint8_t> on_the_hook;  ///< A flag each of these.
 };
@@ -115,12 +116,18 @@ void make_tests(const Course& course, const Random& root, const eyewear::PlacedM
                 const Normalisation& normalisation, EyewearSession& session, const SeeFeatures& see) {
   LightFrame light;
   for (std::size_t t = 0; t < course.tests.size(); ++t) {
+    const auto look = [&](const GridLight& grid, const BlendshapeWeights& weights) {
+      read(normalisation, grid, light);
+      see(t, light, placed.at(weights));
+    };
+    if (!course.scene.motions.empty()) {
+      const face::Motion& motion = course.scene.motions[t];
+      session.play(motion, motion.duration_s(), look);
+      continue;
+    }
     const std::array<virt::PoseCue, 1> cue = {virt::PoseCue{0, course.tests[t].target}};
     session.play(virt::mimic(cue, course.request.test_s, {}, root.fork("test", t)), course.request.test_s,
-                 [&](const GridLight& grid, const BlendshapeWeights& weights) {
-                   read(normalisation, grid, light);
-                   see(t, light, placed.at(weights));
-                 });
+                 look);
   }
 }
 
@@ -186,18 +193,22 @@ Result<void> wear(const Course& course, const virt::EyewearWearer& wearer,
 
 Result<MinuteStudy> study_minute(const SensorsRequest& request, const sensor::Rig& rig,
                                  const eyewear::MarkerSet& markers, const eyewear::MarkerNetworkFile& model,
-                                 const Progress& progress) {
+                                 const MinuteScene& scene, const Progress& progress) {
   if (request.wearers < 1 || !(request.test_s >= 1))
     return fail(ErrorCode::bad_usage, "the study needs a wearer and a second of each test", "study sensors");
   if (!std::ranges::equal(model.markers, markers.markers, {}, {}, &eyewear::Marker::name))
     return fail(ErrorCode::mismatch, "the model answers with other markers than the study has", markers.name,
                 "train a model with these markers");
-  Course course{request, rig, markers, model, {}, {}, {}, {}};
+  for (const face::Motion& motion : scene.motions)
+    if (motion.frames.empty())
+      return fail(ErrorCode::bad_usage, "a motion without frames tests nothing", motion.name);
+  Course course{request, rig, markers, model, scene, {}, {}, {}, {}};
   MIEN_TRY_ASSIGN(course.faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
   const Random root = Random(request.seed).fork("sensors");
   MIEN_TRY_ASSIGN(const MarkerPoses poses,
                   MarkerPoses::measure(markers, kMeasuredBeforeS, root.fork("before")));
-  course.tests = make_sensors_tests(poses, root.fork("tests"));
+  course.tests = scene.motions.empty() ? make_sensors_tests(poses, root.fork("tests"))
+                                       : std::vector<SensorsTest>(scene.motions.size());
   const std::vector<std::uint16_t> hooks = ear_hook_sensors(rig);
   for (const std::uint16_t s : eyewear::photo_sensors(rig)) {
     course.sensors.push_back(rig.sensors[s].name);
@@ -211,7 +222,8 @@ Result<MinuteStudy> study_minute(const SensorsRequest& request, const sensor::Ri
         const std::size_t index = job / kConditions.size();
         const Random own = Random(request.seed).fork("sensors", index);
         MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
-                        virt::draw_eyewear_wearer(rig, course.faults, own.fork("wearer")));
+                        scene.face ? virt::seat_eyewear(*scene.face, rig, course.faults, own.fork("wearer"))
+                                   : virt::draw_eyewear_wearer(rig, course.faults, own.fork("wearer")));
         MIEN_TRY_ASSIGN(const eyewear::PlacedMarkers placed,
                         eyewear::PlacedMarkers::place(wearer.face, markers));
         return wear(course, wearer, placed, own, job % kConditions.size(), outcomes[index]);

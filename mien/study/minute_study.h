@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,8 @@
 #include "mien/core/progress.h"
 #include "mien/eyewear/marker_network.h"
 #include "mien/eyewear/markers.h"
+#include "mien/face/face.h"
+#include "mien/face/motion.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/marker_errors.h"
 #include "mien/study/sensors_study.h"
@@ -23,15 +26,24 @@ struct MinuteStudy {
   /// The network under other conditions: "remounted" (2 mm off, nothing done), "remounted_5s" (the same, and
   /// five seconds of neutral), "dark", "bright" (no other light, and three times as much).
   std::vector<SensorsMethod> conditions;
+
+  [[nodiscard]] const SensorsMethod& learned() const { return methods[2]; }
+};
+
+/// Another face than people of the built-in family, and other tests.
+struct MinuteScene {
+  std::optional<face::Face> face;  ///< Who wears the glasses, each time with other skin, glasses and seat.
+  std::vector<face::Motion>
+      motions;  ///< Performed instead of the nineteen tests, whole; sets are empty then.
 };
 
 /// The network answers with displacements from the wearer's neutral markers, which are known. Uses the
-/// request's wearers, test_s, seed and threads. The same request and model give the same numbers, whatever
+/// request's wearers, test_s, seed and threads. The same arguments give the same numbers, whatever
 /// the number of threads. Errors: those of rig, faults and model; bad_usage; cancelled. Cost: a minute and a
 /// half of one core a wearer.
 [[nodiscard]] Result<MinuteStudy> study_minute(const SensorsRequest& request, const sensor::Rig& rig,
                                                const eyewear::MarkerSet& markers,
                                                const eyewear::MarkerNetworkFile& model,
-                                               const Progress& progress);
+                                               const MinuteScene& scene, const Progress& progress);
 
 }  // namespace mien::study

@@ -67,7 +67,7 @@ BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
   for (std::size_t m = 0; m < study.markers.size(); ++m)
     plot.groups.push_back({fmt::format("{}", m + 1),
                            {study.faithful.markers[m].mean_mm, study.faithful16.markers[m].mean_mm,
-                            study.mean_pose.markers[m].mean_mm, minute.methods[kLearned].markers[m].mean_mm},
+                            study.mean_pose.markers[m].mean_mm, minute.learned().markers[m].mean_mm},
                            {}});
   return plot;
 }
@@ -90,7 +90,8 @@ LinePlot curve(const SensorsStudy& study) {
 
 }  // namespace
 
-Report sensors_report(const SensorsStudy& study, const MinuteStudy& minute, const std::string& subtitle) {
+Result<Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                              const std::string& subtitle, const render::Image& picture) {
   Report report("Markers from photo-reflective eyewear", subtitle);
   report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mean_mm))},
@@ -100,6 +101,11 @@ Report sensors_report(const SensorsStudy& study, const MinuteStudy& minute, cons
                        fmt::format("published {} mm", mm(kPublished20.mouth_mm))}});
   report.table(overview(study));
   report.table(minute_table(minute));
+  if (picture.width > 0) {
+    MIEN_TRY_ASSIGN(const std::vector<std::byte> png, render::encode_png(picture));
+    report.image(png,
+                 "Mean error of each marker as colour on the face, and between markers what lies between");
+  }
   report.bars(by_marker(study, minute));
   Table names;
   names.caption = "Markers by number";

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "mien/render/image.h"
 #include "mien/study/minute_study.h"
 #include "mien/study/report.h"
 #include "mien/study/sensors_study.h"
@@ -17,9 +18,10 @@ struct PublishedSensors {
 inline constexpr PublishedSensors kPublished20{3.19, 1.81, 5.21};
 inline constexpr PublishedSensors kPublished16{3.95, 1.89, 6.97};
 
-/// The study as one page: beside the published figures, by region, wearer, set and marker, and the error as
-/// it goes on through the tests. `subtitle` says whose numbers these are.
-[[nodiscard]] Report sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
-                                    const std::string& subtitle);
+/// The study as one page: beside the published figures, by region, wearer, set and marker, as colour on the
+/// face, and the error as it goes on through the tests. `subtitle` says whose numbers these are, `picture` is
+/// error_picture()'s; one without pixels is left out. Errors: the picture's encoder.
+[[nodiscard]] Result<Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                                            const std::string& subtitle, const render::Image& picture);
 
 }  // namespace mien::study

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mien/face/builtin.h"
+#include "mien/study/eyewear_session.h"
 #include "tests/model/random_network.h"
 
 namespace mien::study {
@@ -41,8 +43,8 @@ SensorsRequest brief(unsigned threads) {
 }
 
 TEST(MinuteStudy, MeasuresMethodsAndConditionsOnAnyNumberOfThreads) {
-  const auto one = study_minute(brief(1), rig(), markers(), untrained(), no_progress);
-  const auto two = study_minute(brief(2), rig(), markers(), untrained(), no_progress);
+  const auto one = study_minute(brief(1), rig(), markers(), untrained(), {}, no_progress);
+  const auto two = study_minute(brief(2), rig(), markers(), untrained(), {}, no_progress);
   ASSERT_TRUE(one) << one.error().message();
   ASSERT_TRUE(two) << two.error().message();
   ASSERT_EQ(one->methods.size(), 4u);
@@ -60,10 +62,23 @@ TEST(MinuteStudy, MeasuresMethodsAndConditionsOnAnyNumberOfThreads) {
   EXPECT_NE(one->conditions[0].overall.all.mean_mm, one->conditions[1].overall.all.mean_mm);
 }
 
+TEST(MinuteStudy, TakesAnotherFaceAndItsMotions) {
+  MinuteScene scene;
+  scene.face = face::make_builtin();
+  scene.motions.push_back(range_of_motion(Random(3)));
+  scene.motions.back().frames.resize(120);
+  const auto study = study_minute(brief(2), rig(), markers(), untrained(), scene, no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  ASSERT_EQ(study->methods[0].tests.size(), 1u);
+  EXPECT_GT(study->methods[0].overall.all.mean_mm, 0.1) << "brows go up";
+  scene.motions.emplace_back();
+  EXPECT_FALSE(study_minute(brief(2), rig(), markers(), untrained(), scene, no_progress));
+}
+
 TEST(MinuteStudy, RefusesModelsOfOtherMarkers) {
   eyewear::MarkerNetworkFile other = untrained();
   std::swap(other.markers[0], other.markers[1]);
-  const auto study = study_minute(brief(1), rig(), markers(), other, no_progress);
+  const auto study = study_minute(brief(1), rig(), markers(), other, {}, no_progress);
   ASSERT_FALSE(study);
   EXPECT_EQ(study.error().code, ErrorCode::mismatch);
 }

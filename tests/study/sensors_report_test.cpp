@@ -34,9 +34,11 @@ TEST(SensorsReport, StandsBesideThePublishedFigures) {
   for (const char* name : {"neutral", "linear", "learned", "learned16"})
     minute.methods.push_back(method(name, 20, 2.375));
   minute.conditions = {method("remounted_5s", 20, 2.625)};
-  const std::string html = sensors_report(study, minute, "one wearer").html();
+  const auto report = sensors_report(study, minute, "one wearer", render::Image(4, 4));
+  ASSERT_TRUE(report) << report.error().message();
+  const std::string html = report->html();
   for (const char* words : {"one wearer", "3.25 mm", "published 3.19 mm", "6.97", "321 of 5000", "chin",
-                            "learned", "2.38", "remounted_5s"})
+                            "learned", "2.38", "remounted_5s", "image/png"})
     EXPECT_THAT(html, HasSubstr(words));
 }
 

@@ -24,7 +24,8 @@ study::LightDataset toy_light(std::uint32_t first, std::size_t wearers, std::siz
       const double a = std::sin(t), b = std::sin(1.7 * t);
       for (const double v : {a, b}) s.values.push_back(static_cast<float>(v));
       s.present.insert(s.present.end(), {1, 1});
-      for (const double m : {0.02 * a, -0.01 * b, 0.03 * a * b}) s.displacement_m.push_back(static_cast<float>(m));
+      for (const double m : {0.02 * a, -0.01 * b, 0.03 * a * b})
+        s.displacement_m.push_back(static_cast<float>(m));
     }
   }
   return data;
@@ -38,11 +39,11 @@ std::string toy_marker_recipe(std::size_t steps) {
 
 TEST(MarkerTask, LearnsAToyBetterThanRidge) {
   const test::Folder folder;
-  const auto task =
-      MarkerTask::create(*parse_recipe(toy_marker_recipe(400), "test"), toy_light(0, 6), toy_light(20, 2), "# rig");
+  const auto task = MarkerTask::create(*parse_recipe(toy_marker_recipe(400), "test"), toy_light(0, 6),
+                                       toy_light(20, 2), "# rig");
   ASSERT_TRUE(task) << task.error().message();
-  const auto report = train(
-      **task, {.out = folder / "toy.safetensors", .device = "cpu", .threads = 1}, no_progress);
+  const auto report =
+      train(**task, {.out = folder / "toy.safetensors", .device = "cpu", .threads = 1}, no_progress);
   ASSERT_TRUE(report) << report.error().message();
   const auto results = nlohmann::json::parse(report->results)["markers"];
   EXPECT_LT(results["mean_mm"].get<double>(), 0.8 * results["ridge_mean_mm"].get<double>());
@@ -57,8 +58,10 @@ TEST(MarkerTask, LearnsAToyBetterThanRidge) {
 TEST(MarkerTask, RefusesWhatCannotBeTrained) {
   const Recipe recipe = *parse_recipe(toy_marker_recipe(10), "test");
   EXPECT_FALSE(MarkerTask::create(recipe, {}, toy_light(0, 1), ""));
-  EXPECT_FALSE(MarkerTask::create(recipe, toy_light(0, 1, 20), toy_light(1, 1), "")) << "shorter than a window";
-  EXPECT_FALSE(MarkerTask::create(*parse_recipe(toy_recipe(10), "test"), toy_light(0, 1), toy_light(1, 1), ""))
+  EXPECT_FALSE(MarkerTask::create(recipe, toy_light(0, 1, 20), toy_light(1, 1), ""))
+      << "shorter than a window";
+  EXPECT_FALSE(
+      MarkerTask::create(*parse_recipe(toy_recipe(10), "test"), toy_light(0, 1), toy_light(1, 1), ""))
       << "a network that waits for a window";
   study::LightDataset sick = toy_light(0, 1);
   sick.sequences[0].values[3] = std::nanf("");
