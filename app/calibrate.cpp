@@ -305,9 +305,10 @@ void add_calibrate_command(Commands& commands) {
                    "mien calibrate full", [options] { return run_guided(*options); });
   guided->require_subcommand(0, 1);
   guided
-      ->add_option("kind", options->kind,
-                   "short: hold still, and nod and shake the head where the sensors need it; full: then the anchor "
-                   "expressions")
+      ->add_option(
+          "kind", options->kind,
+          "short: hold still, and nod and shake the head where the sensors need it; full: then the anchor "
+          "expressions")
       ->check(CLI::IsMember({"short", "full"}))
       ->capture_default_str();
   guided
