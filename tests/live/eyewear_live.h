@@ -37,11 +37,12 @@ inline const virt::EyewearWearer& wearer() {
   return wearer;
 }
 
-/// The jaw from the four hooks' light, as far as an open one changes it on this wearer, and nothing else.
+/// The jaw from the lower hooks' light, as far as one that is open by three quarters changes it on this
+/// wearer (a wide one touches them), and nothing else.
 inline std::unique_ptr<eyewear::MarkerRegressor> jaw_regressor() {
   virt::EyewearSimulator simulator(wearer(), quiet_faults(), Random(1));
   face::BlendshapeWeights open;
-  open[face::shape("jawOpen")] = 1;
+  open[face::shape("jawOpen")] = 0.75F;
   const std::vector<double> rest = simulator.reflected({}), wide = simulator.reflected(open);
   const eyewear::PlacedMarkers placed =
       eyewear::PlacedMarkers::place(face::make_builtin(), eyewear::test::mouth_markers()).value();
