@@ -6,9 +6,6 @@
 #include "app/command.h"
 #include "app/usage_error.h"
 
-namespace mien::app {
-void add_record_command(Commands& commands);
-}
 int main(int argc, char** argv) {
   using namespace mien;
   CLI::App program("Mien: facial performance capture without a camera looking at the face", "mien");
