@@ -10,6 +10,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/marker_import.h"
+#include "app/session_markers.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
 #include "mien/eyewear/load_marker_track.h"
@@ -68,8 +69,18 @@ Result<void> run(const Options& options) {
   if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
   std::vector<std::string> warnings;
   std::optional<ImportedMarkers> markers;
+  std::optional<take::Take> session;
+  DeviceTime begin;
   face::Motion motion;
-  if (eyewear::is_marker_recording(options.motion)) {
+  if (std::filesystem::path(options.motion).extension() == ".mien") {
+    MIEN_TRY_ASSIGN(session, take::Take::open(options.motion));
+    MIEN_TRY_ASSIGN(SessionMarkers found, session_markers(*session, options.markers));
+    begin = found.begin;
+    if (found.unnamed > 0)
+      warnings.push_back(fmt::format("{} frames of markers without names are left out", found.unnamed));
+    markers = std::move(found.imported);
+    motion = std::move(markers->retargeted.motion);
+  } else if (eyewear::is_marker_recording(options.motion)) {
     MIEN_TRY_ASSIGN(const eyewear::MarkerTrack track, eyewear::load_marker_track(options.motion, &warnings));
     MIEN_TRY_ASSIGN(markers, import_markers(track, options.markers));
     motion = std::move(markers->retargeted.motion);
@@ -77,7 +88,10 @@ Result<void> run(const Options& options) {
     MIEN_TRY_ASSIGN(motion, face::load_motion(options.motion, &warnings));
   }
   for (const std::string& warning : warnings) fmt::print(stderr, "mien: {}: {}\n", options.motion, warning);
-  if (!options.take.empty()) MIEN_TRY(write_take(options, motion, options.markers.face));
+  if (!options.take.empty() && session)
+    MIEN_TRY(write_with_truth(*session, motion, begin, options.markers.face, options.take, options.force));
+  else if (!options.take.empty())
+    MIEN_TRY(write_take(options, motion, options.markers.face));
   if (!options.out.empty()) MIEN_TRY(write_motion(motion, options.markers.face, options.out));
 
   const auto lost =
@@ -109,7 +123,8 @@ void add_import_command(Commands& commands) {
       "mien import MySlate_3.csv --take alex.mien", [options] { return run(*options); });
   command
       ->add_option("motion", options->motion,
-                   "A Live Link Face CSV, or 3-D markers: .csv (ours or Motive's), .trc, .c3d")
+                   "A Live Link Face CSV; 3-D markers: .csv (ours or Motive's), .trc, .c3d; or a recorded "
+                   "session (.mien) into which a motion capture server sent its markers")
       ->required();
   command->add_option("--take", options->take, "The take to write");
   command->add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");

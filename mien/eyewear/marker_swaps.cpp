@@ -10,8 +10,9 @@ namespace mien::eyewear {
 namespace {
 
 constexpr float kNeighboursM = 0.03F;
-/// After a longer gap what was before says nothing.
-constexpr double kGapS = 0.5;
+/// After a longer gap two may stand where the other was, or one elsewhere, by their own motion.
+constexpr double kCrossingGapS = 0.1;
+constexpr double kJumpGapS = 0.5;
 /// How near to the other's place, as a share of their distance, and how far apart two must be to be told
 /// apart.
 constexpr float kNear = 0.5F;
@@ -50,7 +51,7 @@ std::vector<Stretch> stretches_of(const MarkerTrack& track, std::size_t a, std::
     if (!is_seen(now[a]) || !is_seen(now[b])) continue;
     const Vec3f apart = now[a] - now[b];
     bool crossed = false;
-    const bool gap = !last || track.time_s[i] - track.time_s[*last] > kGapS;
+    const bool gap = !last || track.time_s[i] - track.time_s[*last] > kCrossingGapS;
     if (!gap) {
       const auto before = track.frame(*last);
       const float reach = kNear * (before[a] - before[b]).norm();
@@ -173,7 +174,7 @@ std::vector<MarkerStray> lose_strays(MarkerTrack& track) {
         const Vec3f before = track.frame(*last)[m];
         const double step_s = track.time_s[i] - track.time_s[*last];
         const auto step_m = static_cast<double>((now - before).norm());
-        if (step_s < kGapS && step_m > kJumpM && step_m > kJumpMPerS * step_s) {
+        if (step_s < kJumpGapS && step_m > kJumpM && step_m > kJumpMPerS * step_s) {
           const bool back = jumped && track.time_s[i] - track.time_s[*jumped] < kStrayS &&
                             (now - from).norm() < kBack * (now - before).norm();
           if (back) {

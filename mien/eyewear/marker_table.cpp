@@ -34,7 +34,8 @@ bool is_nothing(std::string_view cell) {
 
 std::string_view unquoted(std::string_view cell) {
   cell = trim(cell);
-  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+    cell = trim(cell.substr(1, cell.size() - 2));
   return cell;
 }
 

@@ -15,8 +15,9 @@ constexpr double kSigmas = 4;
 constexpr double kAlwaysM = 1e-3;
 /// Points in one line tell no turn about it.
 constexpr double kLineM = 5e-3;
-/// A marker that no shape moves still sits on skin.
-constexpr double kLeastSlackM = 0.3e-3;
+/// A marker that no shape moves still sits on skin; and none may count for more than the rest together, since
+/// it may be the one that is wrong.
+constexpr double kLeastSlackM = 1e-3;
 /// Of the root of the squares of all shapes' displacements: what a performer's expressions move a marker by,
 /// one sigma. Measured on the built-in face, five minutes of expressions, range of motion and speech: 0.3 to
 /// 0.42.

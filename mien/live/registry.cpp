@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mien/eyewear/eyewear_protocol.h"
+#include "mien/eyewear/marker_protocol.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/node_protocol.h"
 #include "mien/imu/slimevr_protocol.h"
@@ -34,11 +35,12 @@ Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig, model::Mod
   } while (nodes.session == 0);
   for (const PairingKey& key : keys) nodes.keys.push_back({key.id, key.secret});
   MIEN_TRY_ASSIGN(imu::NodeProtocol node_protocol, imu::NodeProtocol::create(std::move(nodes)));
-  // The other languages know no keys: whoever asks for them hears our own nodes only. Eyewear's packets begin
-  // as nodes' do, so they are asked about first.
+  // The other languages know no keys: whoever asks for them hears our own nodes only. Eyewear's and markers'
+  // packets begin as nodes' do, so they are asked about first.
   if (keys.empty()) {
     MIEN_TRY_ASSIGN(eyewear::EyewearProtocol eyewear_protocol, eyewear::EyewearProtocol::create());
     parts.protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(std::move(eyewear_protocol)));
+    parts.protocols.push_back(std::make_unique<eyewear::MarkerProtocol>());
   }
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(std::move(node_protocol)));
   if (keys.empty()) parts.protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
