@@ -1,24 +1,49 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/write_motion.h"
+#include "mien/core/files.h"
+#include "mien/eyewear/load_marker_track.h"
+#include "mien/eyewear/marker_retarget.h"
+#include "mien/face/load.h"
 
 namespace mien::app {
 namespace {
 
 struct Options {
-  std::string motion, face, out;
+  std::string motion, face, out, markers;
   bool json = false;
 };
+
+/// A .trc can be nothing else; a .csv has weights unless markers are asked for.
+bool wants_markers(const Options& options) {
+  return !options.markers.empty() || std::filesystem::path(options.out).extension() == ".trc";
+}
+
+Result<void> write_markers(const face::Motion& motion, const Options& options) {
+  MIEN_TRY(check_output(options.out, {".csv", ".trc"}));
+  std::filesystem::path path = options.markers;
+  if (path.empty()) {
+    MIEN_TRY_ASSIGN(path, find_resource("rigs/markers.toml"));
+  }
+  MIEN_TRY_ASSIGN(const eyewear::MarkerSet set, eyewear::read_markers(path));
+  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const eyewear::PlacedMarkers placed, eyewear::PlacedMarkers::place(face, set));
+  return eyewear::write_marker_track(options.out, eyewear::markers_of_motion(motion, placed, set));
+}
 
 Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion));
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
-  MIEN_TRY(write_motion(performance.motion, options.face, options.out));
+  if (wants_markers(options))
+    MIEN_TRY(write_markers(performance.motion, options));
+  else
+    MIEN_TRY(write_motion(performance.motion, options.face, options.out));
   if (options.json)
     print_json({{"out", options.out},
                 {"face", options.face},
@@ -34,14 +59,20 @@ Result<void> run(Options options) {
 void add_export_command(Commands& commands) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      commands.add("export", "Writes a motion as Live Link CSV or as animated glTF",
+      commands.add("export", "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin",
                    "mien export --motion take.mien --out take.glb", [options] { return run(*options); });
   command->add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is")
       ->required();
-  command->add_option("--face", options->face,
-                      "For glTF: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the "
-                      "take's own unless told");
-  command->add_option("--out", options->out, "The .csv, .glb or .gltf to write")->required();
+  command->add_option(
+      "--face", options->face,
+      "For glTF and markers: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the "
+      "take's own unless told");
+  command->add_option("--out", options->out, "The .csv, .glb or .gltf to write; .trc for markers")
+      ->required();
+  command->add_option(
+      "--markers", options->markers,
+      "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "
+      "which a .trc takes unless told. A .csv then holds markers too");
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 

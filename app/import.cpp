@@ -1,13 +1,19 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/marker_import.h"
+#include "app/session_markers.h"
+#include "app/write_motion.h"
 #include "mien/core/files.h"
+#include "mien/eyewear/load_marker_track.h"
 #include "mien/face/load_motion.h"
 #include "mien/take/take.h"
 
@@ -15,16 +21,14 @@ namespace mien::app {
 namespace {
 
 struct Options {
-  std::string motion, take, performer = "unknown", rig;
+  std::string motion, take, out, performer = "unknown", rig;
+  MarkerImport markers;
   bool force = false;
   bool json = false;
 };
 
-Result<void> run(const Options& options) {
-  MIEN_TRY(check_output(options.take, {".mien"}));
-  std::vector<std::string> warnings;
-  MIEN_TRY_ASSIGN(const face::Motion motion, face::load_motion(options.motion, &warnings));
-  for (const std::string& warning : warnings) fmt::print(stderr, "mien: {}: {}\n", options.motion, warning);
+/// Writes the motion as a take's truth.
+Result<void> write_take(const Options& options, const face::Motion& motion, const std::string& face) {
   std::filesystem::path rig = options.rig;
   if (rig.empty()) {
     MIEN_TRY_ASSIGN(rig, find_resource("rigs/default.toml"));
@@ -35,13 +39,13 @@ Result<void> run(const Options& options) {
   header.performer = options.performer;
   header.script = std::filesystem::path(options.motion).filename().string();
   header.devices = "none";
-  header.face = "builtin";
+  header.face = face;
   header.prologue = "none";
   header.created_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
   MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(options.take, header, options.force,
                                                                     take::Appears::when_finished));
   const Progress progress = terminal_progress("import");
-  std::size_t lost = 0, written = 0;
+  std::size_t written = 0;
   for (const face::MotionFrame& frame : motion.frames) {
     if (!progress(static_cast<double>(written++) / static_cast<double>(motion.frames.size()), "writing"))
       return fail(ErrorCode::cancelled, "stopped", options.take, "nothing was kept");
@@ -50,20 +54,63 @@ Result<void> run(const Options& options) {
     truth.weights = frame.weights;
     truth.tongue_out = frame.tongue_out;
     truth.has_face = frame.has_face;
-    lost += frame.has_face ? 0 : 1;
     writer.add_truth(truth);
   }
   MIEN_TRY(writer.finish());
   progress(1, "written");
-  if (options.json) {
-    print_json({{"take", options.take},
-                {"frames", motion.frames.size()},
-                {"lost", lost},
-                {"duration_s", motion.duration_s()}});
+  return {};
+}
+
+Result<void> run(const Options& options) {
+  if (options.take.empty() && options.out.empty())
+    return fail(ErrorCode::bad_usage, "nothing to write", "mien import",
+                "give --take FILE.mien, --out FILE, or both");
+  if (!options.take.empty()) MIEN_TRY(check_output(options.take, {".mien"}));
+  if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
+  std::vector<std::string> warnings;
+  std::optional<ImportedMarkers> markers;
+  std::optional<take::Take> session;
+  DeviceTime begin;
+  face::Motion motion;
+  if (std::filesystem::path(options.motion).extension() == ".mien") {
+    MIEN_TRY_ASSIGN(session, take::Take::open(options.motion));
+    MIEN_TRY_ASSIGN(SessionMarkers found, session_markers(*session, options.markers));
+    begin = found.begin;
+    if (found.unnamed > 0)
+      warnings.push_back(fmt::format("{} frames of markers without names are left out", found.unnamed));
+    markers = std::move(found.imported);
+    motion = std::move(markers->retargeted.motion);
+  } else if (eyewear::is_marker_recording(options.motion)) {
+    MIEN_TRY_ASSIGN(const eyewear::MarkerTrack track, eyewear::load_marker_track(options.motion, &warnings));
+    MIEN_TRY_ASSIGN(markers, import_markers(track, options.markers));
+    motion = std::move(markers->retargeted.motion);
   } else {
-    fmt::print("{}: {:.1f} s, {} frames of truth, {} without a face\n", options.take, motion.duration_s(),
-               motion.frames.size(), lost);
+    MIEN_TRY_ASSIGN(motion, face::load_motion(options.motion, &warnings));
   }
+  for (const std::string& warning : warnings) fmt::print(stderr, "mien: {}: {}\n", options.motion, warning);
+  if (!options.take.empty() && session)
+    MIEN_TRY(write_with_truth(*session, motion, begin, options.markers.face, options.take, options.force));
+  else if (!options.take.empty())
+    MIEN_TRY(write_take(options, motion, options.markers.face));
+  if (!options.out.empty()) MIEN_TRY(write_motion(motion, options.markers.face, options.out));
+
+  const auto lost =
+      static_cast<std::size_t>(std::ranges::count(motion.frames, false, &face::MotionFrame::has_face));
+  if (options.json) {
+    nlohmann::json json = {{"take", options.take},
+                           {"out", options.out},
+                           {"frames", motion.frames.size()},
+                           {"lost", lost},
+                           {"duration_s", motion.duration_s()}};
+    if (markers) json["markers"] = markers_json(*markers);
+    print_json(json);
+    return {};
+  }
+  for (const std::string& path : {options.take, options.out})
+    if (!path.empty())
+      fmt::print("{}: {:.1f} s, {} frames of truth, {} without a face\n", path, motion.duration_s(),
+                 motion.frames.size(), lost);
+  if (markers) fmt::print("{}", markers_text(*markers));
   return {};
 }
 
@@ -71,13 +118,19 @@ Result<void> run(const Options& options) {
 
 void add_import_command(Commands& commands) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      commands.add("import", "Makes a take of a recorded motion: its weights become the take's truth",
-                   "mien import MySlate_3.csv --take alex.mien", [options] { return run(*options); });
-  command->add_option("motion", options->motion, "A Live Link Face CSV")->required();
-  command->add_option("--take", options->take, "The take to write")->required();
+  CLI::App* command = commands.add(
+      "import", "Makes a take of a recorded motion, or of recorded markers: weights become its truth",
+      "mien import MySlate_3.csv --take alex.mien", [options] { return run(*options); });
+  command
+      ->add_option("motion", options->motion,
+                   "A Live Link Face CSV; 3-D markers: .csv (ours or Motive's), .trc, .c3d; or a recorded "
+                   "session (.mien) into which a motion capture server sent its markers")
+      ->required();
+  command->add_option("--take", options->take, "The take to write");
+  command->add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
   command->add_option("--performer", options->performer, "Who performed")->capture_default_str();
   command->add_option("--rig", options->rig, "Which sensors were worn (default: rigs/default.toml)");
+  options->markers.add_to(command);
   command->add_flag("--force", options->force, "Replace an existing take");
   command->add_flag("--json", options->json, "Print one JSON object");
 }

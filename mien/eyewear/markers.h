@@ -48,12 +48,14 @@ class PlacedMarkers {
 
   [[nodiscard]] std::size_t count() const { return neutral_m_.size(); }
   [[nodiscard]] const std::vector<Vec3>& neutral_m() const { return neutral_m_; }
+  /// Displacement per unit weight. Shape: 3 count() x kShapeCount.
+  [[nodiscard]] const Eigen::MatrixXd& shapes_m() const { return shapes_m_; }
   /// Where they are with these weights: x, y, z of marker 0, then of marker 1, ... Size 3 count().
   [[nodiscard]] Eigen::VectorXd at(const face::BlendshapeWeights& weights) const;
 
  private:
   std::vector<Vec3> neutral_m_;
-  Eigen::MatrixXd shapes_m_;  ///< 3 count() x kShapeCount: displacement per unit weight.
+  Eigen::MatrixXd shapes_m_;
 };
 
 }  // namespace mien::eyewear

@@ -10,6 +10,7 @@
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/eyewear/eyewear_tracker.h"
 #include "mien/eyewear/marker_network.h"
+#include "mien/eyewear/marker_protocol.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/node_protocol.h"
 #include "mien/imu/slimevr_protocol.h"
@@ -117,11 +118,12 @@ Result<std::vector<std::unique_ptr<sensor::Protocol>>> make_protocols(const std:
   } while (nodes.session == 0);
   for (const PairingKey& key : keys) nodes.keys.push_back({key.id, key.secret});
   MIEN_TRY_ASSIGN(imu::NodeProtocol node_protocol, imu::NodeProtocol::create(std::move(nodes)));
-  // The other languages know no keys: whoever asks for them hears our own nodes only. Eyewear's packets begin
-  // as nodes' do, so they are asked about first.
+  // The other languages know no keys: whoever asks for them hears our own nodes only. Eyewear's and markers'
+  // packets begin as nodes' do, so they are asked about first.
   if (keys.empty()) {
     MIEN_TRY_ASSIGN(eyewear::EyewearProtocol eyewear_protocol, eyewear::EyewearProtocol::create());
     protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(std::move(eyewear_protocol)));
+    protocols.push_back(std::make_unique<eyewear::MarkerProtocol>());
   }
   protocols.push_back(std::make_unique<imu::NodeProtocol>(std::move(node_protocol)));
   if (keys.empty()) protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());

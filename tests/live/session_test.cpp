@@ -8,6 +8,8 @@
 #include <iterator>
 #include <tuple>
 
+#include "mien/eyewear/marker_packet.h"
+#include "mien/eyewear/marker_protocol.h"
 #include "tests/live/live_run.h"
 
 namespace mien::live {
@@ -284,6 +286,35 @@ TEST(Session, GarbageIsCountedAndChangesNothing) {
   const Played plain = test::run(*test::session(), performed.entries);
   EXPECT_EQ(with.hash, plain.hash);
   EXPECT_EQ(with.report.malformed, 2 * performed.entries.size());
+}
+
+TEST(Session, MarkersAreLoggedAndMoveNothing) {
+  const virt::VirtualSession performed = performance(2);
+  const auto with_markers = [] {
+    Session::Parts parts;
+    parts.rig = virt::test::three_sensors();
+    parts.tracker = std::make_unique<imu::ImuTracker>(parts.rig, std::make_unique<test::TwoShapes>());
+    parts.protocols.push_back(std::make_unique<eyewear::MarkerProtocol>());
+    parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
+    return Session::create(std::move(parts)).value();
+  };
+  eyewear::MarkerPositionsPacket packet;
+  packet.device = 7;
+  packet.count = 37;
+  const std::vector<std::byte> markers = eyewear::encode_marker_positions(packet).value();
+  std::vector<take::LogEntry> entries;
+  for (const take::LogEntry& entry : performed.entries) {
+    entries.push_back(entry);
+    take::LogEntry seen = entry;
+    seen.source = "udp://10.0.0.9:1";
+    seen.bytes = markers;
+    entries.push_back(seen);
+  }
+  const Played with = test::run(*with_markers(), entries);
+  const Played plain = test::run(*with_markers(), performed.entries);
+  EXPECT_EQ(with.hash, plain.hash);
+  EXPECT_EQ(with.report.malformed, 0u);
+  EXPECT_EQ(with.log.size(), 2 * performed.entries.size());
 }
 
 }  // namespace

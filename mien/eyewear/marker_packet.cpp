@@ -1,0 +1,186 @@
+#include "mien/eyewear/marker_packet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "mien/core/bytes.h"
+#include "mien/eyewear/marker_track.h"
+
+namespace mien::eyewear {
+namespace {
+
+constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
+constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kTypeNames = 9;
+constexpr std::uint8_t kTypePositions = 10;
+constexpr std::size_t kNamesHeaderBytes = 21;
+constexpr std::size_t kPositionsHeaderBytes = 32;
+constexpr std::size_t kPositionBytes = 12;
+constexpr std::size_t kChecksumBytes = 4;
+constexpr std::size_t kMostNamesBytes = 1200;
+constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // As of all packets of ours.
+constexpr double kUmPerM = 1e6;
+constexpr std::int32_t kLostUm = std::numeric_limits<std::int32_t>::min();
+
+const char* const kWhere = "marker packet";
+
+bool is_name(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxMarkerNameBytes &&
+         std::ranges::all_of(name,
+                             [](unsigned char c) { return c >= 0x20 && c < 0x7F && c != ',' && c != '"'; });
+}
+
+Result<void> check_count(std::size_t markers) {
+  if (markers >= 1 && markers <= kMaxPacketMarkers) return {};
+  return fail(ErrorCode::out_of_range, fmt::format("{} markers, not 1 to {}", markers, kMaxPacketMarkers),
+              kWhere);
+}
+
+Result<MarkerPacket> parse_names(ByteReader reader) {
+  MarkerNamesPacket packet;
+  packet.markers = reader.little<std::uint8_t>();
+  packet.first = reader.little<std::uint8_t>();
+  packet.device = reader.little<std::uint64_t>();
+  packet.list = reader.little<std::uint32_t>();
+  packet.count = reader.little<std::uint8_t>();
+  MIEN_TRY(check_count(packet.markers));
+  if (packet.count < 1 || packet.first + packet.count > packet.markers)
+    return fail(ErrorCode::out_of_range, "names of markers that are none", kWhere);
+  for (std::size_t i = 0; i < packet.count; ++i) {
+    const std::span<const std::byte> text = reader.take(reader.little<std::uint8_t>());
+    packet.names[i] = {reinterpret_cast<const char*>(text.data()), text.size()};
+    if (!reader.ok()) return fail(ErrorCode::truncated, "its names are cut short", kWhere);
+    if (!is_name(packet.names[i])) return fail(ErrorCode::malformed, "a name that is none", kWhere);
+  }
+  if (reader.left() > 0) return fail(ErrorCode::malformed, "bytes behind its names", kWhere);
+  return packet;
+}
+
+Result<MarkerPacket> parse_positions(ByteReader reader) {
+  MarkerPositionsPacket packet;
+  packet.count = reader.little<std::uint8_t>();
+  if (reader.little<std::uint8_t>() != 0) return fail(ErrorCode::malformed, "a reserved byte is set", kWhere);
+  packet.device = reader.little<std::uint64_t>();
+  packet.sequence = reader.little<std::uint32_t>();
+  packet.list = reader.little<std::uint32_t>();
+  const auto time_us = reader.little<std::uint64_t>();
+  MIEN_TRY(check_count(packet.count));
+  if (time_us > kMaxTimeUs) return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  packet.time = DeviceTime(std::chrono::microseconds(static_cast<std::int64_t>(time_us)));
+  if (reader.left() != packet.count * kPositionBytes)
+    return fail(reader.left() < packet.count * kPositionBytes ? ErrorCode::truncated : ErrorCode::malformed,
+                fmt::format("{} bytes of positions, not {}", reader.left(), packet.count * kPositionBytes),
+                kWhere);
+  for (std::size_t i = 0; i < packet.count; ++i) {
+    std::array<std::int32_t, 3> um{};
+    for (std::int32_t& axis : um) axis = reader.little<std::int32_t>();
+    const auto lost = std::ranges::count(um, kLostUm);
+    if (lost != 0 && lost != 3) return fail(ErrorCode::malformed, "half a position", kWhere);
+    const Vec3 position_m = Vec3(um[0], um[1], um[2]) / kUmPerM;
+    if (lost == 0 && position_m.cwiseAbs().maxCoeff() > kMaxTrackPositionM)
+      return fail(ErrorCode::out_of_range, "a marker far away", kWhere);
+    packet.position_m[i] = lost == 3 ? kLostMarker : Vec3f(position_m.cast<float>());
+  }
+  return packet;
+}
+
+void begin(ByteWriter& writer, std::uint8_t type) {
+  writer.append(kMagic);
+  writer.little(kVersion);
+  writer.little(type);
+}
+
+}  // namespace
+
+bool is_marker_packet(std::span<const std::byte> bytes) {
+  return bytes.size() >= 6 && std::equal(kMagic.begin(), kMagic.end(), bytes.begin()) &&
+         (bytes[5] == std::byte{kTypeNames} || bytes[5] == std::byte{kTypePositions});
+}
+
+Result<MarkerPacket> parse_marker_packet(std::span<const std::byte> bytes) {
+  if (bytes.size() < kNamesHeaderBytes + kChecksumBytes)
+    return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
+  ByteReader reader(bytes.first(bytes.size() - kChecksumBytes));
+  const auto magic = reader.take(kMagic.size());
+  if (!std::equal(kMagic.begin(), kMagic.end(), magic.begin()))
+    return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
+  const auto version = reader.little<std::uint8_t>();
+  if (version != kVersion)
+    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
+                "update this program or the server");
+  const auto type = reader.little<std::uint8_t>();
+  if (type != kTypeNames && type != kTypePositions)
+    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not of markers", type), kWhere);
+  if (type == kTypePositions && bytes.size() < kPositionsHeaderBytes + kPositionBytes + kChecksumBytes)
+    return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
+  ByteReader checksum(bytes.last(kChecksumBytes));
+  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
+    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+  return type == kTypeNames ? parse_names(reader) : parse_positions(reader);
+}
+
+std::uint32_t marker_list(std::span<const std::string> names) {
+  std::string all;
+  for (const std::string& name : names) all += name + '\n';
+  return crc32(std::as_bytes(std::span(all)));
+}
+
+Result<std::vector<std::vector<std::byte>>> encode_marker_names(std::uint64_t device,
+                                                                std::span<const std::string> names) {
+  MIEN_TRY(check_count(names.size()));
+  for (const std::string& name : names)
+    if (!is_name(name))
+      return fail(ErrorCode::malformed, fmt::format("'{}' cannot name a marker", name), kWhere);
+  std::vector<std::vector<std::byte>> packets;
+  for (std::size_t first = 0; first < names.size();) {
+    std::size_t end = first, bytes = kNamesHeaderBytes + kChecksumBytes;
+    while (end < names.size() && bytes + 1 + names[end].size() <= kMostNamesBytes)
+      bytes += 1 + names[end++].size();
+    ByteWriter writer;
+    begin(writer, kTypeNames);
+    writer.little(static_cast<std::uint8_t>(names.size()));
+    writer.little(static_cast<std::uint8_t>(first));
+    writer.little(device);
+    writer.little(marker_list(names));
+    writer.little(static_cast<std::uint8_t>(end - first));
+    for (; first < end; ++first) {
+      writer.little(static_cast<std::uint8_t>(names[first].size()));
+      writer.append(std::string_view(names[first]));
+    }
+    writer.little(crc32(writer.bytes()));
+    packets.push_back(writer.release());
+  }
+  return packets;
+}
+
+Result<std::vector<std::byte>> encode_marker_positions(const MarkerPositionsPacket& packet) {
+  MIEN_TRY(check_count(packet.count));
+  const std::int64_t time_ns = packet.time.time_since_epoch().count();
+  if (time_ns < 0 || time_ns > static_cast<std::int64_t>(kMaxTimeUs) * 1000)
+    return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  ByteWriter writer;
+  begin(writer, kTypePositions);
+  writer.little(packet.count);
+  writer.little(std::uint8_t{0});
+  writer.little(packet.device);
+  writer.little(packet.sequence);
+  writer.little(packet.list);
+  writer.little(static_cast<std::uint64_t>((time_ns + 500) / 1000));
+  for (std::size_t i = 0; i < packet.count; ++i) {
+    const Vec3 position_m = packet.position_m[i].cast<double>();
+    if (is_seen(packet.position_m[i]) && position_m.cwiseAbs().maxCoeff() > kMaxTrackPositionM)
+      return fail(ErrorCode::out_of_range, "a marker far away", kWhere);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      writer.little(is_seen(packet.position_m[i])
+                        ? static_cast<std::int32_t>(std::lround(kUmPerM * position_m[axis]))
+                        : kLostUm);
+  }
+  writer.little(crc32(writer.bytes()));
+  return writer.release();
+}
+
+}  // namespace mien::eyewear

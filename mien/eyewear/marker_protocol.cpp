@@ -1,0 +1,16 @@
+#include "mien/eyewear/marker_protocol.h"
+
+#include "mien/eyewear/marker_packet.h"
+
+namespace mien::eyewear {
+
+bool MarkerProtocol::recognises(std::span<const std::byte> datagram) const {
+  return is_marker_packet(datagram);
+}
+
+sensor::Verdict MarkerProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte> datagram,
+                                        sensor::Inbox&) {
+  return parse_marker_packet(datagram) ? sensor::Verdict::ignored : sensor::Verdict::malformed;
+}
+
+}  // namespace mien::eyewear
