@@ -42,9 +42,10 @@ TEST(RetargetMarkers, GivesTheWeightsBack) {
   EXPECT_LT(solved->residual_mm, 0.2);
   for (std::size_t i = 0; i < motion.frames.size(); ++i) {
     EXPECT_EQ(solved->motion.frames[i].has_face, motion.frames[i].has_face);
-    if (motion.frames[i].has_face)
+    if (motion.frames[i].has_face) {
       EXPECT_NEAR(solved->motion.frames[i].weights[face::shape("jawOpen")],
                   motion.frames[i].weights[face::shape("jawOpen")], 0.05);
+    }
   }
 }
 
