@@ -25,6 +25,8 @@
 #include "mien/live/registry.h"
 #include "mien/live/replay.h"
 #include "mien/model/kernels.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
 #include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
 #include "mien/virtual/perform_take.h"
@@ -181,7 +183,7 @@ Result<void> run(Options options) {
                                                        film_path, terminal_progress("5/5 filming")));
 
   const study::EvaluationContext context{
-      .face = request.face, .model = options.model, .devices = request.devices, .steps = 0};
+      .face = request.face, .model = model_path.string(), .devices = request.devices, .steps = 0};
   study::Report report = study::evaluation_report(evaluation, context);
   report.heading("Truth, live capture, and the capture's error as colour");
   MIEN_TRY_ASSIGN(const std::vector<std::byte> mp4, read_file(film_path));
