@@ -7,6 +7,7 @@
 
 #include "mien/eyewear/marker_log.h"
 #include "mien/sensor/clock_model.h"
+#include "mien/take/layout.h"
 
 namespace mien::app {
 namespace {
@@ -101,7 +102,8 @@ Result<void> write_with_truth(const take::Take& take, const face::Motion& motion
   for (const take::Event& event : events) writer.add_event(event);
   for (const take::CalibrationVersion& calibration : calibrations) writer.add_calibration(calibration);
   if (audio) writer.add_audio(audio->rate_hz, audio->start, audio->samples);
-  for (const take::Note& note : notes) writer.add_note(note.key, note.value);
+  for (const take::Note& note : notes)
+    if (note.key != take::kFinishedKey) writer.add_note(note.key, note.value);
   return writer.finish();
 }
 
