@@ -10,17 +10,14 @@
 namespace mien::eyewear {
 namespace {
 
+using sensor::kChecksumBytes;
 using sensor::Sample;
 using sensor::SampleKind;
 
-constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
-constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kTypeEyewear = 8;
 constexpr std::size_t kHeaderBytes = 32;
 constexpr std::size_t kChannelBytes = 4;
-constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kReservedBytes = 3;
-constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // Three years: frame numbers of it stay exact.
 
 const char* const kWhere = "eyewear packet";
 
@@ -34,11 +31,8 @@ Result<void> check(const Packet& packet) {
         ErrorCode::out_of_range,
         fmt::format("a converter of {} bits, not {} to {}", packet.adc_bits, kMinAdcBits, kMaxAdcBits),
         kWhere);
-  if (packet.battery_percent > 100 && packet.battery_percent != kBatteryUnknown)
-    return fail(ErrorCode::out_of_range, "a battery above 100 percent", kWhere);
-  const std::int64_t time_ns = packet.time.time_since_epoch().count();
-  if (time_ns < 0 || time_ns > static_cast<std::int64_t>(kMaxTimeUs) * 1000)
-    return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  MIEN_TRY(sensor::check_battery(packet.battery_percent, kWhere));
+  MIEN_TRY(sensor::check_device_time(packet.time, kWhere));
   for (std::size_t c = 0; c < packet.channels; ++c)
     if (std::max(packet.light[c].on, packet.light[c].off) > packet.full_scale())
       return fail(ErrorCode::out_of_range, fmt::format("channel {} is beyond the converter's range", c),
@@ -49,22 +43,14 @@ Result<void> check(const Packet& packet) {
 }  // namespace
 
 bool is_packet(std::span<const std::byte> bytes) {
-  return bytes.size() >= 6 && std::equal(kMagic.begin(), kMagic.end(), bytes.begin()) &&
-         bytes[5] == std::byte{kTypeEyewear};
+  return sensor::is_our_packet(bytes, kTypeEyewear);
 }
 
 Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes + kChannelBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
   ByteReader reader(bytes);
-  const auto magic = reader.take(kMagic.size());
-  if (!std::equal(kMagic.begin(), kMagic.end(), magic.begin()))
-    return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
-  const auto version = reader.little<std::uint8_t>();
-  if (version != kVersion)
-    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
-                "update this program or the device");
-  const auto type = reader.little<std::uint8_t>();
+  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kWhere));
   if (type != kTypeEyewear)
     return fail(ErrorCode::unsupported, fmt::format("packet type {} is not eyewear's", type), kWhere);
 
@@ -77,19 +63,13 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   const auto reserved = reader.take(kReservedBytes);
   if (std::ranges::any_of(reserved, [](std::byte b) { return b != std::byte{0}; }))
     return fail(ErrorCode::malformed, "a reserved byte is set", kWhere);
-  const auto time_us = reader.little<std::uint64_t>();
-  if (time_us > kMaxTimeUs) return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
-  packet.time = DeviceTime(std::chrono::microseconds(static_cast<std::int64_t>(time_us)));
+  MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kWhere));
 
   // What the length and the range depend on, before either is believed.
   MIEN_TRY(check(packet));
   const std::size_t expected = kHeaderBytes + packet.channels * kChannelBytes + kChecksumBytes;
-  if (bytes.size() != expected)
-    return fail(bytes.size() < expected ? ErrorCode::truncated : ErrorCode::malformed,
-                fmt::format("{} bytes, not {}", bytes.size(), expected), kWhere);
-  ByteReader checksum(bytes.last(kChecksumBytes));
-  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
-    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+  MIEN_TRY(sensor::check_length(bytes.size(), expected, kWhere));
+  MIEN_TRY(sensor::check_checksum(bytes, kWhere));
 
   for (std::size_t c = 0; c < packet.channels; ++c) {
     packet.light[c].on = reader.little<std::uint16_t>();
@@ -102,21 +82,19 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
 Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
   MIEN_TRY(check(packet));
   ByteWriter writer;
-  writer.append(kMagic);
-  writer.little(kVersion);
-  writer.little(kTypeEyewear);
+  sensor::write_packet_begin(kTypeEyewear, writer);
   writer.little(packet.channels);
   writer.little(packet.adc_bits);
   writer.little(packet.device);
   writer.little(packet.sequence);
   writer.little(packet.battery_percent);
   for (std::size_t i = 0; i < kReservedBytes; ++i) writer.little(std::uint8_t{0});
-  writer.little(static_cast<std::uint64_t>((packet.time.time_since_epoch().count() + 500) / 1000));
+  sensor::write_device_time(packet.time, writer);
   for (std::size_t c = 0; c < packet.channels; ++c) {
     writer.little(packet.light[c].on);
     writer.little(packet.light[c].off);
   }
-  writer.little(crc32(writer.bytes()));
+  sensor::write_checksum(0, writer);
   return writer.release();
 }
 

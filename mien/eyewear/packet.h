@@ -8,6 +8,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/sensor/packet_envelope.h"
 #include "mien/sensor/sample.h"
 
 namespace mien::eyewear {
@@ -15,7 +16,7 @@ namespace mien::eyewear {
 inline constexpr std::size_t kMaxChannels = 64;
 inline constexpr std::uint8_t kMinAdcBits = 8;
 inline constexpr std::uint8_t kMaxAdcBits = 16;
-inline constexpr std::uint8_t kBatteryUnknown = 255;
+using sensor::kBatteryUnknown;
 
 /// What one photo-reflective sensor saw in a scan, in steps of the converter, 0 to 2^bits - 1.
 struct Light {

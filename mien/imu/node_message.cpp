@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/sensor/packet_envelope.h"
+
 namespace mien::imu {
 namespace {
 
-constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
-constexpr std::uint8_t kVersion = 1;
+using sensor::kChecksumBytes;
+
 constexpr std::size_t kHeaderBytes = 16;
-constexpr std::size_t kChecksumBytes = 4;
-constexpr std::uint8_t kBatteryUnknown = 255;
-constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // As of samples.
 constexpr std::uint32_t kMinRateMilliHz = 1'000;
 constexpr std::uint32_t kMaxRateMilliHz = 10'000'000;
 constexpr std::uint16_t kMinHeartbeatMs = 100;
@@ -42,24 +41,7 @@ void write_text(std::string_view text, ByteWriter& out) {
   out.append(text);
 }
 
-Result<DeviceTime> read_time(ByteReader& reader) {
-  const auto time_us = reader.little<std::uint64_t>();
-  if (time_us > kMaxTimeUs) return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
-  return DeviceTime(std::chrono::microseconds(static_cast<std::int64_t>(time_us)));
-}
-
-void write_time(DeviceTime time, ByteWriter& out) {
-  out.little(static_cast<std::uint64_t>((time.time_since_epoch().count() + 500) / 1000));
-}
-
 // What holds for a message whichever way it goes.
-
-Result<void> check_time(DeviceTime time) {
-  const std::int64_t ns = time.time_since_epoch().count();
-  if (ns < 0 || ns > static_cast<std::int64_t>(kMaxTimeUs) * 1000)
-    return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
-  return {};
-}
 
 Result<void> check_text(std::string_view text) {
   if (!is_plain(text)) return fail(ErrorCode::malformed, "a text that is too long or not plain", kWhere);
@@ -86,18 +68,17 @@ Result<void> check(const Welcome& welcome) {
 }
 
 Result<void> check(const NodeHeartbeat& heartbeat) {
-  if (heartbeat.battery_percent > 100 && heartbeat.battery_percent != kBatteryUnknown)
-    return fail(ErrorCode::out_of_range, "a battery above 100 percent", kWhere);
-  return check_time(heartbeat.time);
+  MIEN_TRY(sensor::check_battery(heartbeat.battery_percent, kWhere));
+  return sensor::check_device_time(heartbeat.time, kWhere);
 }
 
 Result<void> check(const HeartbeatEcho& echo) {
   if (echo.session == 0) return fail(ErrorCode::malformed, "a session without a token", kWhere);
-  return check_time(echo.time);
+  return sensor::check_device_time(echo.time, kWhere);
 }
 
 Result<void> check(const Pulse& pulse) {
-  return check_time(pulse.edge);
+  return sensor::check_device_time(pulse.edge, kWhere);
 }
 
 // Bodies: what stands between the header and the checksum. The seventh byte is a heartbeat's battery; 0 in
@@ -128,28 +109,26 @@ Result<NodeMessage> read_welcome(std::uint64_t device, ByteReader& reader) {
 
 Result<NodeMessage> read_heartbeat(std::uint64_t device, std::uint8_t battery, ByteReader& reader) {
   NodeHeartbeat heartbeat{.device = device, .battery_percent = battery};
-  MIEN_TRY_ASSIGN(heartbeat.time, read_time(reader));
+  MIEN_TRY_ASSIGN(heartbeat.time, sensor::read_device_time(reader, kWhere));
   return heartbeat;
 }
 
 Result<NodeMessage> read_echo(std::uint64_t device, ByteReader& reader) {
   HeartbeatEcho echo{.device = device};
-  MIEN_TRY_ASSIGN(echo.time, read_time(reader));
+  MIEN_TRY_ASSIGN(echo.time, sensor::read_device_time(reader, kWhere));
   echo.session = reader.little<std::uint64_t>();
   return echo;
 }
 
 Result<NodeMessage> read_pulse(std::uint64_t device, ByteReader& reader) {
   Pulse pulse{.device = device};
-  MIEN_TRY_ASSIGN(pulse.edge, read_time(reader));
+  MIEN_TRY_ASSIGN(pulse.edge, sensor::read_device_time(reader, kWhere));
   pulse.index = reader.little<std::uint32_t>();
   return pulse;
 }
 
 void write_header(NodePacketType type, std::uint8_t seventh, std::uint64_t device, ByteWriter& out) {
-  out.append(kMagic);
-  out.little(kVersion);
-  out.little(static_cast<std::uint8_t>(type));
+  sensor::write_packet_begin(static_cast<std::uint8_t>(type), out);
   out.little(seventh);
   out.little(std::uint8_t{0});
   out.little(device);
@@ -173,18 +152,18 @@ void write(const Welcome& welcome, ByteWriter& out) {
 
 void write(const NodeHeartbeat& heartbeat, ByteWriter& out) {
   write_header(NodePacketType::heartbeat, heartbeat.battery_percent, heartbeat.device, out);
-  write_time(heartbeat.time, out);
+  sensor::write_device_time(heartbeat.time, out);
 }
 
 void write(const HeartbeatEcho& echo, ByteWriter& out) {
   write_header(NodePacketType::echo, 0, echo.device, out);
-  write_time(echo.time, out);
+  sensor::write_device_time(echo.time, out);
   out.little(echo.session);
 }
 
 void write(const Pulse& pulse, ByteWriter& out) {
   write_header(NodePacketType::pulse, 0, pulse.device, out);
-  write_time(pulse.edge, out);
+  sensor::write_device_time(pulse.edge, out);
   out.little(pulse.index);
 }
 
@@ -212,24 +191,17 @@ Result<NodeMessage> read_body(NodePacketType type, std::uint64_t device, std::ui
 }  // namespace
 
 bool is_node_packet(std::span<const std::byte> bytes) {
-  return bytes.size() >= 6 && std::equal(kMagic.begin(), kMagic.end(), bytes.begin());
+  return sensor::is_our_packet(bytes);
 }
 
 Result<NodeMessage> parse_node_message(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
-  if (!is_node_packet(bytes)) return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
   ByteReader reader(bytes.first(bytes.size() - kChecksumBytes));
-  reader.take(kMagic.size());
-  const auto version = reader.little<std::uint8_t>();
-  if (version != kVersion)
-    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
-                "update this program or the device");
-  ByteReader checksum(bytes.last(kChecksumBytes));
-  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
-    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+  MIEN_TRY_ASSIGN(const std::uint8_t type_byte, sensor::read_packet_begin(reader, kWhere));
+  MIEN_TRY(sensor::check_checksum(bytes, kWhere));
 
-  const auto type = static_cast<NodePacketType>(reader.little<std::uint8_t>());
+  const auto type = static_cast<NodePacketType>(type_byte);
   const auto seventh = reader.little<std::uint8_t>();
   const auto eighth = reader.little<std::uint8_t>();
   const auto device = reader.little<std::uint64_t>();
@@ -247,7 +219,7 @@ Result<void> encode_node_message(const NodeMessage& message, ByteWriter& out) {
   MIEN_TRY(std::visit([](const auto& m) { return check(m); }, message));
   const std::size_t begin = out.bytes().size();
   std::visit([&](const auto& m) { write(m, out); }, message);
-  out.little(crc32(out.bytes().subspan(begin)));
+  sensor::write_checksum(begin, out);
   return {};
 }
 

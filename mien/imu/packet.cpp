@@ -11,17 +11,14 @@
 namespace mien::imu {
 namespace {
 
+using sensor::kChecksumBytes;
 using sensor::Sample;
 using sensor::SampleKind;
 
-constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
-constexpr std::uint8_t kVersion = 1;
 constexpr std::uint8_t kTypeImu = 1;
 constexpr std::uint8_t kFlagMagnetometer = 1U << 0U;
 constexpr std::uint8_t kFlagTimeEstimated = 1U << 1U;
 constexpr std::size_t kHeaderBytes = 36;
-constexpr std::size_t kChecksumBytes = 4;
-constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // Three years: frame numbers of it stay exact.
 constexpr std::uint32_t kMaxIntervalNs = 1'000'000'000;
 constexpr std::uint8_t kMaxGyroRange = 6;
 constexpr std::uint8_t kMaxAccelRange = 3;
@@ -52,11 +49,8 @@ Result<void> check(const Packet& packet) {
     return fail(ErrorCode::malformed, "a range code without raw axes", kWhere);
   if (packet.gyro_range > kMaxGyroRange || packet.accel_range > kMaxAccelRange)
     return fail(ErrorCode::out_of_range, "a range code that no chip has", kWhere);
-  if (packet.battery_percent > 100 && packet.battery_percent != kBatteryUnknown)
-    return fail(ErrorCode::out_of_range, "a battery above 100 percent", kWhere);
-  const std::int64_t time_ns = packet.time.time_since_epoch().count();
-  if (time_ns < 0 || time_ns > static_cast<std::int64_t>(kMaxTimeUs) * 1000)
-    return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  MIEN_TRY(sensor::check_battery(packet.battery_percent, kWhere));
+  MIEN_TRY(sensor::check_device_time(packet.time, kWhere));
   if (packet.interval.count() < 0 || packet.interval.count() > kMaxIntervalNs ||
       (packet.interval.count() == 0 && packet.count > 1))
     return fail(ErrorCode::out_of_range, "a sample interval out of range", kWhere);
@@ -111,22 +105,14 @@ double accel_step_m_s2(std::uint8_t range_code) {
 }
 
 bool is_packet(std::span<const std::byte> bytes) {
-  return bytes.size() >= 6 && std::equal(kMagic.begin(), kMagic.end(), bytes.begin()) &&
-         bytes[5] == std::byte{kTypeImu};
+  return sensor::is_our_packet(bytes, kTypeImu);
 }
 
 Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
   ByteReader reader(bytes);
-  const auto magic = reader.take(kMagic.size());
-  if (!std::equal(kMagic.begin(), kMagic.end(), magic.begin()))
-    return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
-  const auto version = reader.little<std::uint8_t>();
-  if (version != kVersion)
-    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
-                "update this program or the device");
-  const auto type = reader.little<std::uint8_t>();
+  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kWhere));
   if (type != kTypeImu)
     return fail(ErrorCode::unsupported, fmt::format("packet type {} is not IMU's", type), kWhere);
 
@@ -145,9 +131,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   const auto ranges = reader.little<std::uint8_t>();
   packet.gyro_range = ranges & 0x0FU;
   packet.accel_range = static_cast<std::uint8_t>(ranges >> 4U);
-  const auto time_us = reader.little<std::uint64_t>();
-  if (time_us > kMaxTimeUs) return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
-  packet.time = DeviceTime(std::chrono::microseconds(static_cast<std::int64_t>(time_us)));
+  MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kWhere));
   packet.interval = Duration(reader.little<std::uint32_t>());
 
   // What the length depends on, before the length is believed.
@@ -156,12 +140,8 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
     return fail(ErrorCode::internal, "a packet without a length", kWhere);
   }
   const std::size_t expected = kHeaderBytes + packet.count * sample_bytes(packet) + kChecksumBytes;
-  if (bytes.size() != expected)
-    return fail(bytes.size() < expected ? ErrorCode::truncated : ErrorCode::malformed,
-                fmt::format("{} bytes, not {}", bytes.size(), expected), kWhere);
-  ByteReader checksum(bytes.last(kChecksumBytes));
-  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
-    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+  MIEN_TRY(sensor::check_length(bytes.size(), expected, kWhere));
+  MIEN_TRY(sensor::check_checksum(bytes, kWhere));
 
   for (std::size_t i = 0; i < packet.count; ++i)
     for (std::size_t k = 0; k < packet.values_per_sample(); ++k)
@@ -176,9 +156,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
 Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
   MIEN_TRY(check(packet));
   ByteWriter writer;
-  writer.append(kMagic);
-  writer.little(kVersion);
-  writer.little(kTypeImu);
+  sensor::write_packet_begin(kTypeImu, writer);
   writer.little(static_cast<std::uint8_t>(packet.kind));
   writer.little(static_cast<std::uint8_t>((packet.magnetometer ? kFlagMagnetometer : 0) |
                                           (packet.time_estimated ? kFlagTimeEstimated : 0)));
@@ -188,7 +166,7 @@ Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
   writer.little(packet.count);
   writer.little(packet.battery_percent);
   writer.little(static_cast<std::uint8_t>(packet.gyro_range | (packet.accel_range << 4U)));
-  writer.little(static_cast<std::uint64_t>((packet.time.time_since_epoch().count() + 500) / 1000));
+  sensor::write_device_time(packet.time, writer);
   writer.little(static_cast<std::uint32_t>(packet.interval.count()));
   for (std::size_t i = 0; i < packet.count; ++i)
     for (std::size_t k = 0; k < packet.values_per_sample(); ++k) {
@@ -200,7 +178,7 @@ Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
         writer.little(value);
       }
     }
-  writer.little(crc32(writer.bytes()));
+  sensor::write_checksum(0, writer);
   return writer.release();
 }
 

@@ -7,12 +7,13 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/sensor/packet_envelope.h"
 #include "mien/sensor/sample.h"
 
 namespace mien::imu {
 
 inline constexpr std::size_t kMaxPacketSamples = 16;
-inline constexpr std::uint8_t kBatteryUnknown = 255;
+using sensor::kBatteryUnknown;
 
 /// One datagram of an IMU node, version 1. Values are SI; on the wire raw axes are the chip's own 16-bit
 /// steps. Layout, byte by byte, with test vectors: docs/protocol.md.

@@ -6,15 +6,16 @@
 #include <algorithm>
 
 #include "mien/imu/node_message.h"
+#include "mien/sensor/packet_envelope.h"
 
 namespace mien::imu {
 namespace {
 
-constexpr std::uint8_t kVersion = 1;
+using sensor::kChecksumBytes;
+
 constexpr std::size_t kHeaderBytes = 32;
 constexpr std::size_t kNonceAt = 8;  // Device, counter and session are the nonce.
 constexpr std::size_t kTagBytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
-constexpr std::size_t kChecksumBytes = 4;
 static_assert(kHeaderBytes - kNonceAt == crypto_aead_xchacha20poly1305_ietf_NPUBBYTES);
 static_assert(sizeof(SealKey::secret) == crypto_aead_xchacha20poly1305_ietf_KEYBYTES);
 
@@ -32,9 +33,7 @@ Result<void> seal_packet(const SealKey& key, const SealHeader& header, std::span
   if (inner.empty() || inner.size() > kMaxSealedInner || is_sealed(inner))
     return fail(ErrorCode::bad_usage, "this cannot be sealed", kWhere);
   const std::size_t begin = out.bytes().size();
-  out.append("MIEN");
-  out.little(kVersion);
-  out.little(static_cast<std::uint8_t>(NodePacketType::sealed));
+  sensor::write_packet_begin(static_cast<std::uint8_t>(NodePacketType::sealed), out);
   out.little(header.key_id);
   out.little(std::uint8_t{0});
   out.little(header.device);
@@ -47,12 +46,12 @@ Result<void> seal_packet(const SealKey& key, const SealHeader& header, std::span
                                              raw(inner), inner.size(), raw(open), open.size(), nullptr,
                                              raw(open.subspan(kNonceAt)), raw(key.secret));
   out.append(std::span(cipher).first(static_cast<std::size_t>(size)));
-  out.little(crc32(out.bytes().subspan(begin)));
+  sensor::write_checksum(begin, out);
   return {};
 }
 
 bool is_sealed(std::span<const std::byte> bytes) {
-  return is_node_packet(bytes) && bytes[5] == static_cast<std::byte>(NodePacketType::sealed);
+  return sensor::is_our_packet(bytes, static_cast<std::uint8_t>(NodePacketType::sealed));
 }
 
 Result<SealHeader> open_sealed(std::span<const SealKey> keys, std::span<const std::byte> bytes,
@@ -60,19 +59,13 @@ Result<SealHeader> open_sealed(std::span<const SealKey> keys, std::span<const st
   inner.clear();
   if (bytes.size() <= kHeaderBytes + kTagBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
-  if (!is_node_packet(bytes)) return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
   ByteReader reader(bytes);
-  reader.take(4);
-  if (const auto version = reader.little<std::uint8_t>(); version != kVersion)
-    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
-                "update this program or the device");
-  if (reader.little<std::uint8_t>() != static_cast<std::uint8_t>(NodePacketType::sealed))
+  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kWhere));
+  if (type != static_cast<std::uint8_t>(NodePacketType::sealed))
     return fail(ErrorCode::unsupported, "a packet that is not sealed", kWhere);
   const std::size_t size = bytes.size() - kHeaderBytes - kTagBytes - kChecksumBytes;
   if (size > kMaxSealedInner) return fail(ErrorCode::malformed, "too long", kWhere);
-  ByteReader checksum(bytes.last(kChecksumBytes));
-  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
-    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+  MIEN_TRY(sensor::check_checksum(bytes, kWhere));
   SealHeader header;
   header.key_id = reader.little<std::uint8_t>();
   if (reader.little<std::uint8_t>() != 0) return fail(ErrorCode::malformed, "a reserved byte is set", kWhere);
