@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -58,10 +59,11 @@ EyewearSession::EyewearSession(virt::EyewearSimulator& simulator, const sensor::
 void EyewearSession::play(const face::Motion& motion, double seconds, const See& see) {
   const face::MotionCurve curve(motion);
   const double window_s = kPairs * simulator_->pair_period_s();
+  const auto frames = static_cast<std::int64_t>(std::llround(seconds * kFrameRateHz));
   std::int64_t frame = 0;
   const auto frame_s = [&] { return static_cast<double>(frame) / kFrameRateHz; };
   const auto look_until = [&](DeviceTime heard) {
-    for (; frame_s() < seconds && simulator_->clock().device(now_s_ + frame_s()) <= heard; ++frame) {
+    for (; frame < frames && simulator_->clock().device(now_s_ + frame_s()) <= heard; ++frame) {
       grid_.tick(simulator_->clock().device(now_s_ + frame_s()), light_);
       if (see) see(light_, curve.at(frame_s()).weights);
     }

@@ -223,9 +223,12 @@ TEST_F(WrongInput, Prompts) {
 }
 
 TEST_F(WrongInput, ModelsFacesAndMotions) {
+  const Outcome performed = run({"perform", "--rig", folder_ / "rig.toml", "--devices", "lab", "--seconds",
+                                 "1", "--prologue", "none", "--take", folder_ / "sound.mien"});
+  ASSERT_EQ(performed.status, 0) << performed.err;
   expect_refused({{{"solve", "@kept.mien", "--model", "@none.safetensors"}, ".mien"},
-                  {{"evaluate", "@kept.mien", "--model", "@none.safetensors"}, "none.safetensors"},
-                  {{"evaluate", "@kept.mien", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
+                  {{"evaluate", "@sound.mien", "--model", "@none.safetensors"}, "none.safetensors"},
+                  {{"evaluate", "@sound.mien", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
                   {{"solve", "@kept.mien", "--model", "@tiny.safetensors", "--out", "@new.txt"}, "new.txt"},
                   {{"solve", "@kept.mien", "--steps", "0"}, "--steps"},
                   {{"solve", "@kept.mien", "--live", "--model", "@tiny.safetensors"}, "--model"},
