@@ -5,7 +5,6 @@
 
 #include "mien/face/builtin.h"
 #include "mien/render/camera.h"
-#include "mien/render/error_colours.h"
 #include "mien/render/lettering.h"
 #include "mien/render/renderer.h"
 
@@ -58,7 +57,6 @@ Result<render::Image> error_picture(const eyewear::MarkerSet& markers,
     const render::ErrorColours colours{error_m, static_cast<float>(full_scale_mm / kMmPerM)};
     render::Image one = renderer.still(face.neutral_m, camera, look, &colours);
     render::draw_text(one, methods[i]->name, 0.6F * size, 1.5F * size, size, kInk);
-    if (i == 0) render::draw_error_legend(one, colours.full_scale_m, kInk);
     render::paste(picture, one, static_cast<int>(i) * height, 0);
   }
   return picture;

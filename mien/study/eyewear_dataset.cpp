@@ -9,9 +9,9 @@
 #include "mien/core/toml.h"
 #include "mien/eyewear/normalisation.h"
 #include "mien/face/builtin.h"
-#include "mien/study/eyewear_session.h"
 #include "mien/study/marker_poses.h"
 #include "mien/study/performers.h"
+#include "mien/study/worn_glasses.h"
 #include "mien/virtual/eyewear_faults.h"
 #include "mien/virtual/eyewear_wearer.h"
 #include "mien/virtual/mimic.h"
@@ -93,11 +93,11 @@ Result<LightSequence> wear(const EyewearDataRecipe& recipe, const sensor::Rig& r
   virt::EyewearSimulator simulator(wearer, faults, root.fork("glasses"));
   simulator.put_on();
 
-  EyewearSession session(simulator, rig);
+  WornGlasses session(simulator, rig);
   std::vector<eyewear::GridLight> lights;
   LightSequence out;
   out.wearer = index;
-  const EyewearSession::See see = [&](const eyewear::GridLight& light, const BlendshapeWeights& weights) {
+  const WornGlasses::See see = [&](const eyewear::GridLight& light, const BlendshapeWeights& weights) {
     lights.push_back(light);
     const Eigen::VectorXd moved_m = markers.placed.at(weights) - markers.neutral_m;
     for (const double m : moved_m) out.displacement_m.push_back(static_cast<float>(m));

@@ -10,9 +10,9 @@
 
 #include "mien/eyewear/marker_model.h"
 #include "mien/eyewear/outliers.h"
-#include "mien/study/eyewear_session.h"
 #include "mien/study/marker_poses.h"
 #include "mien/study/performers.h"
+#include "mien/study/worn_glasses.h"
 #include "mien/virtual/eyewear_faults.h"
 #include "mien/virtual/eyewear_wearer.h"
 #include "mien/virtual/marker_capture.h"
@@ -113,7 +113,7 @@ using SeeFeatures = std::function<void(std::size_t test, const LightFrame&, cons
 
 /// The tests one after the other.
 void make_tests(const Course& course, const Random& root, const eyewear::PlacedMarkers& placed,
-                const Normalisation& normalisation, EyewearSession& session, const SeeFeatures& see) {
+                const Normalisation& normalisation, WornGlasses& session, const SeeFeatures& see) {
   LightFrame light;
   for (std::size_t t = 0; t < course.tests.size(); ++t) {
     const auto look = [&](const GridLight& grid, const BlendshapeWeights& weights) {
@@ -141,7 +141,7 @@ Result<void> wear(const Course& course, const virt::EyewearWearer& wearer,
   const Condition& condition = kConditions[which];
   virt::EyewearSimulator simulator(wearer, with_light(course.faults, condition.light), root.fork("glasses"));
   simulator.put_on();
-  EyewearSession session(simulator, course.rig);
+  WornGlasses session(simulator, course.rig);
   LinearFit linear(course.faults, placed, root.fork("capture"));
   double time_s = 0;
   Normalisation normalisation = session.first_minute(

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mien/face/builtin.h"
-#include "mien/study/eyewear_session.h"
+#include "mien/study/worn_glasses.h"
 #include "tests/model/random_network.h"
 
 namespace mien::study {

@@ -1,4 +1,4 @@
-#include "mien/study/eyewear_session.h"
+#include "mien/study/worn_glasses.h"
 
 #include <gtest/gtest.h>
 
@@ -10,16 +10,16 @@
 namespace mien::study {
 namespace {
 
-class EyewearSessions : public testing::Test {
+class WornGlassesTest : public testing::Test {
  protected:
   sensor::Rig rig_ = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
   virt::EyewearFaults faults_ = virt::parse_eyewear_faults(rig_.faults_toml, "rig").value();
   virt::EyewearWearer wearer_ = virt::draw_eyewear_wearer(rig_, faults_, Random(5)).value();
   virt::EyewearSimulator simulator_{wearer_, faults_, Random(6)};
-  EyewearSession session_{simulator_, rig_};
+  WornGlasses session_{simulator_, rig_};
 };
 
-TEST_F(EyewearSessions, ShowsEveryFrameOfTheGridOnce) {
+TEST_F(WornGlassesTest, ShowsEveryFrameOfTheGridOnce) {
   std::size_t frames = 0, there = 0;
   const auto see = [&](const eyewear::GridLight& light, const face::BlendshapeWeights&) {
     ++frames;
@@ -34,7 +34,7 @@ TEST_F(EyewearSessions, ShowsEveryFrameOfTheGridOnce) {
   EXPECT_DOUBLE_EQ(session_.now_s(), 6.5);
 }
 
-TEST_F(EyewearSessions, AMinuteGivesEverySensorNeutralAndRange) {
+TEST_F(WornGlassesTest, AMinuteGivesEverySensorNeutralAndRange) {
   std::size_t frames = 0;
   const eyewear::Normalisation made = session_.first_minute(
       Random(2), [&](const eyewear::GridLight&, const face::BlendshapeWeights&) { ++frames; });

@@ -25,9 +25,9 @@ inline constexpr double kRemountS = 5;
 
 /// Virtual glasses on a wearer, as a live session sees them: light on the frames' grid, beside what the face
 /// did. Time goes on from call to call. One face at a time; the simulator must outlive it.
-class EyewearSession {
+class WornGlasses {
  public:
-  EyewearSession(virt::EyewearSimulator& simulator, const sensor::Rig& rig);
+  WornGlasses(virt::EyewearSimulator& simulator, const sensor::Rig& rig);
 
   using See = std::function<void(const eyewear::GridLight&, const face::BlendshapeWeights&)>;
   /// Plays the motion's first `seconds`; `see` is called at every frame of 60 Hz, the first at its beginning.

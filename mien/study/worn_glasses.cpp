@@ -1,4 +1,4 @@
-#include "mien/study/eyewear_session.h"
+#include "mien/study/worn_glasses.h"
 
 #include <algorithm>
 #include <array>
@@ -53,10 +53,10 @@ face::Motion range_of_motion(const Random& random) {
   return virt::mimic(cues, kRangeS, {}, random);
 }
 
-EyewearSession::EyewearSession(virt::EyewearSimulator& simulator, const sensor::Rig& rig)
+WornGlasses::WornGlasses(virt::EyewearSimulator& simulator, const sensor::Rig& rig)
     : simulator_(&simulator), rig_(rig), grid_(rig) {}
 
-void EyewearSession::play(const face::Motion& motion, double seconds, const See& see) {
+void WornGlasses::play(const face::Motion& motion, double seconds, const See& see) {
   const face::MotionCurve curve(motion);
   const double window_s = kPairs * simulator_->pair_period_s();
   const auto frames = static_cast<std::int64_t>(std::llround(seconds * kFrameRateHz));
@@ -80,7 +80,7 @@ void EyewearSession::play(const face::Motion& motion, double seconds, const See&
   now_s_ += seconds;
 }
 
-eyewear::Normalisation EyewearSession::first_minute(const Random& random, const See& see) {
+eyewear::Normalisation WornGlasses::first_minute(const Random& random, const See& see) {
   eyewear::NormalisationMaker maker(rig_);
   maker.begin_neutral();
   double since_s = 0;
@@ -98,8 +98,7 @@ eyewear::Normalisation EyewearSession::first_minute(const Random& random, const 
   return maker.solve({});
 }
 
-eyewear::Normalisation EyewearSession::hold_neutral(const eyewear::Normalisation& before,
-                                                    const Random& random) {
+eyewear::Normalisation WornGlasses::hold_neutral(const eyewear::Normalisation& before, const Random& random) {
   eyewear::NormalisationMaker maker(rig_);
   maker.begin_neutral();
   play(virt::mimic({}, kRemountS, {}, random), kRemountS,
