@@ -145,6 +145,16 @@ Vec3f point_from(ByteReader& reader, double scale) {
   return residual >= 0 && position.allFinite() ? Vec3f(position.cast<float>()) : kLostMarker;
 }
 
+/// How many frames at the end are nothing but zeros, in the last block: C3D files end with a whole one.
+std::size_t padding_frames(std::span<const std::byte> data, std::size_t frame_bytes, std::size_t frames) {
+  std::size_t count = 0;
+  while (count < frames && (count + 1) * frame_bytes < kBlockBytes &&
+         std::ranges::all_of(data.subspan((frames - count - 1) * frame_bytes, frame_bytes),
+                             [](std::byte b) { return b == std::byte{0}; }))
+    ++count;
+  return count;
+}
+
 }  // namespace
 
 bool is_c3d(std::span<const std::byte> bytes) {
@@ -190,14 +200,18 @@ Result<MarkerRecording> parse_c3d(std::span<const std::byte> bytes, const std::s
   const std::span<const std::byte> data =
       bytes.subspan((static_cast<std::size_t>(data_block) - 1) * kBlockBytes);
   const std::size_t there = data.size() / frame_bytes;
-  // Integers of 16 bits end at 65535; who has more frames writes that, and all that is there is meant.
+  // Integers of 16 bits end at 65535; who has more frames writes that, and all that is there is meant, but
+  // for the zeros that fill the last block.
   const std::size_t frames =
       promised == kManyFrames
-          ? there
+          ? there - padding_frames(data, frame_bytes, there)
           : static_cast<std::size_t>(std::clamp(promised, 0.0, static_cast<double>(bytes.size())));
   if (frames == 0) return fail(ErrorCode::truncated, "there is no frame in it", name);
   if (frames > there)
     return fail(ErrorCode::truncated, fmt::format("{} frames, not {}", there, promised), name);
+
+  if (static_cast<double>(frames) / rate_hz > kMaxTrackTimeS)
+    return fail(ErrorCode::out_of_range, "its rate would make it longer than thirty years", name);
 
   MarkerRecording recording;
   MarkerTrack& track = recording.track;

@@ -7,7 +7,10 @@
 namespace mien::eyewear {
 
 bool SteadyWatch::add(const GridLight& light) {
-  if (frames_.empty()) frames_.resize(kFrames);
+  if (frames_.empty()) {
+    frames_.assign(kFrames, light);
+    scatter_.reserve(light.present.size());
+  }
   frames_[next_] = light;
   next_ = (next_ + 1) % kFrames;
   count_ = std::min(count_ + 1, kFrames);

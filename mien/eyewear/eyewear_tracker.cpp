@@ -68,15 +68,8 @@ void EyewearTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime
 }
 
 std::size_t EyewearTracker::normalise() {
-  const std::vector<SensorNormalisation>& sensors = calibrator_.in_force().sensors;
-  std::size_t there = 0;
-  for (std::size_t i = 0; i < sensors_.size(); ++i) {
-    const bool present = light_.present[i] != 0 && sensors[i].valid;
-    features_.present[i] = present ? 1 : 0;
-    features_.values[i] = present ? sensors[i].feature(light_.log_light[i]) : 0.0F;
-    there += present ? 1 : 0;
-  }
-  return there;
+  read_features(calibrator_.in_force(), light_, features_);
+  return static_cast<std::size_t>(std::ranges::count(features_.present, std::uint8_t{1}));
 }
 
 std::size_t EyewearTracker::tick(DeviceTime frame, face::OutputFrame& out) {

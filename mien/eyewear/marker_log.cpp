@@ -7,6 +7,8 @@ namespace {
 
 /// A log cannot hold more lists of names than a session has servers, within reason.
 constexpr std::size_t kMaxLists = 64;
+/// A clock that goes back by more than this is one that began anew.
+constexpr double kRestartS = 1;
 
 }  // namespace
 
@@ -36,33 +38,47 @@ void MarkerLog::add(HostTime arrival, std::span<const std::byte> datagram) {
   if (list == nullptr) return;
   const double time_s = to_seconds(positions.time.time_since_epoch());
   if (list->count == 0) list->count = positions.count;
-  if (positions.count != list->count || (!list->time_s.empty() && time_s <= list->time_s.back())) return;
-  list->time_s.push_back(time_s);
-  list->position_m.insert(list->position_m.end(), positions.position_m.begin(),
-                          positions.position_m.begin() + positions.count);
-  list->arrival.push_back(arrival);
+  if (positions.count != list->count) return;
+  if (!list->run.time_s.empty() && time_s <= list->run.time_s.back()) {
+    if (list->run.time_s.back() - time_s <= kRestartS || ended_.size() >= kMaxLists) return;
+    ended_.push_back({{positions.device, positions.list}, std::move(list->run)});
+    list->run = {};
+  }
+  list->run.time_s.push_back(time_s);
+  list->run.position_m.insert(list->run.position_m.end(), positions.position_m.begin(),
+                              positions.position_m.begin() + positions.count);
+  list->run.arrival.push_back(arrival);
 }
 
 std::vector<MarkerLog::Heard> MarkerLog::heard() const {
   std::vector<Heard> all;
-  for (const auto& [key, list] : lists_) {
-    if (!list.named() || marker_list(list.names) != key.second) continue;
+  const auto add = [&](const Key& key, const Run& run) {
+    const List& list = lists_.at(key);
+    if (run.time_s.empty() || !list.named() || marker_list(list.names) != key.second) return;
     Heard& heard = all.emplace_back();
     heard.device = key.first;
     heard.track = {
-        .name = "markers", .markers = list.names, .time_s = list.time_s, .position_m = list.position_m};
-    heard.arrival = list.arrival;
-  }
+        .name = "markers", .markers = list.names, .time_s = run.time_s, .position_m = run.position_m};
+    heard.arrival = run.arrival;
+  };
+  for (const auto& [key, run] : ended_) add(key, run);
+  for (const auto& [key, list] : lists_) add(key, list.run);
   std::ranges::sort(all, [](const Heard& a, const Heard& b) {
-    return a.arrival.size() != b.arrival.size() ? a.arrival.size() > b.arrival.size() : a.device < b.device;
+    return a.arrival.size() != b.arrival.size() ? a.arrival.size() > b.arrival.size()
+           : a.device != b.device               ? a.device < b.device
+                                                : a.arrival < b.arrival;
   });
   return all;
 }
 
 std::size_t MarkerLog::unnamed() const {
   std::size_t frames = 0;
-  for (const auto& [key, list] : lists_)
-    if (!list.named() || marker_list(list.names) != key.second) frames += list.time_s.size();
+  const auto add = [&](const Key& key, const Run& run) {
+    const List& list = lists_.at(key);
+    if (!list.named() || marker_list(list.names) != key.second) frames += run.time_s.size();
+  };
+  for (const auto& [key, run] : ended_) add(key, run);
+  for (const auto& [key, list] : lists_) add(key, list.run);
   return frames;
 }
 

@@ -10,7 +10,10 @@ bool MarkerProtocol::recognises(std::span<const std::byte> datagram) const {
 
 sensor::Verdict MarkerProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte> datagram,
                                         sensor::Inbox&) {
-  return parse_marker_packet(datagram) ? sensor::Verdict::ignored : sensor::Verdict::malformed;
+  const auto packet = parse_marker_packet(datagram);
+  // What a newer server says is kept for a newer program.
+  const bool kept = packet || packet.error().code == ErrorCode::unsupported;
+  return kept ? sensor::Verdict::ignored : sensor::Verdict::malformed;
 }
 
 }  // namespace mien::eyewear

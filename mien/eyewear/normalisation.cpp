@@ -64,6 +64,17 @@ float SensorNormalisation::feature(double log_light) const {
   return static_cast<float>(std::clamp((log_light - neutral) / range, -kLimit, kLimit));
 }
 
+void read_features(const Normalisation& normalisation, const GridLight& light, LightFrame& out) {
+  const std::size_t sensors = normalisation.sensors.size();
+  out.values.resize(sensors);
+  out.present.resize(sensors);
+  for (std::size_t s = 0; s < sensors; ++s) {
+    const bool there = light.present[s] != 0 && normalisation.sensors[s].valid;
+    out.present[s] = there ? 1 : 0;
+    out.values[s] = there ? normalisation.sensors[s].feature(light.log_light[s]) : 0.0F;
+  }
+}
+
 std::string write_normalisation(const Normalisation& normalisation) {
   json sensors = json::array();
   for (const SensorNormalisation& s : normalisation.sensors)

@@ -7,6 +7,7 @@
 
 #include "mien/core/error.h"
 #include "mien/eyewear/light_grid.h"
+#include "mien/eyewear/marker_regressor.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/rig.h"
 
@@ -39,6 +40,10 @@ struct Normalisation {
   std::vector<sensor::Score> scores;
   bool operator==(const Normalisation&) const = default;
 };
+
+/// What a regressor reads of a frame: features of the sensors that are there and calibrated. Resizes `out`
+/// the first time.
+void read_features(const Normalisation& normalisation, const GridLight& light, LightFrame& out);
 
 /// JSON, one object; parse_normalisation takes it back to an equal value.
 [[nodiscard]] std::string write_normalisation(const Normalisation& normalisation);

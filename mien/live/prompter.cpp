@@ -23,7 +23,11 @@ Result<void> Prompter::add(Prompt prompt) {
   if (prompts_.size() >= kMaxPrompts)
     return fail(ErrorCode::out_of_range, fmt::format("{} poses are enough for one session", kMaxPrompts),
                 kWhere, "start a new one");
-  if (now_ == prompts_.size()) lead_in_ = kLeadIn;  // The first, or the first after a rest.
+  if (now_ == prompts_.size()) {  // The first, or the first after a rest.
+    begin_.reset();
+    paused_ = false;
+    lead_in_ = kLeadIn;
+  }
   prompts_.push_back(std::move(prompt));
   return {};
 }

@@ -136,7 +136,7 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
 void Session::forget(std::uint16_t sensor) {
   ticks_.forget(sensor);
   tracker_->forget(sensor);
-  if (tracker_->calibration_state().phase == tracker::CalibrationState::Phase::watching) in_force_ = 0;
+  if (tracker_->calibration().empty()) in_force_ = 0;
 }
 
 void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,

@@ -163,9 +163,10 @@ Result<void> CombinedTracker::restore(std::string_view text) {
     if (found == all.end()) continue;
     std::string had = member.tracker->calibration();
     if (auto done = member.tracker->restore(found->dump()); !done) {
-      for (auto& [other, earlier] : changed)
-        if (!earlier.empty()) MIEN_TRY(other->restore(earlier));
-      not_counted_ += sum_of_counts() - before;
+      bool undone = true;
+      for (auto& [other, earlier] : changed) undone = !earlier.empty() && other->restore(earlier) && undone;
+      // What could not be undone is a change, and counts as one.
+      if (undone) not_counted_ += sum_of_counts() - before;
       return done;
     }
     changed.emplace_back(member.tracker.get(), std::move(had));

@@ -27,8 +27,7 @@ using face::BlendshapeWeights;
 using face::kShapeCount;
 using face::kShapeNames;
 
-constexpr double kMeasuredBeforeS = 300;  // Marker motion that target poses are of.
-constexpr double kPosesShare = 0.7;       // Of a wearer's performance.
+constexpr double kPosesShare = 0.7;  // Of a wearer's performance.
 
 bool may_be_posed(std::size_t shape) {
   return !kShapeNames[shape].starts_with("eyeLook") && kShapeNames[shape] != "mouthClose";
@@ -109,12 +108,12 @@ Result<LightSequence> wear(const EyewearDataRecipe& recipe, const sensor::Rig& r
   session.play(script_motion(script_s, root.fork("script")), script_s, see);
 
   out.frames = lights.size();
-  for (const eyewear::GridLight& light : lights)
-    for (std::size_t s = 0; s < normalisation.sensors.size(); ++s) {
-      const bool there = light.present[s] != 0 && normalisation.sensors[s].valid;
-      out.present.push_back(there ? 1 : 0);
-      out.values.push_back(there ? normalisation.sensors[s].feature(light.log_light[s]) : 0.0F);
-    }
+  eyewear::LightFrame features;
+  for (const eyewear::GridLight& light : lights) {
+    eyewear::read_features(normalisation, light, features);
+    out.present.insert(out.present.end(), features.present.begin(), features.present.end());
+    out.values.insert(out.values.end(), features.values.begin(), features.values.end());
+  }
   return out;
 }
 

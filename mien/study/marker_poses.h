@@ -15,6 +15,9 @@ namespace mien::study {
 /// How many principal components of marker motion the published study makes its target poses of.
 inline constexpr std::size_t kPoseComponents = 6;
 
+/// How long marker motion is measured before an experiment.
+inline constexpr double kMeasuredBeforeS = 300;
+
 /// Where a component stands in a target pose.
 enum class Level : std::uint8_t { least, origin, most };
 

@@ -26,8 +26,7 @@ using eyewear::LightFrame;
 using eyewear::Normalisation;
 using face::BlendshapeWeights;
 
-constexpr double kMeasuredBeforeS = 300;  // As study_sensors() has it.
-constexpr double kRestS = 60;             // Between the minute and the tests.
+constexpr double kRestS = 60;  // Between the minute and the tests.
 constexpr double kRemountM = 0.002;
 
 /// How a wearer's glasses are treated after the first minute.
@@ -63,16 +62,6 @@ struct Outcome {
   std::array<std::vector<MarkerSums>, kConditions.size()> conditions;
 };
 
-void read(const Normalisation& normalisation, const GridLight& light, LightFrame& out) {
-  out.values.resize(normalisation.sensors.size());
-  out.present.resize(normalisation.sensors.size());
-  for (std::size_t s = 0; s < normalisation.sensors.size(); ++s) {
-    const bool there = light.present[s] != 0 && normalisation.sensors[s].valid;
-    out.present[s] = there ? 1 : 0;
-    out.values[s] = there ? normalisation.sensors[s].feature(light.log_light[s]) : 0.0F;
-  }
-}
-
 Eigen::VectorXd as_vector(const LightFrame& light) {
   return Eigen::Map<const Eigen::VectorXf>(light.values.data(), std::ssize(light.values)).cast<double>();
 }
@@ -93,7 +82,7 @@ class LinearFit {
     Eigen::MatrixXd markers(std::ssize(captured_m_), captured_m_.front().size());
     LightFrame light;
     for (Eigen::Index i = 0; i < sensors.rows(); ++i) {
-      read(normalisation, lights_[static_cast<std::size_t>(i)], light);
+      eyewear::read_features(normalisation, lights_[static_cast<std::size_t>(i)], light);
       sensors.row(i) = as_vector(light).transpose();
       markers.row(i) = captured_m_[static_cast<std::size_t>(i)].transpose();
     }
@@ -117,7 +106,7 @@ void make_tests(const Course& course, const Random& root, const eyewear::PlacedM
   LightFrame light;
   for (std::size_t t = 0; t < course.tests.size(); ++t) {
     const auto look = [&](const GridLight& grid, const BlendshapeWeights& weights) {
-      read(normalisation, grid, light);
+      eyewear::read_features(normalisation, grid, light);
       see(t, light, placed.at(weights));
     };
     if (!course.scene.motions.empty()) {

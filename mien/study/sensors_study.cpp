@@ -28,8 +28,7 @@ namespace {
 using eyewear::MarkerModel;
 using face::BlendshapeWeights;
 
-constexpr double kMeasuredBeforeS = 300;  // Marker motion that the components are of.
-constexpr double kRestS = 60;             // Between training and tests.
+constexpr double kRestS = 60;  // Between training and tests.
 
 /// One window of ten on-off pairs, as a host sees it, and what was there.
 struct Recorded {

@@ -4,6 +4,7 @@
 
 #include "mien/core/files.h"
 #include "mien/eyewear/light_grid.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/study/eyewear_dataset.h"
 #include "mien/study/make_dataset.h"
 #include "mien/train/blendshape_task.h"
@@ -15,6 +16,9 @@ Result<std::unique_ptr<Task>> make_task(Recipe recipe, const std::string& where,
                                         const sensor::Rig& rig, std::string rig_text,
                                         const Progress& progress) {
   const std::string data_place = where + ", [data]";
+  if (sensor::kinds_of(rig).size() > 1)
+    return fail(ErrorCode::unsupported, "sensors of several kinds are not trained together",
+                "rig " + rig.name, "train a model for each kind, with a rig of its own");
   if (eyewear::photo_sensors(rig).size() == rig.sensors.size()) {
     if (face != "builtin")
       return fail(ErrorCode::bad_usage, "virtual wearers of glasses are of the built-in family", face,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -118,6 +119,12 @@ Result<std::unique_ptr<MarkerTask>> MarkerTask::create(Recipe recipe, LightDatas
   MIEN_TRY(check(validation));
   if (training.sensors != validation.sensors || training.markers != validation.markers)
     return fail(ErrorCode::mismatch, "training and validation have different sensors or markers", "data set");
+  std::set<std::uint32_t> trained_on;
+  for (const LightSequence& s : training.sequences) trained_on.insert(s.wearer);
+  for (const LightSequence& s : validation.sequences)
+    if (trained_on.contains(s.wearer))
+      return fail(ErrorCode::mismatch, fmt::format("wearer {} is both trained and validated on", s.wearer),
+                  "data set");
   recipe.architecture.condition = 2 * training.sensors.size();
   recipe.architecture.outputs = 3 * training.markers.size();
   MIEN_TRY(model::check(recipe.architecture));

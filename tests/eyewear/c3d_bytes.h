@@ -94,6 +94,7 @@ struct C3dFile {
         else
           file.little(std::int16_t{7});
     }
+    pad(file);
     return file.release();
   }
 };

@@ -73,7 +73,8 @@ TEST(C3d, WhatIsWrongIsRefused) {
   EXPECT_EQ(code([](C3dFile& f) { f.rate_hz = 0; }), ErrorCode::out_of_range);
   EXPECT_EQ(code([](C3dFile& f) { f.rate_hz = std::numeric_limits<float>::quiet_NaN(); }),
             ErrorCode::malformed);
-  EXPECT_EQ(code([](C3dFile& f) { f.frames_said = 3; }), ErrorCode::truncated);
+  EXPECT_EQ(code([](C3dFile& f) { f.frames_said = 300; }), ErrorCode::truncated);
+  EXPECT_EQ(code([](C3dFile& f) { f.rate_hz = 1e-30F; }), ErrorCode::out_of_range);
   EXPECT_EQ(code([](C3dFile& f) { f.frames_said = 0; }), ErrorCode::truncated);
   EXPECT_EQ(code([](C3dFile& f) { f.values[0] = 1e7F; }), ErrorCode::out_of_range);
   // A position that is no number was not seen.
@@ -85,7 +86,9 @@ TEST(C3d, WhatIsWrongIsRefused) {
 
 TEST(C3d, WhereverItIsCutItIsRefusedOrWhole) {
   const std::vector<std::byte> bytes = two().bytes();
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
+  std::size_t end = bytes.size();  // Of what is not padding.
+  while (bytes[end - 1] == std::byte{0}) --end;
+  for (std::size_t size = 0; size < end; ++size) {
     const auto recording = parse_c3d(std::span(bytes).first(size), "cut");
     EXPECT_FALSE(recording) << size;
   }

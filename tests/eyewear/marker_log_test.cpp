@@ -42,6 +42,22 @@ TEST(MarkerLog, PutsATrackTogether) {
   EXPECT_EQ(log.unnamed(), 0u);
 }
 
+TEST(MarkerLog, AServerThatBeganAnewGivesAnotherTrack) {
+  MarkerLog log;
+  log.add(at(1), encode_marker_names(7, kNames)->front());
+  for (int ms = 5000; ms < 5030; ms += 10) log.add(at(ms), frame(ms));
+  log.add(at(6000), frame(0));
+  log.add(at(6010), frame(10));
+  const auto heard = log.heard();
+  ASSERT_EQ(heard.size(), 2u);
+  ASSERT_EQ(heard[0].track.time_s.size(), 3u);
+  EXPECT_NEAR(heard[0].track.time_s[2], 6.02, 1e-9);
+  ASSERT_EQ(heard[1].track.time_s.size(), 2u);
+  EXPECT_NEAR(heard[1].track.time_s[0], 1, 1e-9);
+  EXPECT_EQ(heard[1].arrival, (std::vector<HostTime>{at(6000), at(6010)}));
+  EXPECT_EQ(heard[1].track.markers, kNames);
+}
+
 TEST(MarkerLog, WhatNobodyNamedIsCounted) {
   MarkerLog log;
   log.add(at(3), frame(0));

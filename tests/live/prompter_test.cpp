@@ -97,6 +97,17 @@ TEST(Prompter, APauseInterruptsOneThatIsThenShownWhole) {
   EXPECT_EQ(events[0].begin, frame(63)) << "with time to get ready";
 }
 
+TEST(Prompter, GetsReadyAgainForWhatIsAddedAfterTheLastOneRanOut) {
+  Prompter prompter;
+  ASSERT_TRUE(prompter.add(pose("one", 2)));
+  EXPECT_EQ(run(prompter, 0, 20).size(), 1u);
+  EXPECT_EQ(prompter.place(frame(20)).state, State::over);
+  ASSERT_TRUE(prompter.add(pose("two", 2)));
+  const auto events = run(prompter, 20, 40);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].begin, frame(23)) << "not a moment before it was shown";
+}
+
 TEST(Prompter, EndsWhenToldToAndGetsReadyAgainForWhatIsAddedLater) {
   Prompter prompter;
   EXPECT_FALSE(prompter.stop());

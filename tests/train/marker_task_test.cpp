@@ -63,6 +63,7 @@ TEST(MarkerTask, RefusesWhatCannotBeTrained) {
   EXPECT_FALSE(
       MarkerTask::create(*parse_recipe(toy_recipe(10), "test"), toy_light(0, 1), toy_light(1, 1), ""))
       << "a network that waits for a window";
+  EXPECT_FALSE(MarkerTask::create(recipe, toy_light(0, 2), toy_light(1, 1), "")) << "the same people";
   study::LightDataset sick = toy_light(0, 1);
   sick.sequences[0].values[3] = std::nanf("");
   EXPECT_FALSE(MarkerTask::create(recipe, sick, toy_light(1, 1), ""));
