@@ -3,26 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "mien/core/bytes.h"
 #include "mien/eyewear/marker_track.h"
+#include "mien/sensor/packet_envelope.h"
 
 namespace mien::eyewear {
 namespace {
 
-constexpr std::array<std::byte, 4> kMagic = {std::byte{'M'}, std::byte{'I'}, std::byte{'E'}, std::byte{'N'}};
-constexpr std::uint8_t kVersion = 1;
+using sensor::kChecksumBytes;
+
 constexpr std::uint8_t kTypeNames = 9;
 constexpr std::uint8_t kTypePositions = 10;
 constexpr std::size_t kNamesHeaderBytes = 21;
 constexpr std::size_t kPositionsHeaderBytes = 32;
 constexpr std::size_t kPositionBytes = 12;
-constexpr std::size_t kChecksumBytes = 4;
 constexpr std::size_t kMostNamesBytes = 1200;
-constexpr std::uint64_t kMaxTimeUs = 100'000'000'000'000;  // As of all packets of ours.
 constexpr double kUmPerM = 1e6;
 constexpr std::int32_t kLostUm = std::numeric_limits<std::int32_t>::min();
 
@@ -67,10 +65,8 @@ Result<MarkerPacket> parse_positions(ByteReader reader) {
   packet.device = reader.little<std::uint64_t>();
   packet.sequence = reader.little<std::uint32_t>();
   packet.list = reader.little<std::uint32_t>();
-  const auto time_us = reader.little<std::uint64_t>();
+  MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kWhere));
   MIEN_TRY(check_count(packet.count));
-  if (time_us > kMaxTimeUs) return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
-  packet.time = DeviceTime(std::chrono::microseconds(static_cast<std::int64_t>(time_us)));
   if (reader.left() != packet.count * kPositionBytes)
     return fail(reader.left() < packet.count * kPositionBytes ? ErrorCode::truncated : ErrorCode::malformed,
                 fmt::format("{} bytes of positions, not {}", reader.left(), packet.count * kPositionBytes),
@@ -88,38 +84,22 @@ Result<MarkerPacket> parse_positions(ByteReader reader) {
   return packet;
 }
 
-void begin(ByteWriter& writer, std::uint8_t type) {
-  writer.append(kMagic);
-  writer.little(kVersion);
-  writer.little(type);
-}
-
 }  // namespace
 
 bool is_marker_packet(std::span<const std::byte> bytes) {
-  return bytes.size() >= 6 && std::equal(kMagic.begin(), kMagic.end(), bytes.begin()) &&
-         (bytes[5] == std::byte{kTypeNames} || bytes[5] == std::byte{kTypePositions});
+  return sensor::is_our_packet(bytes, kTypeNames) || sensor::is_our_packet(bytes, kTypePositions);
 }
 
 Result<MarkerPacket> parse_marker_packet(std::span<const std::byte> bytes) {
   if (bytes.size() < kNamesHeaderBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
   ByteReader reader(bytes.first(bytes.size() - kChecksumBytes));
-  const auto magic = reader.take(kMagic.size());
-  if (!std::equal(kMagic.begin(), kMagic.end(), magic.begin()))
-    return fail(ErrorCode::malformed, "not a packet of ours", kWhere);
-  const auto version = reader.little<std::uint8_t>();
-  if (version != kVersion)
-    return fail(ErrorCode::unsupported, fmt::format("version {} is unknown", version), kWhere,
-                "update this program or the server");
-  const auto type = reader.little<std::uint8_t>();
+  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kWhere));
   if (type != kTypeNames && type != kTypePositions)
     return fail(ErrorCode::unsupported, fmt::format("packet type {} is not of markers", type), kWhere);
   if (type == kTypePositions && bytes.size() < kPositionsHeaderBytes + kPositionBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
-  ByteReader checksum(bytes.last(kChecksumBytes));
-  if (checksum.little<std::uint32_t>() != crc32(bytes.first(bytes.size() - kChecksumBytes)))
-    return fail(ErrorCode::malformed, "the checksum does not match", kWhere);
+  MIEN_TRY(sensor::check_checksum(bytes, kWhere));
   return type == kTypeNames ? parse_names(reader) : parse_positions(reader);
 }
 
@@ -141,7 +121,7 @@ Result<std::vector<std::vector<std::byte>>> encode_marker_names(std::uint64_t de
     while (end < names.size() && bytes + 1 + names[end].size() <= kMostNamesBytes)
       bytes += 1 + names[end++].size();
     ByteWriter writer;
-    begin(writer, kTypeNames);
+    sensor::write_packet_begin(kTypeNames, writer);
     writer.little(static_cast<std::uint8_t>(names.size()));
     writer.little(static_cast<std::uint8_t>(first));
     writer.little(device);
@@ -151,7 +131,7 @@ Result<std::vector<std::vector<std::byte>>> encode_marker_names(std::uint64_t de
       writer.little(static_cast<std::uint8_t>(names[first].size()));
       writer.append(std::string_view(names[first]));
     }
-    writer.little(crc32(writer.bytes()));
+    sensor::write_checksum(0, writer);
     packets.push_back(writer.release());
   }
   return packets;
@@ -159,17 +139,15 @@ Result<std::vector<std::vector<std::byte>>> encode_marker_names(std::uint64_t de
 
 Result<std::vector<std::byte>> encode_marker_positions(const MarkerPositionsPacket& packet) {
   MIEN_TRY(check_count(packet.count));
-  const std::int64_t time_ns = packet.time.time_since_epoch().count();
-  if (time_ns < 0 || time_ns > static_cast<std::int64_t>(kMaxTimeUs) * 1000)
-    return fail(ErrorCode::out_of_range, "a device time out of range", kWhere);
+  MIEN_TRY(sensor::check_device_time(packet.time, kWhere));
   ByteWriter writer;
-  begin(writer, kTypePositions);
+  sensor::write_packet_begin(kTypePositions, writer);
   writer.little(packet.count);
   writer.little(std::uint8_t{0});
   writer.little(packet.device);
   writer.little(packet.sequence);
   writer.little(packet.list);
-  writer.little(static_cast<std::uint64_t>((time_ns + 500) / 1000));
+  sensor::write_device_time(packet.time, writer);
   for (std::size_t i = 0; i < packet.count; ++i) {
     const Vec3 position_m = packet.position_m[i].cast<double>();
     if (is_seen(packet.position_m[i]) && position_m.cwiseAbs().maxCoeff() > kMaxTrackPositionM)
@@ -179,7 +157,7 @@ Result<std::vector<std::byte>> encode_marker_positions(const MarkerPositionsPack
                         ? static_cast<std::int32_t>(std::lround(kUmPerM * position_m[axis]))
                         : kLostUm);
   }
-  writer.little(crc32(writer.bytes()));
+  sensor::write_checksum(0, writer);
   return writer.release();
 }
 
