@@ -12,6 +12,10 @@ namespace {
 
 using tracker::Step;
 
+/// Estimated markers are millimetres off, and what is not sure is better left at rest: of 0.5 to 1000 the
+/// least squared error of the weights (docs/eyewear.md).
+constexpr double kRest = 100;
+
 /// A frame this long after the last begins anew, for the solver's calm.
 constexpr double kLongestStepS = 1;
 
@@ -35,7 +39,9 @@ Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig
     one[k] = 1;
     shapes_m.col(static_cast<Eigen::Index>(k)) = placed.at(one) - neutral_m;
   }
-  MIEN_TRY_ASSIGN(face::WeightSolver solver, face::WeightSolver::create(neutral_m, std::move(shapes_m)));
+  MIEN_TRY_ASSIGN(
+      face::WeightSolver solver,
+      face::WeightSolver::create(neutral_m, std::move(shapes_m), face::natural_rules(), {.rest = kRest}));
   return std::unique_ptr<EyewearTracker>(
       new EyewearTracker(rig, std::move(regressor), neutral_m, std::move(solver)));
 }

@@ -20,7 +20,6 @@ using face::shape;
 
 namespace {
 
-constexpr double kNeutral_s = 3;
 constexpr double kGesture_s = 4;        // Two cycles at half a hertz,
 constexpr double kGestureRest_s = 0.5;  // and a moment of rest after each.
 constexpr double kCycles = 2;
@@ -86,13 +85,13 @@ void miss(Canvas& canvas, const Prompt& prompt, double canvas_begin_s, Random ra
 /// Writes the frames before the motion.
 class Prologue {
  public:
-  Prologue(const Random& random, bool gestures) : random_(random), gestures_(gestures) {}
+  Prologue(const Random& random, const PrologueNeeds& needs) : random_(random), needs_(needs) {}
 
   PrologueMotion run(const face::Motion& motion, PrologueKind kind) {
     PrologueTimes times;
-    times.neutral = stretch(kNeutral_s);
-    times.nod = stretch(gestures_ ? kGesture_s + kGestureRest_s : 0);
-    times.shake = stretch(gestures_ ? kGesture_s + kGestureRest_s : 0);
+    times.neutral = stretch(needs_.neutral_s);
+    times.nod = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
+    times.shake = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
     if (kind == PrologueKind::full) {
       times.anchors = ask(anchor_poses(), kAnchor_s, true, times.prompts);
       times.range_of_motion = ask(range_poses(), kRangePrompt_s, false, times.prompts);
@@ -137,7 +136,7 @@ class Prologue {
   face::Motion write(const face::Motion& motion, const PrologueTimes& times) {
     face::Motion out;
     out.name = motion.name;
-    out.has_head = motion.has_head || gestures_;
+    out.has_head = motion.has_head || needs_.gestures;
     out.head_without_face = motion.head_without_face;
     const auto frame_count = static_cast<std::size_t>(std::round(times.motion_start_s * kFrameRateHz));
     out.frames.reserve(frame_count + motion.frames.size());
@@ -182,7 +181,7 @@ class Prologue {
       for (std::size_t k = 0; k < kShapeCount; ++k)
         frame.weights[k] += static_cast<float>(ease) * (first.weights[k] - frame.weights[k]);
       frame.tongue_out = static_cast<float>(ease) * first.tongue_out;
-      if (gestures_) {
+      if (needs_.gestures) {
         const double down = nod_rad * gesture(t - times.nod.begin_s);
         const double left = shake_rad * gesture(t - times.shake.begin_s);
         Vec3 angle(down + slant * left, left + slant * down, 0);
@@ -205,16 +204,16 @@ class Prologue {
   }
 
   Random random_;
-  bool gestures_;
+  PrologueNeeds needs_;
   double now_s_ = 0;
 };
 
 }  // namespace
 
 PrologueMotion with_prologue(const face::Motion& motion, PrologueKind kind, const Random& random,
-                             bool gestures) {
+                             const PrologueNeeds& needs) {
   if (kind == PrologueKind::none) return {motion, {}};
-  return Prologue(random, gestures).run(motion, kind);
+  return Prologue(random, needs).run(motion, kind);
 }
 
 }  // namespace mien::virt

@@ -50,11 +50,20 @@ struct PrologueMotion {
   PrologueTimes times;
 };
 
-/// Puts a calibration prologue before a motion. `gestures` false leaves out nod and shake, as the profile
-/// *lab* asks, and holds the head upright. In a full prologue every prompt is
+/// What the sensors ask of a prologue.
+struct PrologueNeeds {
+  double neutral_s = 3;
+  /// False leaves out nod and shake, as the profile *lab* asks, and holds the head upright.
+  bool gestures = true;
+};
+/// Glasses: folds of the skin come and go in a second, and ten of them tell the middle; gestures tell
+/// nothing.
+inline constexpr PrologueNeeds kEyewearPrologue = {.neutral_s = 10, .gestures = false};
+
+/// Puts a calibration prologue before a motion. In a full prologue every prompt is
 /// missed: gain 0.6 to 1.2 a shape, 0.15 to 0.6 s late, one to three shapes unasked at up to 0.3, left and
 /// right unlike.
 [[nodiscard]] PrologueMotion with_prologue(const face::Motion& motion, PrologueKind kind,
-                                           const Random& random, bool gestures = true);
+                                           const Random& random, const PrologueNeeds& needs = {});
 
 }  // namespace mien::virt

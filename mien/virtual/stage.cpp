@@ -90,7 +90,8 @@ Result<Stage> set_stage(const StageRequest& request) {
   if (motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", request.script_name);
   if (!motion.has_head && !stage.lab) motion = with_head_motion(motion, root.fork("head"));
-  stage.motion = with_prologue(motion, request.prologue, root.fork("prologue"), !stage.lab);
+  const PrologueNeeds needs = stage.eyewear ? kEyewearPrologue : PrologueNeeds{.gestures = !stage.lab};
+  stage.motion = with_prologue(motion, request.prologue, root.fork("prologue"), needs);
   stage.devices = root.fork("devices");
   return stage;
 }

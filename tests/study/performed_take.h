@@ -25,8 +25,8 @@ inline virt::VirtualSession device_session() {
       .value();
 }
 inline virt::VirtualSession lab_session(double noise_rad = virt::kLabNoiseRad) {
-  const virt::PrologueMotion motion =
-      virt::with_prologue(virt::test::talking(60, false), virt::PrologueKind::brief, Random(3), false);
+  const virt::PrologueMotion motion = virt::with_prologue(
+      virt::test::talking(60, false), virt::PrologueKind::brief, Random(3), {.gestures = false});
   return virt::play_lab(motion, virt::test::three_sites(), virt::test::three_sensors(), Random(11), noise_rad)
       .value();
 }

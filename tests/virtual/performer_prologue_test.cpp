@@ -130,7 +130,8 @@ TEST(Prologue, EaseSkipsFramesWithoutFace) {
 }
 
 TEST(Prologue, LabLeavesOutNodAndShake) {
-  const auto [with, times] = with_prologue(some_motion(), PrologueKind::brief, Random(4), false);
+  const auto [with, times] =
+      with_prologue(some_motion(), PrologueKind::brief, Random(4), {.gestures = false});
   EXPECT_EQ(times.nod.begin_s, times.nod.end_s);
   EXPECT_EQ(times.shake.begin_s, times.shake.end_s);
   EXPECT_NEAR(times.motion_start_s, 3.5, 1e-9);

@@ -27,7 +27,7 @@ PrologueMotion bare(const face::Motion& motion) {
   return with_prologue(motion, PrologueKind::none, Random(3));
 }
 PrologueMotion brief(const face::Motion& motion, bool gestures = true) {
-  return with_prologue(motion, PrologueKind::brief, Random(3), gestures);
+  return with_prologue(motion, PrologueKind::brief, Random(3), {.gestures = gestures});
 }
 
 VirtualSession devices(const PrologueMotion& motion, std::uint64_t seed = 11,
@@ -162,7 +162,7 @@ TEST(LabSession, HasNoGesturesAmongItsEvents) {
 
 TEST(DeviceSession, PromptsTellWhatWasAskedFor) {
   const VirtualSession session =
-      lab(with_prologue(test::talking(30, false), PrologueKind::full, Random(3), false));
+      lab(with_prologue(test::talking(30, false), PrologueKind::full, Random(3), {.gestures = false}));
   std::size_t prompts = 0;
   for (const take::Event& event : session.events) {
     if (event.kind != "prompt") continue;
