@@ -80,7 +80,8 @@ Result<void> run(const Options& options) {
       warnings.push_back(fmt::format("{} frames of markers without names are left out", found.unnamed));
     markers = std::move(found.imported);
     motion = std::move(markers->retargeted.motion);
-  } else if (eyewear::is_marker_recording(options.motion)) {
+  } else if (const auto extension = std::filesystem::path(options.motion).extension();
+             extension == ".trc" || extension == ".c3d" || eyewear::is_marker_recording(options.motion)) {
     MIEN_TRY_ASSIGN(const eyewear::MarkerTrack track, eyewear::load_marker_track(options.motion, &warnings));
     MIEN_TRY_ASSIGN(markers, import_markers(track, options.markers));
     motion = std::move(markers->retargeted.motion);

@@ -211,9 +211,9 @@ std::string event_text(const take::Event& event) {
   const std::string origin = text("origin");
   if (origin == "self") {
     const auto failed = details.value("failed", 0);
-    if (failed == 0) return "calibrated by the nod";
+    if (failed == 0) return "calibrated by itself";
     return fmt::format(
-        "calibrated by the nod, but {} of {} scores failed; mien calibrate, or the page, does better", failed,
+        "calibrated by itself, but {} of {} scores failed; mien calibrate, or the page, does better", failed,
         details.value("scores", 0));
   }
   if (origin == "guided") return "calibrated";

@@ -53,7 +53,7 @@ struct Status {
 /// `result` is JSON, or empty for none.
 [[nodiscard]] std::string reply_json(std::int64_t number, std::string_view error,
                                      std::string_view result = {});
-/// An event of the session in a person's words: "calibrated by the nod". Empty for those that need none, and
+/// An event of the session in a person's words: "calibrated by itself". Empty for those that need none, and
 /// for links lost and back, which LinkNews puts into words.
 [[nodiscard]] std::string event_text(const take::Event& event);
 [[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);

@@ -119,7 +119,7 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
   MIEN_TRY_ASSIGN(TensorFile file, parse_safetensors(bytes, where));
   if (const auto format = file.metadata.find("format");
       format == file.metadata.end() || format->second != "mien-model")
-    return fail(ErrorCode::unsupported, "this safetensors file is not a model of this program", where);
+    return fail(ErrorCode::unsupported, "this safetensors file is not a model of blendshape weights", where);
   if (file.metadata["version"] != std::to_string(kVersion))
     return fail(ErrorCode::unsupported,
                 fmt::format("the model's version is {:?}, not {}", file.metadata["version"], kVersion), where,
