@@ -8,7 +8,6 @@
 namespace mien::study {
 namespace {
 
-constexpr std::size_t kLearned = 2;        // Of MinuteStudy::methods.
 constexpr std::size_t kCurvePoints = 900;  // More than a page has pixels for.
 
 std::string mm(double value) {
