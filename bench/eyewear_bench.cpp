@@ -45,11 +45,11 @@ void eyewear_frame(benchmark::State& state) {
   const eyewear::MarkerSet set = eyewear::read_markers(find_resource("rigs/markers.toml").value()).value();
   eyewear::MarkerNetworkFile file =
       eyewear::read_marker_network(find_resource("models/eyewear.safetensors").value()).value();
-  std::vector<std::string> names;
-  for (const sensor::Mount& mount : rig.sensors) names.push_back(mount.name);
-  const auto tracker = eyewear::EyewearTracker::create(
-                           rig, set, eyewear::NetworkRegressor::create(std::move(file), names).value())
-                           .value();
+  const auto tracker =
+      eyewear::EyewearTracker::create(
+          rig, set,
+          eyewear::NetworkRegressor::create(std::move(file), eyewear::photo_sensor_names(rig)).value())
+          .value();
   const std::vector<sensor::Sample> samples = wave(rig.sensors.size());
   face::FrameHash hash;
   face::OutputFrame out;

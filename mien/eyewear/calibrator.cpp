@@ -37,9 +37,7 @@ bool SteadyWatch::steady() const {
   return *middle <= kSteady;
 }
 
-Calibrator::Calibrator(const sensor::Rig& rig) : maker_(rig) {
-  for (const std::uint16_t number : photo_sensors(rig)) names_.push_back(rig.sensors[number].name);
-}
+Calibrator::Calibrator(const sensor::Rig& rig) : names_(photo_sensor_names(rig)), maker_(rig) {}
 
 void Calibrator::guide(const Stretch& stretch) {
   if (stretches_.empty()) {

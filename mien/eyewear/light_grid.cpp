@@ -18,6 +18,12 @@ std::vector<std::uint16_t> photo_sensors(const sensor::Rig& rig) {
   return numbers;
 }
 
+std::vector<std::string> photo_sensor_names(const sensor::Rig& rig) {
+  std::vector<std::string> names;
+  for (const std::uint16_t number : photo_sensors(rig)) names.push_back(rig.sensors[number].name);
+  return names;
+}
+
 void LightGrid::Track::reset() {
   filter_.reset();
   next_ = 0;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "mien/core/time.h"
@@ -16,6 +17,7 @@ namespace mien::eyewear {
 
 /// The rig's photo-reflective sensors (of the kind "photo"), by their numbers in the rig, in its order.
 [[nodiscard]] std::vector<std::uint16_t> photo_sensors(const sensor::Rig& rig);
+[[nodiscard]] std::vector<std::string> photo_sensor_names(const sensor::Rig& rig);  ///< Of the same.
 
 /// What the sensors see at one frame of the grid; an entry a photo-reflective sensor, in the rig's order.
 struct GridLight {

@@ -6,10 +6,15 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mien/sensor/calibration_json.h"
+
 namespace mien::eyewear {
 namespace {
 
 using nlohmann::json;
+using sensor::read_flag;
+using sensor::read_number;
+using sensor::read_text;
 using sensor::Score;
 
 constexpr std::size_t kMostSensors = 256;
@@ -35,27 +40,6 @@ double quantile(const std::vector<double>& sorted, double q) {
   const auto below = static_cast<std::size_t>(at);
   const std::size_t above = std::min(below + 1, sorted.size() - 1);
   return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
-
-bool read_number(const json& object, const char* key, double& out) {
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_number()) return false;
-  out = it->get<double>();
-  return std::isfinite(out);
-}
-
-bool read_flag(const json& object, const char* key, bool& out) {
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_boolean()) return false;
-  out = it->get<bool>();
-  return true;
-}
-
-bool read_text(const json& object, const char* key, std::string& out) {
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_string()) return false;
-  out = it->get<std::string>();
-  return true;
 }
 
 }  // namespace
@@ -84,13 +68,9 @@ std::string write_normalisation(const Normalisation& normalisation) {
                        {"unrest", s.unrest},
                        {"range", s.range},
                        {"moved", s.moved}});
-  json scores = json::array();
-  for (const Score& s : normalisation.scores)
-    scores.push_back(
-        {{"name", s.name}, {"value", s.value}, {"unit", s.unit}, {"pass", s.pass}, {"sentence", s.sentence}});
   return json({{"complete", normalisation.complete},
                {"sensors", std::move(sensors)},
-               {"scores", std::move(scores)}})
+               {"scores", sensor::scores_json(normalisation.scores)}})
       .dump();
 }
 
@@ -116,20 +96,11 @@ Result<Normalisation> parse_normalisation(std::string_view text, const std::stri
       return fail(ErrorCode::out_of_range, fmt::format("sensor {} has a range of no size", s.sensor), where);
     out.sensors.push_back(std::move(s));
   }
-  for (const json& item : *scores) {
-    Score s;
-    if (!item.is_object() || !read_text(item, "name", s.name) || !read_number(item, "value", s.value) ||
-        !read_text(item, "unit", s.unit) || !read_flag(item, "pass", s.pass) ||
-        !read_text(item, "sentence", s.sentence))
-      return bad(fmt::format("score {} is not a score", out.scores.size()));
-    out.scores.push_back(std::move(s));
-  }
+  MIEN_TRY_ASSIGN(out.scores, sensor::read_scores(*scores, where));
   return out;
 }
 
-NormalisationMaker::NormalisationMaker(const sensor::Rig& rig) {
-  for (const std::uint16_t number : photo_sensors(rig)) names_.push_back(rig.sensors[number].name);
-}
+NormalisationMaker::NormalisationMaker(const sensor::Rig& rig) : names_(photo_sensor_names(rig)) {}
 
 void NormalisationMaker::Stretch::begin(std::size_t sensors) {
   begun = true;

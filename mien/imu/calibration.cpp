@@ -5,23 +5,20 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mien/sensor/calibration_json.h"
+
 namespace mien::imu {
 namespace {
 
 using nlohmann::json;
+using sensor::read_flag;
+using sensor::read_number;
 
 json numbers(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
 json numbers(const Quat& q) {
   return json::array({q.w(), q.x(), q.y(), q.z()});
-}
-
-bool read_number(const json& object, const char* key, double& out) {
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_number()) return false;
-  out = it->get<double>();
-  return std::isfinite(out);
 }
 
 template <std::size_t N>
@@ -43,20 +40,6 @@ bool read_rotation(const json& object, const char* key, Quat& out) {
   return std::abs(out.norm() - 1.0) < 1e-6;
 }
 
-bool read_flag(const json& object, const char* key, bool& out) {
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_boolean()) return false;
-  out = it->get<bool>();
-  return true;
-}
-
-bool read_text(const json& object, const char* key, std::string& out) {
-  const auto it = object.find(key);
-  if (it == object.end() || !it->is_string()) return false;
-  out = it->get<std::string>();
-  return true;
-}
-
 }  // namespace
 
 std::string write_calibration(const Calibration& calibration) {
@@ -67,15 +50,11 @@ std::string write_calibration(const Calibration& calibration) {
                        {"heading_rad", s.heading_rad},
                        {"heading_sigma_rad", s.heading_sigma_rad},
                        {"neutral_accel_m_s2", numbers(s.neutral_accel_m_s2)}});
-  json scores = json::array();
-  for (const sensor::Score& s : calibration.scores)
-    scores.push_back(
-        {{"name", s.name}, {"value", s.value}, {"unit", s.unit}, {"pass", s.pass}, {"sentence", s.sentence}});
   const json root = {{"complete", calibration.complete},
                      {"q_head_ear", numbers(calibration.q_head_ear)},
                      {"neutral_heading_rad", calibration.neutral_heading_rad},
                      {"sensors", std::move(sensors)},
-                     {"scores", std::move(scores)}};
+                     {"scores", sensor::scores_json(calibration.scores)}};
   return root.dump();
 }
 
@@ -105,14 +84,7 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
     s.neutral_accel_m_s2 = Vec3(accel[0], accel[1], accel[2]);
     c.sensors.push_back(s);
   }
-  for (const json& item : *scores) {
-    sensor::Score s;
-    if (!item.is_object() || !read_text(item, "name", s.name) || !read_number(item, "value", s.value) ||
-        !read_text(item, "unit", s.unit) || !read_flag(item, "pass", s.pass) ||
-        !read_text(item, "sentence", s.sentence))
-      return bad(fmt::format("score {} is not a score", c.scores.size()));
-    c.scores.push_back(std::move(s));
-  }
+  MIEN_TRY_ASSIGN(c.scores, sensor::read_scores(*scores, where));
   return c;
 }
 

@@ -38,9 +38,8 @@ MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::
   if (!std::ranges::equal(file.markers, set.markers, {}, {}, &eyewear::Marker::name))
     return fail(ErrorCode::mismatch, "the model answers with other markers than " + markers.string(),
                 path.string(), "train one with this program's markers");
-  std::vector<std::string> sensors;
-  for (const std::uint16_t s : eyewear::photo_sensors(rig)) sensors.push_back(rig.sensors[s].name);
-  MIEN_TRY_ASSIGN(auto regressor, eyewear::NetworkRegressor::create(std::move(file), sensors));
+  MIEN_TRY_ASSIGN(auto regressor,
+                  eyewear::NetworkRegressor::create(std::move(file), eyewear::photo_sensor_names(rig)));
   return eyewear::EyewearTracker::create(rig, set, std::move(regressor));
 }
 

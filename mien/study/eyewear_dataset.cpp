@@ -165,7 +165,7 @@ Result<EyewearData> make_eyewear_dataset(const EyewearDataRecipe& recipe, const 
     return {};
   }));
   EyewearData data;
-  for (const std::uint16_t s : eyewear::photo_sensors(rig)) data.train.sensors.push_back(rig.sensors[s].name);
+  data.train.sensors = eyewear::photo_sensor_names(rig);
   for (const eyewear::Marker& marker : markers.markers) data.train.markers.push_back(marker.name);
   data.validation = data.train;
   const auto trained = sequences.begin() + recipe.wearers;

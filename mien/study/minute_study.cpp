@@ -199,10 +199,9 @@ Result<MinuteStudy> study_minute(const SensorsRequest& request, const sensor::Ri
   course.tests = scene.motions.empty() ? make_sensors_tests(poses, root.fork("tests"))
                                        : std::vector<SensorsTest>(scene.motions.size());
   const std::vector<std::uint16_t> hooks = ear_hook_sensors(rig);
-  for (const std::uint16_t s : eyewear::photo_sensors(rig)) {
-    course.sensors.push_back(rig.sensors[s].name);
+  course.sensors = eyewear::photo_sensor_names(rig);
+  for (const std::uint16_t s : eyewear::photo_sensors(rig))
     course.on_the_hook.push_back(std::ranges::find(hooks, s) != hooks.end() ? 1 : 0);
-  }
 
   const auto wearers = static_cast<std::size_t>(request.wearers);
   std::vector<Outcome> outcomes(wearers);

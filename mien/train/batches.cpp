@@ -197,26 +197,22 @@ void BatchMaker::append_window(std::size_t sequence, std::size_t first, const Lo
   ++batch.windows;
 }
 
-std::size_t BatchMaker::places_in(std::size_t sequence) const {
-  const std::size_t frames = dataset_.sequences[sequence].frames;
-  return frames >= recipe_.architecture.window ? frames - recipe_.architecture.window + 1 : 0;
+WindowPlaces BatchMaker::window_places() const {
+  std::vector<std::size_t> frames;
+  for (const study::Sequence& s : dataset_.sequences) frames.push_back(s.frames);
+  return {std::move(frames), recipe_.architecture.window};
 }
 
 std::size_t BatchMaker::places() const {
-  std::size_t places = 0;
-  for (std::size_t i = 0; i < dataset_.sequences.size(); ++i) places += places_in(i);
-  return places;
+  return window_places().count();
 }
 
 Batch BatchMaker::random_batch(std::size_t count, Random random) const {
-  const std::size_t all = places();
+  const WindowPlaces places = window_places();
   Batch batch;
   for (std::size_t i = 0; i < count; ++i) {
-    // Every place is as likely as every other, so long sequences count for more.
-    std::uint64_t place = random.below(all);
-    std::size_t sequence = 0;
-    for (; place >= places_in(sequence); ++sequence) place -= places_in(sequence);
-    append_window(sequence, static_cast<std::size_t>(place), draw_loss(random), random, batch);
+    const WindowPlaces::Place place = places.draw(random);
+    append_window(place.sequence, place.first, draw_loss(random), random, batch);
     // One level from each equal part of the range: evenly drawn with less scatter from step to step.
     const double u = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count);
     const auto levels = static_cast<double>(recipe_.schedule.levels);
@@ -229,17 +225,9 @@ Batch BatchMaker::random_batch(std::size_t count, Random random) const {
 }
 
 Batch BatchMaker::even_batch(std::size_t count, Random random) const {
-  const std::size_t window = recipe_.architecture.window;
-  std::vector<std::pair<std::size_t, std::size_t>> windows;
-  for (std::size_t i = 0; i < dataset_.sequences.size(); ++i)
-    for (std::size_t first = 0; first + window <= dataset_.sequences[i].frames; first += window)
-      windows.emplace_back(i, first);
   Batch batch;
-  count = std::min(count, windows.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto [sequence, first] = windows[i * windows.size() / count];
-    append_window(sequence, first, {}, random, batch);
-  }
+  for (const WindowPlaces::Place& place : window_places().even(count))
+    append_window(place.sequence, place.first, {}, random, batch);
   batch.level.assign(batch.windows, 0);
   batch.held.assign(batch.windows, 0);
   return batch;

@@ -9,6 +9,7 @@
 #include "mien/model/features.h"
 #include "mien/study/dataset.h"
 #include "mien/train/recipe.h"
+#include "mien/train/window_places.h"
 
 namespace mien::train {
 
@@ -61,7 +62,7 @@ class BatchMaker {
   [[nodiscard]] std::size_t places() const;
 
  private:
-  [[nodiscard]] std::size_t places_in(std::size_t sequence) const;
+  [[nodiscard]] WindowPlaces window_places() const;
   /// What is missing in one window, though the data have it.
   struct Loss {
     /// A sensor is not there in frames [begin, end).

@@ -62,14 +62,10 @@ std::size_t frames_in(const LightDataset& dataset) {
   return sum;
 }
 
-std::size_t places_in(const LightSequence& sequence, std::size_t window) {
-  return sequence.frames >= window ? sequence.frames - window + 1 : 0;
-}
-
-std::size_t places_in(const LightDataset& dataset, std::size_t window) {
-  std::size_t places = 0;
-  for (const LightSequence& s : dataset.sequences) places += places_in(s, window);
-  return places;
+WindowPlaces places_in(const LightDataset& dataset, std::size_t window) {
+  std::vector<std::size_t> frames;
+  for (const LightSequence& s : dataset.sequences) frames.push_back(s.frames);
+  return {std::move(frames), window};
 }
 
 /// One frame of a sequence, without the sensors that are lost.
@@ -129,7 +125,7 @@ Result<std::unique_ptr<MarkerTask>> MarkerTask::create(Recipe recipe, LightDatas
   recipe.architecture.outputs = 3 * training.markers.size();
   MIEN_TRY(model::check(recipe.architecture));
   for (const LightDataset* data : {&training, &validation})
-    if (places_in(*data, recipe.architecture.window) == 0)
+    if (places_in(*data, recipe.architecture.window).count() == 0)
       return fail(ErrorCode::bad_usage, fmt::format("training or validation has no sequence of {} frames",
                                                     recipe.architecture.window));
   return std::unique_ptr<MarkerTask>(
@@ -164,34 +160,23 @@ void MarkerTask::append_window(const LightSequence& sequence, std::size_t first,
 }
 
 Batch MarkerTask::random_batch(std::size_t count, Random random) const {
-  const std::size_t window = recipe_.architecture.window;
-  const std::size_t all = places_in(training_, window);
+  const WindowPlaces places = places_in(training_, recipe_.architecture.window);
   Batch batch;
   std::vector<std::uint8_t> lost(training_.sensors.size());
   for (std::size_t i = 0; i < count; ++i) {
-    std::uint64_t place = random.below(all);
-    std::size_t sequence = 0;
-    for (; place >= places_in(training_.sequences[sequence], window); ++sequence)
-      place -= places_in(training_.sequences[sequence], window);
+    const WindowPlaces::Place place = places.draw(random);
     const double chance = random.chance(recipe_.many_lost) ? random.uniform(0, 0.9) : recipe_.sensor_loss;
     for (std::uint8_t& sensor : lost) sensor = random.chance(chance) ? 1 : 0;
-    append_window(training_.sequences[sequence], static_cast<std::size_t>(place), lost, batch);
+    append_window(training_.sequences[place.sequence], place.first, lost, batch);
   }
   return batch;
 }
 
 Batch MarkerTask::validation_batch(Random) const {
-  const std::size_t window = recipe_.architecture.window;
-  std::vector<std::pair<std::size_t, std::size_t>> windows;
-  for (std::size_t i = 0; i < validation_.sequences.size(); ++i)
-    for (std::size_t first = 0; first + window <= validation_.sequences[i].frames; first += window)
-      windows.emplace_back(i, first);
   Batch batch;
-  const std::size_t count = std::min(recipe_.windows, windows.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto [sequence, first] = windows[i * windows.size() / count];
-    append_window(validation_.sequences[sequence], first, {}, batch);
-  }
+  for (const WindowPlaces::Place& place :
+       places_in(validation_, recipe_.architecture.window).even(recipe_.windows))
+    append_window(validation_.sequences[place.sequence], place.first, {}, batch);
   return batch;
 }
 
