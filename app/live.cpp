@@ -96,13 +96,18 @@ void add_live_command(Commands& commands) {
                    "The folder of takes that the page records and shows (default: that of --record, or the "
                    "present one)")
       ->check(CLI::ExistingDirectory);
-  command
-      ->add_option("--replay", options->replay,
-                   "Instead of devices a take's log, as fast as it goes: prints frames, kernels and hash")
-      ->check(CLI::ExistingFile)
-      ->excludes(listen)
-      ->excludes(sinks)
-      ->excludes(record);
+  CLI::Option* replay =
+      command
+          ->add_option("--replay", options->replay,
+                       "Instead of devices a take's log, as fast as it goes: prints frames, kernels and hash")
+          ->check(CLI::ExistingFile)
+          ->excludes(listen)
+          ->excludes(sinks)
+          ->excludes(record);
+  // A log has its rig and its length, and nobody looks on.
+  for (const char* name :
+       {"--rig", "--force", "--takes", "--page", "--token", "--face", "--performer", "--key", "--for"})
+    replay->excludes(command->get_option(name));
   command->add_flag("--json", options->json, "Print one JSON object at the end");
 }
 

@@ -16,6 +16,11 @@ using tracker::Step;
 /// least squared error of the weights (docs/eyewear.md).
 constexpr double kRest = 100;
 
+/// A neutral hold of glasses that were not worn before, and of ones that are worn anew (docs/eyewear.md: ten
+/// seconds instead of three took 5 % of the weights' squared error and 15 % of the vertices').
+constexpr Duration kFirstWorn = std::chrono::seconds(10);
+constexpr Duration kRemounted = std::chrono::seconds(5);
+
 /// A frame this long after the last begins anew, for the solver's calm.
 constexpr double kLongestStepS = 1;
 
@@ -33,15 +38,9 @@ Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig
                 rig.name, "use the markers that the model was made with");
   MIEN_TRY_ASSIGN(const PlacedMarkers placed, PlacedMarkers::place(face::make_builtin(), markers));
   const Eigen::VectorXd neutral_m = placed.at({});
-  Eigen::MatrixXd shapes_m(neutral_m.size(), static_cast<Eigen::Index>(face::kShapeCount));
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    face::BlendshapeWeights one;
-    one[k] = 1;
-    shapes_m.col(static_cast<Eigen::Index>(k)) = placed.at(one) - neutral_m;
-  }
   MIEN_TRY_ASSIGN(
       face::WeightSolver solver,
-      face::WeightSolver::create(neutral_m, std::move(shapes_m), face::natural_rules(), {.rest = kRest}));
+      face::WeightSolver::create(neutral_m, placed.shapes_m(), face::natural_rules(), {.rest = kRest}));
   return std::unique_ptr<EyewearTracker>(
       new EyewearTracker(rig, std::move(regressor), neutral_m, std::move(solver)));
 }
@@ -101,7 +100,7 @@ std::size_t EyewearTracker::tick(DeviceTime frame, face::OutputFrame& out) {
 }
 
 tracker::Guidance EyewearTracker::guidance() const {
-  return {.neutral = std::chrono::seconds(5), .gestures = false};
+  return {.neutral = calibrator_.in_force().complete ? kRemounted : kFirstWorn, .gestures = false};
 }
 
 void EyewearTracker::guide(Step step, DeviceTime begin, DeviceTime end) {

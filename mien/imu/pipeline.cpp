@@ -376,7 +376,10 @@ void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
 void Pipeline::cancel_marks() {
   State& s = *state_;
   s.windows.clear();
-  if (s.calibrations != s.count_before_marks) s.put_in_force(s.before_marks);
+  if (s.calibrations != s.count_before_marks) {
+    s.put_in_force(s.before_marks);
+    s.calibrations = s.count_before_marks;
+  }
   for (Channel& channel : s.channels) channel.fusion.expect_rest(false);
 }
 

@@ -246,7 +246,8 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
     const tracker::CalibrationState state = tracker_->calibration_state();
     failure_ = state.hint;
     if (!failure_.empty()) add_event("calibration_failed", frame, frame, quoted("why", failure_));
-    if (failure_.empty()) {
+    // Of several trackers one may have failed and another not.
+    if (failure_.empty() || tracker_->calibration_count() != calibrations_) {
       std::vector<sensor::Score> scores = tracker_->scores();
       for (const sensor::Score& score : guide_.anchor_scores()) scores.push_back(score);
       add_version(frame, "guided", std::move(scores));

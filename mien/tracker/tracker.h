@@ -87,7 +87,8 @@ class Tracker {
   /// The calibration in force as JSON, as a take keeps it; empty when there is none.
   [[nodiscard]] virtual std::string calibration() const = 0;
   [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
-  /// Counts calibrations: one more each time calibration() changes by more than drift.
+  /// Counts calibrations: one more each time calibration() changes by more than drift. Guidance that fails or
+  /// is cancelled leaves the count where it was before.
   [[nodiscard]] virtual int calibration_count() const = 0;
   /// The steps that the tracker found of its own accord; guided ones are known to who guided.
   [[nodiscard]] virtual std::vector<PerformedStep> found_steps() const = 0;

@@ -146,6 +146,9 @@ TEST_F(LiveProgram, ATakeReplaysTenTimesToTheBitsOfTheSessionThatRecordedIt) {
     EXPECT_EQ(replayed["kernels"], summary["kernels"]);
     EXPECT_EQ(replayed["live_hash"], summary["hash"]);
   }
+  // What a log already says cannot be said again.
+  for (const char* option : {"--rig", "--page", "--for"})
+    EXPECT_EQ(run({"live", "--replay", take, option, "1"}).status, 2) << option;
   EXPECT_EQ(run({"take", "check", take}).status, 0);
   // Nobody knows what the face did: that is said before anything is solved.
   const Outcome measured = run({"evaluate", "--live", take});

@@ -32,7 +32,8 @@ double light_at(double t_s) {
   return 0.4 + 0.3 * std::sin(2 * std::numbers::pi * 0.5 * t_s);
 }
 
-/// Calibrated from the first light on; its brow is the light, linear between the samples about the frame.
+/// Calibrated from the first light on, and anew by each neutral hold, whatever the light; its brow is the
+/// light, linear between the samples about the frame.
 class OneLight final : public tracker::Tracker {
  public:
   OneLight(const sensor::Rig& rig, std::uint16_t sensor)
@@ -50,6 +51,10 @@ class OneLight final : public tracker::Tracker {
     out = {};
     out.time = frame;
     out.provenance.fill(Provenance::neutral);
+    if (neutral_until_ && frame >= *neutral_until_) {
+      neutral_until_.reset();
+      ++calibrations_;
+    }
     if (!newest_ || !before_ || !lines_.ready()) return 1;
     const DeviceTime at = lines_.from_line(sensor_, frame);
     if (at - newest_->time > std::chrono::milliseconds(100)) return 0;
@@ -60,14 +65,16 @@ class OneLight final : public tracker::Tracker {
     out.confidence.fill(1);
     return 1;
   }
-  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
-  void cancel_guidance() override {}
+  void guide(tracker::Step step, DeviceTime, DeviceTime end) override {
+    if (step == tracker::Step::neutral) neutral_until_ = end;
+  }
+  void cancel_guidance() override { neutral_until_.reset(); }
   [[nodiscard]] tracker::CalibrationState calibration_state() const override {
     return {.phase = tracker::CalibrationState::Phase::done, .step = tracker::Step::none, .hint = {}};
   }
   [[nodiscard]] std::string calibration() const override { return R"({"light":1})"; }
   [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] int calibration_count() const override { return 0; }
+  [[nodiscard]] int calibration_count() const override { return calibrations_; }
   [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override { return {}; }
   [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
@@ -76,6 +83,8 @@ class OneLight final : public tracker::Tracker {
   sensor::TimeLines lines_;
   std::uint16_t sensor_;
   std::optional<sensor::Sample> before_, newest_;
+  std::optional<DeviceTime> neutral_until_;
+  int calibrations_ = 0;
 };
 
 /// Three IMUs and one light, the frame grid on this sensor's clock.
@@ -236,6 +245,22 @@ TEST(CombinedSession, GlassesThatDropOutAreReplacedAndComeBackSoftly) {
   }
   // Besides the hand-over of at most 0.07 the face itself moves by up to 0.08 a frame (1.5 Hz).
   EXPECT_LT(test::largest_step(run, kPrologue_s), 0.2);
+}
+
+TEST(CombinedSession, WhatOneTrackerMadeOfAGuidedCalibrationThatFailedForAnotherIsAVersion) {
+  // Nobody nods: the IMUs keep what they had, and the glasses have a new neutral.
+  const virt::VirtualSession performed = test::performance(18);
+  const std::vector<test::Order> orders = {{kPrologue_s + 1, R"({"command": "calibrate", "kind": "short"})"}};
+  const Played both = test::run(*session(mixed_rig("mastoid_L")), with_glasses(performed), orders);
+  EXPECT_EQ(both.count("calibration_failed"), 1u);
+  EXPECT_EQ(both.report.calibration.state, "failed");
+  ASSERT_GE(both.report.calibration.versions.size(), 2u);
+  EXPECT_EQ(both.report.calibration.versions.back().origin, "guided");
+  EXPECT_EQ(both.report.calibration.in_force, both.report.calibration.versions.back().id);
+
+  const Played alone = test::run(*test::session(), performed.entries, orders);
+  EXPECT_EQ(alone.count("calibration_failed"), 1u);
+  for (const auto& version : alone.report.calibration.versions) EXPECT_NE(version.origin, "guided");
 }
 
 TEST(CombinedSession, TheSameLogGivesTheSameBitsAndThePageChoosesWhoAnswers) {
