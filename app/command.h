@@ -67,6 +67,7 @@ void add_face_command(Commands& commands);
 void add_import_command(Commands& commands);
 void add_live_command(Commands& commands);
 void add_perform_command(Commands& commands);
+void add_personalise_command(Commands& commands);
 void add_record_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_solve_command(Commands& commands);

@@ -73,13 +73,18 @@ Result<void> run(Options options) {
     if (live::has_window_models(take.rig()) != live::has_window_models(takes.front().rig()))
       return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
                   take.path().string(), "evaluate them apart");
-  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
+  options.model.adapt = !options.no_adapt;
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
   std::vector<study::TakeEstimates> estimates;
+  std::size_t adapted = 0;
+  double adapt_s = 0;
   for (const take::Take& take : takes) {
     MIEN_TRY_ASSIGN(const study::Solution solution,
                     model.solve(take, study::SolveFrom::samples, take.path().string()));
+    if (solution.personalised && solution.personalised->taken) ++adapted;
+    adapt_s += solution.personalise_s;
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
   }
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
@@ -89,6 +94,8 @@ Result<void> run(Options options) {
       .model = options.model.path,
       .devices = devices.size() == 1 ? *devices.begin() : "mixed",
       .steps = model.steps(),
+      .adapted = adapted == takes.size(),
+      .adapt_s = adapt_s,
   };
   if (!options.report.empty()) MIEN_TRY(study::evaluation_report(evaluation, context).write(options.report));
   if (options.json) {

@@ -65,7 +65,8 @@ CLI::Option* add_session_options(CLI::App* command, LiveRequest& request) {
       "udp://0.0.0.0:6969)");
   command->add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
   command->add_option("--model", request.model,
-                      "The live model (default: the one in models/ for the rig's sensors)");
+                      "The live model (default: the one in models/ for the rig's sensors); a folder of "
+                      "models where the rig has sensors of several kinds");
   command->add_flag("--force", request.force, "Replace an existing take");
   command
       ->add_option(

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -11,9 +12,19 @@
 #include "mien/core/files.h"
 #include "mien/live/registry.h"
 #include "mien/model/model_file.h"
+#include "mien/study/prompted.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
+namespace {
+
+/// Whether a take has what a wearer is learnt from.
+bool has_full_prologue(const take::Take& take) {
+  const auto events = take.events();
+  return events && study::prompted_expressions(*events).size() >= tracker::kLeastPrompts;
+}
+
+}  // namespace
 
 OpenModel::OpenModel(tracker::WindowSolver solver, int steps) : model_(std::move(solver)) {
   const model::ModelFile& file = std::get<tracker::WindowSolver>(model_).file();
@@ -46,9 +57,20 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
   } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
+    model::ModelFile file = *causal;
+    std::optional<tracker::Personalisation> personalised;
+    double seconds = 0;
+    if (adapt_ && file.skin && file.skin->wearer.empty() && has_full_prologue(take)) {
+      progress(0, "learning the wearer");
+      const auto start = std::chrono::steady_clock::now();
+      MIEN_TRY_ASSIGN(personalised, study::personalise_on(take, file));
+      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                    tracker::CausalTracker::create(*causal, take.rig().face_sensor_names()));
+                    tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, tracker, from, progress));
+    solution.personalised = personalised;
+    solution.personalise_s = seconds;
   } else {
     MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
                     live::make_tracker(take.rig(), std::get<std::filesystem::path>(model_)));
@@ -80,7 +102,8 @@ void ModelOption::add_to(CLI::App* command) {
       ->excludes(counted);
 }
 
-Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
+Result<OpenModel> ModelOption::open(std::span<const take::Take> takes) {
+  const sensor::Rig& rig = takes.front().rig();
   if (!live::has_window_models(rig)) {
     MIEN_TRY_ASSIGN(std::filesystem::path file, live::live_model(rig, path));
     path = file.string();
@@ -91,14 +114,17 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
     return OpenModel(std::move(file));
   }
   if (path.empty()) {
-    MIEN_TRY_ASSIGN(path, find_resource(live ? "models/live.safetensors" : "models/default.safetensors"));
+    const bool personal = live && adapt && std::ranges::all_of(takes, has_full_prologue);
+    MIEN_TRY_ASSIGN(path, find_resource(personal ? "models/personal.safetensors"
+                                        : live   ? "models/live.safetensors"
+                                                 : "models/default.safetensors"));
   }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   if (file.architecture.kind == model::NetworkKind::causal) {
     if (steps > 0)
       return fail(ErrorCode::bad_usage, "a causal model answers at once, without denoising steps", path,
                   "leave --steps out");
-    return OpenModel(std::move(file));
+    return OpenModel(std::move(file), adapt);
   }
   MIEN_TRY_ASSIGN(tracker::WindowSolver solver, tracker::WindowSolver::create(std::move(file)));
   return OpenModel(std::move(solver), steps);

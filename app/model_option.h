@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -18,7 +19,8 @@ class OpenModel {
  public:
   /// `steps`: a window network's denoising steps; 0: as its file says.
   OpenModel(tracker::WindowSolver solver, int steps);
-  explicit OpenModel(model::ModelFile causal) : model_(std::move(causal)) {}
+  /// `adapt`: it is personalised on each take that has the prompts for it.
+  explicit OpenModel(model::ModelFile causal, bool adapt) : model_(std::move(causal)), adapt_(adapt) {}
   /// Of sensors whose tracker alone reads it.
   explicit OpenModel(std::filesystem::path tracked) : model_(std::move(tracked)) {}
 
@@ -35,6 +37,7 @@ class OpenModel {
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
   std::variant<tracker::WindowSolver, model::ModelFile, std::filesystem::path> model_;
   model::SamplerSettings settings_;
+  bool adapt_ = false;
 };
 
 /// What the commands that solve takes have in common: which model, and how it is sampled.
@@ -42,11 +45,15 @@ struct ModelOption {
   std::string path;   ///< Empty: the default model.
   bool live = false;  ///< The default model is then the live one.
   int steps = 0;      ///< 0: as the model file says.
+  /// Where a take has a full prologue and the model can be personalised, that is done first. The default live
+  /// model is then the one that can.
+  bool adapt = false;
 
   void add_to(CLI::App* command);
-  /// Finds the model for takes of a rig; `path` becomes the one that it is. Errors: not_found (no default
-  /// model is installed), bad_usage (steps for a model that takes none), and the model reader's.
-  [[nodiscard]] Result<OpenModel> open(const sensor::Rig& rig);
+  /// Finds the model for takes, at least one, of one rig; `path` becomes the one that it is. Errors:
+  /// not_found (no default model is installed), bad_usage (steps for a model that takes none), and the model
+  /// reader's.
+  [[nodiscard]] Result<OpenModel> open(std::span<const take::Take> takes);
 };
 
 }  // namespace mien::app

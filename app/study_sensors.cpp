@@ -11,6 +11,7 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "mien/core/files.h"
+#include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/marker_network.h"
 #include "mien/eyewear/markers.h"
 #include "mien/face/load.h"
@@ -158,6 +159,9 @@ Result<void> run(Options options) {
     MIEN_TRY_ASSIGN(options.markers, find_resource("rigs/markers.toml"));
   }
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  if (eyewear::photo_sensors(rig).empty())
+    return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", options.rig,
+                "use one of glasses, such as rigs/eyewear.toml");
   MIEN_TRY_ASSIGN(const eyewear::MarkerSet markers, eyewear::read_markers(options.markers));
   if (options.model.empty()) {
     MIEN_TRY_ASSIGN(options.model, find_resource("models/eyewear.safetensors"));

@@ -21,7 +21,7 @@ using namespace mien;
 using Json = nlohmann::ordered_json;
 
 struct TrainArguments {
-  std::string recipe, out, face = "builtin", rig;
+  std::string recipe, out, from, face = "builtin", rig;
   train::TrainOptions options;
   bool json = false;
 };
@@ -38,6 +38,7 @@ Result<void> run_train(const TrainArguments& arguments) {
   }
   train::TrainOptions options = arguments.options;
   options.out = arguments.out;
+  options.from = arguments.from;
   MIEN_TRY_ASSIGN(const std::string rig_text, read_text(rig_path));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_text, rig_path.string()));
 
@@ -129,6 +130,8 @@ int main(int argc, char** argv) {
   train_command->add_option("--out", train.out, "The model to write")->required();
   train_command->add_option("--face", train.face, "builtin, an ICT-FaceKit folder, or a .glb or .vrm file");
   train_command->add_option("--rig", train.rig, "The sensor rig; rigs/default.toml unless told");
+  train_command->add_option("--from", train.from,
+                            "Begin with this model's network instead of with drawn weights");
   train_command->add_flag("--resume", train.options.resume,
                           "Go on from the checkpoint of a run that was stopped");
   train_command->add_flag("--force", train.options.force, "Replace what stands there, whatever it is");

@@ -76,6 +76,10 @@ MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
                  const shaping::ShaperSettings& shaping, Reshape& reshape) {
   MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
   if (modalities.size() == 1) return modalities.front()->make(rig, model);
+  if (!std::filesystem::is_directory(model))
+    return fail(ErrorCode::bad_usage, "a rig with sensors of several kinds wants a folder of models",
+                model.string(),
+                "name the folder, with each kind's model under its default name, as models/ has them");
   std::vector<shaping::CombinedTracker::Part> parts;
   for (const Modality* modality : modalities) {
     const std::filesystem::path its_model = model / std::filesystem::path(modality->default_model).filename();

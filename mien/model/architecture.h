@@ -65,6 +65,7 @@ inline constexpr double kLayerNormEpsilon = 1e-5;
 struct TensorSpec {
   std::string name;
   std::vector<std::size_t> shape;
+  bool operator==(const TensorSpec&) const = default;
 };
 
 /// Every tensor of the network, in one fixed order. Training writes exactly these and the run time reads

@@ -29,21 +29,4 @@ void encode_values(const FeatureLayout& layout, const FeatureNormalisation& norm
     for (std::size_t i = 0; i < 2 * n; ++i) out[7 * n + i] = present[i] != 0 ? 1.0F : 0.0F;
 }
 
-void encode_features(const FeatureLayout& layout, const FeatureNormalisation& normalisation,
-                     const FeatureFrame& frame, std::span<float> out) {
-  const std::size_t n = layout.sensors.size();
-  eigen_assert(frame.sensors.size() == n && out.size() == layout.width());
-  for (std::size_t s = 0; s < n; ++s) {
-    const SensorFeature& sensor = frame.sensors[s];
-    std::array<float, 7> values;
-    std::copy_n(sensor.accel_m_s2.data(), 3, values.begin());
-    std::copy_n(sensor.rotation.begin(), 4, values.begin() + 3);
-    encode_sensor(normalisation, s, values.data(), sensor.has_rotation, sensor.has_accel, out);
-    if (layout.presence_flags) {
-      out[7 * n + s] = sensor.has_rotation ? 1.0F : 0.0F;
-      out[8 * n + s] = sensor.has_accel ? 1.0F : 0.0F;
-    }
-  }
-}
-
 }  // namespace mien::model

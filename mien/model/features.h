@@ -51,13 +51,9 @@ struct FeatureNormalisation {
 /// seen.
 inline constexpr float kFeatureClip = 8.0F;
 
-/// Writes the condition of one frame. Missing values become 0 after normalisation (their mean), their flags
-/// 0. Shape: out.size() == layout.width(); frame.sensors.size() == layout.sensors.size().
-void encode_features(const FeatureLayout& layout, const FeatureNormalisation& normalisation,
-                     const FeatureFrame& frame, std::span<float> out);
-
-/// The same for a frame that stands in arrays, as data sets hold it: `values` are 7n numbers (acceleration
-/// xyz, rotation wxyz a sensor), `present` 2n flags (rotation there a sensor, then acceleration there).
+/// Writes the condition of one frame that stands in arrays: `values` are 7n numbers (acceleration xyz,
+/// rotation wxyz a sensor), `present` 2n flags (rotation there a sensor, then acceleration there). Missing
+/// values become 0 after normalisation (their mean), their flags 0. Shape: out.size() == layout.width().
 void encode_values(const FeatureLayout& layout, const FeatureNormalisation& normalisation,
                    std::span<const float> values, std::span<const std::uint8_t> present,
                    std::span<float> out);

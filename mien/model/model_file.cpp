@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -15,6 +16,11 @@ namespace {
 using Json = nlohmann::json;
 constexpr int kVersion = 1;
 constexpr std::string_view kRidgePrefix = "ridge.";
+constexpr const char* kStandardSkin = "skin.standard";
+constexpr const char* kWearerSkin = "skin.wearer";
+constexpr const char* kWeightCovariance = "skin.weight_covariance";
+/// Two whole turns per unit weight, rad.
+constexpr float kMostSlope = 12.6F;
 
 bool unique(const std::vector<std::string>& names) {
   return std::set<std::string>(names.begin(), names.end()).size() == names.size();
@@ -29,6 +35,23 @@ Result<void> check_sampling(const ModelFile& m, const std::string& where) {
     return fail(ErrorCode::out_of_range, "the number of sampler steps is outside its range", where);
   if (!(m.sampler.first_noise >= 0 && m.sampler.first_noise <= 1))
     return fail(ErrorCode::out_of_range, "the sampler's first noise is outside its range", where);
+  return {};
+}
+
+/// Slopes of every sensor, and a covariance that is one.
+Result<void> check_skin(const ModelFile& m, const std::string& where) {
+  const std::size_t shapes = m.shapes.size(), slopes = 3 * m.features.sensors.size() * shapes;
+  const Skin& skin = *m.skin;
+  if (skin.standard.size() != slopes || (!skin.wearer.empty() && skin.wearer.size() != slopes) ||
+      skin.covariance.size() != shapes * shapes)
+    return fail(ErrorCode::mismatch, "the skin has another size than sensors and shapes", where);
+  for (const std::vector<float>* values : {&skin.standard, &skin.wearer, &skin.covariance})
+    for (const float value : *values)
+      if (!(std::abs(value) <= kMostSlope))
+        return fail(ErrorCode::out_of_range, "the skin turns by what no skin does", where);
+  for (std::size_t k = 0; k < shapes; ++k)
+    if (!(skin.covariance[k * shapes + k] >= 0))
+      return fail(ErrorCode::out_of_range, "the skin's covariance is none", where);
   return {};
 }
 
@@ -56,6 +79,7 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
         ridge.matrix.size() != a.outputs * (a.condition + 1))
       return differ(fmt::format("the ridge for {} has another size", ridge.profile));
   }
+  if (m.skin) MIEN_TRY(check_skin(m, where));
   if (const auto ok = check_tensors(a, m.network); !ok) return differ(ok.error().what);
   return {};
 }
@@ -147,6 +171,12 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
   take("features.scale", m.normalisation.scale);
   take("mean_pose", m.mean_pose);
   for (RidgeBaseline& ridge : m.ridge) take(std::string(kRidgePrefix) + ridge.profile, ridge.matrix);
+  if (by_name.contains(kStandardSkin)) {
+    m.skin.emplace();
+    take(kStandardSkin, m.skin->standard);
+    take(kWeightCovariance, m.skin->covariance);
+    take(kWearerSkin, m.skin->wearer);
+  }
   if (!by_name.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
                 where);
@@ -198,6 +228,12 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
   add("mean_pose", {m.mean_pose.size()}, m.mean_pose);
   for (const RidgeBaseline& r : m.ridge)
     add(std::string(kRidgePrefix) + r.profile, {r.outputs, r.condition + 1}, r.matrix);
+  if (m.skin) {
+    const std::size_t shapes = m.shapes.size(), rows = 3 * m.features.sensors.size();
+    add(kStandardSkin, {rows, shapes}, m.skin->standard);
+    add(kWeightCovariance, {shapes, shapes}, m.skin->covariance);
+    if (!m.skin->wearer.empty()) add(kWearerSkin, {rows, shapes}, m.skin->wearer);
+  }
   return write_safetensors(file);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "mien/model/ridge.h"
 #include "mien/model/safetensors.h"
 #include "mien/model/schedule.h"
+#include "mien/model/skin_map.h"
 
 namespace mien::model {
 
@@ -22,12 +24,14 @@ struct ModelFile {
   std::vector<std::string> shapes;   ///< Names of the outputs, in their order.
   std::vector<float> mean_pose;      ///< Mean weights of the training set, 0 to 1, one a shape.
   std::vector<RidgeBaseline> ridge;  ///< At most one a profile.
-  ScheduleSettings schedule;         ///< This and the sampler: of a window network alone.
-  SamplerSettings sampler;           ///< The defaults, chosen on validation.
-  std::string rig;                   ///< The rig file's text that the sensors come from; may be empty.
-  std::string recipe;                ///< The recipe's text (TOML) that it was trained by.
-  std::string results;               ///< What was measured while training, as JSON; may be empty.
-  std::vector<Tensor> network;       ///< As network_tensors() lists them, in that order.
+  /// What the model can be brought to a wearer's skin by (tracker::personalise), and by whose it was.
+  std::optional<Skin> skin;
+  ScheduleSettings schedule;    ///< This and the sampler: of a window network alone.
+  SamplerSettings sampler;      ///< The defaults, chosen on validation.
+  std::string rig;              ///< The rig file's text that the sensors come from; may be empty.
+  std::string recipe;           ///< The recipe's text (TOML) that it was trained by.
+  std::string results;          ///< What was measured while training, as JSON; may be empty.
+  std::vector<Tensor> network;  ///< As network_tensors() lists them, in that order.
 
   /// The ridge of a profile, or nullptr.
   [[nodiscard]] const RidgeBaseline* ridge_for(std::string_view profile) const;

@@ -19,12 +19,17 @@ struct Sequence {
   /// frames x 2n: whether the rotation is there, a sensor each, then whether the acceleration is there; 0
   /// or 1.
   std::vector<std::uint8_t> present;
+  /// 3n x 53: how the performer's skin turns under each sensor (model::Skin), of the shapes that a full
+  /// prologue asks for; of the others how everybody's does. Empty: unknown.
+  std::vector<float> slopes;
   std::vector<float> weights;  ///< frames x 53, the truth, in the ICT profile's order.
 };
 
 /// What a network is trained on or measured on.
 struct Dataset {
   std::vector<std::string> sensors;  ///< Names of the n sensors, in the order of the values.
+  std::vector<float>
+      standard_slopes;  ///< 3n x 53: of the skin that everybody's is drawn around; may be empty.
   std::vector<Sequence> sequences;
 };
 

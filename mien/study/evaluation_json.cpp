@@ -42,7 +42,7 @@ Json to_json(const Metrics& metrics) {
 }  // namespace
 
 std::string asked_how(const EvaluationContext& context) {
-  if (context.steps == 0) return "frame by frame";
+  if (context.steps == 0) return context.adapted ? "frame by frame, for the wearer" : "frame by frame";
   return fmt::format("{} denoising step{}", context.steps, context.steps == 1 ? "" : "s");
 }
 

@@ -16,6 +16,7 @@
 #include "mien/virtual/device_faults.h"
 #include "mien/virtual/head_motion.h"
 #include "mien/virtual/performer.h"
+#include "mien/virtual/performer_prologue.h"
 #include "mien/virtual/script.h"
 #include "mien/virtual/session.h"
 #include "mien/virtual/style.h"
@@ -65,10 +66,30 @@ void add_frame(Sequence& out, const std::vector<model::SensorFeature>& sensors,
   ++out.frames;
 }
 
+/// Slopes of the face sensors' sites, as model::Skin has them: of a weight in the middle of what is
+/// performed.
+std::vector<float> slopes_of(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites) {
+  constexpr float kUsualWeight = 0.6F;
+  std::vector<virt::SkinSite> on_face;
+  for (const std::uint16_t s : rig.face_sensors()) on_face.push_back(sites[s]);
+  const Eigen::MatrixXd slopes = virt::rotation_slopes(on_face, kUsualWeight);
+  std::vector<float> out;
+  for (Eigen::Index row = 0; row < slopes.rows(); ++row)
+    for (Eigen::Index k = 0; k < slopes.cols(); ++k) out.push_back(static_cast<float>(slopes(row, k)));
+  return out;
+}
+
+/// The skin that everybody's is drawn around.
+Result<std::vector<float>> standard_slopes(const FaceSource& faces, const sensor::Rig& rig) {
+  MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> sites,
+                  virt::skin_sites(draw_face(faces, false, Random(0)), rig));
+  return slopes_of(rig, sites);
+}
+
 /// One performer's sequences, lab first.
 Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSource& faces,
                                           const sensor::Rig& rig, const virt::DeviceFaults& faults,
-                                          std::uint32_t performer) {
+                                          const std::vector<float>& standard, std::uint32_t performer) {
   const Random root = Random(recipe.seed).fork("performer", performer);
   const face::Face face = draw_face(faces, recipe.identities, root.fork("identity"));
   const std::vector<Vec3> offsets_m =
@@ -79,6 +100,10 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
   Random style_random = root.fork("style");
   const virt::Style style = virt::draw_style(style_random);
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+  std::vector<float> slopes = slopes_of(rig, sites);
+  const face::BlendshapeWeights told = virt::prompted_shapes();
+  for (std::size_t i = 0; i < slopes.size(); ++i)
+    if (told[i % face::kShapeCount] == 0) slopes[i] = standard[i];
 
   std::vector<Sequence> out;
   Random script_random = root.fork("script");
@@ -89,6 +114,7 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
     Sequence lab;
     lab.performer = performer;
     lab.lab = true;
+    lab.slopes = slopes;
     std::vector<model::SensorFeature> sensors(face_sensors.size());
     for (const face::MotionFrame& frame : motion.frames) {
       for (std::size_t s = 0; s < face_sensors.size(); ++s) {
@@ -120,6 +146,7 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
         trace_features(rig, session.events, session.samples, session.ticks);
     Sequence device;
     device.performer = performer;
+    device.slopes = slopes;
     for (std::size_t i = 0; i < features.size(); ++i)
       if (session.truth[i].evaluated) add_frame(device, features[i].sensors, session.truth[i].weights);
     out.push_back(std::move(device));
@@ -189,16 +216,19 @@ Result<TrainingData> make_dataset(const DataRecipe& recipe, const std::string& f
                                   const sensor::Rig& rig, const Progress& progress, unsigned threads) {
   MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
   MIEN_TRY_ASSIGN(const FaceSource faces, open_faces(face_name, progress));
+  MIEN_TRY_ASSIGN(const std::vector<float> standard, standard_slopes(faces, rig));
   const auto count = static_cast<std::size_t>(recipe.performers + recipe.validation_performers);
   std::vector<std::vector<Sequence>> performed(count);
   MIEN_TRY(for_each_performer(count, threads, progress, [&](std::size_t p) -> Result<void> {
-    MIEN_TRY_ASSIGN(performed[p], perform_one(recipe, faces, rig, faults, static_cast<std::uint32_t>(p)));
+    MIEN_TRY_ASSIGN(performed[p],
+                    perform_one(recipe, faces, rig, faults, standard, static_cast<std::uint32_t>(p)));
     return {};
   }));
 
   TrainingData data;
   data.train.sensors = rig.face_sensor_names();
   data.validation.sensors = data.train.sensors;
+  data.train.standard_slopes = data.validation.standard_slopes = standard;
   for (std::size_t p = 0; p < count; ++p)
     for (Sequence& sequence : performed[p])
       (p < static_cast<std::size_t>(recipe.performers) ? data.train : data.validation)

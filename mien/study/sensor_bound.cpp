@@ -11,14 +11,7 @@ SensorBound sensor_bound(const Meter& meter, const std::vector<virt::SkinSite>& 
                          double noise_rad, Random random) {
   constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
   constexpr float kStep = 0.05F;  // Small enough to be the slope at neutral, large enough for float meshes.
-  Eigen::MatrixXd sensitivity(3 * static_cast<Eigen::Index>(sites.size()), kShapes);
-  for (std::size_t s = 0; s < sites.size(); ++s)
-    for (Eigen::Index k = 0; k < kShapes; ++k) {
-      face::BlendshapeWeights weights;
-      weights[static_cast<std::size_t>(k)] = kStep;
-      sensitivity.block<3, 1>(3 * static_cast<Eigen::Index>(s), k) =
-          log_rotation(sites[s].rotation(weights)) / static_cast<double>(kStep);
-    }
+  const Eigen::MatrixXd sensitivity = virt::rotation_slopes(sites, kStep);
   const Eigen::MatrixXd information = sensitivity.transpose() * sensitivity / (noise_rad * noise_rad) +
                                       Eigen::MatrixXd::Identity(kShapes, kShapes) / (prior * prior);
   const Eigen::MatrixXd covariance = information.inverse();

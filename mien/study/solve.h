@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "mien/study/evaluation.h"
 #include "mien/take/take.h"
 #include "mien/tracker/causal_tracker.h"
+#include "mien/tracker/personalise.h"
 #include "mien/tracker/tracker.h"
 #include "mien/tracker/window_solver.h"
 
@@ -30,6 +32,9 @@ struct Solution {
   /// Share of the sensors' rotations that were there from the first on (before it they are calibrated); the
   /// rest was guessed without them. 0: there was none.
   double felt = 0;
+  /// What the model learnt of the wearer on the take's own prologue first, and how long it took; else none.
+  std::optional<tracker::Personalisation> personalised;
+  double personalise_s = 0;
   std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 

@@ -43,7 +43,15 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
       state_(network_),
       input_(file_, face_sensor_names),
       condition_(file_.features.width()),
-      shares_(sensor_shares(file_)) {}
+      shares_(sensor_shares(file_)) {
+  calm_.fill(OneEuro(kCalm));
+}
+
+void CausalTracker::reset() {
+  state_.reset();
+  for (OneEuro& filter : calm_) filter.reset();
+  frames_ = 0;
+}
 
 Result<CausalTracker> CausalTracker::create(model::ModelFile file,
                                             const std::vector<std::string>& face_sensor_names) {
@@ -64,7 +72,9 @@ void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame&
   network_.step(condition_, state_, answer_);
   out = face::OutputFrame{};
   out.time = features.time;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) out.weights[k] = model::from_network(answer_[k]);
+  const DeviceTime now = DeviceTime{} + frame_offset(frames_++);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    out.weights[k] = static_cast<float>(calm_[k].filter(now, model::from_network(answer_[k])));
   for (std::size_t s = 0; s < input_.sensor_count(); ++s)
     if (input_.felt(s))
       for (std::size_t k = 0; k < face::kShapeCount; ++k)

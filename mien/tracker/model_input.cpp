@@ -20,7 +20,9 @@ ModelInput::ModelInput(const model::ModelFile& file, const std::vector<std::stri
     const auto found = std::ranges::find(rig_sensors, name);
     places_.push_back(found == rig_sensors.end() ? -1 : found - rig_sensors.begin());
   }
-  frame_.sensors.resize(places_.size());
+  values_.resize(7 * places_.size());
+  present_.resize(2 * places_.size());
+  if (file.skin && !file.skin->wearer.empty()) skin_.emplace(*file.skin, file.mean_pose);
 }
 
 bool ModelInput::empty() const {
@@ -28,16 +30,25 @@ bool ModelInput::empty() const {
 }
 
 void ModelInput::encode(const model::FeatureFrame& frame, std::span<float> out) {
-  for (std::size_t s = 0; s < places_.size(); ++s) {
+  const std::size_t n = places_.size();
+  for (std::size_t s = 0; s < n; ++s) {
     assert(places_[s] < static_cast<std::ptrdiff_t>(frame.sensors.size()));
-    const bool there = places_[s] >= 0 && finite(frame.sensors[static_cast<std::size_t>(places_[s])]);
-    frame_.sensors[s] = there ? frame.sensors[static_cast<std::size_t>(places_[s])] : model::SensorFeature{};
+    const model::SensorFeature* said =
+        places_[s] < 0 ? nullptr : &frame.sensors[static_cast<std::size_t>(places_[s])];
+    if (said != nullptr && !finite(*said)) said = nullptr;
+    present_[s] = said != nullptr && said->has_rotation ? 1 : 0;
+    present_[n + s] = said != nullptr && said->has_accel ? 1 : 0;
+    if (said == nullptr) continue;
+    std::copy_n(said->accel_m_s2.data(), 3, values_.begin() + static_cast<std::ptrdiff_t>(7 * s));
+    std::ranges::copy(said->rotation, values_.begin() + static_cast<std::ptrdiff_t>(7 * s + 3));
   }
-  model::encode_features(layout_, normalisation_, frame_, out);
+  if (skin_) skin_->apply(values_, present_);
+  model::encode_values(layout_, normalisation_, values_, present_, out);
 }
 
 std::size_t ModelInput::felt_count() const {
-  return static_cast<std::size_t>(std::ranges::count_if(frame_.sensors, &model::SensorFeature::has_rotation));
+  return static_cast<std::size_t>(
+      std::count(present_.begin(), present_.begin() + static_cast<std::ptrdiff_t>(places_.size()), 1));
 }
 
 std::vector<face::BlendshapeWeights> solve_ridge(const model::ModelFile& file,

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,11 +11,13 @@
 #include "mien/face/profile.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/model/skin_map.h"
 
 namespace mien::tracker {
 
 /// Brings a rig's features into the form that a model reads: its sensors are found by name, and one that the
-/// rig lacks, or whose numbers are not finite, is missing.
+/// rig lacks, or whose numbers are not finite, is missing. A model of one wearer's is told what the sensors
+/// would say on the skin that it was trained for.
 class ModelInput {
  public:
   /// `rig_sensors` names the entries of the frames that will come.
@@ -25,7 +29,7 @@ class ModelInput {
   /// allocation.
   void encode(const model::FeatureFrame& frame, std::span<float> out);
   /// Whether the model's sensor `index` had a rotation in the last encoded frame.
-  [[nodiscard]] bool felt(std::size_t index) const { return frame_.sensors[index].has_rotation; }
+  [[nodiscard]] bool felt(std::size_t index) const { return present_[index] != 0; }
   /// Of how many of the model's sensors that is so.
   [[nodiscard]] std::size_t felt_count() const;
   [[nodiscard]] std::size_t sensor_count() const { return places_.size(); }
@@ -34,7 +38,9 @@ class ModelInput {
   model::FeatureLayout layout_;
   model::FeatureNormalisation normalisation_;
   std::vector<std::ptrdiff_t> places_;  ///< For each of the model's sensors its place in the rig, or -1.
-  model::FeatureFrame frame_;           ///< The last frame's sensors, in the model's order.
+  std::optional<model::SkinMap> skin_;
+  std::vector<float> values_;  ///< The last frame's, in the model's order, as encode_values takes them.
+  std::vector<std::uint8_t> present_;
 };
 
 /// The ridge baseline of a profile on a track of features; empty when the file has none for it.

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "mien/face/profile.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/denoiser.h"
 #include "mien/model/sampler.h"
@@ -156,6 +158,27 @@ std::vector<float> mean_pose_of(const study::Dataset& dataset) {
   std::vector<float> mean;
   for (const double v : sum) mean.push_back(static_cast<float>(v / frames));
   return mean;
+}
+
+std::vector<float> weight_covariance_of(const study::Dataset& dataset) {
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
+  const std::vector<float> mean = mean_pose_of(dataset);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kShapes, kShapes);
+  double frames = 0;
+  for (const study::Sequence& s : dataset.sequences) {
+    RowMajor centred =
+        Eigen::Map<const RowMajor>(s.weights.data(), static_cast<Eigen::Index>(s.frames), kShapes)
+            .cwiseMax(0.0F)
+            .cwiseMin(1.0F);
+    centred.rowwise() -= Eigen::Map<const Eigen::RowVectorXf>(mean.data(), kShapes);
+    sum += (centred.transpose() * centred).cast<double>();
+    frames += static_cast<double>(s.frames);
+  }
+  std::vector<float> covariance;
+  for (Eigen::Index i = 0; i < kShapes; ++i)
+    for (Eigen::Index j = 0; j < kShapes; ++j) covariance.push_back(static_cast<float>(sum(i, j) / frames));
+  return covariance;
 }
 
 double third_difference(std::span<const float> weights, std::size_t width, std::size_t window,

@@ -39,6 +39,9 @@ inline constexpr double kSeamLimit = 1.2;
 /// Mean weights over all frames, clipped to [0, 1].
 [[nodiscard]] std::vector<float> mean_pose_of(const study::Dataset& dataset);
 
+/// Covariance of the weights over all frames, clipped to [0, 1]: shapes x shapes, row-major.
+[[nodiscard]] std::vector<float> weight_covariance_of(const study::Dataset& dataset);
+
 /// Mean third difference of weights [frames x width] over the frames that begin new ones of a window
 /// (`at_joins`), or over all others. 0 where there are none.
 [[nodiscard]] double third_difference(std::span<const float> weights, std::size_t width, std::size_t window,

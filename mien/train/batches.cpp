@@ -46,10 +46,11 @@ Result<void> check(const study::Dataset& dataset) {
     const study::Sequence& s = dataset.sequences[i];
     const std::string where = fmt::format("sequence {}", i);
     if (s.values.size() != s.frames * 7 * n || s.present.size() != s.frames * 2 * n ||
-        s.weights.size() != s.frames * face::kShapeCount)
+        s.weights.size() != s.frames * face::kShapeCount ||
+        (!s.slopes.empty() && s.slopes.size() != 3 * n * face::kShapeCount))
       return fail(ErrorCode::mismatch,
                   fmt::format("its arrays do not fit {} frames of {} sensors", s.frames, n), where);
-    if (!all_finite(s.values) || !all_finite(s.weights))
+    if (!all_finite(s.values) || !all_finite(s.weights) || !all_finite(s.slopes))
       return fail(ErrorCode::out_of_range, "it holds a number that is not finite", where);
   }
   return {};
@@ -65,6 +66,7 @@ std::string hash_of(const study::Dataset& dataset) {
     hash.add_value(s.performer);
     hash.add_value(s.lab);
     hash.add_value(static_cast<std::uint64_t>(s.frames));
+    add_array(hash, s.slopes);
     add_array(hash, s.values);
     add_array(hash, s.present);
     add_array(hash, s.weights);
@@ -112,8 +114,34 @@ model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, doub
 }
 
 BatchMaker::BatchMaker(const study::Dataset& dataset, const Recipe& recipe,
-                       const model::FeatureLayout& layout, const model::FeatureNormalisation& normalisation)
-    : dataset_(dataset), recipe_(recipe), layout_(layout), normalisation_(normalisation) {}
+                       const model::FeatureLayout& layout, const model::FeatureNormalisation& normalisation,
+                       const std::optional<model::Skin>& skin, const std::vector<float>& mean_pose)
+    : dataset_(dataset),
+      recipe_(recipe),
+      layout_(layout),
+      normalisation_(normalisation),
+      skin_(skin),
+      mean_pose_(mean_pose) {}
+
+std::optional<model::SkinMap> BatchMaker::draw_skin(std::size_t sequence, Random& random) const {
+  if (!skin_ || !random.chance(recipe_.known_skin)) return std::nullopt;
+  model::Skin known = *skin_;
+  known.wearer = dataset_.sequences[sequence].slopes;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    const double gain = 1 + random.normal(0, recipe_.skin_gain_error);
+    for (std::size_t s = 0; s < layout_.sensors.size(); ++s) {
+      float* slope[3];
+      double square = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        slope[axis] = &known.wearer[(3 * s + axis) * face::kShapeCount + k];
+        square += *slope[axis] * *slope[axis] / 3;
+      }
+      const double error = recipe_.skin_slope_error * std::sqrt(square);
+      for (float* value : slope) *value = static_cast<float>(*value * gain + random.normal(0, error));
+    }
+  }
+  return model::SkinMap(known, mean_pose_);
+}
 
 void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
                              Random& random, std::span<float> out) const {
@@ -121,6 +149,8 @@ void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_
   const std::size_t n = layout_.sensors.size(), width = layout_.width();
   std::vector<float> values(7 * n);
   std::vector<std::uint8_t> present(2 * n);
+  std::vector<float> on_standard(7 * n);
+  std::optional<model::SkinMap> skin = draw_skin(sequence, random);
   for (std::size_t f = 0; f < count; ++f) {
     const float* read = s.values.data() + (first + f) * 7 * n;
     const std::uint8_t* there = s.present.data() + (first + f) * 2 * n;
@@ -136,7 +166,10 @@ void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_
     }
     for (const Loss::Stretch& away : loss.away)
       if (f >= away.begin && f < away.end) present[away.sensor] = present[n + away.sensor] = 0;
-    model::encode_values(layout_, normalisation_, values, present, out.subspan(f * width, width));
+    // What is held is what the sensor said, so the map does not come upon its own answer.
+    on_standard = values;
+    if (skin) skin->apply(on_standard, present);
+    model::encode_values(layout_, normalisation_, on_standard, present, out.subspan(f * width, width));
   }
 }
 

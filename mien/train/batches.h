@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/random.h"
 #include "mien/model/features.h"
+#include "mien/model/skin_map.h"
 #include "mien/study/dataset.h"
 #include "mien/train/recipe.h"
 #include "mien/train/window_places.h"
@@ -41,8 +43,11 @@ struct Batch {
 class BatchMaker {
  public:
   /// Keeps references: the data set must stay.
+  /// `skin` and `mean_pose`: what wearers' skins are brought to the standard's by; none where the recipe asks
+  /// for no known skin.
   BatchMaker(const study::Dataset& dataset, const Recipe& recipe, const model::FeatureLayout& layout,
-             const model::FeatureNormalisation& normalisation);
+             const model::FeatureNormalisation& normalisation, const std::optional<model::Skin>& skin,
+             const std::vector<float>& mean_pose);
 
   [[nodiscard]] const study::Dataset& dataset() const { return dataset_; }
 
@@ -76,6 +81,8 @@ class BatchMaker {
   };
   void encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
                    Random& random, std::span<float> out) const;
+  /// The performer's skin as a minute of prompts would tell it; none where it is not to be known.
+  [[nodiscard]] std::optional<model::SkinMap> draw_skin(std::size_t sequence, Random& random) const;
   void append_window(std::size_t sequence, std::size_t first, const Loss& loss, Random& random,
                      Batch& batch) const;
   [[nodiscard]] Loss draw_loss(Random& random) const;
@@ -86,6 +93,8 @@ class BatchMaker {
   const Recipe& recipe_;
   model::FeatureLayout layout_;
   model::FeatureNormalisation normalisation_;
+  std::optional<model::Skin> skin_;
+  std::vector<float> mean_pose_;
 };
 
 }  // namespace mien::train

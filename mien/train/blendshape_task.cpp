@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -38,6 +39,13 @@ Json written(const Assessment& assessment) {
   return results;
 }
 
+/// Nothing where the recipe wants no known skin.
+std::optional<model::Skin> skin_of(const Recipe& recipe, const study::Dataset& training) {
+  if (recipe.known_skin == 0) return std::nullopt;
+  return model::Skin{
+      .standard = training.standard_slopes, .covariance = weight_covariance_of(training), .wearer = {}};
+}
+
 }  // namespace
 
 Result<std::unique_ptr<BlendshapeTask>> BlendshapeTask::create(Recipe recipe, study::Dataset training,
@@ -45,6 +53,12 @@ Result<std::unique_ptr<BlendshapeTask>> BlendshapeTask::create(Recipe recipe, st
   MIEN_TRY(check(training));
   MIEN_TRY(check(validation));
   MIEN_TRY(check_apart(training, validation));
+  if (recipe.known_skin > 0)
+    for (const study::Dataset* data : {&training, &validation})
+      if (data->standard_slopes.size() != 3 * data->sensors.size() * face::kShapeCount ||
+          std::ranges::any_of(data->sequences, [](const auto& s) { return s.slopes.empty(); }))
+        return fail(ErrorCode::mismatch, "the recipe wants known skins, and the data have none", "recipe",
+                    "set augmentation.known_skin to 0");
   const model::FeatureLayout layout = {.sensors = training.sensors, .presence_flags = recipe.presence_flags};
   recipe.architecture.condition = layout.width();
   recipe.architecture.outputs = face::kShapeCount;
@@ -69,14 +83,17 @@ BlendshapeTask::BlendshapeTask(Recipe recipe, study::Dataset training, study::Da
              .shapes = {face::kShapeNames.begin(), face::kShapeNames.end()},
              .mean_pose = mean_pose_of(training_),
              .ridge = {},
+             .skin = skin_of(recipe_, training_),
              .schedule = recipe_.schedule,
              .sampler = {},
              .rig = std::move(rig),
              .recipe = recipe_.text,
              .results = {},
              .network = {}},
-      training_batches_(training_, recipe_, model_.features, model_.normalisation),
-      validation_batches_(validation_, recipe_, model_.features, model_.normalisation) {}
+      training_batches_(training_, recipe_, model_.features, model_.normalisation, model_.skin,
+                        model_.mean_pose),
+      validation_batches_(validation_, recipe_, model_.features, model_.normalisation, model_.skin,
+                          model_.mean_pose) {}
 
 Batch BlendshapeTask::random_batch(std::size_t count, Random random) const {
   return training_batches_.random_batch(count, random);
@@ -105,6 +122,16 @@ std::size_t BlendshapeTask::validation_frames() const {
 Result<std::string> BlendshapeTask::results_of(const std::filesystem::path& model) const {
   MIEN_TRY_ASSIGN(const model::ModelFile standing, model::read_model(model));
   return standing.results;
+}
+
+Result<std::vector<model::Tensor>> BlendshapeTask::network_of(const std::filesystem::path& model) const {
+  MIEN_TRY_ASSIGN(model::ModelFile standing, model::read_model(model));
+  if (standing.architecture.kind != recipe_.architecture.kind ||
+      model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
+      standing.features != model_.features)
+    return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
+                "start from a model of the recipe's own architecture and rig");
+  return std::move(standing.network);
 }
 
 Result<std::string> BlendshapeTask::assess(std::span<const model::Tensor> network, const Progress& progress) {

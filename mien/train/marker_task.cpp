@@ -201,6 +201,16 @@ Result<std::string> MarkerTask::results_of(const std::filesystem::path& model) c
   return standing.results;
 }
 
+Result<std::vector<model::Tensor>> MarkerTask::network_of(const std::filesystem::path& model) const {
+  MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile standing, eyewear::read_marker_network(model));
+  if (standing.architecture.kind != recipe_.architecture.kind ||
+      model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
+      standing.sensors != model_.sensors || standing.markers != model_.markers)
+    return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
+                "start from a model of the recipe's own architecture and rig");
+  return std::move(standing.network);
+}
+
 Result<std::string> MarkerTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
   model_.network.assign(network.begin(), network.end());
   MIEN_TRY_ASSIGN(const auto regressor, eyewear::NetworkRegressor::create(model_, model_.sensors));

@@ -72,6 +72,14 @@ struct Recipe {
   /// sensor for a few frames, as often as a share drawn from 0 to 0.4 says.
   double held_readings = 0;
 
+  /// Share of the windows in which the wearer's skin is known, as it is after a minute of prompts: the
+  /// network then reads what the sensors would say on the standard skin (model::SkinMap).
+  double known_skin = 0;
+  /// How wrong that knowledge is: one sigma of each shape's gain, and of each slope, as a share of how much
+  /// the shape turns that sensor.
+  double skin_gain_error = 0.12;
+  double skin_slope_error = 0.10;
+
   // [validation]
   std::size_t windows = 256;    ///< Windows looked at each time.
   double every_s = 120;         ///< Seconds between validations (which also write the checkpoint).

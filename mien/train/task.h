@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
@@ -35,6 +36,10 @@ class Task {
 
   /// The results text of a model of this kind. Errors: the model reader's.
   [[nodiscard]] virtual Result<std::string> results_of(const std::filesystem::path& model) const = 0;
+  /// The network of a model of this kind, for training to go on from. Errors: the model reader's; mismatch
+  /// (of another size, or of other sensors).
+  [[nodiscard]] virtual Result<std::vector<model::Tensor>> network_of(
+      const std::filesystem::path& model) const = 0;
   /// Measures a trained network, beside what baselines do, and keeps it for write(). Returns a JSON object
   /// that results are completed by. Errors: cancelled, and those of the run time.
   [[nodiscard]] virtual Result<std::string> assess(std::span<const model::Tensor> network,

@@ -141,8 +141,15 @@ class Training {
     validation_windows_ = task_.validation_batch(Random(recipe_.seed).fork("validation"));
     validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
                                           recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
-    run_ = sha256(
-        fmt::format("{} {} {} {}", recipe_.text, task_.training_hash(), validation_hash_, options_.device));
+    std::string from;
+    if (!options_.from.empty()) {
+      MIEN_TRY_ASSIGN(const std::vector<model::Tensor> network, task_.network_of(options_.from));
+      Sha256 hash;
+      for (const model::Tensor& tensor : network) hash.add(std::as_bytes(std::span(tensor.values)));
+      from = " " + hash.hex();
+    }
+    run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_hash(), validation_hash_,
+                              options_.device, from));
     return {};
   }
 
@@ -167,7 +174,13 @@ class Training {
   }
 
   Result<void> start() {
-    weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, recipe_.near_first, *device_);
+    if (options_.from.empty()) {
+      weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, recipe_.near_first, *device_);
+    } else {
+      MIEN_TRY_ASSIGN(const std::vector<model::Tensor> network, task_.network_of(options_.from));
+      weights_ = from_tensors(network, *device_);
+      for (torch::Tensor& weight : weights_) weight.requires_grad_();
+    }
     adam_.emplace(weights_);
     average_.emplace(weights_);
     state_.run = run_;

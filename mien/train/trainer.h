@@ -15,6 +15,7 @@ struct TrainOptions {
   /// The model. While training, OUT.checkpoint stands beside it; the loss curve goes to OUT with the
   /// extension csv.
   std::filesystem::path out;
+  std::filesystem::path from;  ///< Begin with this model's network; empty: with weights drawn anew.
   bool resume = false;         ///< Go on from the checkpoint, if there is one.
   bool force = false;          ///< Replace a model, or drop a checkpoint, whatever it is.
   std::string device = "cpu";  ///< "cpu", "cuda" or "cuda:1".

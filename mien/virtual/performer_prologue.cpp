@@ -210,6 +210,15 @@ class Prologue {
 
 }  // namespace
 
+face::BlendshapeWeights prompted_shapes() {
+  face::BlendshapeWeights asked;
+  for (const auto& poses : {anchor_poses(), range_poses()})
+    for (const NamedPose& pose : poses)
+      for (std::size_t k = 0; k < kShapeCount; ++k)
+        if (pose.target[k] > 0) asked[k] = 1;
+  return asked;
+}
+
 PrologueMotion with_prologue(const face::Motion& motion, PrologueKind kind, const Random& random,
                              const PrologueNeeds& needs) {
   if (kind == PrologueKind::none) return {motion, {}};

@@ -60,6 +60,9 @@ struct PrologueNeeds {
 /// nothing.
 inline constexpr PrologueNeeds kEyewearPrologue = {.neutral_s = 10, .gestures = false};
 
+/// The shapes that a full prologue asks for, alone or with others: 1 for each, 0 for the rest.
+[[nodiscard]] face::BlendshapeWeights prompted_shapes();
+
 /// Puts a calibration prologue before a motion. In a full prologue every prompt is
 /// missed: gain 0.6 to 1.2 a shape, 0.15 to 0.6 s late, one to three shapes unasked at up to 0.3, left and
 /// right unlike.

@@ -195,6 +195,19 @@ Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::R
   return sites;
 }
 
+Eigen::MatrixXd rotation_slopes(std::span<const SkinSite> sites, float step) {
+  Eigen::MatrixXd slopes(3 * static_cast<Eigen::Index>(sites.size()),
+                         static_cast<Eigen::Index>(face::kShapeCount));
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    face::BlendshapeWeights weights;
+    weights[k] = step;
+    for (std::size_t s = 0; s < sites.size(); ++s)
+      slopes.block<3, 1>(3 * static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(k)) =
+          log_rotation(sites[s].rotation(weights)) / static_cast<double>(step);
+  }
+  return slopes;
+}
+
 std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random random) {
   std::vector<Vec3> offsets_m(rig.sensors.size());
   for (Vec3& offset : offsets_m) offset = sigma_m * Vec3{random.normal(), random.normal(), random.normal()};

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -39,6 +41,10 @@ struct SkinSite {
 /// site), mismatch.
 [[nodiscard]] Result<std::vector<SkinSite>> skin_sites(const face::Face& face, const sensor::Rig& rig,
                                                        std::span<const Vec3> offset_m = {});
+
+/// How each patch turns with each shape alone: its rotation vector (frame H, rad) at the weight `step`, a
+/// unit of weight. Row 3 s + axis for site s, a column a shape.
+[[nodiscard]] Eigen::MatrixXd rotation_slopes(std::span<const SkinSite> sites, float step);
 
 /// Placement error for skin_sites: one offset a sensor, normal with `sigma_m` an axis.
 [[nodiscard]] std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random random);

@@ -69,7 +69,11 @@ Result<Stage> set_stage(const StageRequest& request) {
   Stage stage;
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
-  if (sensor::kinds_of(stage.rig).size() > 1)
+  const std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
+  if (kinds.size() == 1 && kinds.front() != "imu" && kinds.front() != "photo")
+    return fail(ErrorCode::unsupported, "there are no virtual sensors of the kind " + kinds.front(),
+                request.rig.string(), "use a rig of the kind imu or photo");
+  if (kinds.size() > 1)
     return fail(ErrorCode::unsupported, "no virtual performer wears sensors of several kinds at once",
                 request.rig.string(), "perform each kind with a rig of its own, to one session that has all");
   stage.lab = request.devices == "lab";

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "mien/core/files.h"
 #include "tests/model/random_network.h"
 
@@ -44,6 +46,28 @@ TEST(ModelFile, ACausalOneRoundTripsWithoutASampler) {
   const TensorFile file = *parse_safetensors(*bytes, "test");
   EXPECT_FALSE(file.metadata.contains("sampler"));
   EXPECT_FALSE(file.metadata.contains("schedule"));
+}
+
+TEST(ModelFile, AWearersSkinRoundTripsAndIsChecked) {
+  ModelFile model = small_causal_model();
+  model.skin = Skin{
+      .standard = std::vector<float>(18, 0.25F), .covariance = std::vector<float>(9, 0.01F), .wearer = {}};
+  for (const bool worn : {false, true}) {
+    if (worn) model.skin->wearer.assign(18, 0.5F);
+    const auto back = parse_model(*format_model(model), "test");
+    ASSERT_TRUE(back) << back.error().message();
+    ASSERT_TRUE(back->skin);
+    EXPECT_EQ(back->skin->standard, model.skin->standard);
+    EXPECT_EQ(back->skin->covariance, model.skin->covariance);
+    EXPECT_EQ(back->skin->wearer, model.skin->wearer);
+  }
+  for (const auto spoil : {+[](Skin& s) { s.wearer.pop_back(); }, +[](Skin& s) { s.covariance.push_back(0); },
+                           +[](Skin& s) { s.standard[3] = 100; }, +[](Skin& s) { s.covariance[4] = -1; },
+                           +[](Skin& s) { s.wearer[0] = std::nanf(""); }}) {
+    ModelFile spoilt = model;
+    spoil(*spoilt.skin);
+    EXPECT_FALSE(format_model(spoilt));
+  }
 }
 
 TEST(ModelFile, FilesThatNameNoKindAreWindowNetworks) {

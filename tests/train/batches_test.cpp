@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mien/face/profile.h"
 #include "tests/train/toy_data.h"
 
 namespace mien::train {
@@ -13,13 +14,17 @@ class Batches : public testing::Test {
     layout_ = {.sensors = dataset_.sensors, .presence_flags = true};
     normalisation_ = normalisation_of(dataset_, recipe_.lab_noise_rad);
   }
-  [[nodiscard]] BatchMaker maker() const { return {dataset_, recipe_, layout_, normalisation_}; }
+  [[nodiscard]] BatchMaker maker() const {
+    return {dataset_, recipe_, layout_, normalisation_, skin_, mean_pose_};
+  }
   void lose_nothing() { recipe_.sensor_loss = recipe_.many_lost = recipe_.acceleration_loss = 0; }
 
   Recipe recipe_ = *parse_recipe(toy_recipe(1), "test");
   study::Dataset dataset_ = toy_data(0, 3);
   model::FeatureLayout layout_;
   model::FeatureNormalisation normalisation_;
+  std::optional<model::Skin> skin_;
+  std::vector<float> mean_pose_ = std::vector<float>(face::kShapeCount, 0.05F);
 };
 
 TEST_F(Batches, AStepsBatchIsAFunctionOfTheStep) {
@@ -180,6 +185,36 @@ TEST_F(Batches, BadDataAreRefused) {
   bad = dataset_;
   bad.sequences[0].frames += 1;
   EXPECT_FALSE(check(bad));
+}
+
+TEST_F(Batches, AKnownSkinIsReadAsTheStandardOne) {
+  lose_nothing();
+  // Everybody's chin turns twice as far as the standard's.
+  const std::size_t slopes = 3 * dataset_.sensors.size() * face::kShapeCount;
+  dataset_.standard_slopes.assign(slopes, 0.0F);
+  dataset_.standard_slopes[face::shape("jawOpen")] = 0.1F;
+  for (study::Sequence& s : dataset_.sequences) {
+    s.lab = false;
+    s.slopes.assign(slopes, 0.0F);
+    s.slopes[face::shape("jawOpen")] = 0.2F;
+    for (std::size_t f = 0; f < s.frames; ++f) {
+      float* q = s.values.data() + f * 7 * dataset_.sensors.size() + 3;
+      q[0] = 0.995004F, q[1] = 0.0998334F, q[2] = q[3] = 0;  // 0.2 rad about x.
+    }
+  }
+  skin_ = model::Skin{.standard = dataset_.standard_slopes,
+                      .covariance = std::vector<float>(face::kShapeCount * face::kShapeCount, 0.0F),
+                      .wearer = {}};
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) skin_->covariance[k * face::kShapeCount + k] = 0.04F;
+  normalisation_ = {.mean = std::vector<float>(normalisation_.mean.size(), 0.0F),
+                    .scale = std::vector<float>(normalisation_.scale.size(), 1.0F)};
+  const auto turned = [&](double known) {
+    recipe_.known_skin = known;
+    recipe_.skin_gain_error = recipe_.skin_slope_error = 0;
+    return maker().even_batch(1, Random(1)).condition[4];
+  };
+  EXPECT_NEAR(turned(0), 0.0998334, 1e-5);
+  EXPECT_NEAR(turned(1), 0.05, 0.01) << "half of the turn, but for what the prior holds back";
 }
 
 }  // namespace

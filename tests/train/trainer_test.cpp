@@ -90,6 +90,42 @@ TEST_F(Trainer, ACausalNetworkLearnsAToy) {
   EXPECT_FALSE(results.contains("samplers"));
 }
 
+TEST_F(Trainer, GoesOnFromAnotherModelAndLearnsKnownSkins) {
+  ASSERT_TRUE(run_recipe(toy_causal_recipe(200), "first.safetensors"));
+  // Both people's sensors are as the standard's, so what is known of their skin changes nothing of the toy.
+  const std::size_t slopes = 3 * training_.sensors.size() * face::kShapeCount;
+  for (study::Dataset* data : {&training_, &validation_}) {
+    data->standard_slopes.assign(slopes, 0.1F);
+    for (study::Sequence& s : data->sequences) s.slopes = data->standard_slopes;
+  }
+  const std::string recipe = toy_causal_recipe(3, "[augmentation]\nknown_skin = 1\nskin_gain_error = 0\n");
+  const auto go_on = [&](const std::string& from) -> Result<TrainReport> {
+    MIEN_TRY_ASSIGN(const std::unique_ptr<BlendshapeTask> task,
+                    BlendshapeTask::create(*parse_recipe(recipe, "test"), training_, validation_, "# rig"));
+    return train(*task,
+                 {.out = folder_ / "second.safetensors", .from = folder_ / from, .force = true, .threads = 1},
+                 no_progress);
+  };
+  const auto report = go_on("first.safetensors");
+  ASSERT_TRUE(report) << report.error().message();
+  const auto model = model::read_model(folder_ / "second.safetensors");
+  ASSERT_TRUE(model) << model.error().message();
+  ASSERT_TRUE(model->skin);
+  EXPECT_EQ(model->skin->standard, training_.standard_slopes);
+  EXPECT_TRUE(model->skin->wearer.empty());
+  EXPECT_NEAR(model->skin->covariance[0], 0.125, 0.05) << "a sine from 0 to 1";
+  const auto results = nlohmann::json::parse(model->results);
+  const double mean_pose = results["validation"]["profiles"]["lab"]["mean_pose_mse"];
+  EXPECT_LT(results["validation"]["mse"].get<double>(), 0.4 * mean_pose) << "three steps alone learn nothing";
+
+  ASSERT_TRUE(run("window.safetensors", 2));
+  const auto refused = go_on("window.safetensors");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::mismatch);
+  training_.sequences.front().slopes.clear();
+  EXPECT_EQ(go_on("first.safetensors").error().code, ErrorCode::mismatch) << "a skin that nobody knows";
+}
+
 TEST_F(Trainer, ACausalNetworkResumesToTheSameBits) {
   ASSERT_TRUE(run_recipe(toy_causal_recipe(30), "straight.safetensors"));
   std::size_t calls = 0;

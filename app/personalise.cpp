@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "mien/core/files.h"
+#include "mien/model/model_file.h"
+#include "mien/study/prompted.h"
+#include "mien/take/take.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  std::string take, model, out;
+  bool force = false;
+  bool json = false;
+};
+
+Result<void> run(Options options) {
+  MIEN_TRY(check_output(options.out, {".safetensors"}));
+  if (!options.force && std::filesystem::exists(options.out))
+    return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
+  if (options.model.empty()) {
+    MIEN_TRY_ASSIGN(options.model, find_resource("models/personal.safetensors"));
+  }
+  MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
+  MIEN_TRY_ASSIGN(const tracker::Personalisation learnt, study::personalise_on(take, file));
+  if (learnt.taken) MIEN_TRY(model::write_model(options.out, file));
+  if (options.json) {
+    print_json({{"take", options.take},
+                {"model", options.model},
+                {"out", learnt.taken ? options.out : ""},
+                {"taken", learnt.taken},
+                {"prompts", learnt.prompts},
+                {"frames", learnt.frames},
+                {"surprise_before", learnt.surprise_before},
+                {"surprise_after", learnt.surprise_after}});
+    return {};
+  }
+  fmt::print("{} prompts, {} frames; surprise at prompts that were held out {:.2f}, before {:.2f}\n",
+             learnt.prompts, learnt.frames, learnt.surprise_after, learnt.surprise_before);
+  if (learnt.taken)
+    fmt::print("wrote {}; use it with --model\n", options.out);
+  else
+    fmt::print("what was learnt foretells them no better, so nothing was written and {} stays the best\n",
+               options.model);
+  return {};
+}
+
+}  // namespace
+
+void add_personalise_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      commands.add("personalise", "Learns how one wearer's skin moves from a minute of prompted expressions",
+                   "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
+                   [options] { return run(*options); });
+  command->add_option("take", options->take, "A take with a full prologue or prompts")->required();
+  command->add_option("--out", options->out, "The wearer's own model, .safetensors")->required();
+  command->add_option("--model", options->model,
+                      "The model to begin with (default: models/personal.safetensors)");
+  command->add_flag("--force", options->force, "Replace an existing model");
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

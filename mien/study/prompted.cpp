@@ -1,0 +1,58 @@
+#include "mien/study/prompted.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "mien/study/solve.h"
+
+namespace mien::study {
+namespace {
+
+using Json = nlohmann::json;
+
+/// What a prompt asks for without saying how quickly it is to be reached.
+constexpr double kUsualRise_s = 0.4;
+
+std::optional<tracker::PromptedExpression> parse_prompt(const take::Event& event) {
+  const Json details = Json::parse(event.json, nullptr, false);
+  if (!details.is_object() || !details.contains("target") || !details["target"].is_object())
+    return std::nullopt;
+  tracker::PromptedExpression prompt{.name = {}, .begin = event.begin, .end = event.end, .target = {}};
+  if (const auto name = details.find("name"); name != details.end() && name->is_string())
+    prompt.name = name->get<std::string>();
+  const auto rise = details.find("rise_s");
+  prompt.rise_s = rise != details.end() && rise->is_number() ? rise->get<double>() : kUsualRise_s;
+  if (!(prompt.rise_s > 0 && prompt.rise_s < to_seconds(event.end - event.begin))) return std::nullopt;
+  bool any = false;
+  for (const auto& [name, weight] : details["target"].items()) {
+    const auto shape = std::ranges::find(face::kShapeNames, name);
+    if (shape == face::kShapeNames.end() || !weight.is_number()) continue;
+    const double asked = std::clamp(weight.get<double>(), 0.0, 1.0);
+    prompt.target[static_cast<std::size_t>(shape - face::kShapeNames.begin())] = static_cast<float>(asked);
+    any = any || asked > 0;
+  }
+  if (!any) return std::nullopt;
+  return prompt;
+}
+
+}  // namespace
+
+std::vector<tracker::PromptedExpression> prompted_expressions(std::span<const take::Event> events) {
+  std::vector<tracker::PromptedExpression> prompts;
+  for (const take::Event& event : events)
+    if (event.kind == "prompt")
+      if (auto prompt = parse_prompt(event)) prompts.push_back(*std::move(prompt));
+  return prompts;
+}
+
+Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, SolveFrom::samples));
+  auto learnt =
+      tracker::personalise(features, prompted_expressions(events), take.rig().face_sensor_names(), file);
+  if (!learnt && learnt.error().where.empty()) learnt.error().where = take.path().string();
+  return learnt;
+}
+
+}  // namespace mien::study

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/profile.h"
+#include "mien/model/features.h"
+#include "mien/model/model_file.h"
+
+namespace mien::tracker {
+
+/// An expression that a wearer was asked for, as a take's event "prompt" tells it. What was done is not
+/// known: it comes late, stronger or weaker than asked, and with something of other shapes.
+struct PromptedExpression {
+  std::string name;
+  DeviceTime begin, end;  ///< Asked for from begin on; to be left `rise_s` before end.
+  double rise_s = 0.4;    ///< How long the way there and back takes.
+  face::BlendshapeWeights target;
+};
+
+/// With fewer prompts than these nothing is learnt.
+inline constexpr std::size_t kLeastPrompts = 6;
+
+/// How well a wearer's skin was learnt, on prompts that it was not learnt from.
+struct Personalisation {
+  std::size_t frames = 0;   ///< That were learnt from.
+  std::size_t prompts = 0;  ///< With at least one sensor there.
+  /// Mean surprise of a held-out frame's rotations, given its prompt, as -log likelihood a sensor and axis in
+  /// nats: of the skin that was in the model, and of the learnt one.
+  double surprise_before = 0, surprise_after = 0;
+  bool taken = false;  ///< False: the learnt one was no better, and the model is as it was.
+};
+
+/// Learns how the wearer's skin turns under each sensor from a minute of prompted expressions, and puts it
+/// into `file` (model::Skin::wearer). The prior is the skin that the file has, the wearer's of an earlier
+/// time or the standard's; each slope may differ from it by about a half.
+///
+/// By expectation-maximisation over the frames of the prompts: weights and slopes are both unknown, weights
+/// are known beforehand by the prompt, its usual lateness and how people miss it, slopes by the prior.
+/// Prompts whose shapes others ask for too are held out first, up to a quarter of all, to see whether what
+/// was learnt foretells them better; if it does, all are learnt from, else the file stays as it was.
+///
+/// `rig_sensors` names the features' sensors. Cost: a second or two of one core a minute of prompts. Errors:
+/// unsupported (a model without a skin), not_found (fewer than six prompts with sensors, or none whose shapes
+/// are asked for twice), mismatch (no sensor in common).
+[[nodiscard]] Result<Personalisation> personalise(std::span<const model::FeatureFrame> features,
+                                                  std::span<const PromptedExpression> prompts,
+                                                  const std::vector<std::string>& rig_sensors,
+                                                  model::ModelFile& file);
+
+}  // namespace mien::tracker
