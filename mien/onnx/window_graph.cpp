@@ -2,57 +2,68 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace mien::onnx {
 namespace {
 
-/// The matrix the other way round: MatMul of three axes takes [in, out].
-std::vector<float> transposed(const model::Tensor& matrix) {
-  const std::size_t rows = matrix.shape[0], columns = matrix.shape[1];
-  std::vector<float> result(matrix.values.size());
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t c = 0; c < columns; ++c) result[c * rows + r] = matrix.values[r * columns + c];
-  return result;
-}
-
+/// The nodes of the whole network. Tokens of all windows stand below each other, [batch * tokens x d_model],
+/// wherever they need not be told apart: products are then Gemm, with the bias inside.
 class WindowGraph {
  public:
   WindowGraph(Graph& graph, const model::Architecture& architecture, std::span<const model::Tensor> network,
               std::size_t levels)
       : graph_(graph), a_(architecture) {
-    for (const model::Tensor& tensor : network)
-      if (tensor.shape.size() == 2)
-        graph.constant(tensor.name, {tensor.shape[1], tensor.shape[0]}, transposed(tensor));
-      else
-        graph.constant(tensor.name, tensor.shape, tensor.values);
+    for (const model::Tensor& tensor : network) graph.constant(tensor.name, tensor.shape, tensor.values);
     add_sinusoids(levels);
-    const auto signed_size = [](std::size_t n) { return static_cast<std::int64_t>(n); };
-    // 0 keeps the axis that is there: the batch, the tokens.
-    heads_ = graph.constant("heads", {0, 0, signed_size(a_.heads), signed_size(a_.d_head)});
-    joined_ = graph.constant("joined_heads", {0, 0, signed_size(a_.d_attention())});
     scale_ = graph.scalar("attention_scale", std::sqrt(static_cast<float>(a_.d_head)));
     axis_ = graph.constant("token_axis", {1});
-    one_ = graph.constant("one", {1});
-    end_ = graph.constant("end", {signed_size(a_.tokens())});
   }
 
   void add(const std::string& noisy, const std::string& level, const std::string& condition,
            const std::string& clean) {
+    const std::string windows = rows_of(noisy);
+    const std::string input = graph_.add("Concat", {noisy, condition}, {{"axis", std::int64_t{2}}});
     const std::string frames =
-        linear(graph_.add("Concat", {noisy, condition}, {{"axis", std::int64_t{2}}}), "input");
+        reshaped(linear(folded(input, a_.input()), "input"), shape(windows, {number(a_.d_model)}));
     std::string x = graph_.add("Concat", {noise_token(level), frames}, {{"axis", std::int64_t{1}}});
-    x = graph_.add("Add", {x, positions_of(x)});
+    const std::string tokens = rows_of(x);
+    heads_ = shape(tokens, {number(a_.heads), number(a_.d_head)});
+    x = folded(graph_.add("Add", {x, positions_of(x)}), a_.d_model);
     for (std::size_t i = 0; i < a_.layers; ++i) {
       const std::string layer = "layers." + std::to_string(i) + ".";
       x = normalise(graph_.add("Add", {x, attention(x, layer)}), layer + "attention_norm");
       const std::string hidden = graph_.add("Relu", {linear(x, layer + "ffn.hidden")});
       x = normalise(graph_.add("Add", {x, linear(hidden, layer + "ffn.out")}), layer + "ffn_norm");
     }
-    linear(graph_.add("Slice", {x, one_, end_, axis_}), "output", clean);
+    // The noise token has done its work.
+    const std::string answered = graph_.add("Slice", {reshaped(x, shape(tokens, {number(a_.d_model)})),
+                                                      size("one", 1), size("end", a_.tokens()), axis_});
+    reshaped(linear(folded(answered, a_.d_model), "output"), shape(windows, {number(a_.outputs)}), clean);
   }
 
  private:
+  static std::int64_t number(std::size_t n) { return static_cast<std::int64_t>(n); }
+  std::string size(const std::string& name, std::size_t n) { return graph_.constant(name, {number(n)}); }
+
+  /// The lengths of the first two axes: windows, and frames or tokens.
+  std::string rows_of(const std::string& x) {
+    return graph_.add("Shape", {x}, {{"start", std::int64_t{0}}, {"end", std::int64_t{2}}});
+  }
+  /// A shape: the first two axes `rows`, with these behind them.
+  std::string shape(const std::string& rows, const std::vector<std::int64_t>& widths) {
+    const std::string behind = graph_.constant("widths_" + std::to_string(++shapes_), widths);
+    return graph_.add("Concat", {rows, behind}, {{"axis", std::int64_t{0}}});
+  }
+  std::string reshaped(const std::string& x, const std::string& shape, const std::string& as = {}) {
+    return graph_.add("Reshape", {x, shape}, {}, as);
+  }
+  /// [a x b x width] to [a * b x width].
+  std::string folded(const std::string& x, std::size_t width) {
+    return reshaped(x, graph_.constant("folded_" + std::to_string(++shapes_), {-1, number(width)}));
+  }
+
   /// Sinusoids of noise levels and places as the run time has them; single precision's own would be far off
   /// at level 999.
   void add_sinusoids(std::size_t levels) {
@@ -69,8 +80,8 @@ class WindowGraph {
     positions_ = graph_.constant("positions", {1, a_.tokens(), a_.d_model}, table);
   }
 
-  std::string linear(const std::string& x, const std::string& layer, const std::string& as = {}) {
-    return graph_.add("Add", {graph_.add("MatMul", {x, layer + ".weight"}), layer + ".bias"}, {}, as);
+  std::string linear(const std::string& x, const std::string& layer) {
+    return graph_.gemm(x, layer + ".weight", layer + ".bias");
   }
 
   std::string normalise(const std::string& x, const std::string& layer) {
@@ -96,12 +107,12 @@ class WindowGraph {
   std::string positions_of(const std::string& x) {
     const std::string tokens =
         graph_.add("Shape", {x}, {{"start", std::int64_t{1}}, {"end", std::int64_t{2}}});
-    return graph_.add("Slice", {positions_, graph_.constant("begin", {0}), tokens, axis_});
+    return graph_.add("Slice", {positions_, size("begin", 0), tokens, axis_});
   }
 
   std::string attention(const std::string& x, const std::string& layer) {
     const auto heads = [&](const char* part, std::vector<std::int64_t> order) {
-      return graph_.add("Transpose", {graph_.add("Reshape", {linear(x, layer + part), heads_})},
+      return graph_.add("Transpose", {reshaped(linear(x, layer + part), heads_)},
                         {{"perm", std::move(order)}});
     };
     const std::string query = heads("query", {0, 2, 1, 3}), key = heads("key", {0, 2, 3, 1}),
@@ -110,12 +121,13 @@ class WindowGraph {
     const std::string share = graph_.add("Softmax", {scores}, {{"axis", std::int64_t{-1}}});
     const std::string attended = graph_.add("Transpose", {graph_.add("MatMul", {share, value})},
                                             {{"perm", std::vector<std::int64_t>{0, 2, 1, 3}}});
-    return linear(graph_.add("Reshape", {attended, joined_}), layer + "attended");
+    return linear(folded(attended, a_.d_attention()), layer + "attended");
   }
 
   Graph& graph_;
   const model::Architecture& a_;
-  std::string levels_, positions_, heads_, joined_, scale_, axis_, one_, end_;
+  std::string levels_, positions_, scale_, axis_, heads_;
+  std::size_t shapes_ = 0;
 };
 
 }  // namespace
