@@ -12,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "app/bench_onnxruntime.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live_session.h"
@@ -207,6 +208,7 @@ void add_bench_command(Commands& commands) {
       ->capture_default_str();
   live->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
   live->add_flag("--json", options->json, "Print one JSON object");
+  add_onnxruntime_bench(commands, bench);
 }
 
 }  // namespace mien::app

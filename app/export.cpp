@@ -11,12 +11,15 @@
 #include "mien/eyewear/load_marker_track.h"
 #include "mien/eyewear/marker_retarget.h"
 #include "mien/face/load.h"
+#include "mien/onnx/export_model.h"
 
 namespace mien::app {
 namespace {
 
 struct Options {
   std::string motion, face, out, markers;
+  std::string model;
+  onnx::ExportRequest graph;  ///< Of a model.
   bool json = false;
 };
 
@@ -37,7 +40,22 @@ Result<void> write_markers(const face::Motion& motion, const Options& options) {
   return eyewear::write_marker_track(options.out, eyewear::markers_of_motion(motion, placed, set));
 }
 
-Result<void> run(Options options) {
+Result<void> write_onnx(const Options& options) {
+  MIEN_TRY(check_output(options.out, {".onnx"}));
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, onnx::onnx_of_file(options.model, options.graph));
+  MIEN_TRY(write_file(options.out, bytes));
+  if (options.json)
+    print_json({{"out", options.out},
+                {"model", options.model},
+                {"part", options.graph.part},
+                {"steps", options.graph.steps},
+                {"bytes", bytes.size()}});
+  else
+    fmt::print("wrote {}\n", options.out);
+  return {};
+}
+
+Result<void> write_performance(Options options) {
   MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion));
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
   if (wants_markers(options))
@@ -54,25 +72,57 @@ Result<void> run(Options options) {
   return {};
 }
 
+Result<void> run(const Options& options) {
+  if (options.model.empty() && options.motion.empty())
+    return fail(ErrorCode::bad_usage, "--motion or --model is required", "export", "see mien export --help");
+  return options.model.empty() ? write_performance(options) : write_onnx(options);
+}
+
 }  // namespace
 
 void add_export_command(Commands& commands) {
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      commands.add("export", "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin",
-                   "mien export --motion take.mien --out take.glb", [options] { return run(*options); });
-  command->add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is")
+  CLI::App* command = commands.add(
+      "export",
+      "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin; or a model as ONNX",
+      "mien export --motion take.mien --out take.glb\n  mien export --model models/live.safetensors --out "
+      "live.onnx",
+      [options] { return run(*options); });
+  CLI::Option* motion =
+      command->add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
+  CLI::Option* model =
+      command->add_option("--model", options->model, "A model file, to write as ONNX (docs/onnx.md)")
+          ->excludes(motion);
+  command
+      ->add_option(
+          "--face", options->face,
+          "For glTF and markers: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the "
+          "take's own unless told")
+      ->needs(motion);
+  command
+      ->add_option("--out", options->out,
+                   "The .csv, .glb or .gltf to write; .trc for markers; of a model the .onnx")
       ->required();
-  command->add_option(
-      "--face", options->face,
-      "For glTF and markers: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the "
-      "take's own unless told");
-  command->add_option("--out", options->out, "The .csv, .glb or .gltf to write; .trc for markers")
-      ->required();
-  command->add_option(
-      "--markers", options->markers,
-      "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "
-      "which a .trc takes unless told. A .csv then holds markers too");
+  command
+      ->add_option("--markers", options->markers,
+                   "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "
+                   "which a .trc takes unless told. A .csv then holds markers too")
+      ->needs(motion);
+  command
+      ->add_option("--part", options->graph.part,
+                   "Of a model: network, ridge.lab or ridge.device (default: network)")
+      ->needs(model);
+  command
+      ->add_option("--chain", options->graph.steps,
+                   "Frames that one run of a causal network answers, its states passed on within the graph "
+                   "(default: 1)")
+      ->check(CLI::Range(std::size_t{1}, onnx::kMostSteps))
+      ->needs(model);
+  command
+      ->add_flag("--features", options->graph.features,
+                 "The graph takes what sensors say (m/s^2, quaternions, flags), not the model's normalised "
+                 "condition")
+      ->needs(model);
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
-#include <stdlib.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/private_folder.h"
 #include "mien/core/files.h"
 
 extern char** environ;
@@ -41,33 +41,6 @@ class Descriptor {
 
  private:
   int value_;
-};
-
-/// A folder for this process alone, gone with it.
-class PrivateFolder {
- public:
-  [[nodiscard]] static Result<PrivateFolder> make() {
-    std::error_code code;
-    std::string name = (fs::temp_directory_path(code) / "mien-XXXXXX").string();
-    if (code || ::mkdtemp(name.data()) == nullptr)
-      return fail(ErrorCode::io, std::strerror(errno), "the temporary folder",
-                  "set TMPDIR to a folder that can be written");
-    return PrivateFolder(name);
-  }
-  PrivateFolder(PrivateFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
-  PrivateFolder& operator=(PrivateFolder&& other) noexcept {
-    std::swap(path_, other.path_);
-    return *this;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  explicit PrivateFolder(fs::path path) : path_(std::move(path)) {}
-  fs::path path_;
 };
 
 /// A helper at work: we feed its standard input and keep its complaints.

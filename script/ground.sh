@@ -57,11 +57,13 @@ lists_with_npm() {
   echo "$@"
 }
 
-# npm_modules: the locked npm packages of script/npm, in script/npm/node_modules.
+# npm_modules FOLDER...: the locked npm packages of each (script/npm, script/onnxruntime), in its node_modules.
 npm_modules() {
-  [ -z "$(find script/npm/package-lock.json -newer script/npm/node_modules/.package-lock.json 2>&1)" ] && return 0
-  say "Installing npm packages of script/npm"
-  (cd script/npm && npm ci --no-audit --no-fund --loglevel=error) || stop "npm could not install script/npm"
+  for folder in "$@"; do
+    [ -n "$(find "$folder/package-lock.json" -newer "$folder/node_modules/.package-lock.json" 2>&1)" ] || continue
+    say "Installing npm packages of $folder"
+    (cd "$folder" && npm ci --no-audit --no-fund --loglevel=error) || stop "npm could not install $folder"
+  done
 }
 
 # cpp_files: our own C++ files, each ended by a NUL: the committed ones, or all that an unpacked archive has.

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+
+namespace mien::app {
+
+/// What ONNX Runtime took for a model's network on one thread, in fp32, called through Node. What calling
+/// costs by itself was measured with a graph that does nothing, and taken off.
+struct PeerTimes {
+  /// One exported file. All seconds are medians of rounds' medians.
+  struct Graph {
+    std::size_t steps = 1;   ///< Steps that one run does.
+    double run_s = 0;        ///< One run.
+    double echo_s = 0;       ///< One run of the graph that does nothing.
+    double step_s = 0;       ///< (run_s - echo_s) / steps.
+    double best_step_s = 0;  ///< The same of the quickest rounds.
+  };
+  std::string version, node;  ///< ONNX Runtime's and Node's, as they write them.
+  std::string kind;           ///< "causal" or "window".
+  std::vector<Graph> graphs;  ///< Causal: 1, 4, 16 and 64 steps in a row; window: one full window.
+  double step_s = 0;          ///< The smallest of the graphs' step_s: the peer at its best.
+  double best_step_s = 0;     ///< The smallest of their best_step_s.
+  /// Of its answers from our run time's to the same input, of the numbers that the graph gives.
+  double largest_difference = 0;
+  std::string hash;  ///< SHA-256 of the last graph's answer, fp32.
+};
+
+struct PeerRequest {
+  std::filesystem::path model;  ///< A model file of weights, causal or window.
+  std::size_t rounds = 9;
+  double round_s = 0.1;  ///< Of each graph in each round.
+};
+
+/// Exports the network to a temporary folder and times it there, under this process's own affinity and
+/// priority. Takes about graphs * rounds * round_s, and a second to begin. Errors: not_found (no node, no
+/// ONNX Runtime: says how to install them), mismatch (it answers otherwise than our run time, by more than
+/// 1e-3: then its time is worth nothing), io (what node says), and the model reader's.
+[[nodiscard]] Result<PeerTimes> measure_onnxruntime(const PeerRequest& request);
+
+}  // namespace mien::app

@@ -1,0 +1,216 @@
+#include "mien/onnx/export_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "mien/core/files.h"
+#include "mien/model/network_parts.h"
+#include "mien/onnx/causal_graph.h"
+#include "mien/onnx/features_graph.h"
+#include "mien/onnx/graph.h"
+#include "mien/onnx/window_graph.h"
+
+namespace mien::onnx {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kWeightsSay =
+    "The weights of metadata `shapes`, in that order, 0 to 1; of several steps, a step's rows together.";
+
+std::vector<std::byte> bytes_of(const Graph& graph) {
+  std::string text;
+  graph.model().SerializeToString(&text);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// What every file says of itself.
+void tell_kind(Graph& graph, const char* kind) {
+  graph.tell("format", "mien-onnx");
+  graph.tell("version", "1");
+  graph.tell("kind", kind);
+  graph.tell("rate_hz", "60");
+}
+
+void tell_model(Graph& graph, const model::ModelFile& model) {
+  graph.tell("shapes", Json(model.shapes).dump());
+  graph.tell("features", describe_features(model.features, model.normalisation));
+  graph.tell("mean_pose", Json(model.mean_pose).dump());
+}
+
+/// The input that the network reads, or those that it is made of; `rows`: the axes before a frame's numbers.
+std::string add_condition(Graph& graph, const model::ModelFile& model, bool features,
+                          const std::vector<Axis>& rows) {
+  if (features) return add_features(graph, model.features, model.normalisation, rows);
+  std::vector<Axis> shape = rows;
+  shape.emplace_back(model.architecture.condition);
+  graph.input(
+      {.name = "condition",
+       .shape = shape,
+       .says = "A frame of features as metadata `features` says: of each sensor acceleration xyz (m/s^2) and "
+               "rotation wxyz, less mean, over scale, held to +-clip, 0 where missing; then, with "
+               "presence_flags, 1 or 0 for each sensor's rotation, then for each one's acceleration."});
+  return "condition";
+}
+
+const char* rows_of(const ExportRequest& request) {
+  return request.steps == 1 ? "batch" : "steps_times_batch";
+}
+
+Result<void> check(const ExportRequest& request, bool has_state) {
+  if (request.steps < 1 || request.steps > kMostSteps)
+    return fail(ErrorCode::out_of_range, fmt::format("{} steps are not 1 to {}", request.steps, kMostSteps));
+  if (request.steps > 1 && !has_state)
+    return fail(ErrorCode::bad_usage, "only a causal network's steps can be chained", request.part,
+                "leave the chain out");
+  return {};
+}
+
+std::vector<std::byte> ridge_graph(const model::ModelFile& model, const model::RidgeBaseline& ridge,
+                                   bool features) {
+  Graph graph("mien_ridge", "Weights linear in one frame: the baseline beside a model of Mien.");
+  tell_kind(graph, "ridge");
+  tell_model(graph, model);
+  graph.tell("profile", ridge.profile);
+  const std::string condition = add_condition(graph, model, features, {"batch"});
+  std::vector<float> weight, bias;
+  for (std::size_t o = 0; o < ridge.outputs; ++o) {
+    const auto row = ridge.matrix.begin() + static_cast<std::ptrdiff_t>(o * (ridge.condition + 1));
+    weight.insert(weight.end(), row, row + static_cast<std::ptrdiff_t>(ridge.condition));
+    bias.push_back(row[static_cast<std::ptrdiff_t>(ridge.condition)]);
+  }
+  const std::string sum =
+      graph.gemm(condition, graph.constant("weight", {ridge.outputs, ridge.condition}, weight),
+                 graph.constant("bias", {ridge.outputs}, bias));
+  graph.add("Clip", {sum, graph.scalar("zero", 0), graph.scalar("one", 1)}, {}, "weights");
+  graph.output({.name = "weights", .shape = {"batch", ridge.outputs}, .says = kWeightsSay});
+  return bytes_of(graph);
+}
+
+std::vector<std::byte> causal_graph(const model::ModelFile& model, const ExportRequest& request) {
+  Graph graph("mien_causal", "A causal network of Mien: weights of each frame of 1/60 s when it comes.");
+  tell_kind(graph, "causal");
+  tell_model(graph, model);
+  graph.tell("architecture", model::format_architecture(model.architecture));
+  graph.tell("steps", std::to_string(request.steps));
+  const std::string condition = add_condition(graph, model, request.features, {rows_of(request)});
+  // The network's numbers are 2 w - 1.
+  add_causal_network(graph, model.architecture, model.network, condition,
+                     {.name = "weights", .says = kWeightsSay, .factor = 0.5F, .shift = 0.5F, .held = true},
+                     request.steps);
+  return bytes_of(graph);
+}
+
+std::vector<std::byte> window_graph(const model::ModelFile& model, bool features) {
+  Graph graph(
+      "mien_window",
+      "One step of a window network of Mien: a noisy window and its condition in, the clean one out.");
+  tell_kind(graph, "window");
+  tell_model(graph, model);
+  graph.tell("architecture", model::format_architecture(model.architecture));
+  graph.tell("schedule", Json{{"levels", model.schedule.levels}, {"offset", model.schedule.offset}}.dump());
+  graph.tell("sampler", Json{{"kind", model.sampler.kind == model::SamplerKind::ddpm ? "ddpm" : "ddim"},
+                             {"levels", model::sampler_levels(model.sampler, model.schedule.levels)},
+                             {"first_noise", model.sampler.first_noise}}
+                            .dump());
+  const std::string condition = add_condition(graph, model, features, {"batch", "frames"});
+  add_window_network(graph, model.architecture, model.network, condition, model.schedule.levels);
+  return bytes_of(graph);
+}
+
+}  // namespace
+
+Result<std::vector<std::byte>> onnx_of(const model::ModelFile& model, const ExportRequest& request) {
+  constexpr std::string_view kRidge = "ridge.";
+  MIEN_TRY(model::check(model.architecture));
+  MIEN_TRY(model::check_tensors(model.architecture, model.network));
+  if (request.part.starts_with(kRidge)) {
+    MIEN_TRY(check(request, false));
+    if (const model::RidgeBaseline* ridge =
+            model.ridge_for(std::string_view(request.part).substr(kRidge.size())))
+      return ridge_graph(model, *ridge, request.features);
+  }
+  if (request.part != "network")
+    return fail(ErrorCode::not_found, "the model has no such part", request.part,
+                "use network, or ridge. and a profile");
+  switch (model.architecture.kind) {
+    case model::NetworkKind::causal:
+      MIEN_TRY(check(request, true));
+      return causal_graph(model, request);
+    case model::NetworkKind::window:
+      MIEN_TRY(check(request, false));
+      return window_graph(model, request.features);
+  }
+  return fail(ErrorCode::unsupported, "there is no ONNX form of this kind of network");
+}
+
+Result<std::vector<std::byte>> onnx_of(const eyewear::MarkerNetworkFile& model,
+                                       const ExportRequest& request) {
+  MIEN_TRY(model::check(model.architecture));
+  MIEN_TRY(model::check_tensors(model.architecture, model.network));
+  MIEN_TRY(check(request, true));
+  if (request.part != "network")
+    return fail(ErrorCode::not_found, "the model has no such part", request.part, "use network");
+  if (request.features)
+    return fail(ErrorCode::bad_usage,
+                "the light of eyewear is normalised by a wearer's calibration, not by the model", {},
+                "leave the features out");
+  Graph graph("mien_eyewear",
+              "A network of Mien for smart eyewear: light to markers on the skin, frame by frame.");
+  tell_kind(graph, "eyewear");
+  graph.tell("sensors", Json(model.sensors).dump());
+  graph.tell("markers", Json(model.markers).dump());
+  graph.tell("architecture", model::format_architecture(model.architecture));
+  graph.tell("steps", std::to_string(request.steps));
+  graph.input({.name = "condition",
+               .shape = {rows_of(request), model.architecture.condition},
+               .says = "Two numbers a sensor, in metadata `sensors`' order: (log light - neutral) / range of "
+                       "the wearer, 0 "
+                       "where it is missing, and 1 where it is there, else 0."});
+  add_causal_network(
+      graph, model.architecture, model.network, "condition",
+      {.name = "displacement_m",
+       .says = "Displacement from neutral, xyz of each marker in metadata `markers`' order, metres in the "
+               "head's frame (+X the performer's left, +Y up, +Z forward), on Mien's built-in face.",
+       .factor = static_cast<float>(model.scale_m)},
+      request.steps);
+  return bytes_of(graph);
+}
+
+Result<std::vector<std::byte>> onnx_of_file(const std::filesystem::path& path, const ExportRequest& request) {
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
+  const std::string where = path.string();
+  const auto model = model::parse_model(bytes, where);
+  if (model) return onnx_of(*model, request);
+  // The other format refuses this one by its name; what is wrong with one of its own files is its to say.
+  const auto markers = eyewear::parse_marker_network(bytes, where);
+  if (markers) return onnx_of(*markers, request);
+  return std::unexpected(markers.error().code == ErrorCode::unsupported ? model.error() : markers.error());
+}
+
+Result<std::vector<std::byte>> echo_of(std::span<const std::byte> onnx) {
+  ::onnx::ModelProto model;
+  if (!model.ParseFromArray(onnx.data(), static_cast<int>(onnx.size())))
+    return fail(ErrorCode::malformed, "these bytes are not an ONNX file");
+  ::onnx::GraphProto& graph = *model.mutable_graph();
+  graph.clear_node();
+  graph.clear_initializer();
+  graph.clear_output();
+  for (const ::onnx::ValueInfoProto& input : graph.input()) {
+    ::onnx::ValueInfoProto& output = *graph.add_output();
+    output = input;
+    output.set_name("same_" + input.name());
+    ::onnx::NodeProto& node = *graph.add_node();
+    node.set_op_type("Identity");
+    node.add_input(input.name());
+    node.add_output(output.name());
+  }
+  const std::string text = model.SerializeAsString();
+  const auto bytes = std::as_bytes(std::span(text));
+  return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+}  // namespace mien::onnx

@@ -1,0 +1,173 @@
+#include "mien/onnx/export_model.h"
+
+#include <gmock/gmock.h>
+#include <onnx/checker.h>
+#include <onnx/shape_inference/implementation.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/folder.h"
+#include "tests/onnx/example_models.h"
+
+namespace mien::onnx {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// ONNX's own word on a file: it must hold together, and its shapes must fit each other, node by node.
+void check_file(const std::vector<std::byte>& bytes) {
+  ::onnx::ModelProto model = test::parsed(bytes);
+  ASSERT_NO_THROW(::onnx::checker::check_model(model));
+  const ::onnx::ShapeInferenceOptions strict(true, 1, true);
+  ASSERT_NO_THROW(::onnx::shape_inference::InferShapes(model, ::onnx::OpSchemaRegistry::Instance(), strict));
+}
+
+std::string shape_of(const ::onnx::ValueInfoProto& port) {
+  std::string text = port.name() + ":";
+  for (const auto& axis : port.type().tensor_type().shape().dim())
+    text += " " + (axis.has_dim_param() ? axis.dim_param() : std::to_string(axis.dim_value()));
+  return text;
+}
+template <class Ports>
+std::vector<std::string> shapes_of(const Ports& ports) {
+  std::vector<std::string> texts;
+  for (const auto& port : ports) {
+    EXPECT_FALSE(port.doc_string().empty()) << port.name();
+    texts.push_back(shape_of(port));
+  }
+  return texts;
+}
+
+TEST(ExportModel, ACausalNetworkTakesItsStateAndGivesTheNext) {
+  const auto bytes = onnx_of(test::causal_model()).value();
+  check_file(bytes);
+  const auto model = test::parsed(bytes);
+  EXPECT_THAT(shapes_of(model.graph().input()),
+              ElementsAre("condition: batch 18", "state_0: batch 32", "state_1: batch 32"));
+  EXPECT_THAT(shapes_of(model.graph().output()),
+              ElementsAre("weights: batch 3", "next_state_0: batch 32", "next_state_1: batch 32"));
+  EXPECT_EQ(model.opset_import(0).version(), 17);
+  EXPECT_EQ(bytes, onnx_of(test::causal_model()).value()) << "the same model gives the same bytes";
+}
+
+TEST(ExportModel, AWindowOfAnyLength) {
+  const auto bytes = onnx_of(test::window_model()).value();
+  check_file(bytes);
+  const auto model = test::parsed(bytes);
+  EXPECT_THAT(shapes_of(model.graph().input()),
+              ElementsAre("condition: batch frames 18", "noisy: batch frames 3", "level: batch"));
+  EXPECT_THAT(shapes_of(model.graph().output()), ElementsAre("clean: batch frames 3"));
+}
+
+TEST(ExportModel, TheRidgeOfAProfile) {
+  const auto bytes = onnx_of(test::window_model(), {.part = "ridge.lab"}).value();
+  check_file(bytes);
+  const auto model = test::parsed(bytes);
+  EXPECT_THAT(shapes_of(model.graph().input()), ElementsAre("condition: batch 18"));
+  EXPECT_THAT(shapes_of(model.graph().output()), ElementsAre("weights: batch 3"));
+  EXPECT_EQ(test::metadata(model).at("profile"), "lab");
+}
+
+TEST(ExportModel, EyewearAnswersWithMarkers) {
+  const auto bytes = onnx_of(eyewear::test::small_marker_network()).value();
+  check_file(bytes);
+  const auto model = test::parsed(bytes);
+  EXPECT_THAT(shapes_of(model.graph().input()), ElementsAre("condition: batch 6", "state_0: batch 32"));
+  EXPECT_THAT(shapes_of(model.graph().output()),
+              ElementsAre("displacement_m: batch 6", "next_state_0: batch 32"));
+  const auto texts = test::metadata(model);
+  EXPECT_EQ(texts.at("kind"), "eyewear");
+  EXPECT_EQ(Json::parse(texts.at("sensors")), Json({"s0", "s1", "s2"}));
+  EXPECT_EQ(Json::parse(texts.at("markers")), Json::array({"brow", "chin"}));
+}
+
+TEST(ExportModel, MetadataSaysWhatTheNumbersMean) {
+  const model::ModelFile from = test::causal_model();
+  const auto texts = test::metadata(test::parsed(onnx_of(from).value()));
+  EXPECT_EQ(texts.at("format"), "mien-onnx");
+  EXPECT_EQ(texts.at("kind"), "causal");
+  EXPECT_EQ(Json::parse(texts.at("shapes")), Json(from.shapes));
+  const Json features = Json::parse(texts.at("features"));
+  EXPECT_EQ(features.at("sensors"), Json(from.features.sensors));
+  EXPECT_EQ(features.at("mean").size(), 14u);
+  EXPECT_EQ(features.at("scale")[0], 0.5);
+  EXPECT_EQ(features.at("clip"), 8);
+  EXPECT_EQ(features.at("presence_flags"), true);
+  const auto window = test::metadata(test::parsed(onnx_of(test::window_model()).value()));
+  EXPECT_EQ(Json::parse(window.at("schedule")).at("levels"), 1000);
+  EXPECT_EQ(Json::parse(window.at("sampler")).at("levels").size(), 5u);
+}
+
+TEST(ExportModel, SeveralFramesInARow) {
+  const auto bytes = onnx_of(test::causal_model(), {.steps = 4}).value();
+  check_file(bytes);
+  const auto model = test::parsed(bytes);
+  EXPECT_EQ(shape_of(model.graph().input(0)), "condition: steps_times_batch 18");
+  EXPECT_EQ(shape_of(model.graph().input(1)), "state_0: batch 32");
+  EXPECT_EQ(shape_of(model.graph().output(0)), "weights: steps_times_batch 3");
+  EXPECT_EQ(model.graph().initializer_size(),
+            test::parsed(onnx_of(test::causal_model()).value()).graph().initializer_size())
+      << "the weights stand in it once";
+}
+
+TEST(ExportModel, WhatSensorsSayInsteadOfTheCondition) {
+  for (const model::ModelFile& from : {test::causal_model(), test::window_model()}) {
+    const auto bytes = onnx_of(from, {.features = true}).value();
+    check_file(bytes);
+    const auto model = test::parsed(bytes);
+    EXPECT_THAT(shape_of(model.graph().input(0)), HasSubstr("features: batch"));
+    EXPECT_THAT(shape_of(model.graph().input(0)), HasSubstr(" 14"));
+    EXPECT_THAT(shape_of(model.graph().input(1)), HasSubstr(" 4"));
+    check_file(onnx_of(from, {.part = "ridge.lab", .features = true}).value());
+  }
+}
+
+TEST(ExportModel, AnEchoHasTheSameInputs) {
+  const auto bytes = onnx_of(test::causal_model(), {.steps = 4}).value();
+  const auto echo = echo_of(bytes).value();
+  check_file(echo);
+  EXPECT_EQ(shapes_of(test::parsed(echo).graph().input()), shapes_of(test::parsed(bytes).graph().input()));
+  EXPECT_LT(echo.size(), 10'000u) << "no weights are in it";
+  EXPECT_EQ(echo_of(std::as_bytes(std::span("no such file"))).error().code, ErrorCode::malformed);
+}
+
+TEST(ExportModel, RefusesWhatCannotBeMeant) {
+  const auto code = [](const ExportRequest& request, const model::ModelFile& model) {
+    const auto made = onnx_of(model, request);
+    return made ? ErrorCode::internal : made.error().code;
+  };
+  const model::ModelFile causal = test::causal_model(), window = test::window_model();
+  EXPECT_EQ(code({.part = "ridge.device"}, causal), ErrorCode::not_found);
+  EXPECT_EQ(code({.part = "nose"}, causal), ErrorCode::not_found);
+  EXPECT_EQ(code({.part = ""}, causal), ErrorCode::not_found);
+  EXPECT_EQ(code({.steps = 0}, causal), ErrorCode::out_of_range);
+  EXPECT_EQ(code({.steps = kMostSteps + 1}, causal), ErrorCode::out_of_range);
+  EXPECT_EQ(code({.steps = 2}, window), ErrorCode::bad_usage);
+  EXPECT_EQ(code({.part = "ridge.lab", .steps = 2}, causal), ErrorCode::bad_usage);
+  model::ModelFile broken = causal;
+  broken.network.pop_back();
+  EXPECT_EQ(code({}, broken), ErrorCode::mismatch);
+  broken = causal;
+  broken.architecture.d_model = 33;
+  EXPECT_EQ(code({}, broken), ErrorCode::out_of_range);
+
+  const auto glasses = eyewear::test::small_marker_network();
+  EXPECT_EQ(onnx_of(glasses, {.features = true}).error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(onnx_of(glasses, {.part = "ridge.lab"}).error().code, ErrorCode::not_found);
+}
+
+TEST(ExportModel, ReadsFilesOfEitherFormatAndNoOther) {
+  const mien::test::Folder folder;
+  ASSERT_TRUE(model::write_model(folder / "causal.safetensors", test::causal_model()));
+  ASSERT_TRUE(
+      eyewear::write_marker_network(folder / "eyewear.safetensors", eyewear::test::small_marker_network()));
+  EXPECT_EQ(onnx_of_file(folder / "causal.safetensors"), onnx_of(test::causal_model()));
+  EXPECT_EQ(onnx_of_file(folder / "eyewear.safetensors"), onnx_of(eyewear::test::small_marker_network()));
+  EXPECT_EQ(onnx_of_file(folder / "missing.safetensors").error().code, ErrorCode::not_found);
+  EXPECT_EQ(onnx_of_file(MIEN_SOURCE_DIR "/README.md").error().code, ErrorCode::malformed);
+}
+
+}  // namespace
+}  // namespace mien::onnx
