@@ -43,14 +43,11 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
       state_(network_),
       input_(file_, face_sensor_names),
       condition_(file_.features.width()),
-      shares_(sensor_shares(file_)) {
-  calm_.fill(OneEuro(kCalm));
-}
+      shares_(sensor_shares(file_)) {}
 
 void CausalTracker::reset() {
   state_.reset();
-  for (OneEuro& filter : calm_) filter.reset();
-  frames_ = 0;
+  calm_.reset();
 }
 
 Result<CausalTracker> CausalTracker::create(model::ModelFile file,
@@ -72,9 +69,8 @@ void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame&
   network_.step(condition_, state_, answer_);
   out = face::OutputFrame{};
   out.time = features.time;
-  const DeviceTime now = DeviceTime{} + frame_offset(frames_++);
-  for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    out.weights[k] = static_cast<float>(calm_[k].filter(now, model::from_network(answer_[k])));
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) out.weights[k] = model::from_network(answer_[k]);
+  calm_.apply(out.weights);
   for (std::size_t s = 0; s < input_.sensor_count(); ++s)
     if (input_.felt(s))
       for (std::size_t k = 0; k < face::kShapeCount; ++k)

@@ -1,16 +1,15 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/core/one_euro.h"
 #include "mien/face/output_frame.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/tracker/calm.h"
 #include "mien/tracker/frame_model.h"
 #include "mien/tracker/model_input.h"
 
@@ -28,7 +27,7 @@ class CausalTracker final : public FrameModel {
                                                     const std::vector<std::string>& face_sensor_names);
 
   /// The next frame, a 60th of a second after the last. Fills all of `out` but the eyes, which become neutral
-  /// ones: weights in [0, 1], calmed (kCalm); provenance: measured where any sensor has a rotation, else
+  /// ones: weights in [0, 1], calmed (Calm); provenance: measured where any sensor has a rotation, else
   /// predicted; confidence of a shape: the share of its sensors that were there, each counting as much as the
   /// file's ridge listens to it for that shape; the head's as the features say. No allocation; about 30 us
   /// with the default model. The same frames after a reset give the same bits on one CPU family and build.
@@ -38,12 +37,6 @@ class CausalTracker final : public FrameModel {
   void reset() override;
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
-
-  /// Networks of squared errors tremble with their sensors' noise. On virtual performers in *lab*, whose
-  /// rotations carry a degree of white noise, this takes the third difference from 6 times the truth's
-  /// to 1.0, for 2 % of squared error (docs/live_model.md). The delay at rest is a tenth of a second, in a
-  /// blink 5 ms.
-  static constexpr OneEuroSettings kCalm{.min_cutoff_hz = 1.5, .beta = 3};
 
  private:
   CausalTracker(model::ModelFile file, model::CausalNetwork network,
@@ -55,8 +48,7 @@ class CausalTracker final : public FrameModel {
   ModelInput input_;
   std::vector<float> condition_;
   std::array<float, face::kShapeCount> answer_{};
-  std::array<OneEuro, face::kShapeCount> calm_;
-  std::int64_t frames_ = 0;  ///< Since the reset: the calm's time.
+  Calm calm_;
   /// How much of what is known of a shape each sensor says: a sensor's 53 shares stand together, and a
   /// shape's add up to 1.
   std::vector<float> shares_;
