@@ -74,7 +74,7 @@ Result<void> run(Options options) {
       return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
                   take.path().string(), "evaluate them apart");
   options.model.adapt = !options.no_adapt;
-  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes));
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
   std::vector<study::TakeEstimates> estimates;
@@ -89,6 +89,10 @@ Result<void> run(Options options) {
   }
   MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
                   study::evaluate(study::Meter(face), estimates, model.mean_pose()));
+  if (adapted > 0 && adapted < takes.size())
+    fmt::print(stderr,
+               "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
+               adapted, takes.size());
   const study::EvaluationContext context{
       .face = face_name,
       .model = options.model.path,

@@ -18,10 +18,32 @@
 namespace mien::app {
 namespace {
 
-/// Whether a take has what a wearer is learnt from.
-bool has_full_prologue(const take::Take& take) {
-  const auto events = take.events();
-  return events && study::prompted_expressions(*events).size() >= tracker::kLeastPrompts;
+/// A wearer's model, and what it took to learn; says on stderr where a take with prompts could not be learnt
+/// from.
+struct Adapted {
+  std::optional<tracker::Personalisation> personalised;
+  double seconds = 0;
+};
+Result<Adapted> adapt(const take::Take& take, model::ModelFile& file) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const std::optional<DeviceTime> until, study::first_evaluated(take));
+  Adapted out;
+  // What is measured is not learnt from.
+  if (std::ranges::count_if(study::prompted_expressions(events), [&](const auto& prompt) {
+        return !until || prompt.end <= *until;
+      }) < static_cast<std::ptrdiff_t>(tracker::kLeastPrompts))
+    return out;
+  const auto start = std::chrono::steady_clock::now();
+  auto learnt = study::personalise_on(take, file, until);
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (learnt)
+    out.personalised = *learnt;
+  else if (learnt.error().code == ErrorCode::not_found)
+    fmt::print(stderr, "mien: {}: the wearer was not learnt: {}\n", take.path().string(),
+               learnt.error().what);
+  else
+    return std::unexpected(learnt.error());
+  return out;
 }
 
 }  // namespace
@@ -58,19 +80,16 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
   } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
     model::ModelFile file = *causal;
-    std::optional<tracker::Personalisation> personalised;
-    double seconds = 0;
-    if (adapt_ && file.skin && file.skin->wearer.empty() && has_full_prologue(take)) {
+    Adapted adapted;
+    if (adapt_ && file.skin && file.skin->wearer.empty()) {
       progress(0, "learning the wearer");
-      const auto start = std::chrono::steady_clock::now();
-      MIEN_TRY_ASSIGN(personalised, study::personalise_on(take, file));
-      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      MIEN_TRY_ASSIGN(adapted, adapt(take, file));
     }
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                     tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, tracker, from, progress));
-    solution.personalised = personalised;
-    solution.personalise_s = seconds;
+    solution.personalised = adapted.personalised;
+    solution.personalise_s = adapted.seconds;
   } else {
     MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
                     live::make_tracker(take.rig(), std::get<std::filesystem::path>(model_)));
@@ -102,8 +121,7 @@ void ModelOption::add_to(CLI::App* command) {
       ->excludes(counted);
 }
 
-Result<OpenModel> ModelOption::open(std::span<const take::Take> takes) {
-  const sensor::Rig& rig = takes.front().rig();
+Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
   if (!live::has_window_models(rig)) {
     MIEN_TRY_ASSIGN(std::filesystem::path file, live::live_model(rig, path));
     path = file.string();
@@ -114,10 +132,7 @@ Result<OpenModel> ModelOption::open(std::span<const take::Take> takes) {
     return OpenModel(std::move(file));
   }
   if (path.empty()) {
-    const bool personal = live && adapt && std::ranges::all_of(takes, has_full_prologue);
-    MIEN_TRY_ASSIGN(path, find_resource(personal ? "models/personal.safetensors"
-                                        : live   ? "models/live.safetensors"
-                                                 : "models/default.safetensors"));
+    MIEN_TRY_ASSIGN(path, find_resource(live ? "models/live.safetensors" : "models/default.safetensors"));
   }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   if (file.architecture.kind == model::NetworkKind::causal) {

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <variant>
 
@@ -45,15 +44,14 @@ struct ModelOption {
   std::string path;   ///< Empty: the default model.
   bool live = false;  ///< The default model is then the live one.
   int steps = 0;      ///< 0: as the model file says.
-  /// Where a take has a full prologue and the model can be personalised, that is done first. The default live
-  /// model is then the one that can.
+  /// Where a take has a full prologue and the model can be personalised, that is done first.
   bool adapt = false;
 
   void add_to(CLI::App* command);
-  /// Finds the model for takes, at least one, of one rig; `path` becomes the one that it is. Errors:
+  /// Finds the model for takes of a rig; `path` becomes the one that it is. Errors:
   /// not_found (no default model is installed), bad_usage (steps for a model that takes none), and the model
   /// reader's.
-  [[nodiscard]] Result<OpenModel> open(std::span<const take::Take> takes);
+  [[nodiscard]] Result<OpenModel> open(const sensor::Rig& rig);
 };
 
 }  // namespace mien::app

@@ -24,29 +24,31 @@ Result<void> run(Options options) {
     return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   if (options.model.empty()) {
-    MIEN_TRY_ASSIGN(options.model, find_resource("models/personal.safetensors"));
+    MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
   }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const tracker::Personalisation learnt, study::personalise_on(take, file));
-  if (learnt.taken) MIEN_TRY(model::write_model(options.out, file));
-  if (options.json) {
+  if (!learnt.taken)
+    return fail(
+        ErrorCode::not_found,
+        fmt::format("what was learnt foretells prompts that were held out no better than the standard skin "
+                    "does (surprise {:.3f}, without it {:.3f}), so nothing was written",
+                    learnt.surprise_after, learnt.surprise_before),
+        options.take, "check the sensors and record the prompts again; without it use " + options.model);
+  MIEN_TRY(model::write_model(options.out, file));
+  if (options.json)
     print_json({{"take", options.take},
                 {"model", options.model},
-                {"out", learnt.taken ? options.out : ""},
-                {"taken", learnt.taken},
+                {"out", options.out},
                 {"prompts", learnt.prompts},
                 {"frames", learnt.frames},
                 {"surprise_before", learnt.surprise_before},
                 {"surprise_after", learnt.surprise_after}});
-    return {};
-  }
-  fmt::print("{} prompts, {} frames; surprise at prompts that were held out {:.2f}, before {:.2f}\n",
-             learnt.prompts, learnt.frames, learnt.surprise_after, learnt.surprise_before);
-  if (learnt.taken)
-    fmt::print("wrote {}; use it with --model\n", options.out);
   else
-    fmt::print("what was learnt foretells them no better, so nothing was written and {} stays the best\n",
-               options.model);
+    fmt::print(
+        "{} prompts, {} frames; surprise at prompts that were held out {:.3f}, on the standard skin {:.3f}\n"
+        "wrote {}; use it with --model\n",
+        learnt.prompts, learnt.frames, learnt.surprise_after, learnt.surprise_before, options.out);
   return {};
 }
 
@@ -60,8 +62,9 @@ void add_personalise_command(Commands& commands) {
                    [options] { return run(*options); });
   command->add_option("take", options->take, "A take with a full prologue or prompts")->required();
   command->add_option("--out", options->out, "The wearer's own model, .safetensors")->required();
-  command->add_option("--model", options->model,
-                      "The model to begin with (default: models/personal.safetensors)");
+  command->add_option(
+      "--model", options->model,
+      "The model to begin with (default: models/live.safetensors); a wearer's skin in it is not built upon");
   command->add_flag("--force", options->force, "Replace an existing model");
   command->add_flag("--json", options->json, "Print one JSON object");
 }

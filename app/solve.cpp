@@ -25,7 +25,7 @@ struct Options {
 Result<void> run(Options options) {
   if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
-  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open({&take, 1}));
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(take.rig()));
   const auto start = std::chrono::steady_clock::now();
   MIEN_TRY_ASSIGN(
       const study::Solution solution,

@@ -131,7 +131,8 @@ int main(int argc, char** argv) {
   train_command->add_option("--face", train.face, "builtin, an ICT-FaceKit folder, or a .glb or .vrm file");
   train_command->add_option("--rig", train.rig, "The sensor rig; rigs/default.toml unless told");
   train_command->add_option("--from", train.from,
-                            "Begin with this model's network instead of with drawn weights");
+                            "Begin with this model's network and normalisation instead of with drawn "
+                            "weights; --resume wants it again");
   train_command->add_flag("--resume", train.options.resume,
                           "Go on from the checkpoint of a run that was stopped");
   train_command->add_flag("--force", train.options.force, "Replace what stands there, whatever it is");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -38,6 +39,17 @@ Result<void> check_sampling(const ModelFile& m, const std::string& where) {
   return {};
 }
 
+/// Whether the covariance is one: symmetric, and nowhere less than nothing.
+bool is_covariance(const std::vector<float>& values, std::size_t shapes) {
+  using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto size = static_cast<Eigen::Index>(shapes);
+  const Eigen::MatrixXd c = Eigen::Map<const Matrix>(values.data(), size, size).cast<double>();
+  // Sums in single precision: to a thousandth of the largest variance.
+  const double rounding = 1e-3 * c.diagonal().maxCoeff() + 1e-9;
+  if ((c - c.transpose()).cwiseAbs().maxCoeff() > rounding) return false;
+  return (c + rounding * Eigen::MatrixXd::Identity(size, size)).llt().info() == Eigen::Success;
+}
+
 /// Slopes of every sensor, and a covariance that is one.
 Result<void> check_skin(const ModelFile& m, const std::string& where) {
   const std::size_t shapes = m.shapes.size(), slopes = 3 * m.features.sensors.size() * shapes;
@@ -49,9 +61,8 @@ Result<void> check_skin(const ModelFile& m, const std::string& where) {
     for (const float value : *values)
       if (!(std::abs(value) <= kMostSlope))
         return fail(ErrorCode::out_of_range, "the skin turns by what no skin does", where);
-  for (std::size_t k = 0; k < shapes; ++k)
-    if (!(skin.covariance[k * shapes + k] >= 0))
-      return fail(ErrorCode::out_of_range, "the skin's covariance is none", where);
+  if (!is_covariance(skin.covariance, shapes))
+    return fail(ErrorCode::out_of_range, "the skin's covariance of the weights is none", where);
   return {};
 }
 

@@ -24,7 +24,8 @@ struct ModelFile {
   std::vector<std::string> shapes;   ///< Names of the outputs, in their order.
   std::vector<float> mean_pose;      ///< Mean weights of the training set, 0 to 1, one a shape.
   std::vector<RidgeBaseline> ridge;  ///< At most one a profile.
-  /// What the model can be brought to a wearer's skin by (tracker::personalise), and by whose it was.
+  /// How skin turns under the sensors; with a wearer's slopes the model is that wearer's
+  /// (tracker::personalise). None: the model cannot be personalised.
   std::optional<Skin> skin;
   ScheduleSettings schedule;    ///< This and the sampler: of a window network alone.
   SamplerSettings sampler;      ///< The defaults, chosen on validation.

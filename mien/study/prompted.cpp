@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// What a prompt asks for without saying how quickly it is to be reached.
+/// Of a prompt that is shown until its end, and says nothing of how quickly it is to be reached.
 constexpr double kUsualRise_s = 0.4;
 
 std::optional<tracker::PromptedExpression> parse_prompt(const take::Event& event) {
@@ -22,7 +22,8 @@ std::optional<tracker::PromptedExpression> parse_prompt(const take::Event& event
   if (const auto name = details.find("name"); name != details.end() && name->is_string())
     prompt.name = name->get<std::string>();
   const auto rise = details.find("rise_s");
-  prompt.rise_s = rise != details.end() && rise->is_number() ? rise->get<double>() : kUsualRise_s;
+  prompt.held = rise == details.end() || !rise->is_number();
+  prompt.rise_s = prompt.held ? kUsualRise_s : rise->get<double>();
   if (!(prompt.rise_s > 0 && prompt.rise_s < to_seconds(event.end - event.begin))) return std::nullopt;
   bool any = false;
   for (const auto& [name, weight] : details["target"].items()) {
@@ -46,11 +47,22 @@ std::vector<tracker::PromptedExpression> prompted_expressions(std::span<const ta
   return prompts;
 }
 
-Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file) {
+Result<std::optional<DeviceTime>> first_evaluated(const take::Take& take) {
+  MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, take.truth());
+  const auto first = std::ranges::find_if(truth, &take::TruthFrame::evaluated);
+  return first == truth.end() ? std::nullopt : std::optional(first->time);
+}
+
+Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file,
+                                                std::optional<DeviceTime> until) {
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
-  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, SolveFrom::samples));
-  auto learnt =
-      tracker::personalise(features, prompted_expressions(events), take.rig().face_sensor_names(), file);
+  MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features, take_features(take, SolveFrom::samples));
+  std::vector<tracker::PromptedExpression> prompts = prompted_expressions(events);
+  if (until) {
+    std::erase_if(features, [&](const model::FeatureFrame& frame) { return frame.time >= *until; });
+    std::erase_if(prompts, [&](const tracker::PromptedExpression& prompt) { return prompt.end > *until; });
+  }
+  auto learnt = tracker::personalise(features, prompts, take.rig().face_sensor_names(), file);
   if (!learnt && learnt.error().where.empty()) learnt.error().where = take.path().string();
   return learnt;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,8 +14,12 @@ namespace mien::study {
 [[nodiscard]] std::vector<tracker::PromptedExpression> prompted_expressions(
     std::span<const take::Event> events);
 
-/// Learns the wearer of a model from a take with prompts (tracker::personalise). Errors: the take's;
-/// not_found (too few prompts), unsupported (the model), mismatch.
-[[nodiscard]] Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file);
+/// When the first frame is that counts in an evaluation; none where there is no truth. Errors: the take's.
+[[nodiscard]] Result<std::optional<DeviceTime>> first_evaluated(const take::Take& take);
+
+/// Learns the wearer of a model from a take with prompts (tracker::personalise), from what was before
+/// `until`. Errors: the take's; not_found (too few prompts), unsupported (the model), mismatch.
+[[nodiscard]] Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file,
+                                                              std::optional<DeviceTime> until = std::nullopt);
 
 }  // namespace mien::study

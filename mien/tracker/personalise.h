@@ -16,8 +16,11 @@ namespace mien::tracker {
 /// known: it comes late, stronger or weaker than asked, and with something of other shapes.
 struct PromptedExpression {
   std::string name;
-  DeviceTime begin, end;  ///< Asked for from begin on; to be left `rise_s` before end.
+  DeviceTime begin, end;  ///< Asked for from begin to end.
   double rise_s = 0.4;    ///< How long the way there and back takes.
+  /// Shown until its end, as mien record shows it; else to be left so early that the face rests at the end,
+  /// as a virtual performer's prologue wants it.
+  bool held = false;
   face::BlendshapeWeights target;
 };
 
@@ -29,14 +32,14 @@ struct Personalisation {
   std::size_t frames = 0;   ///< That were learnt from.
   std::size_t prompts = 0;  ///< With at least one sensor there.
   /// Mean surprise of a held-out frame's rotations, given its prompt, as -log likelihood a sensor and axis in
-  /// nats: of the skin that was in the model, and of the learnt one.
+  /// nats: of the standard skin, and of the learnt one.
   double surprise_before = 0, surprise_after = 0;
   bool taken = false;  ///< False: the learnt one was no better, and the model is as it was.
 };
 
 /// Learns how the wearer's skin turns under each sensor from a minute of prompted expressions, and puts it
-/// into `file` (model::Skin::wearer). The prior is the skin that the file has, the wearer's of an earlier
-/// time or the standard's; each slope may differ from it by about a half.
+/// into `file` (model::Skin::wearer). The prior is the standard skin, whatever wearer's the
+/// file had; each slope may differ from it by about a half.
 ///
 /// By expectation-maximisation over the frames of the prompts: weights and slopes are both unknown, weights
 /// are known beforehand by the prompt, its usual lateness and how people miss it, slopes by the prior.
@@ -45,7 +48,7 @@ struct Personalisation {
 ///
 /// `rig_sensors` names the features' sensors. Cost: a second or two of one core a minute of prompts. Errors:
 /// unsupported (a model without a skin), not_found (fewer than six prompts with sensors, or none whose shapes
-/// are asked for twice), mismatch (no sensor in common).
+/// are asked for twice), mismatch (no sensor in common, outputs that are not the 53 shapes).
 [[nodiscard]] Result<Personalisation> personalise(std::span<const model::FeatureFrame> features,
                                                   std::span<const PromptedExpression> prompts,
                                                   const std::vector<std::string>& rig_sensors,

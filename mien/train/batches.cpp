@@ -42,6 +42,9 @@ void add_array(Sha256& hash, const std::vector<T>& values) {
 Result<void> check(const study::Dataset& dataset) {
   const std::size_t n = dataset.sensors.size();
   if (n == 0) return fail(ErrorCode::mismatch, "the data set has no sensors");
+  if (!dataset.standard_slopes.empty() &&
+      (dataset.standard_slopes.size() != 3 * n * face::kShapeCount || !all_finite(dataset.standard_slopes)))
+    return fail(ErrorCode::mismatch, "the standard skin does not fit the sensors", "data set");
   for (std::size_t i = 0; i < dataset.sequences.size(); ++i) {
     const study::Sequence& s = dataset.sequences[i];
     const std::string where = fmt::format("sequence {}", i);
@@ -71,6 +74,7 @@ std::string hash_of(const study::Dataset& dataset) {
     add_array(hash, s.present);
     add_array(hash, s.weights);
   }
+  add_array(hash, dataset.standard_slopes);
   return hash.hex();
 }
 
@@ -124,7 +128,7 @@ BatchMaker::BatchMaker(const study::Dataset& dataset, const Recipe& recipe,
       mean_pose_(mean_pose) {}
 
 std::optional<model::SkinMap> BatchMaker::draw_skin(std::size_t sequence, Random& random) const {
-  if (!skin_ || !random.chance(recipe_.known_skin)) return std::nullopt;
+  if (!skin_ || recipe_.known_skin == 0 || !random.chance(recipe_.known_skin)) return std::nullopt;
   model::Skin known = *skin_;
   known.wearer = dataset_.sequences[sequence].slopes;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {

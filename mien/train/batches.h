@@ -43,11 +43,14 @@ struct Batch {
 class BatchMaker {
  public:
   /// Keeps references: the data set must stay.
-  /// `skin` and `mean_pose`: what wearers' skins are brought to the standard's by; none where the recipe asks
-  /// for no known skin.
+  /// `skin` and `mean_pose`: what wearers' skins are brought to the standard's by, where the recipe wants
+  /// known skins.
   BatchMaker(const study::Dataset& dataset, const Recipe& recipe, const model::FeatureLayout& layout,
              const model::FeatureNormalisation& normalisation, const std::optional<model::Skin>& skin,
              const std::vector<float>& mean_pose);
+
+  /// From now on batches are normalised by these.
+  void use(const model::FeatureNormalisation& normalisation) { normalisation_ = normalisation; }
 
   [[nodiscard]] const study::Dataset& dataset() const { return dataset_; }
 

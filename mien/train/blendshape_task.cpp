@@ -39,9 +39,9 @@ Json written(const Assessment& assessment) {
   return results;
 }
 
-/// Nothing where the recipe wants no known skin.
-std::optional<model::Skin> skin_of(const Recipe& recipe, const study::Dataset& training) {
-  if (recipe.known_skin == 0) return std::nullopt;
+/// Nothing where the data know no skin.
+std::optional<model::Skin> skin_of(const study::Dataset& training) {
+  if (training.standard_slopes.empty()) return std::nullopt;
   return model::Skin{
       .standard = training.standard_slopes, .covariance = weight_covariance_of(training), .wearer = {}};
 }
@@ -83,7 +83,7 @@ BlendshapeTask::BlendshapeTask(Recipe recipe, study::Dataset training, study::Da
              .shapes = {face::kShapeNames.begin(), face::kShapeNames.end()},
              .mean_pose = mean_pose_of(training_),
              .ridge = {},
-             .skin = skin_of(recipe_, training_),
+             .skin = skin_of(training_),
              .schedule = recipe_.schedule,
              .sampler = {},
              .rig = std::move(rig),
@@ -124,13 +124,16 @@ Result<std::string> BlendshapeTask::results_of(const std::filesystem::path& mode
   return standing.results;
 }
 
-Result<std::vector<model::Tensor>> BlendshapeTask::network_of(const std::filesystem::path& model) const {
+Result<std::vector<model::Tensor>> BlendshapeTask::begin_with(const std::filesystem::path& model) {
   MIEN_TRY_ASSIGN(model::ModelFile standing, model::read_model(model));
   if (standing.architecture.kind != recipe_.architecture.kind ||
       model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
       standing.features != model_.features)
     return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
                 "start from a model of the recipe's own architecture and rig");
+  model_.normalisation = standing.normalisation;
+  training_batches_.use(standing.normalisation);
+  validation_batches_.use(standing.normalisation);
   return std::move(standing.network);
 }
 

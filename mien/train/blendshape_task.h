@@ -25,8 +25,7 @@ class BlendshapeTask final : public Task {
   [[nodiscard]] std::size_t training_frames() const override;
   [[nodiscard]] std::size_t validation_frames() const override;
   [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
-  [[nodiscard]] Result<std::vector<model::Tensor>> network_of(
-      const std::filesystem::path& model) const override;
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
                                            const Progress& progress) override;
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,

@@ -201,11 +201,12 @@ Result<std::string> MarkerTask::results_of(const std::filesystem::path& model) c
   return standing.results;
 }
 
-Result<std::vector<model::Tensor>> MarkerTask::network_of(const std::filesystem::path& model) const {
+Result<std::vector<model::Tensor>> MarkerTask::begin_with(const std::filesystem::path& model) {
   MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile standing, eyewear::read_marker_network(model));
   if (standing.architecture.kind != recipe_.architecture.kind ||
       model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture) ||
-      standing.sensors != model_.sensors || standing.markers != model_.markers)
+      standing.sensors != model_.sensors || standing.markers != model_.markers ||
+      standing.scale_m != model_.scale_m)
     return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
                 "start from a model of the recipe's own architecture and rig");
   return std::move(standing.network);

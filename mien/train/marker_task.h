@@ -28,8 +28,7 @@ class MarkerTask final : public Task {
   [[nodiscard]] std::size_t training_frames() const override;
   [[nodiscard]] std::size_t validation_frames() const override;
   [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
-  [[nodiscard]] Result<std::vector<model::Tensor>> network_of(
-      const std::filesystem::path& model) const override;
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
   /// "markers": mean distance over validation, of the network frame by frame, of a ridge on the same frames,
   /// and of neutral, mm.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,

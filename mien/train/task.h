@@ -36,10 +36,10 @@ class Task {
 
   /// The results text of a model of this kind. Errors: the model reader's.
   [[nodiscard]] virtual Result<std::string> results_of(const std::filesystem::path& model) const = 0;
-  /// The network of a model of this kind, for training to go on from. Errors: the model reader's; mismatch
-  /// (of another size, or of other sensors).
-  [[nodiscard]] virtual Result<std::vector<model::Tensor>> network_of(
-      const std::filesystem::path& model) const = 0;
+  /// Takes over what stands around the network of a model of this kind (its normalisation), and gives the
+  /// network, for training to go on from. To be called before any batch is made. Errors: the model reader's;
+  /// mismatch (of another size, or of other sensors).
+  [[nodiscard]] virtual Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) = 0;
   /// Measures a trained network, beside what baselines do, and keeps it for write(). Returns a JSON object
   /// that results are completed by. Errors: cancelled, and those of the run time.
   [[nodiscard]] virtual Result<std::string> assess(std::span<const model::Tensor> network,

@@ -138,16 +138,16 @@ class Training {
     MIEN_TRY_ASSIGN(device_, find_device(options_.device));
     use_threads(options_.threads);
     mixer_.emplace(recipe_.schedule, *device_);
+    std::string from;
+    if (!options_.from.empty()) {
+      MIEN_TRY_ASSIGN(begin_with_, task_.begin_with(options_.from));
+      Sha256 hash;
+      for (const model::Tensor& tensor : begin_with_) hash.add(std::as_bytes(std::span(tensor.values)));
+      from = " " + hash.hex();
+    }
     validation_windows_ = task_.validation_batch(Random(recipe_.seed).fork("validation"));
     validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
                                           recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
-    std::string from;
-    if (!options_.from.empty()) {
-      MIEN_TRY_ASSIGN(const std::vector<model::Tensor> network, task_.network_of(options_.from));
-      Sha256 hash;
-      for (const model::Tensor& tensor : network) hash.add(std::as_bytes(std::span(tensor.values)));
-      from = " " + hash.hex();
-    }
     run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_hash(), validation_hash_,
                               options_.device, from));
     return {};
@@ -177,8 +177,7 @@ class Training {
     if (options_.from.empty()) {
       weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, recipe_.near_first, *device_);
     } else {
-      MIEN_TRY_ASSIGN(const std::vector<model::Tensor> network, task_.network_of(options_.from));
-      weights_ = from_tensors(network, *device_);
+      weights_ = from_tensors(begin_with_, *device_);
       for (torch::Tensor& weight : weights_) weight.requires_grad_();
     }
     adam_.emplace(weights_);
@@ -327,6 +326,7 @@ class Training {
   }
 
   Task& task_;
+  std::vector<model::Tensor> begin_with_;  // Empty: weights drawn anew.
   const Recipe& recipe_;
   const TrainOptions& options_;
   const Progress& progress_;

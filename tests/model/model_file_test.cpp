@@ -50,8 +50,9 @@ TEST(ModelFile, ACausalOneRoundTripsWithoutASampler) {
 
 TEST(ModelFile, AWearersSkinRoundTripsAndIsChecked) {
   ModelFile model = small_causal_model();
-  model.skin = Skin{
-      .standard = std::vector<float>(18, 0.25F), .covariance = std::vector<float>(9, 0.01F), .wearer = {}};
+  model.skin = Skin{.standard = std::vector<float>(18, 0.25F),
+                    .covariance = {0.02F, 0.01F, 0, 0.01F, 0.02F, 0, 0, 0, 0},
+                    .wearer = {}};
   for (const bool worn : {false, true}) {
     if (worn) model.skin->wearer.assign(18, 0.5F);
     const auto back = parse_model(*format_model(model), "test");
@@ -61,9 +62,11 @@ TEST(ModelFile, AWearersSkinRoundTripsAndIsChecked) {
     EXPECT_EQ(back->skin->covariance, model.skin->covariance);
     EXPECT_EQ(back->skin->wearer, model.skin->wearer);
   }
-  for (const auto spoil : {+[](Skin& s) { s.wearer.pop_back(); }, +[](Skin& s) { s.covariance.push_back(0); },
-                           +[](Skin& s) { s.standard[3] = 100; }, +[](Skin& s) { s.covariance[4] = -1; },
-                           +[](Skin& s) { s.wearer[0] = std::nanf(""); }}) {
+  for (const auto spoil :
+       {+[](Skin& s) { s.wearer.pop_back(); }, +[](Skin& s) { s.covariance.push_back(0); },
+        +[](Skin& s) { s.standard[3] = 100; }, +[](Skin& s) { s.covariance[4] = -1; },
+        +[](Skin& s) { s.covariance[1] = s.covariance[3] = 12; }, +[](Skin& s) { s.covariance[1] = 0; },
+        +[](Skin& s) { s.wearer[0] = std::nanf(""); }}) {
     ModelFile spoilt = model;
     spoil(*spoilt.skin);
     EXPECT_FALSE(format_model(spoilt));

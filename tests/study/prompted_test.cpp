@@ -29,6 +29,8 @@ TEST(Prompted, ReadsWhatWasAskedForAndPassesOverTheRest) {
   EXPECT_EQ(prompts[0].rise_s, 0.3);
   EXPECT_EQ(prompts[0].target[face::shape("jawOpen")], 1);
   EXPECT_EQ(prompts[0].target[face::shape("mouthFunnel")], 1) << "held to the range";
+  EXPECT_FALSE(prompts[0].held);
+  EXPECT_TRUE(prompts[1].held) << "shown until its end, as mien record does";
   EXPECT_EQ(prompts[1].target[face::shape("jawOpen")], 0.5F);
 }
 

@@ -16,7 +16,9 @@ TEST(Calm, TakesTremblingOutAndFollowsABlink) {
   Random random(1);
   double trembling = 0, left = 0, largest_lag = 0;
   std::array<float, 4> in{}, out{};
-  const auto third = [](const std::array<float, 4>& x) { return std::abs(x[3] - 3 * x[2] + 3 * x[1] - x[0]); };
+  const auto third = [](const std::array<float, 4>& x) {
+    return std::abs(x[3] - 3 * x[2] + 3 * x[1] - x[0]);
+  };
   for (int f = 0; f < 600; ++f) {
     face::BlendshapeWeights weights;
     const float tremble = 0.3F + 0.02F * static_cast<float>(random.normal());
