@@ -212,10 +212,12 @@ void add_bench_command(Commands& commands) {
   auto asked = std::make_shared<CausalBench>();
   CLI::App* causal = commands.add_under(
       bench, "causal",
-      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop beside other "
+      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
+      "beside other "
       "run times, and how many performers one core carries, beside the core's measured peak",
       "mien bench causal --precision bf16 --json", [asked] { return run_causal_bench(*asked); });
-  causal->add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
+  causal
+      ->add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
       ->capture_default_str();
   causal->add_option("--frames", asked->frames, "Frames of a 60th of a second")
       ->check(CLI::Range(1, 1'000'000))

@@ -14,8 +14,8 @@ struct CausalBench {
   bool json = false;
 };
 
-/// Measures the live model's frame as a session lives it, its step in a hot loop, and how many performers one core
-/// carries; beside what the core can do at most, measured in the same run. Prints it. Errors: the model
+/// Measures the live model's frame as a session lives it, its step in a hot loop, and how many performers one
+/// core carries; beside what the core can do at most, measured in the same run. Prints it. Errors: the model
 /// reader's and the tracker's; cancelled.
 [[nodiscard]] Result<void> run_causal_bench(const CausalBench& options);
 

@@ -12,8 +12,9 @@
 #include "mien/model/linear.h"
 #include "mien/model/peak.h"
 
-// The networks' run time, each figure beside what the core can do at most, measured in this run: `of_peak` is the share
-// of the fp32 peak (bf16 and int8 may pass 1), `of_read` the share of the rate at which 8 MB are read.
+// The networks' run time, each figure beside what the core can do at most, measured in this run: `of_peak` is
+// the share of the fp32 peak (bf16 and int8 may pass 1), `of_read` the share of the rate at which 8 MB are
+// read.
 namespace {
 
 using namespace mien;
@@ -43,7 +44,8 @@ std::vector<model::Tensor> random_network(const model::Architecture& architectur
     std::size_t count = 1;
     for (const std::size_t n : spec.shape) count *= n;
     const double spread = spec.shape.size() == 2 ? 1 / std::sqrt(static_cast<double>(spec.shape[1])) : 0.05;
-    tensors.push_back({.name = spec.name, .shape = spec.shape, .values = numbers(count, tensors.size(), spread)});
+    tensors.push_back(
+        {.name = spec.name, .shape = spec.shape, .values = numbers(count, tensors.size(), spread)});
     if (spec.shape.size() == 1 && spec.name.ends_with("norm.weight"))
       for (float& gain : tensors.back().values) gain += 1;
   }
@@ -68,7 +70,8 @@ void linear_layer(benchmark::State& state) {
   const auto rows = static_cast<std::size_t>(state.range(0)), out = static_cast<std::size_t>(state.range(1));
   const auto in = static_cast<std::size_t>(state.range(2)), stride = model::row_stride(out);
   const auto precision = static_cast<Precision>(state.range(3));
-  const auto weight = numbers(out * in, 1), bias = numbers(out, 2), x = numbers(rows * model::row_stride(in), 3);
+  const auto weight = numbers(out * in, 1), bias = numbers(out, 2),
+             x = numbers(rows * model::row_stride(in), 3);
   const auto layer = model::pack_linear(weight, bias, out, in, 0, in, precision);
   model::ConvertedRows memory(rows, in);
   model::AlignedFloats y(rows * stride);
@@ -125,7 +128,8 @@ void causal_step(benchmark::State& state) {
     network.step(conditions, all, workspace, out);
     benchmark::DoNotOptimize(out.data());
   }
-  count(state, model::flop_count(a) * static_cast<double>(performers), static_cast<double>(network.weight_bytes()));
+  count(state, model::flop_count(a) * static_cast<double>(performers),
+        static_cast<double>(network.weight_bytes()));
   state.SetLabel(label(precision, out));
 }
 BENCHMARK(causal_step)->ArgsProduct({{0, 1, 2}, {1, 4, 48}})->Unit(benchmark::kMicrosecond);

@@ -19,7 +19,8 @@ using Lanes = hn::CappedTag<float, 16>;
 /// Two units of a latency of four or five need ten sums that do not wait for each other.
 constexpr std::size_t kSums = 12;
 
-/// `times` fused operations on each of twelve sums. Returns how many numbers that made: flops are twice as many.
+/// `times` fused operations on each of twelve sums. Returns how many numbers that made: flops are twice as
+/// many.
 std::size_t multiply_add(std::size_t times, float* HWY_RESTRICT sums) {
   const Lanes d;
   const std::size_t lanes = hn::Lanes(d);
@@ -96,8 +97,7 @@ double read_gb_s(std::size_t bytes) {
   const std::size_t count = std::max<std::size_t>(bytes / sizeof(std::uint32_t) / 128, 1) * 128;
   const Aligned<std::uint32_t> numbers(count);
   volatile std::uint32_t seen = 0;  // So that reading is not left out.
-  const double seconds =
-      shortest(200, [&] { seen = HWY_DYNAMIC_DISPATCH(read_all)(count, numbers.data()); });
+  const double seconds = shortest(200, [&] { seen = HWY_DYNAMIC_DISPATCH(read_all)(count, numbers.data()); });
   return 1e-9 * static_cast<double>(count * sizeof(std::uint32_t)) / seconds;
 }
 

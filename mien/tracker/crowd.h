@@ -26,7 +26,8 @@ class Crowd {
                                             std::size_t performers,
                                             model::Precision precision = model::Precision::fp32);
 
-  /// The next frame of the performers `due`, each once; features[i] and out[i] belong to due[i]. No allocation.
+  /// The next frame of the performers `due`, each once; features[i] and out[i] belong to due[i]. No
+  /// allocation.
   void step(std::span<const std::size_t> due, std::span<const model::FeatureFrame> features,
             std::span<face::OutputFrame> out);
 

@@ -15,10 +15,11 @@ class FrameWriter {
  public:
   explicit FrameWriter(const model::ModelFile& file);
 
-  /// Fills all of `out` but the eyes, which become neutral ones: weights in [0, 1] from `answer`, the network's
-  /// 53 numbers; provenance: measured where any sensor has a rotation, else predicted; confidence of a shape:
-  /// the share of its sensors that were there, each counting as much as the file's ridge listens to it for that
-  /// shape; the head's as the features say. `input` has just encoded `features`. No allocation.
+  /// Fills all of `out` but the eyes, which become neutral ones: weights in [0, 1] from `answer`, the
+  /// network's 53 numbers; provenance: measured where any sensor has a rotation, else predicted; confidence
+  /// of a shape: the share of its sensors that were there, each counting as much as the file's ridge listens
+  /// to it for that shape; the head's as the features say. `input` has just encoded `features`. No
+  /// allocation.
   void write(const model::FeatureFrame& features, const ModelInput& input, std::span<const float> answer,
              face::OutputFrame& out) const;
 
