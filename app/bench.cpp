@@ -12,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "app/bench_causal.h"
 #include "app/bench_onnxruntime.h"
 #include "app/command.h"
 #include "app/json_output.h"
@@ -209,6 +210,22 @@ void add_bench_command(Commands& commands) {
   live->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
   live->add_flag("--json", options->json, "Print one JSON object");
   add_onnxruntime_bench(commands, bench);
+
+  auto asked = std::make_shared<CausalBench>();
+  CLI::App* causal = commands.add_under(
+      bench, "causal",
+      "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
+      "beside other "
+      "run times, and how many performers one core carries, beside the core's measured peak",
+      "mien bench causal --precision bf16 --json", [asked] { return run_causal_bench(*asked); });
+  causal
+      ->add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
+      ->capture_default_str();
+  causal->add_option("--frames", asked->frames, "Frames of a 60th of a second")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  causal->add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
+  causal->add_flag("--json", asked->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

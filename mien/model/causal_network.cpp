@@ -5,7 +5,8 @@
 
 namespace mien::model {
 
-Result<CausalNetwork> CausalNetwork::create(const Architecture& a, std::span<const Tensor> network) {
+Result<CausalNetwork> CausalNetwork::create(const Architecture& a, std::span<const Tensor> network,
+                                            Precision precision) {
   MIEN_TRY(check(a));
   if (a.kind != NetworkKind::causal)
     return fail(ErrorCode::mismatch, "this is a window network, not a causal one", "model file",
@@ -16,7 +17,7 @@ Result<CausalNetwork> CausalNetwork::create(const Architecture& a, std::span<con
   auto next = network.begin();
   const auto linear = [&](std::size_t out, std::size_t in) {
     const std::vector<float>& weight = (next++)->values;
-    return pack_linear(weight, (next++)->values, out, in, 0, in);
+    return pack_linear(weight, (next++)->values, out, in, 0, in, precision);
   };
   CausalNetwork result;
   result.architecture_ = a;
@@ -30,36 +31,62 @@ Result<CausalNetwork> CausalNetwork::create(const Architecture& a, std::span<con
   return result;
 }
 
-CausalNetwork::State::State(const CausalNetwork& network) {
-  const Architecture& a = network.architecture_;
-  for (std::size_t i = 0; i < a.layers; ++i) layers_.emplace_back(a.d_model);
-  x_ = AlignedFloats(a.d_model);
-  from_input_ = AlignedFloats(kGates * a.d_model);
-  from_state_ = AlignedFloats(kGates * a.d_model);
-  answer_ = AlignedFloats(padded(a.outputs));
+CausalNetwork::Workspace::Workspace(const CausalNetwork& network, std::size_t performers)
+    : performers_(performers),
+      x_(performers * row_stride(network.architecture_.d_model)),
+      state_(x_.size()),
+      from_input_(performers * row_stride(kGates * network.architecture_.d_model)),
+      from_state_(from_input_.size()),
+      answer_(performers * row_stride(network.architecture_.outputs)),
+      converted_(performers, std::max(network.architecture_.condition, network.architecture_.d_model)) {}
+
+CausalNetwork::State::State(const CausalNetwork& network) : alone_(network) {
+  for (std::size_t i = 0; i < network.architecture_.layers; ++i)
+    layers_.emplace_back(network.architecture_.d_model);
 }
 
 void CausalNetwork::State::reset() {
   for (AlignedFloats& layer : layers_) std::fill_n(layer.data(), layer.size(), 0.0F);
 }
 
-void CausalNetwork::step(std::span<const float> condition, State& s, std::span<float> out) const {
-  const Architecture& a = architecture_;
-  assert(condition.size() == a.condition && out.size() == a.outputs && s.layers_.size() == a.layers);
-  const std::size_t width = a.d_model;
-  float* x = s.x_.data();
-  apply_linear(input_, 1, condition.data(), a.condition, nullptr, 0, Activation::relu, x, width);
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    float* state = s.layers_[i].data();
-    apply_linear(layers_[i].input, 1, x, width, nullptr, 0, Activation::none, s.from_input_.data(),
-                 kGates * width);
-    apply_linear(layers_[i].state, 1, state, width, nullptr, 0, Activation::none, s.from_state_.data(),
-                 kGates * width);
-    apply_gates(width, s.from_input_.data(), s.from_state_.data(), state);
+std::size_t CausalNetwork::weight_bytes() const {
+  std::size_t bytes = input_.weights.size() + output_.weights.size();
+  for (const Layer& layer : layers_) bytes += layer.input.weights.size() + layer.state.weights.size();
+  return bytes;
+}
+
+void CausalNetwork::step_layer(std::size_t index, std::span<State* const> states, Workspace& w) const {
+  const Layer& layer = layers_[index];
+  const std::size_t width = architecture_.d_model, stride = row_stride(width), rows = states.size();
+  const std::size_t parts = row_stride(kGates * width);
+  for (std::size_t r = 0; r < rows; ++r)
+    std::copy_n(states[r]->layers_[index].data(), width, w.state_.data() + r * stride);
+  apply_linear(layer.input, rows, {w.x_.data(), stride}, {w.from_input_.data(), parts}, {}, w.converted_);
+  apply_linear(layer.state, rows, {w.state_.data(), stride}, {w.from_state_.data(), parts}, {}, w.converted_);
+  for (std::size_t r = 0; r < rows; ++r) {
+    float* state = states[r]->layers_[index].data();
+    float* x = w.x_.data() + r * stride;
+    apply_gates(width, w.from_input_.data() + r * parts, w.from_state_.data() + r * parts, state);
     for (std::size_t j = 0; j < width; ++j) x[j] += state[j];
   }
-  apply_linear(output_, 1, x, width, nullptr, 0, Activation::none, s.answer_.data(), padded(a.outputs));
-  std::copy_n(s.answer_.data(), a.outputs, out.data());
+}
+
+void CausalNetwork::step(std::span<const float> conditions, std::span<State* const> states, Workspace& w,
+                         std::span<float> out) const {
+  const Architecture& a = architecture_;
+  const std::size_t rows = states.size(), stride = row_stride(a.d_model), answers = row_stride(a.outputs);
+  assert(rows <= w.performers_ && conditions.size() == rows * a.condition && out.size() == rows * a.outputs);
+  apply_linear(input_, rows, {conditions.data(), a.condition}, {w.x_.data(), stride}, {.relu = true},
+               w.converted_);
+  for (std::size_t i = 0; i < layers_.size(); ++i) step_layer(i, states, w);
+  apply_linear(output_, rows, {w.x_.data(), stride}, {w.answer_.data(), answers}, {}, w.converted_);
+  for (std::size_t r = 0; r < rows; ++r)
+    std::copy_n(w.answer_.data() + r * answers, a.outputs, out.data() + r * a.outputs);
+}
+
+void CausalNetwork::step(std::span<const float> condition, State& state, std::span<float> out) const {
+  State* const one = &state;
+  step(condition, std::span(&one, 1), state.alone_, out);
 }
 
 }  // namespace mien::model

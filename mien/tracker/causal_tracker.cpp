@@ -1,40 +1,9 @@
 #include "mien/tracker/causal_tracker.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
-#include "mien/model/schedule.h"
-
 namespace mien::tracker {
-namespace {
-
-/// Each sensor's share of each shape, by the size of the ridge's coefficients for its rotation (the condition
-/// is normalised, so they compare). Without a ridge all sensors count alike.
-std::vector<float> sensor_shares(const model::ModelFile& file) {
-  const std::size_t sensors = file.features.sensors.size();
-  std::vector<float> shares(sensors * face::kShapeCount, 1.0F);
-  const model::RidgeBaseline* ridge = file.ridge_for("device");
-  if (ridge == nullptr && !file.ridge.empty()) ridge = &file.ridge.front();
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    float sum = 0;
-    for (std::size_t s = 0; s < sensors; ++s) {
-      float& share = shares[s * face::kShapeCount + k];
-      if (ridge != nullptr) {
-        const float* row = ridge->matrix.data() + k * (ridge->condition + 1) + 7 * s;
-        share = std::hypot(std::hypot(row[3], row[4]), std::hypot(row[5], row[6]));
-      }
-      sum += share;
-    }
-    for (std::size_t s = 0; s < sensors; ++s) {
-      float& share = shares[s * face::kShapeCount + k];
-      share = sum > 0 ? share / sum : 1 / static_cast<float>(sensors);
-    }
-  }
-  return shares;
-}
-
-}  // namespace
 
 CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network,
                              const std::vector<std::string>& face_sensor_names)
@@ -43,7 +12,7 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
       state_(network_),
       input_(file_, face_sensor_names),
       condition_(file_.features.width()),
-      shares_(sensor_shares(file_)) {}
+      writer_(file_) {}
 
 void CausalTracker::reset() {
   state_.reset();
@@ -51,12 +20,13 @@ void CausalTracker::reset() {
 }
 
 Result<CausalTracker> CausalTracker::create(model::ModelFile file,
-                                            const std::vector<std::string>& face_sensor_names) {
+                                            const std::vector<std::string>& face_sensor_names,
+                                            model::Precision precision) {
   if (!std::ranges::equal(file.shapes, face::kShapeNames))
     return fail(ErrorCode::mismatch, "the model's outputs are not the 53 ICT shapes in their order",
                 "model file", "train it with this version of Mien");
   MIEN_TRY_ASSIGN(model::CausalNetwork network,
-                  model::CausalNetwork::create(file.architecture, file.network));
+                  model::CausalNetwork::create(file.architecture, file.network, precision));
   CausalTracker tracker(std::move(file), std::move(network), face_sensor_names);
   if (tracker.input_.empty())
     return fail(ErrorCode::mismatch, "the rig has none of the model's sensors", "model file",
@@ -67,24 +37,8 @@ Result<CausalTracker> CausalTracker::create(model::ModelFile file,
 void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame& out) {
   input_.encode(features, condition_);
   network_.step(condition_, state_, answer_);
-  out = face::OutputFrame{};
-  out.time = features.time;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) out.weights[k] = model::from_network(answer_[k]);
+  writer_.write(features, input_, answer_, out);
   calm_.apply(out.weights);
-  for (std::size_t s = 0; s < input_.sensor_count(); ++s)
-    if (input_.felt(s))
-      for (std::size_t k = 0; k < face::kShapeCount; ++k)
-        out.confidence[k] += shares_[s * face::kShapeCount + k];
-  const std::size_t felt = input_.felt_count();
-  // Shares added up may miss 1 by a rounding.
-  if (felt == input_.sensor_count()) out.confidence.fill(1);
-  for (float& confidence : out.confidence) confidence = std::min(confidence, 1.0F);
-  out.provenance.fill(felt > 0 ? face::Provenance::measured : face::Provenance::predicted);
-  if (features.has_head) {
-    out.head = features.head;
-    out.head_confidence = 1;
-    out.head_provenance = face::Provenance::measured;
-  }
 }
 
 }  // namespace mien::tracker

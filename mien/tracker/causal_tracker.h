@@ -11,6 +11,7 @@
 #include "mien/model/model_file.h"
 #include "mien/tracker/calm.h"
 #include "mien/tracker/frame_model.h"
+#include "mien/tracker/frame_writer.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::tracker {
@@ -24,19 +25,18 @@ class CausalTracker final : public FrameModel {
   /// Where a rig lacks one of the model's sensors, that sensor is missing. Errors: mismatch (a model that is
   /// not causal or whose outputs are not the 53 shapes, no sensor in common), and the network's.
   [[nodiscard]] static Result<CausalTracker> create(model::ModelFile file,
-                                                    const std::vector<std::string>& face_sensor_names);
+                                                    const std::vector<std::string>& face_sensor_names,
+                                                    model::Precision precision = model::Precision::fp32);
 
-  /// The next frame, a 60th of a second after the last. Fills all of `out` but the eyes, which become neutral
-  /// ones: weights in [0, 1], calmed (Calm); provenance: measured where any sensor has a rotation, else
-  /// predicted; confidence of a shape: the share of its sensors that were there, each counting as much as the
-  /// file's ridge listens to it for that shape; the head's as the features say. No allocation; about 30 us
-  /// with the default model. The same frames after a reset give the same bits on one CPU family and build.
+  /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (Calm). No allocation; about
+  /// 30 us with the default model. The same frames after a reset give the same bits on one CPU family and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
   /// Forgets the performance so far: as after create().
   void reset() override;
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
+  [[nodiscard]] const model::CausalNetwork& network() const { return network_; }
 
  private:
   CausalTracker(model::ModelFile file, model::CausalNetwork network,
@@ -48,10 +48,8 @@ class CausalTracker final : public FrameModel {
   ModelInput input_;
   std::vector<float> condition_;
   std::array<float, face::kShapeCount> answer_{};
+  FrameWriter writer_;
   Calm calm_;
-  /// How much of what is known of a shape each sensor says: a sensor's 53 shares stand together, and a
-  /// shape's add up to 1.
-  std::vector<float> shares_;
 };
 
 }  // namespace mien::tracker

@@ -11,11 +11,12 @@ namespace mien::tracker {
 WindowSolver::WindowSolver(model::ModelFile file, model::Denoiser denoiser)
     : file_(std::move(file)), denoiser_(std::move(denoiser)) {}
 
-Result<WindowSolver> WindowSolver::create(model::ModelFile file) {
+Result<WindowSolver> WindowSolver::create(model::ModelFile file, model::Precision precision) {
   if (!std::ranges::equal(file.shapes, face::kShapeNames))
     return fail(ErrorCode::mismatch, "the model's outputs are not the 53 ICT shapes in their order",
                 "model file", "train it with this version of Mien");
-  MIEN_TRY_ASSIGN(model::Denoiser denoiser, model::Denoiser::create(file.architecture, file.network));
+  MIEN_TRY_ASSIGN(model::Denoiser denoiser,
+                  model::Denoiser::create(file.architecture, file.network, precision));
   return WindowSolver(std::move(file), std::move(denoiser));
 }
 

@@ -18,7 +18,8 @@ namespace mien::tracker {
 class WindowSolver {
  public:
   /// Errors: mismatch (a model whose outputs are not the 53 shapes), and the denoiser's.
-  [[nodiscard]] static Result<WindowSolver> create(model::ModelFile file);
+  [[nodiscard]] static Result<WindowSolver> create(model::ModelFile file,
+                                                   model::Precision precision = model::Precision::fp32);
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
 

@@ -107,6 +107,57 @@ TEST(CausalNetwork, TheSameAgainAfterAResetAndNotWithoutOne) {
   EXPECT_EQ(run(network, conditions, other), once) << "states know nothing of each other";
 }
 
+TEST(CausalNetwork, SeveralPerformersGetTheBitsThatEachGetsAlone) {
+  const Architecture a = small();
+  const auto tensors = random_network(a, 3);
+  for (const Precision precision : {Precision::fp32, Precision::bf16, Precision::int8}) {
+    const CausalNetwork network = CausalNetwork::create(a, tensors, precision).value();
+    EXPECT_EQ(network.precision(), precision);
+    constexpr std::size_t kPerformers = 7, kFrames = 12;
+    const auto conditions = frames(kPerformers * kFrames, a.condition);
+    std::vector<CausalNetwork::State> states, lonely;
+    std::vector<CausalNetwork::State*> crowd;
+    for (std::size_t p = 0; p < kPerformers; ++p) lonely.emplace_back(network), states.emplace_back(network);
+    CausalNetwork::Workspace workspace(network, kPerformers);
+    for (std::size_t f = 0; f < kFrames; ++f) {
+      // Not everybody's frame is due each time.
+      crowd.clear();
+      std::vector<float> rows, expected, one(a.outputs);
+      for (std::size_t p = f % 3; p < kPerformers; ++p) {
+        const auto& condition = conditions[f * kPerformers + p];
+        crowd.push_back(&states[p]);
+        rows.insert(rows.end(), condition.begin(), condition.end());
+        network.step(condition, lonely[p], one);
+        expected.insert(expected.end(), one.begin(), one.end());
+      }
+      std::vector<float> answer(expected.size());
+      network.step(rows, crowd, workspace, answer);
+      ASSERT_EQ(answer, expected) << precision_name(precision) << " " << f;
+    }
+  }
+}
+
+TEST(CausalNetwork, LowerPrecisionStaysNear) {
+  const Architecture a = small();
+  const auto tensors = random_network(a, 3);
+  const auto conditions = frames(100, a.condition);
+  const auto answer = [&](Precision precision) {
+    const CausalNetwork network = CausalNetwork::create(a, tensors, precision).value();
+    CausalNetwork::State state(network);
+    return run(network, conditions, state);
+  };
+  const auto exact = answer(Precision::fp32);
+  double size = 0;
+  for (const float v : exact) size += double{v} * v;
+  for (const auto& [precision, limit] : {std::pair{Precision::bf16, 0.02}, {Precision::int8, 0.05}}) {
+    const auto near = answer(precision);
+    double error = 0;
+    for (std::size_t i = 0; i < near.size(); ++i) error += std::pow(double{near[i]} - double{exact[i]}, 2);
+    EXPECT_LT(std::sqrt(error / size), limit) << precision_name(precision);
+    EXPECT_GT(error, 0);
+  }
+}
+
 TEST(CausalNetwork, WhatComesLaterChangesNothing) {
   const Architecture a = small();
   const CausalNetwork network = CausalNetwork::create(a, random_network(a, 3)).value();

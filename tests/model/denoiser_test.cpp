@@ -176,6 +176,45 @@ TEST(Denoiser, OneWorkspaceServesWindowsOfAnyLength) {
   EXPECT_EQ(short_window(used), short_window(fresh));
 }
 
+TEST(Denoiser, TheNewestFrameAloneIsTheSameBits) {
+  const auto network = random_network(kSmall, 3);
+  for (const Precision precision : {Precision::fp32, Precision::bf16, Precision::int8}) {
+    const auto denoiser = Denoiser::create(kSmall, network, precision);
+    ASSERT_TRUE(denoiser);
+    Denoiser::Workspace workspace(*denoiser);
+    for (const std::size_t frames : {1U, 2U, 40U}) {
+      const auto condition = numbers(frames * 18, 1), noisy = numbers(frames * 53, 2);
+      denoiser->set_condition(condition, workspace);
+      std::vector<float> clean(frames * 53), newest(53);
+      denoiser->predict(noisy, 300, clean, workspace);
+      denoiser->predict_newest(noisy, 300, newest, workspace);
+      EXPECT_EQ(newest, std::vector<float>(clean.end() - 53, clean.end())) << precision_name(precision);
+    }
+  }
+}
+
+TEST(Denoiser, LowerPrecisionStaysNear) {
+  const auto network = random_network(kSmall, 3);
+  const auto condition = numbers(40 * 18, 1), noisy = numbers(40 * 53, 2);
+  const auto answer = [&](Precision precision) {
+    const auto denoiser = Denoiser::create(kSmall, network, precision);
+    Denoiser::Workspace workspace(*denoiser);
+    std::vector<float> clean(noisy.size());
+    denoiser->set_condition(condition, workspace);
+    denoiser->predict(noisy, 300, clean, workspace);
+    return clean;
+  };
+  const auto exact = answer(Precision::fp32);
+  double size = 0;
+  for (const float v : exact) size += double{v} * double{v};
+  for (const auto& [precision, limit] : {std::pair{Precision::bf16, 0.02}, {Precision::int8, 0.05}}) {
+    const auto near = answer(precision);
+    double error = 0;
+    for (std::size_t i = 0; i < near.size(); ++i) error += std::pow(double{near[i]} - double{exact[i]}, 2);
+    EXPECT_LT(std::sqrt(error / size), limit) << precision_name(precision);
+  }
+}
+
 TEST(Denoiser, RefusesNetworksOfAnotherSize) {
   auto network = random_network(kSmall, 3);
   Architecture other = kSmall;

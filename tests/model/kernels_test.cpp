@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mien/core/random.h"
+#include "mien/model/aligned.h"
 #include "mien/model/architecture.h"
 
 namespace mien::model {
@@ -32,52 +33,6 @@ class Kernels : public testing::TestWithParam<std::string_view> {
   }
   void TearDown() override { force_kernel(""); }
 };
-
-TEST_P(Kernels, LinearLayers) {
-  for (const std::size_t rows : {1U, 2U, 3U, 7U, 8U, 9U, 23U, 121U})
-    for (const auto& [out, in] : {std::pair<std::size_t, std::size_t>{53, 40}, {64, 33}, {96, 130}}) {
-      const auto weight = numbers(out * in, 1), bias = numbers(out, 2), x = numbers(rows * in, 3);
-      const std::size_t stride = padded(out);
-      const auto add = aligned(numbers(rows * stride, 4));
-      AlignedFloats y(rows * stride);
-      const PackedLinear layer = pack_linear(weight, bias, out, in, 0, in);
-      apply_linear(layer, rows, x.data(), in, add.data(), stride, Activation::relu, y.data(), stride);
-      for (std::size_t r = 0; r < rows; ++r)
-        for (std::size_t o = 0; o < out; ++o) {
-          double sum = double{bias[o]} + double{add[r * stride + o]};
-          for (std::size_t i = 0; i < in; ++i) sum += double{weight[o * in + i]} * double{x[r * in + i]};
-          ASSERT_NEAR(y[r * stride + o], std::max(sum, 0.0), 1e-5)
-              << rows << " " << out << " " << r << " " << o;
-        }
-    }
-}
-
-TEST_P(Kernels, LinearLayersOfSomeColumns) {
-  const std::size_t out = 40, total = 50, first = 11, count = 20;
-  const auto weight = numbers(out * total, 1), x = numbers(count, 3);
-  AlignedFloats y(padded(out));
-  apply_linear(pack_linear(weight, {}, out, total, first, count), 1, x.data(), count, nullptr, 0,
-               Activation::none, y.data(), padded(out));
-  for (std::size_t o = 0; o < out; ++o) {
-    double sum = 0;
-    for (std::size_t i = 0; i < count; ++i) sum += double{weight[o * total + first + i]} * double{x[i]};
-    EXPECT_NEAR(y[o], sum, 1e-5);
-  }
-  for (std::size_t o = out; o < padded(out); ++o) EXPECT_EQ(y[o], 0);
-}
-
-TEST_P(Kernels, Products) {
-  const std::size_t rows = 13, depth = 45, columns = 64;
-  const auto a = aligned(numbers(rows * depth, 5)), b = aligned(numbers(depth * columns, 6));
-  AlignedFloats c(rows * columns);
-  multiply(rows, depth, columns, a.data(), depth, b.data(), columns, c.data(), columns);
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t j = 0; j < columns; ++j) {
-      double sum = 0;
-      for (std::size_t k = 0; k < depth; ++k) sum += double{a[r * depth + k]} * double{b[k * columns + j]};
-      ASSERT_NEAR(c[r * columns + j], sum, 1e-5);
-    }
-}
 
 TEST_P(Kernels, Softmax) {
   for (const std::size_t columns : {1U, 31U, 32U, 33U, 121U}) {
@@ -140,19 +95,6 @@ TEST_P(Kernels, Gates) {
 
 INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(available_kernels()),
                          [](const auto& variant) { return std::string(variant.param); });
-
-TEST(KernelTiles, TheWidthOfTheTileDoesNotChangeTheResult) {
-  // A row computed among eight equals the row computed alone, to the bit: short windows and long ones agree.
-  const std::size_t rows = 9, in = 70, out = 64;
-  const auto weight = numbers(out * in, 1), x = numbers(rows * in, 3);
-  const PackedLinear layer = pack_linear(weight, {}, out, in, 0, in);
-  AlignedFloats together(rows * out), alone(out);
-  apply_linear(layer, rows, x.data(), in, nullptr, 0, Activation::none, together.data(), out);
-  for (std::size_t r = 0; r < rows; ++r) {
-    apply_linear(layer, 1, x.data() + r * in, in, nullptr, 0, Activation::none, alone.data(), out);
-    for (std::size_t o = 0; o < out; ++o) ASSERT_EQ(alone[o], together[r * out + o]);
-  }
-}
 
 }  // namespace
 }  // namespace mien::model

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "mien/core/error.h"
+
+namespace mien::app {
+
+/// What `mien bench causal` is asked.
+struct CausalBench {
+  std::string model;  ///< Empty: the default live model.
+  std::string precision = "fp32";
+  int frames = 3600;
+  bool json = false;
+};
+
+/// Measures the live model's frame as a session lives it, its step in a hot loop, and how many performers one
+/// core carries; beside what the core can do at most, measured in the same run. Prints it. Errors: the model
+/// reader's and the tracker's; cancelled.
+[[nodiscard]] Result<void> run_causal_bench(const CausalBench& options);
+
+}  // namespace mien::app

@@ -1,0 +1,52 @@
+// Compiled for AVX2, and run only where the CPU has it. Everything here is local to this file: a function
+// that other files share would be compiled for a CPU that not everybody has.
+#include "mien/model/product.h"
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+
+namespace mien::model {
+namespace {
+
+#include "mien/model/tile.inc"
+
+/// vpmaddubsw adds two products in 16 bits and holds what is too large. An input's magnitude is at most 128
+/// and a weight's 127, so two of them fit; the input's sign goes to the weight.
+struct Int8 {
+  struct Input {
+    __m256i value, magnitude;
+  };
+  using Sum = __m256i;
+  using Weights = __m256i;
+  static constexpr std::size_t kLanes = 8;
+  static constexpr std::size_t kTileRows = 4;
+  static Sum start(const Product&, std::size_t) { return _mm256_setzero_si256(); }
+  static Weights load(const std::byte* b) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b)); }
+  static Input broadcast(const std::byte* a) {
+    const __m256i bytes = _mm256_set1_epi32(*reinterpret_cast<const int*>(a));
+    const __m256i value = _mm256_xor_si256(bytes, _mm256_set1_epi8(-128));
+    return {value, _mm256_abs_epi8(value)};
+  }
+  static Sum step(Sum sum, Weights w, const Input& x) {
+    const __m256i pairs = _mm256_maddubs_epi16(x.magnitude, _mm256_sign_epi8(w, x.value));
+    return _mm256_add_epi32(sum, _mm256_madd_epi16(pairs, _mm256_set1_epi16(1)));
+  }
+  static void finish(Sum sum, const Product& p, std::size_t row, std::size_t column) {
+    const __m256 scale =
+        _mm256_mul_ps(_mm256_set1_ps(p.row_scale[row]), _mm256_load_ps(p.column_scale + column));
+    __m256 y = _mm256_mul_ps(_mm256_cvtepi32_ps(sum), scale);
+    if (p.bias != nullptr) y = _mm256_add_ps(y, _mm256_load_ps(p.bias + column));
+    if (p.add != nullptr) y = _mm256_add_ps(y, _mm256_load_ps(p.add + row * p.add_stride + column));
+    if (p.relu) y = _mm256_max_ps(y, _mm256_setzero_ps());
+    _mm256_store_ps(p.c + row * p.c_stride + column, y);
+  }
+};
+
+}  // namespace
+
+void multiply_int8_avx2(std::size_t rows, std::size_t panels, const Product& p) {
+  multiply_panels<Int8>(rows, panels, p);
+}
+
+}  // namespace mien::model
+#endif

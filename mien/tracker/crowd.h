@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/output_frame.h"
+#include "mien/model/causal_network.h"
+#include "mien/model/features.h"
+#include "mien/model/model_file.h"
+#include "mien/tracker/calm.h"
+#include "mien/tracker/frame_writer.h"
+#include "mien/tracker/model_input.h"
+
+namespace mien::tracker {
+
+/// Many performers of one model and one rig on one core: those whose frames are due go through the network
+/// together, so that its weights are read once for all. Each gets the bits that a CausalTracker of its own
+/// would give it. One thread.
+class Crowd {
+ public:
+  /// Errors: as CausalTracker::create().
+  [[nodiscard]] static Result<Crowd> create(const model::ModelFile& file,
+                                            const std::vector<std::string>& face_sensor_names,
+                                            std::size_t performers,
+                                            model::Precision precision = model::Precision::fp32);
+
+  /// The next frame of the performers `due`, each once; features[i] and out[i] belong to due[i]. No
+  /// allocation.
+  void step(std::span<const std::size_t> due, std::span<const model::FeatureFrame> features,
+            std::span<face::OutputFrame> out);
+
+  /// Forgets one performer's performance so far.
+  void reset(std::size_t performer) {
+    states_[performer].reset();
+    calms_[performer].reset();
+  }
+
+  [[nodiscard]] std::size_t performers() const { return states_.size(); }
+  [[nodiscard]] const model::CausalNetwork& network() const { return network_; }
+
+  /// So many go through the network together: what they need besides the weights stays in the second cache.
+  static constexpr std::size_t kTogether = 48;
+
+ private:
+  Crowd(const model::ModelFile& file, model::CausalNetwork network,
+        const std::vector<std::string>& face_sensor_names, std::size_t performers);
+  void step_together(std::span<const std::size_t> due, std::span<const model::FeatureFrame> features,
+                     std::span<face::OutputFrame> out);
+
+  model::CausalNetwork network_;
+  FrameWriter writer_;
+  std::vector<model::CausalNetwork::State> states_;
+  std::vector<Calm> calms_;
+  // Of those who go together:
+  model::CausalNetwork::Workspace workspace_;
+  std::vector<ModelInput> inputs_;
+  std::vector<model::CausalNetwork::State*> together_;
+  std::vector<float> conditions_, answers_;
+};
+
+}  // namespace mien::tracker

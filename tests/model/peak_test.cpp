@@ -1,0 +1,16 @@
+#include "mien/model/peak.h"
+
+#include <gtest/gtest.h>
+
+namespace mien::model {
+namespace {
+
+// How fast is this machine's affair; that something was measured is ours.
+TEST(Peak, IsMoreThanNothing) {
+  EXPECT_GT(peak_gflops(), 0);
+  EXPECT_GT(read_gb_s(100'000), 0);
+  EXPECT_GT(read_gb_s(1), 0);
+}
+
+}  // namespace
+}  // namespace mien::model
