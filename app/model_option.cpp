@@ -49,13 +49,8 @@ Result<Adapted> adapt(const take::Take& take, model::ModelFile& file) {
 }  // namespace
 
 OpenModel::OpenModel(tracker::WindowSolver solver, int steps) : model_(std::move(solver)) {
-  const model::ModelFile& file = std::get<tracker::WindowSolver>(model_).file();
-  settings_ = file.sampler;
-  if (steps > 0) {
-    settings_.steps = static_cast<std::size_t>(steps);
-    settings_.kind =
-        settings_.steps == file.schedule.levels ? model::SamplerKind::ddpm : model::SamplerKind::ddim;
-  }
+  settings_ =
+      study::sampler_of(std::get<tracker::WindowSolver>(model_).file(), static_cast<std::size_t>(steps));
 }
 
 face::BlendshapeWeights OpenModel::mean_pose() const {

@@ -150,7 +150,8 @@ void add_perform_command(Commands& commands) {
       "A Live Link Face CSV, or a take whose truth to perform; without it a script is played");
   command->add_option("--script", options->block, "What a virtual performer plays")
       ->excludes(motion)
-      ->check(CLI::IsMember({"mixed", "reading", "expressions", "acted", "range_of_motion", "free"}))
+      ->check(CLI::IsMember(
+          {"mixed", "reading", "expressions", "acted", "range_of_motion", "free", "eating", "rapid"}))
       ->capture_default_str();
   command->add_option("--seconds", options->seconds, "Length of the script")
       ->excludes(motion)

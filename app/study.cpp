@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/seed_option.h"
+#include "app/study_live.h"
 #include "app/study_loss.h"
 #include "app/study_sensors.h"
 #include "mien/core/files.h"
@@ -156,6 +157,7 @@ void add_study_command(Commands& commands) {
       commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
   study->require_subcommand(0, 1);
   add_drift(commands, study);
+  add_study_live(commands, study);
   add_study_loss(commands, study);
   add_study_sensors(commands, study);
   auto bound = std::make_shared<BoundOptions>();

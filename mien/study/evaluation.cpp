@@ -22,6 +22,30 @@ std::vector<std::pair<std::size_t, std::size_t>> evaluated_runs(std::span<const 
   return runs;
 }
 
+std::vector<face::BlendshapeWeights> hold_last(std::span<const take::TruthFrame> truth) {
+  std::vector<face::BlendshapeWeights> held;
+  held.reserve(truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    // Before a second has passed the oldest truth there is; where the face was lost, the last one seen.
+    std::size_t past = i < kHoldFrames ? 0 : i - kHoldFrames;
+    while (past > 0 && !truth[past].has_face) --past;
+    held.push_back(truth[past].weights);
+  }
+  return held;
+}
+
+Metrics measure_track(const Meter& meter, std::span<const take::TruthFrame> truth,
+                      std::span<const face::BlendshapeWeights> estimate) {
+  std::vector<face::BlendshapeWeights> weights;
+  weights.reserve(truth.size());
+  for (const take::TruthFrame& frame : truth) weights.push_back(frame.weights);
+  const std::span<const face::BlendshapeWeights> all(weights);
+  std::vector<Stretch> stretches;
+  for (const auto& [begin, end] : evaluated_runs(truth))
+    stretches.push_back({all.subspan(begin, end - begin), estimate.subspan(begin, end - begin)});
+  return meter.measure(stretches);
+}
+
 Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
                             const face::BlendshapeWeights& mean_pose) {
   using Track = std::vector<face::BlendshapeWeights>;
@@ -30,16 +54,9 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   std::vector<Track> means;
   for (const TakeEstimates& t : takes) {
     Track truth;
-    Track hold;
-    for (std::size_t i = 0; i < t.truth.size(); ++i) {
-      truth.push_back(t.truth[i].weights);
-      // Before a second has passed the oldest truth there is; where the face was lost, the last one seen.
-      std::size_t past = i < kHoldFrames ? 0 : i - kHoldFrames;
-      while (past > 0 && !t.truth[past].has_face) --past;
-      hold.push_back(t.truth[past].weights);
-    }
+    for (const take::TruthFrame& frame : t.truth) truth.push_back(frame.weights);
     truths.push_back(std::move(truth));
-    held.push_back(std::move(hold));
+    held.push_back(hold_last(t.truth));
     means.emplace_back(t.truth.size(), mean_pose);
   }
 

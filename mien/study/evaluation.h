@@ -33,6 +33,14 @@ struct Evaluation {
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> evaluated_runs(
     std::span<const take::TruthFrame> truth);
 
+/// The baseline hold_last: the truth one second ago; where the face was lost then, the last one seen before.
+/// One a tick.
+[[nodiscard]] std::vector<face::BlendshapeWeights> hold_last(std::span<const take::TruthFrame> truth);
+
+/// One estimate of one take over its evaluated frames with a face. Shape: both one a tick.
+[[nodiscard]] Metrics measure_track(const Meter& meter, std::span<const take::TruthFrame> truth,
+                                    std::span<const face::BlendshapeWeights> estimate);
+
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
 /// Errors: not_found when no frame is left to measure.
 [[nodiscard]] Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,

@@ -5,43 +5,28 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
 
-#include "mien/face/builtin.h"
 #include "mien/shaping/shaper.h"
 #include "mien/study/evaluation.h"
+#include "mien/study/felt_rotations.h"
 #include "mien/study/performers.h"
 #include "mien/study/trace_features.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/device_faults.h"
-#include "mien/virtual/head_motion.h"
 #include "mien/virtual/impair.h"
-#include "mien/virtual/performer.h"
-#include "mien/virtual/script.h"
-#include "mien/virtual/session.h"
-#include "mien/virtual/skin_site.h"
-#include "mien/virtual/style.h"
 
 namespace mien::study {
 namespace {
 
-constexpr double kBurstLength = 10;       // Packets: a sixth of a second.
-constexpr double kDisorderJitterMs = 20;  // Even, up to twice it; packets are 17 ms apart.
-constexpr double kClockStepUs = 500;
-constexpr double kClockStepEveryS = 10;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
-constexpr double kForever = std::numeric_limits<double>::infinity();
 
-/// What one performer does, on whose face, and what the devices sent.
-struct Performance {
+/// A performance, on whose face it was.
+struct Played {
   face::Face face;
-  std::vector<virt::SkinSite> sites;  // Of the rig's sensors.
-  virt::VirtualSession session;
-  double begin_s = 0;  // Of the motion, after the prologue.
-  double end_s = 0;
+  Performance performance;
   Random random = Random(0);  // Of what befalls it.
 };
 
@@ -49,123 +34,30 @@ struct Performance {
 struct Outcome {
   Metrics metrics;
   double mean_pose_mse = 0;  // Of the first condition alone.
-  double asked = 0;          // Rotations of face sensors that there could have been, and that there were.
-  double felt = 0;
-  double rotation_squares = 0;  // Of their errors, rad^2.
+  FeltRotations rotations;
   double largest_step = 0;
   double truth_step = 0;
   std::size_t unsound = 0;
   std::size_t mistold = 0;
 };
 
-/// What a condition asks of the network and the devices.
-struct Impairment {
-  virt::NetworkSettings network;
-  virt::DeviceTroubles troubles;
-};
-
-/// The face sensors in a random order: those that are in trouble first, so that three silent sensors are the
-/// two and one more.
-std::vector<std::uint16_t> drawn_sensors(const sensor::Rig& rig, Random random) {
-  std::vector<std::uint16_t> sensors = rig.face_sensors();
-  for (std::size_t i = 0; i + 1 < sensors.size(); ++i)
-    std::swap(sensors[i], sensors[i + random.below(sensors.size() - i)]);
-  return sensors;
-}
-
-Result<Impairment> impairment(const LossCondition& condition, const sensor::Rig& rig,
-                              const Performance& performance) {
-  const std::vector<std::uint16_t> drawn = drawn_sensors(rig, performance.random.fork("sensors"));
-  const double middle_s = 0.5 * (performance.begin_s + performance.end_s);
-  const std::size_t needed = condition.fault == Fault::restart          ? 1
-                             : condition.fault == Fault::shared_id      ? 2
-                             : condition.fault == Fault::sensors_silent ? std::max(0.0, condition.amount)
-                                                                        : 0;
-  if (needed > drawn.size())
-    return fail(ErrorCode::not_found, "the rig has too few face sensors for: " + condition.name(), rig.name);
-  Impairment out;
-  switch (condition.fault) {
-    case Fault::none:
-      break;
-    case Fault::loss:
-      out.network.loss = 0.01 * condition.amount;
-      break;
-    case Fault::bursts:
-      out.network.burst_share = 0.01 * condition.amount;
-      out.network.burst_length = kBurstLength;
-      break;
-    case Fault::jitter:
-      out.network.jitter_ms = condition.amount;
-      break;
-    case Fault::lag:
-      out.network.lag_ms = condition.amount;
-      break;
-    case Fault::disorder:
-      out.network.duplicated = 0.01 * condition.amount;
-      out.network.jitter_ms = kDisorderJitterMs;
-      out.network.jitter = virt::NetworkSettings::Jitter::uniform;
-      break;
-    case Fault::clock_drift:
-      for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
-        Random random = performance.random.fork("clock", s);
-        const double fast = random.chance(0.5) ? 1 : -1;
-        const double ahead = random.chance(0.5) ? 1 : -1;
-        out.troubles.clocks.push_back(
-            {static_cast<std::uint16_t>(s), fast * condition.amount, ahead * kClockStepUs, kClockStepEveryS});
-      }
-      break;
-    case Fault::restart:
-      out.troubles.restarts.push_back({.sensor = drawn[0], .at_s = middle_s});
-      break;
-    case Fault::shared_id:
-      out.troubles.shared_ids.push_back({.sensor = drawn[0], .as = drawn[1]});
-      break;
-    case Fault::sensor_silent: {
-      const auto sensor = rig.find(condition.sensor);
-      if (!sensor) return fail(ErrorCode::not_found, "the rig has no sensor " + condition.sensor, rig.name);
-      out.troubles.silences.push_back({*sensor, 0, kForever});
-      break;
-    }
-    case Fault::sensors_silent:
-      for (std::size_t i = 0; i < needed; ++i) out.troubles.silences.push_back({drawn[i], 0, kForever});
-      break;
-    case Fault::head_silent: {
-      const auto sensor = rig.head_sensor();
-      if (!sensor) return fail(ErrorCode::not_found, "the rig has no sensor for the head", rig.name);
-      out.troubles.silences.push_back({*sensor, middle_s, middle_s + condition.amount});
-      break;
-    }
-  }
-  return out;
-}
-
-Result<Performance> perform_one(const LossRequest& request, const sensor::Rig& rig,
-                                const virt::DeviceFaults& faults, std::size_t index) {
+Result<Played> perform_one(const LossRequest& request, const sensor::Rig& rig,
+                           const virt::DeviceFaults& faults, std::size_t index) {
   const Random root = Random(request.seed).fork("loss", index);
-  Performance out;
+  Played out;
   face::Motion motion;
   if (request.motions.empty()) {
-    Random identity = root.fork("identity"), style_random = root.fork("style"),
-           script_random = root.fork("script");
-    out.face = face::make_builtin(face::random_identity(identity));
-    const virt::Style style = virt::draw_style(style_random);
-    motion = virt::perform(virt::random_script(request.seconds, script_random), style, root.fork("motion"));
+    VirtualPerson person = draw_person(root);
+    out.face = std::move(person.face);
+    motion = draw_motion(request.seconds, person.style, root);
   } else {
     const GivenMotion& given = request.motions[index];
     if (given.face >= request.faces.size())
       return fail(ErrorCode::bad_usage, "the motion has no face to be played on", given.motion.name);
     out.face = request.faces[given.face];
     motion = given.motion;
-    if (!motion.has_head) motion = virt::with_head_motion(motion, root.fork("head"));
   }
-  const std::vector<Vec3> placement_m =
-      virt::draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"));
-  MIEN_TRY_ASSIGN(out.sites, virt::skin_sites(out.face, rig, placement_m));
-  const virt::PrologueMotion begun =
-      virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
-  MIEN_TRY_ASSIGN(out.session, virt::play_devices(begun, out.sites, rig, faults, root.fork("devices")));
-  out.begin_s = begun.times.motion_start_s;
-  out.end_s = begun.motion.duration_s();
+  MIEN_TRY_ASSIGN(out.performance, perform_with({.faults = faults}, out.face, std::move(motion), rig, root));
   out.random = root.fork("faults");
   return out;
 }
@@ -199,21 +91,6 @@ Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalT
   return out;
 }
 
-/// How many rotations there are in a frame, and how right they are.
-void look_at_rotations(const model::FeatureFrame& features, const face::BlendshapeWeights& truth,
-                       const sensor::Rig& rig, const Performance& performance, Outcome& outcome) {
-  const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
-  outcome.asked += static_cast<double>(face_sensors.size());
-  for (std::size_t i = 0; i < face_sensors.size(); ++i) {
-    const model::SensorFeature& sensor = features.sensors[i];
-    if (!sensor.has_rotation) continue;
-    const auto& [w, x, y, z] = sensor.rotation;
-    const Quat skin = performance.sites[face_sensors[i]].rotation(truth);
-    outcome.rotation_squares += log_rotation(Quat(w, x, y, z) * skin.conjugate()).squaredNorm();
-    ++outcome.felt;
-  }
-}
-
 double largest_step(const std::vector<Stretch>& stretches,
                     std::span<const face::BlendshapeWeights> Stretch::*track) {
   float largest = 0;
@@ -227,16 +104,17 @@ double largest_step(const std::vector<Stretch>& stretches,
   return largest;
 }
 
-Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig,
-                         const Performance& performance, const Meter& meter,
-                         tracker::CausalTracker& tracker) {
-  MIEN_TRY_ASSIGN(const Impairment bad, impairment(condition, rig, performance));
+Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig, const Played& played,
+                         const Meter& meter, tracker::CausalTracker& tracker) {
+  const Performance& performance = played.performance;
+  MIEN_TRY_ASSIGN(const Impairment bad,
+                  impairment(condition, rig, performance.begin_s, performance.end_s, played.random));
   MIEN_TRY_ASSIGN(
       const virt::VirtualSession heard,
-      virt::impair(performance.session, rig, bad.network, performance.random.fork("network"), bad.troubles));
+      virt::impair(performance.session, rig, bad.network, played.random.fork("network"), bad.troubles));
   const std::vector<model::FeatureFrame> features =
       trace_features(rig, heard.events, heard.samples, heard.ticks);
-  Outcome out;
+  Outcome out{.rotations = FeltRotations(rig)};
   const Answer answered = answer(features, tracker, out);
   std::vector<face::BlendshapeWeights> truth;
   truth.reserve(heard.truth.size());
@@ -249,7 +127,7 @@ Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig,
     };
     stretches.push_back({run(truth), run(answered.weights)});
     shown.push_back({run(truth), run(answered.shown)});
-    for (std::size_t f = begin; f < end; ++f) look_at_rotations(features[f], truth[f], rig, performance, out);
+    for (std::size_t f = begin; f < end; ++f) out.rotations.add(features[f], truth[f], performance.sites);
   }
   out.metrics = meter.measure(stretches);
   out.largest_step = largest_step(shown, &Stretch::estimate);
@@ -265,18 +143,16 @@ Result<Outcome> hear_one(const LossCondition& condition, const sensor::Rig& rig,
 }
 
 /// One condition over all performances, each frame counting alike.
-LossRow pooled(const LossCondition& condition, const std::vector<Outcome>& outcomes) {
+LossRow pooled(const LossCondition& condition, const sensor::Rig& rig, const std::vector<Outcome>& outcomes) {
   LossRow row{.condition = condition};
-  double asked = 0, felt = 0, rotation_squares = 0;
+  FeltRotations rotations(rig);
   for (const Outcome& one : outcomes) {
     const auto frames = static_cast<double>(one.metrics.frames);
     row.frames += one.metrics.frames;
     row.mse += frames * one.metrics.mse;
     row.mse_felt += frames * one.metrics.mse_felt;
     row.pve_mm += frames * one.metrics.pve_mm.mean;
-    asked += one.asked;
-    felt += one.felt;
-    rotation_squares += one.rotation_squares;
+    rotations.add(one.rotations);
     row.largest_step = std::max(row.largest_step, one.largest_step);
     row.truth_step = std::max(row.truth_step, one.truth_step);
     row.unsound += one.unsound;
@@ -285,60 +161,12 @@ LossRow pooled(const LossCondition& condition, const std::vector<Outcome>& outco
   }
   const double all = std::max(1.0, static_cast<double>(row.frames));
   for (double* mean : {&row.mse, &row.mse_felt, &row.pve_mm}) *mean /= all;
-  row.felt = felt / std::max(1.0, asked);
-  row.rotation_rms_deg = kDegPerRad * std::sqrt(rotation_squares / std::max(1.0, felt));
+  row.felt = rotations.share();
+  row.rotation_rms_deg = kDegPerRad * rotations.rms_rad();
   return row;
 }
 
 }  // namespace
-
-std::string LossCondition::name() const {
-  switch (fault) {
-    case Fault::none:
-      return "clean";
-    case Fault::loss:
-      return fmt::format("{:g} % lost", amount);
-    case Fault::bursts:
-      return fmt::format("{:g} % lost in bursts", amount);
-    case Fault::jitter:
-      return fmt::format("jitter {:g} ms", amount);
-    case Fault::lag:
-      return fmt::format("lag {:g} ms", amount);
-    case Fault::disorder:
-      return fmt::format("{:g} % twice, out of order", amount);
-    case Fault::clock_drift:
-      return fmt::format("clocks {:g} ppm off, stepped", amount);
-    case Fault::restart:
-      return "one restarts half-way";
-    case Fault::shared_id:
-      return "two with one id, both heard";
-    case Fault::sensor_silent:
-      return "without " + sensor;
-    case Fault::sensors_silent:
-      return fmt::format("without {:g} at once", amount);
-    case Fault::head_silent:
-      return fmt::format("head's silent for {:g} s", amount);
-  }
-  return {};
-}
-
-std::vector<LossCondition> loss_conditions(const sensor::Rig& rig) {
-  std::vector<LossCondition> out;
-  for (const double percent : {2.0, 5.0, 10.0, 20.0}) out.push_back({Fault::loss, percent, {}});
-  for (const double percent : {2.0, 5.0, 10.0}) out.push_back({Fault::bursts, percent, {}});
-  for (const double ms : {20.0, 50.0, 100.0}) out.push_back({Fault::jitter, ms, {}});
-  out.push_back({Fault::lag, 100, {}});
-  out.push_back({Fault::disorder, 20, {}});
-  out.push_back({Fault::clock_drift, 50, {}});
-  const std::vector<std::string> sensors = rig.face_sensor_names();
-  if (!sensors.empty()) out.push_back({Fault::restart, 0, {}});
-  if (sensors.size() > 1) out.push_back({Fault::shared_id, 0, {}});
-  if (rig.head_sensor()) out.push_back({Fault::head_silent, 2, {}});
-  for (const std::string& sensor : sensors) out.push_back({Fault::sensor_silent, 0, sensor});
-  for (const double count : {2.0, 3.0})
-    if (static_cast<double>(sensors.size()) > count) out.push_back({Fault::sensors_silent, count, {}});
-  return out;
-}
 
 const LossRow* LossStudy::find(Fault fault, double amount) const {
   for (const LossRow& row : rows)
@@ -389,7 +217,8 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
                                 ? static_cast<std::size_t>(std::max(request.performers, 1))
                                 : request.motions.size();
 
-  std::vector<std::vector<Outcome>> outcomes(all.size(), std::vector<Outcome>(count));
+  std::vector<std::vector<Outcome>> outcomes(
+      all.size(), std::vector<Outcome>(count, Outcome{.rotations = FeltRotations(rig)}));
   std::atomic<std::size_t> done = 0;
   std::atomic<bool> stop = false;
   // A performance takes long, so its conditions are what is counted.
@@ -401,20 +230,20 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
     return !stop;
   };
   MIEN_TRY(for_each_performer(count, request.threads, by_condition, [&](std::size_t p) -> Result<void> {
-    MIEN_TRY_ASSIGN(const Performance performance, perform_one(request, rig, faults, p));
+    MIEN_TRY_ASSIGN(const Played played, perform_one(request, rig, faults, p));
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                     tracker::CausalTracker::create(model, rig.face_sensor_names()));
-    const Meter meter(performance.face);
+    const Meter meter(played.face);
     for (std::size_t c = 0; c < all.size(); ++c) {
       if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were heard");
-      MIEN_TRY_ASSIGN(outcomes[c][p], hear_one(all[c], rig, performance, meter, tracker));
+      MIEN_TRY_ASSIGN(outcomes[c][p], hear_one(all[c], rig, played, meter, tracker));
       ++done;
     }
     return {};
   }));
 
   LossStudy study;
-  for (std::size_t c = 0; c < all.size(); ++c) study.rows.push_back(pooled(all[c], outcomes[c]));
+  for (std::size_t c = 0; c < all.size(); ++c) study.rows.push_back(pooled(all[c], rig, outcomes[c]));
   const LossRow& clean = study.rows.front();
   if (clean.frames == 0)
     return fail(ErrorCode::not_found, "no frame of these performances can be evaluated", rig.name);

@@ -2,56 +2,17 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
-#include "mien/face/motion.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/loss_condition.h"
+#include "mien/study/performance.h"
 
 namespace mien::study {
-
-/// What is made worse: the network, the devices' clocks, or the devices themselves.
-enum class Fault : std::uint8_t {
-  none,            ///< Nothing beyond the rig's own faults, which are there in every condition.
-  loss,            ///< `amount` percent of the packets are lost, each by itself.
-  bursts,          ///< The same, ten in a row on average.
-  jitter,          ///< Every packet takes some time more, `amount` ms on average (exponential).
-  lag,             ///< Every packet takes `amount` ms more.
-  disorder,        ///< `amount` percent come twice, and packets overtake each other by up to 40 ms.
-  clock_drift,     ///< Every clock is `amount` ppm off, either way, and stepped by 500 us every ten seconds.
-  restart,         ///< One face sensor restarts half-way, with a new clock.
-  shared_id,       ///< One face sensor speaks with another's id, and both are heard.
-  sensor_silent,   ///< The face sensor `sensor` is never heard.
-  sensors_silent,  ///< `amount` face sensors are never heard.
-  head_silent,     ///< The head's sensor is not heard for `amount` seconds, half-way.
-};
-
-/// One setting that performances are heard under. Sensors that are not named are drawn for each performance.
-struct LossCondition {
-  Fault fault = Fault::none;
-  double amount = 0;
-  std::string sensor;  ///< Of Fault::sensor_silent.
-
-  /// As a table's row has it.
-  [[nodiscard]] std::string name() const;
-};
-
-/// The study's own conditions for a rig, in the order in which they are shown: loss and bursts to 20 %,
-/// jitter and lag to 100 ms, disorder, clocks, a restart, two nodes with one id, every face sensor silent,
-/// two and three at once, the head's for two seconds. Without Fault::none, and without what the rig has too
-/// few sensors for.
-[[nodiscard]] std::vector<LossCondition> loss_conditions(const sensor::Rig& rig);
-
-/// A recorded performance, and the face that it is played on.
-struct GivenMotion {
-  face::Motion motion;
-  std::size_t face = 0;  ///< In LossRequest::faces.
-};
 
 /// Who performs: virtual performers of the built-in family, whom no training has (their random streams are
 /// the study's own), or given motions; after a brief prologue, in the rig's *device* profile.

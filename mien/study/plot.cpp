@@ -11,7 +11,6 @@ namespace mien::study {
 namespace {
 
 constexpr double kWidth = 760, kLeft = 58, kRight = 14, kTop = 10, kBottom = 42;
-constexpr std::size_t kSeriesColours = 6;
 
 std::size_t colour_of(std::size_t series) {
   return series % kSeriesColours + 1;

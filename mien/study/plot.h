@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace mien::study {
+
+/// Colours that series have; more of them begin anew.
+inline constexpr std::size_t kSeriesColours = 9;
 
 /// One curve. Shape: x and y of equal size, x ascending; a y that is not finite breaks the curve.
 struct Line {
@@ -41,7 +45,7 @@ struct BarPlot {
 [[nodiscard]] std::vector<double> axis_ticks(double low, double high, int count);
 
 /// The drawing as inline SVG. Colours are the page's CSS variables --ink, --soft, --grid and --series-1 to
-/// --series-6, so that one drawing suits light and dark. The same plot gives the same text.
+/// --series-9, so that one drawing suits light and dark. The same plot gives the same text.
 [[nodiscard]] std::string svg(const LinePlot& plot);
 [[nodiscard]] std::string svg(const BarPlot& plot);
 

@@ -14,10 +14,11 @@ namespace {
 constexpr const char* kStyle = R"(
 :root { color-scheme: light dark; --page: #fbfbfa; --card: #ffffff; --ink: #1d2127; --soft: #626b78; --grid: #e4e6ea;
   --line: #dcdfe4; --accent: #2467c4; --series-1: #2467c4; --series-2: #d9622b; --series-3: #1c9467; --series-4: #8a4fbf;
-  --series-5: #b98900; --series-6: #6b7684; }
+  --series-5: #b98900; --series-6: #6b7684; --series-7: #c23f7d; --series-8: #2f93a8; --series-9: #8a6a48; }
 @media (prefers-color-scheme: dark) { :root { --page: #14161a; --card: #1b1e24; --ink: #e7e9ed; --soft: #9aa3b0;
   --grid: #2d323b; --line: #2d323b; --accent: #6ea8ff; --series-1: #6ea8ff; --series-2: #f0925f; --series-3: #4fc795;
-  --series-4: #bd93ec; --series-5: #e3bc4c; --series-6: #9aa5b4; } }
+  --series-4: #bd93ec; --series-5: #e3bc4c; --series-6: #9aa5b4; --series-7: #f083b4; --series-8: #79cfe0;
+  --series-9: #c9a684; } }
 * { box-sizing: border-box; }
 body { margin: 0; background: var(--page); color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", Roboto, "DejaVu Sans",
   sans-serif; }
@@ -51,6 +52,12 @@ tr.strong td { font-weight: 650; }
 @media print { figure, .key { break-inside: avoid; } }
 )";
 
+/// How many characters, not bytes, of UTF-8.
+std::size_t width_of(const std::string& words) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(words, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
 bool is_number(const std::string& cell) {
   if (cell.empty() || cell == "-") return true;
   char* end = nullptr;
@@ -59,7 +66,41 @@ bool is_number(const std::string& cell) {
   return end != cell.c_str() && (*end == 0 || *end == ' ');
 }
 
+/// Columns whose cells are all numbers.
+std::vector<bool> number_columns(const Table& table) {
+  std::vector<bool> numbers(table.columns.size(), !table.rows.empty());
+  for (const auto& row : table.rows)
+    for (std::size_t c = 0; row.size() > 1 && c < numbers.size() && c < row.size(); ++c)
+      numbers[c] = numbers[c] && is_number(row[c]);
+  return numbers;
+}
+
 }  // namespace
+
+std::string plain_text(const Table& table) {
+  const std::vector<bool> numbers = number_columns(table);
+  std::vector<std::size_t> widths;
+  for (const std::string& column : table.columns) widths.push_back(width_of(column));
+  for (const auto& row : table.rows)
+    for (std::size_t c = 0; row.size() > 1 && c < widths.size() && c < row.size(); ++c)
+      widths[c] = std::max(widths[c], width_of(row[c]));
+  std::string out = table.caption.empty() ? "" : table.caption + "\n\n";
+  const auto line = [&](const std::vector<std::string>& cells) {
+    std::string words;
+    for (std::size_t c = 0; c < widths.size() && c < cells.size(); ++c) {
+      const std::string blanks(widths[c] - std::min(widths[c], width_of(cells[c])), ' ');
+      words += (c > 0 ? "  " : "") + (numbers[c] ? blanks + cells[c] : cells[c] + blanks);
+    }
+    words.erase(words.find_last_not_of(' ') + 1);
+    out += words + "\n";
+  };
+  line(table.columns);
+  for (std::size_t r = 0; r < table.rows.size(); ++r) {
+    if (std::ranges::find(table.strong_rows, r) != table.strong_rows.end()) out += "\n";
+    line(table.rows[r]);
+  }
+  return out;
+}
 
 Report::Report(std::string title, std::string subtitle)
     : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
@@ -83,10 +124,7 @@ void Report::key_figures(const std::vector<KeyFigure>& figures) {
 }
 
 void Report::table(const Table& table) {
-  std::vector<bool> numbers(table.columns.size(), !table.rows.empty());
-  for (const auto& row : table.rows)
-    for (std::size_t c = 0; c < numbers.size() && c < row.size(); ++c)
-      numbers[c] = numbers[c] && is_number(row[c]);
+  const std::vector<bool> numbers = number_columns(table);
   const auto cell = [&](const char* kind, std::size_t c, const std::string& words) {
     const bool right = c < numbers.size() && numbers[c];
     return std::string("<") + kind + (right ? " class=\"number\">" : ">") + escaped(words) + "</" + kind +
@@ -100,7 +138,11 @@ void Report::table(const Table& table) {
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
     body_ +=
         std::ranges::find(table.strong_rows, r) != table.strong_rows.end() ? "<tr class=\"strong\">" : "<tr>";
-    for (std::size_t c = 0; c < table.rows[r].size(); ++c) body_ += cell("td", c, table.rows[r][c]);
+    if (table.rows[r].size() == 1 && table.columns.size() > 1)
+      body_ += "<td colspan=\"" + std::to_string(table.columns.size()) + "\">" + escaped(table.rows[r][0]) +
+               "</td>";
+    else
+      for (std::size_t c = 0; c < table.rows[r].size(); ++c) body_ += cell("td", c, table.rows[r][c]);
     body_ += "</tr>\n";
   }
   body_ += "</tbody></table></div></figure>\n";
@@ -112,8 +154,8 @@ void Report::figure(const std::string& title, const std::vector<std::string>& se
   if (series.size() > 1) {
     body_ += "<div class=\"legend\">";
     for (std::size_t i = 0; i < series.size(); ++i)
-      body_ += "<span><i style=\"background:var(--series-" + std::to_string(i % 6 + 1) + ")\"></i>" +
-               escaped(series[i]) + "</span>";
+      body_ += "<span><i style=\"background:var(--series-" + std::to_string(i % kSeriesColours + 1) +
+               ")\"></i>" + escaped(series[i]) + "</span>";
     body_ += "</div>\n";
   }
   body_ += drawing + "</figure>\n";

@@ -11,13 +11,18 @@
 
 namespace mien::study {
 
-/// Rows under column heads. Cells are plain text; columns whose cells are all numbers stand to the right.
+/// Rows under column heads. Cells are plain text; columns whose cells are all numbers stand to the right. A
+/// row of one cell is a head of its own, across all columns.
 struct Table {
   std::string caption;
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;
   std::vector<std::size_t> strong_rows;  ///< Rows that the reader should see first.
 };
+
+/// The same for a terminal: columns as wide as their widest cell, numbers to the right; a strong row has an
+/// empty line before it.
+[[nodiscard]] std::string plain_text(const Table& table);
 
 /// One number that matters, shown large.
 struct KeyFigure {

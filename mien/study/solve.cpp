@@ -63,6 +63,14 @@ std::string hash_frames(std::span<const face::OutputFrame> frames) {
   return hash.hex();
 }
 
+model::SamplerSettings sampler_of(const model::ModelFile& file, std::size_t steps) {
+  model::SamplerSettings settings = file.sampler;
+  if (steps == 0) return settings;
+  settings.steps = steps;
+  settings.kind = steps == file.schedule.levels ? model::SamplerKind::ddpm : model::SamplerKind::ddim;
+  return settings;
+}
+
 Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from) {
   MIEN_TRY_ASSIGN(std::vector<take::StoredSample> samples, take.samples());
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());

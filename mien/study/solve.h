@@ -41,6 +41,10 @@ struct Solution {
 /// As face::FrameHash has it.
 [[nodiscard]] std::string hash_frames(std::span<const face::OutputFrame> frames);
 
+/// How a window network is asked with `steps` denoising steps: as its file says but for their number, and by
+/// the published sampler where they are all of the schedule's levels. 0: as its file says.
+[[nodiscard]] model::SamplerSettings sampler_of(const model::ModelFile& file, std::size_t steps);
+
 /// Features of a take, one frame a tick. A packet that does not parse is passed over, as the session did.
 /// Errors: the take's; not_found (no ticks).
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from);

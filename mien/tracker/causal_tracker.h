@@ -28,8 +28,9 @@ class CausalTracker final : public FrameModel {
                                                     const std::vector<std::string>& face_sensor_names,
                                                     model::Precision precision = model::Precision::fp32);
 
-  /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (Calm). No allocation; about
-  /// 30 us with the default model. The same frames after a reset give the same bits on one CPU family and build.
+  /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (Calm). No allocation;
+  /// about 30 us with the default model. The same frames after a reset give the same bits on one CPU family
+  /// and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
   /// Forgets the performance so far: as after create().

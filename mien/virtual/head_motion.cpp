@@ -96,6 +96,46 @@ void talk(const Stage& stage, double liveliness, Random& random) {
     }
 }
 
+/// One quick shake or nod of some cycles from `begin_s`. Gives its length, s.
+double shake(const Stage& stage, double begin_s, Random& random) {
+  const double rate_hz = random.uniform(2.0, 3.2);
+  const double seconds = static_cast<double>(2 + random.below(4)) / rate_hz;
+  const double size = random.uniform(6, 18) * kDegree;
+  const Vec3 axis =
+      random.chance(0.6) ? Vec3(0.1 * random.normal(), 1, 0.1) : Vec3(0.6, 0.1 * random.normal(), 0);
+  for (std::size_t i = stage.begin; i < stage.end; ++i) {
+    const double t = stage.time_s(i) - begin_s;
+    if (t < 0 || t > seconds) continue;
+    const double window = minimum_jerk(2 * rate_hz * t) * minimum_jerk(2 * rate_hz * (seconds - t));
+    stage.angle[i] += stage.share(i) * window * size * std::sin(kTurn * rate_hz * t) * axis;
+  }
+  return seconds;
+}
+
+void dart(const Stage& stage, Random& random) {
+  constexpr double kFastestRadS = 400 * kDegree;
+  constexpr double kPeakOverMean = 1.875;  // Of a minimum jerk's speed.
+  const Vec3 most = Vec3(30, 45, 20) * kDegree;
+  Vec3 from = Vec3::Zero();
+  double now_s = 0;
+  while (now_s < stage.duration_s()) {
+    Vec3 to = Vec3::Zero();
+    if (!random.chance(0.25))
+      for (Eigen::Index a = 0; a < 3; ++a) to[a] = random.uniform(-1, 1) * most[a];
+    const double move_s =
+        std::max(random.uniform(0.16, 0.4), kPeakOverMean * (to - from).norm() / kFastestRadS);
+    double hold_s = random.uniform(0.05, 0.8);
+    if (random.chance(0.3)) hold_s = shake(stage, now_s + move_s, random);
+    for (std::size_t i = stage.begin; i < stage.end; ++i) {
+      const double t = stage.time_s(i) - now_s;
+      if (t < 0 || t >= move_s + hold_s) continue;
+      stage.angle[i] += stage.share(i) * (from + minimum_jerk(t / move_s) * (to - from));
+    }
+    now_s += move_s + hold_s;
+    from = to;
+  }
+}
+
 /// How a body carries the head at each step.
 struct Gait {
   double steps_hz;
@@ -209,6 +249,9 @@ HeadTrack draw_head_motion(std::size_t frame_count, std::span<const HeadEpisode>
       case HeadActivity::running:
         run(stage, own);
         break;
+      case HeadActivity::darting:
+        dart(stage, own);
+        break;
     }
   }
   // Nobody's head is quite still.
@@ -258,12 +301,18 @@ std::vector<HeadEpisode> default_head_episodes(double duration_s, Random random)
 }
 
 face::Motion with_head_motion(const face::Motion& motion, Random random) {
+  if (motion.frames.empty()) return motion;
+  const double duration_s = motion.frames.back().time_s - motion.frames.front().time_s;
+  return with_head_motion(motion, default_head_episodes(duration_s, random.fork("episodes")), random);
+}
+
+face::Motion with_head_motion(const face::Motion& motion, std::span<const HeadEpisode> episodes,
+                              const Random& random) {
   face::Motion out = motion;
   if (out.frames.empty()) return out;
   const double begin_s = out.frames.front().time_s;
   const double duration_s = out.frames.back().time_s - begin_s;
   const auto frame_count = static_cast<std::size_t>(std::ceil(duration_s * kFrameRateHz)) + 2;
-  const auto episodes = default_head_episodes(duration_s, random.fork("episodes"));
   const HeadTrack track = draw_head_motion(frame_count, episodes, 1.0, {}, random.fork("head"));
   for (auto& frame : out.frames) {
     const double at = (frame.time_s - begin_s) * kFrameRateHz;

@@ -17,6 +17,7 @@ enum class HeadActivity {
   talking,  ///< The small ceaseless movement of a speaker.
   walking,  ///< 1.7 to 2.1 steps a second, +-2 cm up and down, along a wandering path.
   running,  ///< 2.6 to 3 steps a second, 4 to 6 cm, with the shock of each step.
+  darting,  ///< Quick looks aside, to +-45 degrees at up to 400 degrees a second, and shakes at 2 to 3.2 Hz.
 };
 
 /// From `begin_s` until the next episode begins.
@@ -48,5 +49,8 @@ struct HeadTrack {
 
 /// `motion` with the default head motion in place of its own; the motion's time code is kept.
 [[nodiscard]] face::Motion with_head_motion(const face::Motion& motion, Random random);
+/// The same with these episodes, counted from the motion's first frame.
+[[nodiscard]] face::Motion with_head_motion(const face::Motion& motion, std::span<const HeadEpisode> episodes,
+                                            const Random& random);
 
 }  // namespace mien::virt

@@ -9,8 +9,10 @@
 #include "mien/virtual/expression_range.h"
 #include "mien/virtual/gaze.h"
 #include "mien/virtual/performer_canvas.h"
+#include "mien/virtual/performer_eating.h"
 #include "mien/virtual/performer_free.h"
 #include "mien/virtual/performer_limits.h"
+#include "mien/virtual/performer_rapid.h"
 #include "mien/virtual/speech_articulation.h"
 
 namespace mien::virt {
@@ -81,6 +83,12 @@ void perform_segment(Canvas& canvas, const Segment& segment, const Style& style,
     case Block::range_of_motion:
       perform_range_of_motion(canvas, style, random.fork("range"));
       break;
+    case Block::eating:
+      perform_eating(canvas, style, random.fork("eating"));
+      break;
+    case Block::rapid:
+      perform_rapid(canvas, random.fork("rapid"));
+      break;
     case Block::free:
     case Block::mixed:
       perform_free(canvas, random.fork("free"));
@@ -98,6 +106,8 @@ GazeTask gaze_task(Block block, Random& random) {
       return random.chance(0.7) ? GazeTask::conversation : GazeTask::still;
     case Block::range_of_motion:
       return random.chance(0.5) ? GazeTask::still : GazeTask::conversation;
+    case Block::eating:
+      return GazeTask::conversation;
     default:
       return random.chance(0.6) ? GazeTask::wandering : GazeTask::conversation;
   }
@@ -112,6 +122,10 @@ HeadActivity head_activity(Block block, Random& random) {
       return random.chance(0.5) ? HeadActivity::still : HeadActivity::talking;
     case Block::range_of_motion:
       return random.chance(0.7) ? HeadActivity::still : HeadActivity::turning;
+    case Block::eating:
+      return random.chance(0.6) ? HeadActivity::still : HeadActivity::talking;
+    case Block::rapid:
+      return HeadActivity::darting;
     default:
       break;
   }

@@ -10,8 +10,8 @@ namespace mien::virt {
 
 namespace {
 
-constexpr std::array<std::string_view, 6> kBlockNames = {"reading",         "expressions", "acted",
-                                                         "range_of_motion", "free",        "mixed"};
+constexpr std::array<std::string_view, 8> kBlockNames = {"reading", "expressions", "acted", "range_of_motion",
+                                                         "free",    "eating",      "rapid", "mixed"};
 constexpr std::array<std::string_view, kEmotionCount> kEmotionNames = {
     "neutral", "joy", "sadness", "anger", "fear", "disgust", "surprise", "contempt"};
 

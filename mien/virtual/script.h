@@ -18,7 +18,9 @@ enum class Block : std::uint8_t {
   acted,            ///< Lines acted with one emotion.
   range_of_motion,  ///< Every group of shapes through its range, slowly and fast.
   free,             ///< Crude random motion of all shapes: a broad prior for training.
-  mixed,            ///< All of these in turn.
+  eating,           ///< A meal: bites, chewing, sips from a cup.
+  rapid,            ///< As fast as faces and heads move.
+  mixed,            ///< Those from reading to free in turn.
 };
 /// "reading", "range_of_motion", ...
 [[nodiscard]] std::string_view block_name(Block block);
@@ -59,7 +61,7 @@ struct Script {
 /// through all emotions, mixed through all blocks.
 [[nodiscard]] Script default_script(Block kind, double seconds);
 
-/// A script for training: segments of 5 to 20 s of all blocks, nearly half of them free.
+/// A script for training: segments of 5 to 20 s of the blocks from reading to free, nearly half of them free.
 [[nodiscard]] Script random_script(double seconds, Random& random);
 
 }  // namespace mien::virt

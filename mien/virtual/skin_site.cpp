@@ -214,6 +214,21 @@ std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random 
   return offsets_m;
 }
 
+std::vector<SkinSite> draw_turns(const std::vector<SkinSite>& sites, double sigma_rad, Random random) {
+  std::vector<SkinSite> drawn = sites;
+  for (SkinSite& site : drawn) {
+    const Vec3 axis = random.direction();
+    const Mat3 turn = exp_rotation(sigma_rad * random.normal() * axis).toRotationMatrix();
+    site.normal = turn * site.normal;
+    site.covariance = turn * site.covariance * turn.transpose();
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      site.shape_covariance[k] = turn * site.shape_covariance[k] * turn.transpose();
+      site.shape_shift_m[k] = turn * site.shape_shift_m[k];
+    }
+  }
+  return drawn;
+}
+
 std::vector<SkinSite> draw_kinematics(const std::vector<SkinSite>& sites, const KinematicsSpread& spread,
                                       Random random) {
   std::vector<SkinSite> drawn = sites;

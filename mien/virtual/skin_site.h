@@ -49,6 +49,11 @@ struct SkinSite {
 /// Placement error for skin_sites: one offset a sensor, normal with `sigma_m` an axis.
 [[nodiscard]] std::vector<Vec3> draw_placement(const sensor::Rig& rig, double sigma_m, Random random);
 
+/// The same sites with the skin of each lying another way: turned about an axis of its own by an angle of
+/// this standard deviation, so that every shape turns it about axes as far off.
+[[nodiscard]] std::vector<SkinSite> draw_turns(const std::vector<SkinSite>& sites, double sigma_rad,
+                                               Random random);
+
 /// How much a drawn performer's skin differs from the mesh's own (facts: what the training face's sites do
 /// decides more than the network does).
 struct KinematicsSpread {

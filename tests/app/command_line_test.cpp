@@ -142,6 +142,11 @@ TEST_F(WrongInput, EveryMistakeNamesTheWayOut) {
        {{"perform", "--seed", "x"}, "mien: perform: --seed: x is no whole number from 0 on"},
        {{"perform", "--seed", "-1"}, "mien: perform: --seed: -1 is no whole number from 0 on"},
        {{"study", "bound", "--seed", "-1"}, "mien: study bound: --seed: -1 is no whole number from 0 on"},
+       {{"study", "live"}, "mien: study live: --out is missing"},
+       {{"study", "live", "--rows", "flying", "--out", "@live"}, "mien: the study has no rows 'flying'"},
+       {{"study", "live", "--face", "x", "--out", "@live"},
+        "mien: study live: --face means nothing without --takes"},
+       {{"study", "live", "--model", "gru", "--out", "@live"}, "mien: gru: a model to compare is NAME=FILE"},
        {{"record"}, "mien: record: --out is missing"},
        {{"perform", "--script", "opera"}, "mien: perform: --script: opera is none of "},
        {{"calibrate", "--wait", "0"}, "mien: calibrate: --wait: 0 is no number from 1 to 3600"}});

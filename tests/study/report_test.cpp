@@ -126,5 +126,23 @@ TEST(BarPlot, LeavesAGapForWhatIsNoNumber) {
   EXPECT_EQ(count(svg(plot), "<rect"), 1);
 }
 
+TEST(PlainText, AlignsColumnsAndLetsHeadsRunAcross) {
+  const Table table{
+      "Who",
+      {"", "mm", "what"},
+      {{"a head that is longer than any column"}, {"one", "0.5 \xC2\xB1 0.1", "x"}, {"three", "12", "-y"}},
+      {0}};
+  EXPECT_EQ(plain_text(table),
+            "Who\n\n"
+            "              mm  what\n"
+            "\n"
+            "a head that is longer than any column\n"
+            "one    0.5 \xC2\xB1 0.1  x\n"
+            "three         12  -y\n");
+  Report report("t");
+  report.table(table);
+  EXPECT_NE(report.html().find("<td colspan=\"3\">a head"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace mien::study

@@ -23,6 +23,15 @@ Result<Solution> solve(const take::Take& take, SolveFrom from = SolveFrom::sampl
   return solve_take(take, solver, from, solver.file().sampler, no_progress);
 }
 
+TEST(SamplerOf, IsTheFilesOwnButForTheSteps) {
+  const model::ModelFile file = tracker::test::tiny_model({"mentalis"});
+  EXPECT_EQ(sampler_of(file, 0), file.sampler);
+  model::SamplerSettings asked = file.sampler;
+  asked.steps = 5;
+  EXPECT_EQ(sampler_of(file, 5), asked);
+  EXPECT_EQ(sampler_of(file, file.schedule.levels).kind, model::SamplerKind::ddpm);
+}
+
 TEST(Solve, FromTheLogItIsTheSameToTheBit) {
   const test::Folder folder;
   for (const auto& [devices, session] :

@@ -81,6 +81,23 @@ TEST(HeadMotion, RunningShakesHarderThanWalking) {
   EXPECT_LT(running, 25.0);
 }
 
+TEST(HeadMotion, DartingIsFastAndStaysOnTheNeck) {
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    const HeadTrack track = play(HeadActivity::darting, 1800, seed);
+    double fastest = 0, largest = 0;
+    for (std::size_t i = 1; i < track.orientation.size(); ++i) {
+      fastest =
+          std::max(fastest, angle_between(track.orientation[i - 1], track.orientation[i]) * kFrameRateHz);
+      largest = std::max(largest, tilt_of(track.orientation[i]));
+      EXPECT_LT(track.position_m[i].norm(), 0.2);
+    }
+    EXPECT_GT(fastest, 250 * kDegree);
+    EXPECT_LT(fastest, 500 * kDegree) << "sway comes on top";
+    EXPECT_GT(largest, 30 * kDegree);
+    EXPECT_LT(largest, 75 * kDegree);
+  }
+}
+
 TEST(HeadMotion, DefaultHasAMinuteOfWalkingWhereThereIsRoom) {
   for (std::uint64_t seed = 0; seed < 20; ++seed)
     for (const double duration_s : {20.0, 90.0, 134.0, 600.0}) {
@@ -114,6 +131,13 @@ TEST(HeadMotion, KeepsTimeCodeAndWeightsOfTheMotion) {
   }
   EXPECT_GT(largest, 5 * kDegree);
   EXPECT_TRUE(with_head_motion(face::Motion{}, Random(1)).frames.empty());
+
+  const std::array walks = {HeadEpisode{0, HeadActivity::walking}};
+  const auto walking = with_head_motion(motion, walks, Random(2));
+  ASSERT_EQ(walking.frames.size(), 900U);
+  EXPECT_EQ(walking.frames[450].weights, motion.frames[450].weights);
+  EXPECT_GT((walking.frames.back().head_position_m - walking.frames.front().head_position_m).norm(), 25);
+  EXPECT_TRUE(with_head_motion(face::Motion{}, walks, Random(1)).frames.empty());
 }
 
 }  // namespace

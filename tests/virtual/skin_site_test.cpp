@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -140,6 +142,29 @@ TEST(SkinSites, IctMatchesTheMeasuredRotations) {
       best = std::max(best, log_rotation(site.rotation(weights)).norm() / kDeg);
     EXPECT_NEAR(best, expected, 0.25 * expected) << name;
   }
+}
+
+TEST(SkinSites, TurnedSkinTurnsAsFarAboutAnotherAxis) {
+  const auto& sites = builtin_sites_of_default_rig();
+  const auto turned = draw_turns(sites, 10 * kDeg, Random(3));
+  const auto same = draw_turns(sites, 0, Random(3));
+  face::BlendshapeWeights weights;
+  weights[face::shape("jawOpen")] = 0.5F;
+  weights[face::shape("mouthSmile_L")] = 0.7F;
+  double largest = 0;
+  for (std::size_t s = 0; s < sites.size(); ++s) {
+    const Vec3 was = log_rotation(sites[s].rotation(weights));
+    const Vec3 is = log_rotation(turned[s].rotation(weights));
+    EXPECT_NEAR(is.norm(), was.norm(), 1e-6) << sites[s].sensor;
+    EXPECT_LT((log_rotation(same[s].rotation(weights)) - was).norm(), 1e-6);
+    EXPECT_LT(log_rotation(turned[s].rotation({})).norm(), 1e-6) << "neutral is neutral";
+    const double moved = (sites[s].position(weights) - sites[s].position({})).norm();
+    EXPECT_NEAR((turned[s].position(weights) - turned[s].position({})).norm(), moved, 1e-9);
+    if (was.norm() > 0.02)
+      largest = std::max(largest, std::acos(std::min(1.0, was.dot(is) / was.squaredNorm())));
+  }
+  EXPECT_GT(largest, 4 * kDeg);
+  EXPECT_LT(largest, 40 * kDeg);
 }
 
 }  // namespace

@@ -1,0 +1,50 @@
+#include "mien/study/evaluation.h"
+
+#include <gtest/gtest.h>
+
+#include "mien/face/builtin.h"
+
+namespace mien::study {
+namespace {
+
+/// `frames` of a jaw that opens steadily; the first `easing` are not evaluated, and the face is lost at
+/// `lost`.
+std::vector<take::TruthFrame> opening(std::size_t frames, std::size_t easing, std::size_t lost) {
+  std::vector<take::TruthFrame> truth(frames);
+  for (std::size_t i = 0; i < frames; ++i) {
+    truth[i].weights[face::shape("jawOpen")] = static_cast<float>(i) / static_cast<float>(frames);
+    truth[i].evaluated = i >= easing;
+    truth[i].has_face = i != lost;
+  }
+  return truth;
+}
+
+TEST(HoldLast, IsTheTruthOfASecondAgoOrTheLastOneSeen) {
+  const auto truth = opening(200, 0, 70);
+  const auto held = hold_last(truth);
+  ASSERT_EQ(held.size(), 200U);
+  EXPECT_EQ(held[30], truth[0].weights) << "nothing is older";
+  EXPECT_EQ(held[129], truth[69].weights);
+  EXPECT_EQ(held[130], truth[69].weights) << "lost a second ago";
+  EXPECT_EQ(held[131], truth[71].weights);
+}
+
+TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
+  const Meter meter(face::make_builtin());
+  TakeEstimates take{.take = "one", .truth = opening(120, 10, 60), .model = {}, .ridge = {}};
+  for (const take::TruthFrame& frame : take.truth) {
+    take.model.push_back(frame.weights);
+    take.model.back()[face::shape("mouthSmile_L")] += 0.2F;
+  }
+  const auto whole = evaluate(meter, {take}, {});
+  ASSERT_TRUE(whole);
+  const Metrics one = measure_track(meter, take.truth, take.model);
+  EXPECT_EQ(one.frames, 109U);
+  EXPECT_EQ(one.mse, whole->model.mse);
+  EXPECT_EQ(one.pve_mm.mean, whole->model.pve_mm.mean);
+  EXPECT_EQ(one.jitter_ratio, whole->model.jitter_ratio);
+  EXPECT_EQ(measure_track(meter, take.truth, hold_last(take.truth)).mse, whole->hold_last.mse);
+}
+
+}  // namespace
+}  // namespace mien::study
