@@ -225,6 +225,7 @@ void add_bench_command(Commands& commands) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   causal->add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
+  causal->add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
   causal->add_flag("--json", asked->json, "Print one JSON object");
 }
 

@@ -11,6 +11,7 @@ struct CausalBench {
   std::string model;  ///< Empty: the default live model.
   std::string precision = "fp32";
   int frames = 3600;
+  bool no_peers = false;  ///< ONNX Runtime and libtorch are not run.
   bool json = false;
 };
 

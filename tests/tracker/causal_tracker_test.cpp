@@ -5,8 +5,10 @@
 #include <cstdlib>
 #include <limits>
 #include <new>
+#include <string>
 #include <utility>
 
+#include "mien/core/random.h"
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
 
@@ -119,6 +121,42 @@ TEST(CausalTracker, AllocatesNothing) {
   for (const model::FeatureFrame& f : features) tracker.step(f, frame);
   tracker.reset();
   EXPECT_EQ(allocations, before);
+}
+
+/// A model of eleven sensors that is some wearer's.
+model::ModelFile worn_model(const std::vector<std::string>& sensors) {
+  model::ModelFile file = test::tiny_causal_model(sensors);
+  Random random(4);
+  model::Skin& skin = file.skin.emplace();
+  for (std::size_t i = 0; i < 3 * sensors.size() * face::kShapeCount; ++i) {
+    skin.standard.push_back(static_cast<float>(0.1 * random.normal()));
+    skin.wearer.push_back(skin.standard.back() * static_cast<float>(1 + 0.3 * random.normal()));
+  }
+  skin.covariance.assign(face::kShapeCount * face::kShapeCount, 0.0F);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) skin.covariance[k * face::kShapeCount + k] = 0.02F;
+  return file;
+}
+
+TEST(CausalTracker, AWearersSkinTakesNoMemoryAndRepeatsItsBits) {
+  std::vector<std::string> sensors;
+  for (int s = 0; s < 11; ++s) sensors.push_back("sensor " + std::to_string(s));
+  auto features = test::turning(60, sensors.size());
+  // Sensors come and go.
+  for (std::size_t f = 10; f < 40; ++f) features[f].sensors[f % 11] = {};
+  CausalTracker tracker = CausalTracker::create(worn_model(sensors), sensors).value();
+  face::OutputFrame frame;
+  const std::size_t before = allocations;
+  for (const model::FeatureFrame& f : features) tracker.step(f, frame);
+  EXPECT_EQ(allocations, before);
+  tracker.reset();
+  const auto once = weights_of(run(tracker, features));
+  tracker.reset();
+  EXPECT_EQ(weights_of(run(tracker, features)), once);
+  // It is not what everybody's model says.
+  model::ModelFile anybody = worn_model(sensors);
+  anybody.skin->wearer.clear();
+  CausalTracker other = CausalTracker::create(std::move(anybody), sensors).value();
+  EXPECT_NE(weights_of(run(other, features)), once);
 }
 
 TEST(CausalTracker, ConfidenceIsTheShareOfTheSensorsThatFeelAShape) {
