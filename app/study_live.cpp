@@ -243,7 +243,7 @@ void add_study_live(Commands& commands, CLI::App* study) {
       ->add_option(
           "--steps", options->steps,
           "Denoising steps that the window network is asked with; 1000 is the published sampler, and takes "
-          "half an hour of a core for a minute of one row")
+          "half an hour of a core for a row of two minutes")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command->add_option("--model", options->models, "Another causal model, as NAME=FILE; may be given often");

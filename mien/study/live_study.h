@@ -105,7 +105,7 @@ struct LiveRequest {
   std::vector<LiveCondition> conditions;  ///< Empty: live_conditions().
   int performers =
       4;  ///< Virtual ones of the built-in family, whom no training has (the streams are the study's own).
-  double seconds = 45;  ///< Of each virtual performance after the prologue, above 0.
+  double seconds = 30;  ///< Of each virtual performance after the prologue, above 0.
   std::vector<GivenMotion> motions;
   std::vector<face::Face> faces;
   std::string motions_are;   ///< Of the given motions' rows, for people.
