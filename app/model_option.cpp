@@ -24,7 +24,8 @@ struct Adapted {
   std::optional<tracker::Personalisation> personalised;
   double seconds = 0;
 };
-Result<Adapted> adapt(const take::Take& take, model::ModelFile& file) {
+Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFrame> features,
+                      model::ModelFile& file) {
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const std::optional<DeviceTime> until, study::first_evaluated(take));
   Adapted out;
@@ -34,7 +35,7 @@ Result<Adapted> adapt(const take::Take& take, model::ModelFile& file) {
       }) < static_cast<std::ptrdiff_t>(tracker::kLeastPrompts))
     return out;
   const auto start = std::chrono::steady_clock::now();
-  auto learnt = study::personalise_on(take, file, until);
+  auto learnt = study::personalise_on(take, features, file, until);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (learnt)
     out.personalised = *learnt;
@@ -74,15 +75,16 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
   } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
+    MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take, from));
     model::ModelFile file = *causal;
     Adapted adapted;
     if (adapt_ && file.skin && file.skin->wearer.empty()) {
       progress(0, "learning the wearer");
-      MIEN_TRY_ASSIGN(adapted, adapt(take, file));
+      MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
     }
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                     tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
-    MIEN_TRY_ASSIGN(solution, study::solve_take(take, tracker, from, progress));
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, features, tracker, progress));
     solution.personalised = adapted.personalised;
     solution.personalise_s = adapted.seconds;
   } else {

@@ -7,6 +7,7 @@
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
 #include "mien/study/prompted.h"
+#include "mien/study/solve.h"
 #include "mien/take/take.h"
 
 namespace mien::app {
@@ -27,7 +28,9 @@ Result<void> run(Options options) {
     MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
   }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
-  MIEN_TRY_ASSIGN(const tracker::Personalisation learnt, study::personalise_on(take, file));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
+                  study::take_features(take, study::SolveFrom::samples));
+  MIEN_TRY_ASSIGN(const tracker::Personalisation learnt, study::personalise_on(take, features, file));
   if (!learnt.taken)
     return fail(
         ErrorCode::not_found,

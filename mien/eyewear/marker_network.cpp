@@ -10,6 +10,7 @@
 
 #include "mien/core/files.h"
 #include "mien/model/network_parts.h"
+#include "mien/sensor/sensor_places.h"
 
 namespace mien::eyewear {
 namespace {
@@ -118,12 +119,8 @@ Result<std::unique_ptr<NetworkRegressor>> NetworkRegressor::create(MarkerNetwork
                                                                    const std::vector<std::string>& sensors) {
   MIEN_TRY_ASSIGN(model::CausalNetwork network,
                   model::CausalNetwork::create(file.architecture, file.network));
-  std::vector<std::ptrdiff_t> places;
-  for (const std::string& name : file.sensors) {
-    const auto it = std::ranges::find(sensors, name);
-    places.push_back(it == sensors.end() ? -1 : it - sensors.begin());
-  }
-  if (std::ranges::all_of(places, [](std::ptrdiff_t place) { return place < 0; }))
+  std::vector<std::ptrdiff_t> places = sensor::sensor_places(file.sensors, sensors);
+  if (sensor::none_placed(places))
     return fail(ErrorCode::mismatch, "the model knows none of the rig's sensors", "model",
                 "use a model that was trained for this rig");
   return std::unique_ptr<NetworkRegressor>(

@@ -53,18 +53,17 @@ Result<std::optional<DeviceTime>> first_evaluated(const take::Take& take) {
   return first == truth.end() ? std::nullopt : std::optional(first->time);
 }
 
-Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file,
-                                                std::optional<DeviceTime> until) {
+Result<tracker::Personalisation> personalise_on(const take::Take& take,
+                                                std::span<const model::FeatureFrame> features,
+                                                model::ModelFile& file, std::optional<DeviceTime> until) {
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
-  MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features, take_features(take, SolveFrom::samples));
   std::vector<tracker::PromptedExpression> prompts = prompted_expressions(events);
   if (until) {
-    std::erase_if(features, [&](const model::FeatureFrame& frame) { return frame.time >= *until; });
+    const auto beyond = std::ranges::lower_bound(features, *until, {}, &model::FeatureFrame::time);
+    features = features.first(static_cast<std::size_t>(beyond - features.begin()));
     std::erase_if(prompts, [&](const tracker::PromptedExpression& prompt) { return prompt.end > *until; });
   }
-  auto learnt = tracker::personalise(features, prompts, take.rig().face_sensor_names(), file);
-  if (!learnt && learnt.error().where.empty()) learnt.error().where = take.path().string();
-  return learnt;
+  return tracker::personalise(features, prompts, take.rig().face_sensor_names(), file);
 }
 
 }  // namespace mien::study

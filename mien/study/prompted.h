@@ -18,8 +18,11 @@ namespace mien::study {
 [[nodiscard]] Result<std::optional<DeviceTime>> first_evaluated(const take::Take& take);
 
 /// Learns the wearer of a model from a take with prompts (tracker::personalise), from what was before
-/// `until`. Errors: the take's; not_found (too few prompts), unsupported (the model), mismatch.
-[[nodiscard]] Result<tracker::Personalisation> personalise_on(const take::Take& take, model::ModelFile& file,
+/// `until`. `features`: what take_features() gave. Errors: the take's; not_found (too few prompts),
+/// unsupported (the model), mismatch.
+[[nodiscard]] Result<tracker::Personalisation> personalise_on(const take::Take& take,
+                                                              std::span<const model::FeatureFrame> features,
+                                                              model::ModelFile& file,
                                                               std::optional<DeviceTime> until = std::nullopt);
 
 }  // namespace mien::study

@@ -97,6 +97,11 @@ Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver&
 Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker, SolveFrom from,
                             const Progress& progress) {
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
+  return solve_take(take, features, tracker, progress);
+}
+
+Result<Solution> solve_take(const take::Take& take, std::span<const model::FeatureFrame> features,
+                            tracker::CausalTracker& tracker, const Progress& progress) {
   constexpr std::size_t kShownEvery = 600;
   Solution out;
   out.frames.resize(features.size());

@@ -57,6 +57,10 @@ struct Solution {
 /// Solves a whole take frame by frame, as a live session would; the tracker is reset first and last.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
                                           SolveFrom from, const Progress& progress);
+/// The same with the features that take_features() gave.
+[[nodiscard]] Result<Solution> solve_take(const take::Take& take,
+                                          std::span<const model::FeatureFrame> features,
+                                          tracker::CausalTracker& tracker, const Progress& progress);
 
 /// Solves a whole take with the tracker of its sensors, as a live session would: with the calibrations that
 /// the take holds, each from when it was made; where it holds none, with those that the tracker makes of the

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "mien/sensor/sensor_places.h"
+
 namespace mien::tracker {
 namespace {
 
@@ -15,18 +17,16 @@ bool finite(const model::SensorFeature& sensor) {
 }  // namespace
 
 ModelInput::ModelInput(const model::ModelFile& file, const std::vector<std::string>& rig_sensors)
-    : layout_(file.features), normalisation_(file.normalisation) {
-  for (const std::string& name : layout_.sensors) {
-    const auto found = std::ranges::find(rig_sensors, name);
-    places_.push_back(found == rig_sensors.end() ? -1 : found - rig_sensors.begin());
-  }
+    : layout_(file.features),
+      normalisation_(file.normalisation),
+      places_(sensor::sensor_places(layout_.sensors, rig_sensors)) {
   values_.resize(7 * places_.size());
   present_.resize(2 * places_.size());
   if (file.skin && !file.skin->wearer.empty()) skin_.emplace(*file.skin, file.mean_pose);
 }
 
 bool ModelInput::empty() const {
-  return std::ranges::all_of(places_, [](std::ptrdiff_t place) { return place < 0; });
+  return sensor::none_placed(places_);
 }
 
 void ModelInput::encode(const model::FeatureFrame& frame, std::span<float> out) {

@@ -9,7 +9,9 @@
 #include <numbers>
 #include <optional>
 
+#include "mien/core/minimum_jerk.h"
 #include "mien/core/rotation.h"
+#include "mien/sensor/sensor_places.h"
 
 namespace mien::tracker {
 namespace {
@@ -42,11 +44,6 @@ constexpr double kFrameWeight = 1.0 / 3;
 /// More rounds make every slope smaller than it is: errors in the weights, which only the prompts hold, grow.
 constexpr int kRounds = 5;
 constexpr std::size_t kPromptsAHeldOut = 4;
-
-double minimum_jerk(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * u * (10 + u * (6 * u - 15));
-}
 
 /// How far an expression is reached `since_s` after it was asked for: mean and mean square over how late
 /// people are.
@@ -254,12 +251,8 @@ Result<Personalisation> personalise(std::span<const model::FeatureFrame> feature
       file.skin->standard.size() != 3 * file.features.sensors.size() * face::kShapeCount)
     return fail(ErrorCode::mismatch, "the model's outputs are not the 53 ICT shapes in their order",
                 "model file", "train it with this version of Mien");
-  std::vector<std::ptrdiff_t> places;
-  for (const std::string& name : file.features.sensors) {
-    const auto found = std::ranges::find(rig_sensors, name);
-    places.push_back(found == rig_sensors.end() ? -1 : found - rig_sensors.begin());
-  }
-  if (std::ranges::all_of(places, [](std::ptrdiff_t place) { return place < 0; }))
+  const std::vector<std::ptrdiff_t> places = sensor::sensor_places(file.features.sensors, rig_sensors);
+  if (sensor::none_placed(places))
     return fail(ErrorCode::mismatch, "the rig has none of the model's sensors", "model file",
                 "use a model that was trained for this rig");
   const std::vector<Frame> frames = frames_of(features, prompts, places);

@@ -8,19 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "mien/core/minimum_jerk.h"
 #include "mien/core/random.h"
 #include "mien/core/time.h"
 #include "mien/face/profile.h"
 
 namespace mien::virt {
-
-/// From 0 to 1 with no velocity and no acceleration at either end (minimum jerk: Flash and Hogan 1985,
-/// doi:10.1523/JNEUROSCI.05-07-01688.1985); held outside [0, 1].
-[[nodiscard]] inline double minimum_jerk(double u) {
-  if (u <= 0) return 0;
-  if (u >= 1) return 1;
-  return u * u * u * (10 + u * (6 * u - 15));
-}
 
 /// One gesture in time: rises, holds, falls. Seconds from the canvas's start.
 struct Envelope {

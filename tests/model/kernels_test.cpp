@@ -7,16 +7,10 @@
 #include "mien/core/random.h"
 #include "mien/model/aligned.h"
 #include "mien/model/architecture.h"
+#include "tests/model/numbers.h"
 
 namespace mien::model {
 namespace {
-
-std::vector<float> numbers(std::size_t count, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<float> values(count);
-  for (float& v : values) v = static_cast<float>(random.uniform(-1, 1));
-  return values;
-}
 
 AlignedFloats aligned(const std::vector<float>& values) {
   AlignedFloats copy(values.size());

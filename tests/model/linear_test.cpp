@@ -9,16 +9,10 @@
 #include <vector>
 
 #include "mien/core/random.h"
+#include "tests/model/numbers.h"
 
 namespace mien::model {
 namespace {
-
-std::vector<float> numbers(std::size_t count, std::uint64_t seed) {
-  Random random(seed);
-  std::vector<float> values(count);
-  for (float& v : values) v = static_cast<float>(random.uniform(-1, 1));
-  return values;
-}
 
 /// Rounded to bf16, halves to even, by way of what lies around it.
 double as_bf16(float x) {

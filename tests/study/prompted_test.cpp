@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "mien/study/solve.h"
 #include "mien/virtual/performer_prologue.h"
 #include "tests/study/performed_take.h"
 #include "tests/tracker/tiny_model.h"
@@ -43,7 +44,8 @@ TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
       virt::play_lab(motion, virt::test::three_sites(), virt::test::three_sensors(), Random(11)).value(),
       folder / "minute.mien", "lab");
   model::ModelFile file = tracker::test::tiny_causal_model({"mentalis", "buccinator_L"});
-  const auto refused = personalise_on(take, file);
+  const auto features = take_features(take, SolveFrom::samples).value();
+  const auto refused = personalise_on(take, features, file);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
 
@@ -56,7 +58,7 @@ TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
   file.skin->standard[cheek] = 0.7F;
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     file.skin->covariance[k * face::kShapeCount + k] = 0.02F;
-  const auto learnt = personalise_on(take, file);
+  const auto learnt = personalise_on(take, features, file);
   ASSERT_TRUE(learnt) << learnt.error().message();
   EXPECT_TRUE(learnt->taken);
   EXPECT_GT(learnt->prompts, 30u);
