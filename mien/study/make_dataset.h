@@ -30,6 +30,8 @@ struct DataRecipe {
   double device_moving_share = 0.5;
   /// Different people: the built-in family's identities, or ICT's.
   bool identities = true;
+  /// How unlike the standard skin the least alike performers are; each one is by an even share of that, from
+  /// none of it to all.
   double placement_mm = 3;            ///< Placement error along the skin, one sigma an axis.
   virt::KinematicsSpread kinematics;  ///< Drawn anew for each performer.
   bool operator==(const DataRecipe& other) const {
