@@ -98,6 +98,7 @@ void HeadingTracker::start(double heading_rad, double sigma_rad) {
   heading_ = heading_rad;
   cov_(0, 0) = sigma_rad * sigma_rad;
   cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
+  cov_(2, 2) = settings_.rest_sigma_rad * settings_.rest_sigma_rad;
 }
 
 double HeadingTracker::sigma_rad() const {
@@ -106,9 +107,9 @@ double HeadingTracker::sigma_rad() const {
 
 void HeadingTracker::predict(double dt_s) {
   heading_ = wrap(heading_ + rate_ * dt_s);
-  Eigen::Matrix2d step;
+  Mat3 step;
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
-  step << 1, dt_s, 0, keep;
+  step << 1, dt_s, 0, 0, keep, 0, 0, 0, 1;
   rate_ *= keep;
   cov_ = (step * cov_ * step.transpose()).eval();
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
@@ -131,14 +132,16 @@ void HeadingTracker::skip(double dt_s) {
   away_s_ = 0;
 }
 
-void HeadingTracker::measure(double error_rad, double sigma_rad) {
-  // What was seen is Z's excess: the heading less the true one.
-  const double variance = cov_(0, 0) + sigma_rad * sigma_rad;
-  const Eigen::Vector2d kalman = cov_.col(0) / variance;
-  heading_ = wrap(heading_ - kalman.x() * error_rad);
-  rate_ -= kalman.y() * error_rad;
-  const Eigen::RowVector2d row = cov_.row(0);
-  cov_ = (cov_ - kalman * row).eval();
+void HeadingTracker::measure(double error_rad, double sigma_rad, bool with_rest) {
+  // What was seen is Z's excess, the heading less the true one, and maybe the rest on top.
+  const Vec3 seen(1, 0, with_rest ? 1 : 0);
+  const Vec3 spread = cov_ * seen;
+  const double excess_rad = with_rest ? error_rad - rest_ : error_rad;
+  const Vec3 kalman = spread / (seen.dot(spread) + sigma_rad * sigma_rad);
+  heading_ = wrap(heading_ - kalman.x() * excess_rad);
+  rate_ -= kalman.y() * excess_rad;
+  rest_ += kalman.z() * excess_rad;
+  cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
 
 bool HeadingTracker::find_again(double dt_s, double turn_rad) {
@@ -148,17 +151,20 @@ bool HeadingTracker::find_again(double dt_s, double turn_rad) {
   if (away_s_ == 0 || std::abs(turn_rad) < std::abs(away_least_rad_)) away_least_rad_ = turn_rad;
   away_s_ += dt_s;
   if (away_s_ <= settings_.lost_after_s) return false;
-  heading_ = wrap(heading_ - away_least_rad_);
+  heading_ = wrap(heading_ - (away_least_rad_ - rest_));
   away_s_ = 0;
   still_s_ = 0;  // A stretch that runs knows the heading from before.
   return true;
 }
 
-void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad) {
+void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad) {
   if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad)) return;
-  const double skin2 = settings_.neutral_sigma_rad * settings_.neutral_sigma_rad;
-  if (turn_rad * turn_rad > settings_.neutral_gate * settings_.neutral_gate * (cov_(0, 0) + skin2)) return;
-  measure(turn_rad, std::sqrt(skin2 * settings_.neutral_every_s / dt_s));
+  const double tilted_rad = settings_.neutral_tilt * tilt_rad;
+  const double skin2 = settings_.neutral_sigma_rad * settings_.neutral_sigma_rad + tilted_rad * tilted_rad;
+  const double excess_rad = turn_rad - rest_;
+  const double expected2 = cov_(0, 0) + 2 * cov_(0, 2) + cov_(2, 2) + skin2;
+  if (excess_rad * excess_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
+  measure(turn_rad, std::sqrt(skin2 * settings_.neutral_every_s / dt_s), true);
 }
 
 void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,

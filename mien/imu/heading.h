@@ -68,14 +68,20 @@ struct HeadingSettings {
   double rate_sigma_rad_s = 2.6e-3;
   /// The rate's time constant, s: it dies away as the motion that made it does.
   double rate_tau_s = 30;
-  /// Slow re-centring. Skin comes back to neutral: a turn about the vertical that is small against what the
-  /// heading may be off is taken as a reading of the heading, of this standard deviation, rad (4 deg; 0
+  /// Slow re-centring. Skin comes back to where it rests: a turn about the vertical that is small against what
+  /// the heading may be off is taken as a reading of the heading, of this standard deviation, rad (3 deg; 0
   /// switches it off), once in this time, s. Lowering either holds drift tighter, and bends held expressions
-  /// towards neutral sooner. Chosen by `mien study drift` (docs/fusion.md).
-  double neutral_sigma_rad = 0.07;
-  double neutral_every_s = 4;
+  /// towards rest sooner. All of these chosen by `mien study drift` (docs/fusion.md).
+  double neutral_sigma_rad = 0.05;
+  double neutral_every_s = 8;
+  /// Gravity holds the skin's tilt, and skin that is tilted away from neutral is turned too: each radian of
+  /// tilt adds so much to that standard deviation.
+  double neutral_tilt = 0.3;
+  /// How far about the vertical from its neutral skin rests, one sigma, rad (8 deg): that is learnt while the
+  /// heading is still well known from the calibration, and kept. 0: it rests at its neutral.
+  double rest_sigma_rad = 0.14;
   /// Beyond this many sigmas (heading's and skin's together) it is an expression and says nothing.
-  double neutral_gate = 2;
+  double neutral_gate = 2.5;
   /// A heading that got lost: no skin stays this far from neutral, rad (15 deg), to one side, for so long, s,
   /// while the heading is as unsure as this, rad (7 deg). Then the least of those turns was the heading's.
   double lost_turn_rad = 0.26;
@@ -104,9 +110,9 @@ class HeadingTracker {
   /// sensor against the ear sensor, `head_rate_rad_s` the ear sensor's own; both in its axes.
   void add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
            const Vec3& head_rate_rad_s);
-  /// The skin's turn about the vertical at heading_rad() in the same frame, rad: for the slow re-centring,
-  /// and for finding a lost heading again.
-  void add_turn_from_neutral(double dt_s, double turn_rad);
+  /// The skin's turn about the vertical at heading_rad() in the same frame, rad, and how far it is tilted away
+  /// from neutral, rad: for the slow re-centring, and for finding a lost heading again.
+  void add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad);
   /// One frame in which the sensor or the ear's was missing.
   void skip(double dt_s);
 
@@ -115,12 +121,14 @@ class HeadingTracker {
   void begin(const Quat& q_ear_face);
   /// True when it has just found a lost heading again.
   bool find_again(double dt_s, double turn_rad);
-  void measure(double error_rad, double sigma_rad);
+  /// A reading of the heading's error, alone or with what the face rests at.
+  void measure(double error_rad, double sigma_rad, bool with_rest = false);
 
   HeadingSettings settings_;
   double heading_ = 0;
   double rate_ = 0;
-  Eigen::Matrix2d cov_ = Eigen::Matrix2d::Zero();
+  double rest_ = 0;          // The skin's turn about the vertical while the face rests, rad.
+  Mat3 cov_ = Mat3::Zero();  // Of heading, rate and rest.
   Vec3 smooth_rate_ = Vec3::Zero();
   double still_s_ = 0;
   double away_s_ = 0;          // How long the skin has been far to one side, ...

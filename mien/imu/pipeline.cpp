@@ -495,7 +495,8 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
       s.trackers[i].add(dt_s, relative, ear->orientation, relative * sensor->rate_rad_s - ear->rate_rad_s,
                         ear->rate_rad_s);
       const Vec3 skin = log_rotation(relative * calibration.sensors[i].neutral.conjugate());
-      s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(world_to_ear * Vec3::UnitY()));
+      const Vec3 up = world_to_ear * Vec3::UnitY();
+      s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(up), skin.cross(up).norm());
       relative = world_to_ear * s.turn_of(i) * sensor->orientation;
     }
     if (followed && s.trackers[i].sigma_rad() > s.settings.unsure_rad) continue;

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -36,11 +37,19 @@ constexpr double kRestSquare = 1e-5;
 
 /// One sigma of a rotation's noise, rad an axis, and of what slopes that are linear leave.
 constexpr double kNoiseRad = 0.02;
-/// One sigma of a slope: a share of how much the shape turns that sensor, and a floor, rad.
-constexpr double kSlopeSpread = 0.5, kSlopeFloor = 0.01;
-/// Neighbouring frames say the same; one in three is looked at, and each counts for a third.
+/// One frame in three is looked at; neighbouring ones say the same.
 constexpr std::size_t kEvery = 3;
-constexpr double kFrameWeight = 1.0 / 3;
+/// How unlike the standard skin wearers are, from hardly to very much. Which of these a wearer is, the
+/// prompts that were not learnt from decide.
+struct Unlikeness {
+  double spread;  ///< One sigma of a slope, as a share of how much the shape turns that sensor.
+  /// What a frame counts for. A prompt has some fifty frames, all with one gain that nobody knows: the less
+  /// they count, the less that gain passes for the skin's.
+  double frame_weight;
+};
+constexpr Unlikeness kUnlike[] = {{0.1, 1.0 / 48}, {0.2, 1.0 / 12}, {0.35, 1.0 / 12}, {0.5, 1.0 / 3}};
+/// A slope's least sigma, rad.
+constexpr double kSlopeFloor = 0.01;
 /// More rounds make every slope smaller than it is: errors in the weights, which only the prompts hold, grow.
 constexpr int kRounds = 5;
 constexpr std::size_t kPromptsAHeldOut = 4;
@@ -103,17 +112,19 @@ Posterior answer(const Frame& frame, const MatrixXd& slopes) {
   return out;
 }
 
-/// What a prior of the slopes is: its mean, and one over its variance, entry by entry.
+/// What a prior of the slopes is: its mean, and one over its variance, entry by entry; and what a frame counts
+/// for beside it.
 struct SlopePrior {
   MatrixXd mean, precision;
+  double frame_weight;
 };
 
-SlopePrior prior_around(const MatrixXd& slopes) {
-  SlopePrior prior{slopes, MatrixXd(slopes.rows(), slopes.cols())};
+SlopePrior prior_around(const MatrixXd& slopes, const Unlikeness& unlike) {
+  SlopePrior prior{slopes, MatrixXd(slopes.rows(), slopes.cols()), unlike.frame_weight};
   for (Index s = 0; s < slopes.rows() / 3; ++s)
     for (Index k = 0; k < kShapes; ++k) {
       const double size = slopes.block<3, 1>(3 * s, k).norm() / std::sqrt(3.0);
-      const double sigma = std::hypot(kSlopeSpread * size, kSlopeFloor);
+      const double sigma = std::hypot(unlike.spread * size, kSlopeFloor);
       prior.precision.block<3, 1>(3 * s, k).setConstant(1 / (sigma * sigma));
     }
   return prior;
@@ -123,7 +134,7 @@ SlopePrior prior_around(const MatrixXd& slopes) {
 MatrixXd learn(const std::vector<Frame>& frames, const SlopePrior& prior,
                const std::vector<std::uint8_t>& learnt) {
   const Index rows = prior.mean.rows();
-  const double precision = kFrameWeight / (kNoiseRad * kNoiseRad);
+  const double precision = prior.frame_weight / (kNoiseRad * kNoiseRad);
   MatrixXd slopes = prior.mean;
   for (int round = 0; round < kRounds; ++round) {
     // A sensor that was away from some frames has sums of its own.
@@ -272,18 +283,24 @@ Result<Personalisation> personalise(std::span<const model::FeatureFrame> feature
   const MatrixXd before =
       Eigen::Map<const RowMajor>(skin.standard.data(), 3 * static_cast<Index>(places.size()), kShapes)
           .cast<double>();
-  const SlopePrior prior = prior_around(before);
   std::vector<std::uint8_t> learnt = without_held_out(prompts, shown);
   if (learnt == shown)
     return fail(ErrorCode::not_found, "no expression is asked for twice, so what is learnt cannot be judged",
                 "personalise",
                 "record a full prologue (mien perform --prologue full, mien record --prompts)");
   report.surprise_before = surprise(frames, before, learnt);
-  report.surprise_after = surprise(frames, learn(frames, prior, learnt), learnt);
+  report.surprise_after = std::numeric_limits<double>::infinity();
+  Unlikeness best = kUnlike[0];
+  for (const Unlikeness& unlike : kUnlike) {
+    const double after = surprise(frames, learn(frames, prior_around(before, unlike), learnt), learnt);
+    if (!(after < report.surprise_after)) continue;
+    report.surprise_after = after;
+    best = unlike;
+  }
   report.taken = report.surprise_after < report.surprise_before;
   if (!report.taken) return report;
   std::ranges::fill(learnt, std::uint8_t{1});
-  const RowMajor after = learn(frames, prior, learnt).cast<float>();
+  const RowMajor after = learn(frames, prior_around(before, best), learnt).cast<float>();
   skin.wearer.assign(after.data(), after.data() + after.size());
   return report;
 }

@@ -55,8 +55,12 @@ std::size_t draw_region(Random& random) {
   return kRegionCount - 1;
 }
 
+/// The jaw mostly opens; few people push it forward or aside unless they are asked to.
+constexpr double kJawOpens = 0.7;
+
 std::size_t draw_shape(std::size_t region, Random& random) {
   const auto& shapes = region_shapes()[region];
+  if (region == region_of(shape("jawOpen")) && random.chance(kJawOpens)) return shape("jawOpen");
   return shapes[random.below(shapes.size())];
 }
 

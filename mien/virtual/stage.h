@@ -33,6 +33,9 @@ struct StageRequest {
   std::string face = "builtin";        ///< As face::load_face takes it.
   std::filesystem::path rig;           ///< Rig file.
   std::string devices = "device";      ///< "device": the rig's own faults; "lab"; or a TOML file of faults.
+  /// How unlike the face's own the wearer's skin is under IMUs: 1 draws what every shape does to it
+  /// KinematicsSpread's 30 % and 15 degrees off, 0 leaves it as the face has it.
+  double unlike = 0;
   std::uint64_t seed = 1;
   PrologueKind prologue = PrologueKind::brief;
 };
@@ -56,7 +59,8 @@ struct Stage {
 };
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
-/// not_found (no such devices); bad_usage (eyewear in the profile *lab*); unsupported (a rig of several kinds
+/// not_found (no such devices); bad_usage (eyewear in the profile *lab*, or on skin unlike
+/// the face's); unsupported (a rig of several kinds
 /// of sensors); out_of_range (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 

@@ -94,7 +94,7 @@ TEST(HeadingTracker, FindsALostHeadingAgainByTheSkinThatStaysAway) {
       const double skin = 40 * kDeg * std::max(0.0, std::sin(std::numbers::pi * i / 60.0));
       // A face that moves: nothing tells the heading but where the skin is.
       tracker.add(1 / 60.0, Quat::Identity(), Quat::Identity(), Vec3(0, 1, 0), Vec3::Zero());
-      tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + skin);
+      tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + skin, 0);
     }
     return tracker.heading_rad();
   };
@@ -102,6 +102,42 @@ TEST(HeadingTracker, FindsALostHeadingAgainByTheSkinThatStaysAway) {
   EXPECT_NEAR(off_after(settings.lost_after_s + 0.5, 10 * kDeg), 0, 8 * kDeg);
   EXPECT_NEAR(off_after(30, 10 * kDeg), 0, 8 * kDeg);
   EXPECT_GT(off_after(30, 3 * kDeg), 50 * kDeg);  // Sure of itself: the face holds an expression.
+}
+
+/// A face that never stands still, about a rest some degrees away from its neutral, on a sensor whose heading
+/// drifts by a degree a minute: how far off the heading is after ten minutes.
+double off_after_ten_minutes(const HeadingSettings& settings, double rest_rad) {
+  HeadingTracker tracker(settings);
+  tracker.start(0, 0.5 * kDeg);
+  double truth = 0;
+  for (int i = 0; i < 60 * 600; ++i) {
+    const double t = i / 60.0;
+    truth += 1 * kDeg / 3600;
+    const double skin = rest_rad + 8 * kDeg * std::sin(1.7 * t) * std::sin(0.3 * t);
+    tracker.add(1 / 60.0, Quat::Identity(), Quat::Identity(), Vec3(0, 1, 0), Vec3::Zero());
+    tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() - truth + skin, 0);
+  }
+  return std::abs(tracker.heading_rad() - truth);
+}
+
+TEST(HeadingTracker, LearnsWhereAFaceRestsWhileTheHeadingIsFresh) {
+  HeadingSettings at_neutral;
+  at_neutral.rest_sigma_rad = 0;
+  EXPECT_LT(off_after_ten_minutes({}, 0), 2 * kDeg);
+  EXPECT_LT(off_after_ten_minutes({}, 6 * kDeg), 2 * kDeg);
+  EXPECT_LT(off_after_ten_minutes({}, -6 * kDeg), 2 * kDeg);
+  EXPECT_GT(off_after_ten_minutes(at_neutral, 6 * kDeg), 4 * kDeg);
+}
+
+TEST(HeadingTracker, ATiltedFaceSaysLessOfTheHeading) {
+  const auto pulled_by = [](double tilt_rad) {
+    HeadingTracker tracker;
+    tracker.start(0, 5 * kDeg);
+    for (int i = 0; i < 60 * 10; ++i) tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + 4 * kDeg, tilt_rad);
+    return -tracker.heading_rad();
+  };
+  EXPECT_GT(pulled_by(0), 1.5 * pulled_by(40 * kDeg));
+  EXPECT_GT(pulled_by(40 * kDeg), 0);
 }
 
 TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
