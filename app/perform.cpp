@@ -170,9 +170,10 @@ void add_perform_command(Commands& commands) {
           "Whose skin: builtin, builtin:SEED (another person), an ICT-FaceKit folder, a .glb or .vrm")
       ->capture_default_str();
   command
-      ->add_option("--unlike", request.unlike,
-                   "How unlike the face's own the wearer's skin turns under the sensors, drawn from the seed: 0 "
-                   "not at all, 1 as people may differ (30 %, 15 degrees)")
+      ->add_option(
+          "--unlike", request.unlike,
+          "How unlike the face's own the wearer's skin turns under the sensors, drawn from the seed: 0 "
+          "not at all, 1 as people may differ (30 %, 15 degrees)")
       ->check(number_between(0.0, 3.0))
       ->capture_default_str();
   command->add_option("--rig", options->rig, "Which sensors sit where (default: rigs/default.toml)");

@@ -83,6 +83,8 @@ Fusion::Fusion(const FusionSettings& settings)
       force_(settings.tau_accel_s),
       rest_gyro_(settings.rest_filter_tau_s),
       rest_accel_(settings.rest_filter_tau_s),
+      quick_gyro_(settings.rest_noise_tau_s),
+      quick_accel_(settings.rest_noise_tau_s),
       rotation_(settings.tau_accel_s),
       rotated_bias_(settings.tau_accel_s),
       bias_cov_(Mat3::Identity() * settings.bias_sigma_init_rad_s * settings.bias_sigma_init_rad_s),
@@ -115,6 +117,8 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
       rotated_bias_.restart();
       rest_gyro_.restart();
       rest_accel_.restart();
+      quick_gyro_.restart();
+      quick_accel_.restart();
       rest_s_ = 0;
       at_rest_ = false;
     }
@@ -155,10 +159,15 @@ void Fusion::detect_rest(double dt_s, const Vec3& gyro, const Vec3& accel) {
   const double tolerance = rest_expected_ ? kExpectedRestTolerance : 1.0;
   const Vec3& gyro_mean = rest_gyro_.add(dt_s, gyro);
   const Vec3& accel_mean = rest_accel_.add(dt_s, accel);
-  // Slow even motion looks like rest with another bias; believe it only as far as the bias is unknown.
-  const double believable = std::max(3 * bias_sigma_rad_s(), tolerance * settings_.rest_bias_tolerance_rad_s);
-  const bool moving = (gyro - gyro_mean).norm() > tolerance * settings_.rest_gyro_rad_s ||
-                      (accel - accel_mean).norm() > tolerance * settings_.rest_accel_m_s2 ||
+  const Vec3& quick_gyro = quick_gyro_.add(dt_s, gyro);
+  const Vec3& quick_accel = quick_accel_.add(dt_s, accel);
+  // Slow even motion looks like rest with another bias; believe it only as far as the bias is unknown, unless
+  // the wearer was asked to hold still.
+  const double believable = rest_expected_
+                                ? settings_.bias_clip_rad_s
+                                : std::max(3 * bias_sigma_rad_s(), settings_.rest_bias_tolerance_rad_s);
+  const bool moving = (quick_gyro - gyro_mean).norm() > tolerance * settings_.rest_gyro_rad_s ||
+                      (quick_accel - accel_mean).norm() > tolerance * settings_.rest_accel_m_s2 ||
                       gyro_mean.cwiseAbs().maxCoeff() > settings_.bias_clip_rad_s ||
                       (gyro_mean - bias_).cwiseAbs().maxCoeff() > believable;
   rest_s_ = moving ? 0 : rest_s_ + dt_s;

@@ -24,14 +24,14 @@ struct FusionSettings {
   /// Hold the heading against disturbed magnetic fields.
   bool mag_disturbance_rejection = true;
 
-  /// Standard deviation of the bias at start, rad/s (1.5 deg/s; the paper's 0.5 is too sure for small sensors
-  /// on skin).
-  double bias_sigma_init_rad_s = 0.0262;
+  /// Standard deviation of the bias at start, rad/s (3 deg/s; the paper's 0.5 is too sure for small sensors
+  /// on skin, which nobody has calibrated).
+  double bias_sigma_init_rad_s = 0.0524;
   /// Time after which the bias, known exactly, is uncertain by 0.1 deg/s again, s. Raising follows warming up
   /// less.
   double bias_forgetting_s = 100.0;
-  /// Largest bias believed, rad/s (5 deg/s), and the largest mean rate that may count as rest.
-  double bias_clip_rad_s = 0.0873;
+  /// Largest bias believed, rad/s (15 deg/s), and the largest mean rate that may count as rest.
+  double bias_clip_rad_s = 0.26;
   /// Standard deviation of the converged bias while moving, rad/s (0.1 deg/s). Lowering follows motion more
   /// slowly.
   double bias_sigma_motion_rad_s = 0.001745;
@@ -45,10 +45,12 @@ struct FusionSettings {
   /// thresholds.
   double rest_min_s = 1.5;
   double rest_filter_tau_s = 0.5;
+  /// What is compared with them is low-passed by this, s: a noisy sensor's single readings are no motion.
+  double rest_noise_tau_s = 0.05;
   double rest_gyro_rad_s = 0.0349;  ///< 2 deg/s. Raising calls slow motion rest and learns it as bias.
   double rest_accel_m_s2 = 0.5;
   /// A resting rate farther than this (0.3 deg/s), and farther than three sigmas, from the known bias is slow
-  /// motion.
+  /// motion, unless rest is expected.
   double rest_bias_tolerance_rad_s = 0.00524;
 
   /// Magnetometer: low-pass of norm and dip, s; of the reference, s; tolerances (share, rad); times, s; rate,
@@ -179,6 +181,8 @@ class Fusion {
   LowPass<3> force_;
   LowPass<3> rest_gyro_;
   LowPass<3> rest_accel_;
+  LowPass<3> quick_gyro_;
+  LowPass<3> quick_accel_;
   double rest_s_ = 0;
   bool at_rest_ = false;
   LowPass<9> rotation_;      // Rows of R, low-passed like the force.

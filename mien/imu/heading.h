@@ -68,10 +68,10 @@ struct HeadingSettings {
   double rate_sigma_rad_s = 2.6e-3;
   /// The rate's time constant, s: it dies away as the motion that made it does.
   double rate_tau_s = 30;
-  /// Slow re-centring. Skin comes back to where it rests: a turn about the vertical that is small against what
-  /// the heading may be off is taken as a reading of the heading, of this standard deviation, rad (3 deg; 0
-  /// switches it off), once in this time, s. Lowering either holds drift tighter, and bends held expressions
-  /// towards rest sooner. All of these chosen by `mien study drift` (docs/fusion.md).
+  /// Slow re-centring. Skin comes back to where it rests: a turn about the vertical that is small against
+  /// what the heading may be off is taken as a reading of the heading, of this standard deviation, rad (3
+  /// deg; 0 switches it off), once in this time, s. Lowering either holds drift tighter, and bends held
+  /// expressions towards rest sooner. All of these chosen by `mien study drift` (docs/fusion.md).
   double neutral_sigma_rad = 0.05;
   double neutral_every_s = 8;
   /// Gravity holds the skin's tilt, and skin that is tilted away from neutral is turned too: each radian of
@@ -110,8 +110,8 @@ class HeadingTracker {
   /// sensor against the ear sensor, `head_rate_rad_s` the ear sensor's own; both in its axes.
   void add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
            const Vec3& head_rate_rad_s);
-  /// The skin's turn about the vertical at heading_rad() in the same frame, rad, and how far it is tilted away
-  /// from neutral, rad: for the slow re-centring, and for finding a lost heading again.
+  /// The skin's turn about the vertical at heading_rad() in the same frame, rad, and how far it is tilted
+  /// away from neutral, rad: for the slow re-centring, and for finding a lost heading again.
   void add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad);
   /// One frame in which the sensor or the ear's was missing.
   void skip(double dt_s);

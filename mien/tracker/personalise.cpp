@@ -112,8 +112,8 @@ Posterior answer(const Frame& frame, const MatrixXd& slopes) {
   return out;
 }
 
-/// What a prior of the slopes is: its mean, and one over its variance, entry by entry; and what a frame counts
-/// for beside it.
+/// What a prior of the slopes is: its mean, and one over its variance, entry by entry; and what a frame
+/// counts for beside it.
 struct SlopePrior {
   MatrixXd mean, precision;
   double frame_weight;

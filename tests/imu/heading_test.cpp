@@ -133,7 +133,8 @@ TEST(HeadingTracker, ATiltedFaceSaysLessOfTheHeading) {
   const auto pulled_by = [](double tilt_rad) {
     HeadingTracker tracker;
     tracker.start(0, 5 * kDeg);
-    for (int i = 0; i < 60 * 10; ++i) tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + 4 * kDeg, tilt_rad);
+    for (int i = 0; i < 60 * 10; ++i)
+      tracker.add_turn_from_neutral(1 / 60.0, tracker.heading_rad() + 4 * kDeg, tilt_rad);
     return -tracker.heading_rad();
   };
   EXPECT_GT(pulled_by(0), 1.5 * pulled_by(40 * kDeg));
