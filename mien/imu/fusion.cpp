@@ -164,11 +164,11 @@ void Fusion::detect_rest(double dt_s, const Vec3& gyro, const Vec3& accel) {
   // Slow even motion looks like rest with another bias; believe it only as far as the bias is unknown, unless
   // the wearer was asked to hold still.
   const double believable = rest_expected_
-                                ? settings_.bias_clip_rad_s
+                                ? settings_.rest_bias_clip_rad_s
                                 : std::max(3 * bias_sigma_rad_s(), settings_.rest_bias_tolerance_rad_s);
   const bool moving = (quick_gyro - gyro_mean).norm() > tolerance * settings_.rest_gyro_rad_s ||
                       (quick_accel - accel_mean).norm() > tolerance * settings_.rest_accel_m_s2 ||
-                      gyro_mean.cwiseAbs().maxCoeff() > settings_.bias_clip_rad_s ||
+                      gyro_mean.cwiseAbs().maxCoeff() > settings_.rest_bias_clip_rad_s ||
                       (gyro_mean - bias_).cwiseAbs().maxCoeff() > believable;
   rest_s_ = moving ? 0 : rest_s_ + dt_s;
   at_rest_ = rest_s_ >= settings_.rest_min_s * (rest_expected_ ? kExpectedRestTime : 1.0);
@@ -226,13 +226,14 @@ void Fusion::estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_
   } else {
     return;
   }
-  error = error.cwiseMax(-settings_.bias_clip_rad_s).cwiseMin(settings_.bias_clip_rad_s);
+  const double clip = at_rest_ ? settings_.rest_bias_clip_rad_s : settings_.bias_clip_rad_s;
+  error = error.cwiseMax(-clip).cwiseMin(clip);
   const Mat3 innovation = Mat3(variance.asDiagonal()) + observed * bias_cov_ * observed.transpose();
   const Mat3 kalman = bias_cov_ * observed.transpose() * innovation.inverse();
   bias_ += kalman * error;
   bias_cov_ -= kalman * observed * bias_cov_;
   bias_cov_ = 0.5 * (bias_cov_ + bias_cov_.transpose().eval());
-  bias_ = bias_.cwiseMax(-settings_.bias_clip_rad_s).cwiseMin(settings_.bias_clip_rad_s);
+  bias_ = bias_.cwiseMax(-settings_.rest_bias_clip_rad_s).cwiseMin(settings_.rest_bias_clip_rad_s);
 }
 
 void Fusion::fuse_mag(const Vec3& mag) {

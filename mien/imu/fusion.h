@@ -24,14 +24,16 @@ struct FusionSettings {
   /// Hold the heading against disturbed magnetic fields.
   bool mag_disturbance_rejection = true;
 
-  /// Standard deviation of the bias at start, rad/s (3 deg/s; the paper's 0.5 is too sure for small sensors
-  /// on skin, which nobody has calibrated).
-  double bias_sigma_init_rad_s = 0.0524;
+  /// Standard deviation of the bias at start, rad/s (1.5 deg/s; the paper's 0.5 is too sure for small sensors
+  /// on skin; what lies beyond is learnt while the wearer holds still).
+  double bias_sigma_init_rad_s = 0.0262;
   /// Time after which the bias, known exactly, is uncertain by 0.1 deg/s again, s. Raising follows warming up
   /// less.
   double bias_forgetting_s = 100.0;
+  /// Largest error of the bias believed in motion, rad/s (5 deg/s).
+  double bias_clip_rad_s = 0.0873;
   /// Largest bias believed, rad/s (15 deg/s), and the largest mean rate that may count as rest.
-  double bias_clip_rad_s = 0.26;
+  double rest_bias_clip_rad_s = 0.26;
   /// Standard deviation of the converged bias while moving, rad/s (0.1 deg/s). Lowering follows motion more
   /// slowly.
   double bias_sigma_motion_rad_s = 0.001745;
