@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstddef>
+
 #include "mien/core/files.h"
 #include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
@@ -46,6 +49,40 @@ TEST_F(SetStage, NodsInItsPrologueButInLab) {
   const Stage lab = set_stage(request_).value();
   EXPECT_TRUE(lab.lab);
   EXPECT_EQ(lab.motion.times.nod.end_s, lab.motion.times.nod.begin_s);
+}
+
+/// How far a smile turns the skin under the first sensor on two stages apart, rad.
+double apart(const Stage& one, const Stage& other) {
+  face::BlendshapeWeights smile;
+  smile[face::shape("mouthSmile_L")] = smile[face::shape("mouthSmile_R")] = 0.8F;
+  double most = 0;
+  for (std::size_t s = 0; s < one.sites.size(); ++s)
+    most = std::max(most, angle_between(one.sites[s].rotation(smile), other.sites[s].rotation(smile)));
+  return most;
+}
+
+TEST_F(SetStage, DrawsSkinUnlikeTheFaces) {
+  request_.devices = "lab";
+  const Stage own = set_stage(request_).value();
+  EXPECT_EQ(apart(own, set_stage(request_).value()), 0);
+  request_.unlike = 0.1;
+  const double little = apart(own, set_stage(request_).value());
+  request_.unlike = 1;
+  const Stage unlike = set_stage(request_).value();
+  EXPECT_GT(little, 0);
+  EXPECT_GT(apart(own, unlike), 4 * little);
+  EXPECT_EQ(apart(unlike, set_stage(request_).value()), 0);  // The seed draws it.
+  request_.seed = 2;
+  EXPECT_GT(apart(unlike, set_stage(request_).value()), little);
+}
+
+TEST_F(SetStage, RefusesUnlikeSkinUnderGlasses) {
+  request_.rig = MIEN_SOURCE_DIR "/rigs/eyewear.toml";
+  request_.unlike = 1;
+  const auto refused = set_stage(request_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
+  EXPECT_THAT(refused.error().message(), ::testing::HasSubstr("glued"));
 }
 
 TEST_F(SetStage, RefusesAMotionWithoutFrames) {
