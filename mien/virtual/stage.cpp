@@ -62,6 +62,9 @@ Result<void> put_on_glasses(const StageRequest& request, face::Face face, const 
   if (stage.lab)
     return fail(ErrorCode::bad_usage, "the profile lab is of sensors on the skin, and these look at it",
                 stage.rig.name, "use --devices device");
+  if (request.unlike > 0)
+    return fail(ErrorCode::bad_usage, "only sensors that are glued to it feel how skin turns", stage.rig.name,
+                "leave out --unlike");
   MIEN_TRY_ASSIGN(const FaultsText faults, read_faults(request, stage.rig));
   WornEyewear& worn = stage.eyewear.emplace();
   MIEN_TRY_ASSIGN(worn.faults, parse_eyewear_faults(faults.toml, faults.where));
