@@ -161,6 +161,40 @@ SkinChange change_wanted(std::string_view shape, std::string_view site, bool one
 
 using Tangents = Eigen::Matrix<double, 3, 2>;
 
+/// A patch of skin about a sensor's site: points spread evenly over the surface within 5 mm, each a place in
+/// a triangle.
+struct SkinPatch {
+  struct Point {
+    std::array<std::uint32_t, 3> corner;
+    Vec3 weight;  ///< Barycentric.
+    double area_mm2;
+  };
+  std::vector<Point> points;
+};
+
+SkinPatch skin_patch(const Sculpt& whole, const Vec3& site_mm, double radius_mm = 5) {
+  SkinPatch patch;
+  constexpr int kSplit = 4;
+  for (const auto& t : whole.triangles[static_cast<std::size_t>(Piece::skin)]) {
+    const Vec3 &a = whole.vertices[t[0]].p, &b = whole.vertices[t[1]].p, &c = whole.vertices[t[2]].p;
+    const double reach = radius_mm + std::max((a - b).norm(), (a - c).norm());
+    if ((a - site_mm).squaredNorm() > reach * reach) continue;
+    const double area = 0.5 * (b - a).cross(c - a).norm() / (kSplit * kSplit);
+    for (int i = 0; i < kSplit; ++i) {
+      for (int j = 0; j < 2 * (kSplit - i) - 1; ++j) {
+        // Centres of the small triangles, row by row.
+        const int k = j / 2;
+        const double third = j % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
+        const double u = (i + third) / kSplit, w = (k + third) / kSplit;
+        const Vec3 weight(1 - u - w, u, w);
+        const Vec3 p = weight.x() * a + weight.y() * b + weight.z() * c;
+        if ((p - site_mm).norm() <= radius_mm) patch.points.push_back({t, weight, area});
+      }
+    }
+  }
+  return patch;
+}
+
 /// The skin under one sensor.
 struct Place {
   SkinPatch patch;
@@ -189,7 +223,7 @@ Place place_at(const Sculpt& whole, const Vec3& centre) {
 
 /// How the displacement grows along the skin: least squares over the patch; a column a tangent.
 Tangents gradient(const Sculpt& whole, const Place& place, std::span<const Vec3> displacement) {
-  Eigen::Matrix<double, 3, 4> sums = Eigen::Matrix<double, 3, 4>::Zero();  // Of d p' and, below, means.
+  Tangents products = Tangents::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   Vec3 mean_d = Vec3::Zero();
   Eigen::Vector2d mean_p = Eigen::Vector2d::Zero();
@@ -201,13 +235,13 @@ Tangents gradient(const Sculpt& whole, const Place& place, std::span<const Vec3>
       d += point.weight[k] * displacement[point.corner[static_cast<std::size_t>(k)]];
     }
     const Eigen::Vector2d along = place.tangents.transpose() * p;
-    sums.leftCols<2>() += point.area_mm2 * d * along.transpose();
+    products += point.area_mm2 * d * along.transpose();
     spread += point.area_mm2 * along * along.transpose();
     mean_d += point.area_mm2 * d;
     mean_p += point.area_mm2 * along;
     area += point.area_mm2;
   }
-  const Tangents together = sums.leftCols<2>() - mean_d * mean_p.transpose() / area;
+  const Tangents together = products - mean_d * mean_p.transpose() / area;
   return together * (spread - mean_p * mean_p.transpose() / area).inverse();
 }
 
@@ -219,6 +253,13 @@ Tangents gradient_of(const SkinChange& change, const Place& place) {
   const Quat turn = exp_rotation(change.turn_deg * M_PI / 180);
   return turn.toRotationMatrix() * place.tangents * (stretch / 100) - place.tangents;
 }
+
+/// What one shape should do at one place.
+struct Aim {
+  const Place* place;
+  SkinChange change;
+  Tangents wanted;  ///< gradient_of(change).
+};
 
 /// Adds a smooth field of this gradient to soft skin around the place; its normal turns along.
 void add_gradient(const Sculpt& whole, const Place& place, const Tangents& gradient, const SkinChange& change,
@@ -244,53 +285,6 @@ void add_gradient(const Sculpt& whole, const Place& place, const Tangents& gradi
 
 }  // namespace
 
-SkinPatch skin_patch(const Sculpt& whole, const Vec3& site_mm, double radius_mm) {
-  SkinPatch patch;
-  constexpr int kSplit = 4;
-  for (const auto& t : whole.triangles[static_cast<std::size_t>(Piece::skin)]) {
-    const Vec3 &a = whole.vertices[t[0]].p, &b = whole.vertices[t[1]].p, &c = whole.vertices[t[2]].p;
-    const double reach = radius_mm + std::max((a - b).norm(), (a - c).norm());
-    if ((a - site_mm).squaredNorm() > reach * reach) continue;
-    const double area = 0.5 * (b - a).cross(c - a).norm() / (kSplit * kSplit);
-    for (int i = 0; i < kSplit; ++i) {
-      for (int j = 0; j < 2 * (kSplit - i) - 1; ++j) {
-        // Centres of the small triangles, row by row.
-        const int k = j / 2;
-        const double third = j % 2 == 0 ? 1.0 / 3 : 2.0 / 3;
-        const double u = (i + third) / kSplit, w = (k + third) / kSplit;
-        const Vec3 weight(1 - u - w, u, w);
-        const Vec3 p = weight.x() * a + weight.y() * b + weight.z() * c;
-        if ((p - site_mm).norm() <= radius_mm) patch.points.push_back({t, weight, area});
-      }
-    }
-  }
-  return patch;
-}
-
-Vec3 patch_rotation_deg(const Sculpt& whole, const SkinPatch& patch, std::span<const Vec3> displacement) {
-  Vec3 mean_from = Vec3::Zero(), mean_to = Vec3::Zero();
-  double area = 0;
-  std::vector<Vec3> from, to;
-  for (const SkinPatch::Point& point : patch.points) {
-    Vec3 p = Vec3::Zero(), d = Vec3::Zero();
-    for (int k = 0; k < 3; ++k) {
-      p += point.weight[k] * whole.vertices[point.corner[static_cast<std::size_t>(k)]].p;
-      d += point.weight[k] * displacement[point.corner[static_cast<std::size_t>(k)]];
-    }
-    from.push_back(p);
-    to.push_back(p + d);
-    mean_from += point.area_mm2 * p;
-    mean_to += point.area_mm2 * (p + d);
-    area += point.area_mm2;
-  }
-  mean_from /= area;
-  mean_to /= area;
-  Mat3 covariance = Mat3::Zero();
-  for (std::size_t i = 0; i < from.size(); ++i)
-    covariance += patch.points[i].area_mm2 * (from[i] - mean_from) * (to[i] - mean_to).transpose();
-  return log_rotation(fit_rotation(covariance)) * 180 / M_PI;
-}
-
 void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements) {
   std::vector<std::pair<std::string_view, Place>> places;
   for (const BuiltinSite& site : builtin_sites())
@@ -302,15 +296,19 @@ void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displa
     const bool one_sided = name.ends_with("_L");
     if (one_sided) name.remove_suffix(2);
     auto& d = displacements[k];
+    std::vector<Aim> aims;
+    for (const auto& [site, place] : places) {
+      const SkinChange change = change_wanted(name, site, one_sided);
+      aims.push_back({&place, change, gradient_of(change, place)});
+    }
     // What is added at one site reaches the next: sweep over all until each has what it should.
     constexpr double kNear = 0.005;  // A third of a degree.
     for (int sweep = 0; sweep < 60; ++sweep) {
       double worst = 0;
-      for (const auto& [site, place] : places) {
-        const SkinChange change = change_wanted(name, site, one_sided);
-        const Tangents missing = gradient_of(change, place) - gradient(whole, place, d);
+      for (const Aim& aim : aims) {
+        const Tangents missing = aim.wanted - gradient(whole, *aim.place, d);
         worst = std::max(worst, missing.norm());
-        if (missing.norm() > 0.2 * kNear) add_gradient(whole, place, 0.9 * missing, change, d);
+        if (missing.norm() > 0.2 * kNear) add_gradient(whole, *aim.place, 0.9 * missing, aim.change, d);
       }
       if (worst < kNear) break;
     }

@@ -98,10 +98,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
   const std::vector<Vec3> offsets_m =
       virt::draw_placement(rig, 1e-3 * unlike * recipe.placement_mm, root.fork("placement"));
   MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> mesh_sites, virt::skin_sites(face, rig, offsets_m));
-  const std::vector<virt::SkinSite> sites = virt::draw_kinematics(
-      mesh_sites,
-      {.gain = unlike * recipe.kinematics.gain, .direction_rad = unlike * recipe.kinematics.direction_rad},
-      root.fork("kinematics"));
+  const std::vector<virt::SkinSite> sites =
+      virt::draw_kinematics(mesh_sites, recipe.kinematics.times(unlike), root.fork("kinematics"));
   Random style_random = root.fork("style");
   const virt::Style style = virt::draw_style(style_random);
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();

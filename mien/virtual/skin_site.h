@@ -59,6 +59,8 @@ struct SkinSite {
 struct KinematicsSpread {
   double gain = 0.30;           ///< Standard deviation of each site's and shape's gain.
   double direction_rad = 0.26;  ///< 15 degrees: spread of the direction in which each shape moves each patch.
+  /// The same people, each only by this share as unlike.
+  [[nodiscard]] KinematicsSpread times(double share) const { return {share * gain, share * direction_rad}; }
 };
 
 /// The same sites with every shape's effect drawn anew around what it was.

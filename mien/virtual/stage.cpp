@@ -49,12 +49,9 @@ Result<void> place_on_skin(const StageRequest& request, const face::Face& face, 
   const std::vector<Vec3> placement_m =
       draw_placement(stage.rig, 1e-3 * stage.faults.mount_position_mm, root.fork("placement"));
   MIEN_TRY_ASSIGN(stage.sites, skin_sites(face, stage.rig, placement_m));
-  if (request.unlike > 0) {
-    KinematicsSpread spread;
-    spread.gain *= request.unlike;
-    spread.direction_rad *= request.unlike;
-    stage.sites = draw_kinematics(stage.sites, spread, root.fork("kinematics"));
-  }
+  if (request.unlike > 0)
+    stage.sites =
+        draw_kinematics(stage.sites, KinematicsSpread().times(request.unlike), root.fork("kinematics"));
   return {};
 }
 

@@ -60,8 +60,7 @@ struct Stage {
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
 /// not_found (no such devices); bad_usage (eyewear in the profile *lab*, or on skin unlike
-/// the face's); unsupported (a rig of several kinds
-/// of sensors); out_of_range (too long).
+/// the face's); unsupported (a rig of several kinds of sensors); out_of_range (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
 /// The whole performance on its stage, as the rig's kind of sensors feels it. Errors: those of
