@@ -14,6 +14,7 @@
 #include "mien/sensor/rig.h"
 #include "mien/study/drift.h"
 #include "mien/study/sensor_bound.h"
+#include "mien/study/skin_motion.h"
 
 namespace mien::app {
 namespace {
@@ -77,6 +78,7 @@ Result<void> run_bound(BoundOptions options) {
 struct DriftOptions {
   study::DriftRequest request;
   std::string rig;
+  bool unknown_skin = false;
   std::vector<double> sigma_deg = {0, 2, 4, 8};
   std::vector<double> every_s = {1, 2, 4, 8};
   bool json = false;
@@ -86,7 +88,8 @@ Result<void> run_drift(DriftOptions options) {
   if (options.rig.empty()) {
     MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
   }
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  MIEN_TRY_ASSIGN(sensor::Rig rig, sensor::read_rig(options.rig));
+  if (options.unknown_skin) rig.skin.reset();
   std::vector<imu::HeadingSettings> settings;
   for (const double sigma_deg : options.sigma_deg)
     for (const double every_s : sigma_deg > 0 ? options.every_s : std::vector<double>{1}) {
@@ -140,7 +143,11 @@ void add_drift(Commands& commands, CLI::App* study) {
       ->check(number_between(1.0, 3600.0))
       ->capture_default_str();
   command->add_option("--rig", drift->rig, "Rig file (default: rigs/default.toml)");
-  command->add_option("--sigma", drift->sigma_deg, "Re-centring's standard deviation, degrees; 0 is off")
+  command->add_flag("--unknown-skin", drift->unknown_skin, "As if the rig had no [skin] table");
+  command
+      ->add_option(
+          "--sigma", drift->sigma_deg,
+          "Re-centring's standard deviation, degrees; 0 is off. With a [skin] table only that counts")
       ->check(number_between(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--every", drift->every_s, "Seconds between its readings")
@@ -150,6 +157,37 @@ void add_drift(Commands& commands, CLI::App* study) {
   command->add_flag("--json", drift->json, "Print one JSON object");
 }
 
+struct SkinOptions {
+  study::SkinMotionRequest request;
+  std::string rig;
+};
+
+Result<void> run_skin(SkinOptions options) {
+  if (options.rig.empty()) {
+    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
+  }
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  MIEN_TRY_ASSIGN(const sensor::SkinMotion skin,
+                  study::study_skin_motion(options.request, rig, terminal_progress("skin")));
+  fmt::print("{}", sensor::write_skin(skin));
+  return {};
+}
+
+void add_skin(Commands& commands, CLI::App* study) {
+  auto skin = std::make_shared<SkinOptions>();
+  CLI::App* command = commands.add_under(
+      study, "skin", "How skin turns under a rig's sensors: the [skin] table of its file",
+      "mien study skin --rig my_rig.toml >> my_rig.toml", [skin] { return run_skin(*skin); });
+  command->add_option("--rig", skin->rig, "Rig file (default: rigs/default.toml)");
+  command->add_option("--performers", skin->request.performers, "Virtual performers")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--seconds", skin->request.seconds, "Length of each performance")
+      ->check(number_between(1.0, 3600.0))
+      ->capture_default_str();
+  add_seed_option(command, skin->request.seed, "Of the performers");
+}
+
 }  // namespace
 
 void add_study_command(Commands& commands) {
@@ -157,6 +195,7 @@ void add_study_command(Commands& commands) {
       commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
   study->require_subcommand(0, 1);
   add_drift(commands, study);
+  add_skin(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
   add_study_sensors(commands, study);

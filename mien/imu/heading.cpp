@@ -93,12 +93,15 @@ HeadingSums::Best HeadingSums::find() const {
   return best;
 }
 
-void HeadingTracker::start(double heading_rad, double sigma_rad) {
+void HeadingTracker::start(double heading_rad, double sigma_rad, std::optional<double> foretold_sigma_rad) {
   *this = HeadingTracker(settings_);
   heading_ = heading_rad;
   cov_(0, 0) = sigma_rad * sigma_rad;
   cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
-  cov_(2, 2) = settings_.rest_sigma_rad * settings_.rest_sigma_rad;
+  const double rest_sigma_rad =
+      foretold_sigma_rad ? settings_.foretold_rest_sigmas * *foretold_sigma_rad : settings_.rest_sigma_rad;
+  cov_(2, 2) = rest_sigma_rad * rest_sigma_rad;
+  stray_sigma_ = foretold_sigma_rad ? rest_sigma_rad : 0;
 }
 
 double HeadingTracker::sigma_rad() const {
@@ -109,9 +112,12 @@ void HeadingTracker::predict(double dt_s) {
   heading_ = wrap(heading_ + rate_ * dt_s);
   Mat3 step;
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
-  step << 1, dt_s, 0, 0, keep, 0, 0, 0, 1;
+  const double keep_rest = stray_sigma_ > 0 ? std::exp(-dt_s / settings_.foretold_rest_tau_s) : 1;
+  step << 1, dt_s, 0, 0, keep, 0, 0, 0, keep_rest;
   rate_ *= keep;
+  rest_ *= keep_rest;
   cov_ = (step * cov_ * step.transpose()).eval();
+  cov_(2, 2) += (1 - keep_rest * keep_rest) * stray_sigma_ * stray_sigma_;
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
   cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
 }
@@ -132,15 +138,13 @@ void HeadingTracker::skip(double dt_s) {
   away_s_ = 0;
 }
 
-void HeadingTracker::measure(double error_rad, double sigma_rad, bool with_rest) {
-  // What was seen is Z's excess, the heading less the true one, and maybe the rest on top.
-  const Vec3 seen(1, 0, with_rest ? 1 : 0);
-  const Vec3 spread = cov_ * seen;
-  const double excess_rad = with_rest ? error_rad - rest_ : error_rad;
-  const Vec3 kalman = spread / (seen.dot(spread) + sigma_rad * sigma_rad);
-  heading_ = wrap(heading_ - kalman.x() * excess_rad);
-  rate_ -= kalman.y() * excess_rad;
-  rest_ += kalman.z() * excess_rad;
+void HeadingTracker::correct(const Vec3& shares, double beyond_rad, double sigma_rad) {
+  const Vec3 spread = cov_ * shares;
+  const Vec3 kalman = spread / (shares.dot(spread) + sigma_rad * sigma_rad);
+  // The first is Z's excess, the heading less the true one; and the rate is that excess' own.
+  heading_ = wrap(heading_ - kalman.x() * beyond_rad);
+  rate_ -= kalman.y() * beyond_rad;
+  rest_ += kalman.z() * beyond_rad;
   cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
 
@@ -157,14 +161,22 @@ bool HeadingTracker::find_again(double dt_s, double turn_rad) {
   return true;
 }
 
-void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad) {
+void HeadingTracker::recentre(double dt_s, double turn_rad, double skin_sigma_rad, double every_s) {
   if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad)) return;
-  const double tilted_rad = settings_.neutral_tilt * tilt_rad;
-  const double skin2 = settings_.neutral_sigma_rad * settings_.neutral_sigma_rad + tilted_rad * tilted_rad;
-  const double excess_rad = turn_rad - rest_;
-  const double expected2 = cov_(0, 0) + 2 * cov_(0, 2) + cov_(2, 2) + skin2;
-  if (excess_rad * excess_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
-  measure(turn_rad, std::sqrt(skin2 * settings_.neutral_every_s / dt_s), true);
+  const Vec3 shares(1, 0, 1);  // The turn is the heading's excess and the rest.
+  const double beyond_rad = turn_rad - rest_;
+  const double expected2 = shares.dot(cov_ * shares) + skin_sigma_rad * skin_sigma_rad;
+  if (beyond_rad * beyond_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
+  correct(shares, beyond_rad, skin_sigma_rad * std::sqrt(every_s / dt_s));
+}
+
+void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad) {
+  recentre(dt_s, turn_rad, std::hypot(settings_.neutral_sigma_rad, settings_.neutral_tilt * tilt_rad),
+           settings_.neutral_every_s);
+}
+
+void HeadingTracker::add_turn_beyond(double dt_s, double turn_rad, double sigma_rad) {
+  recentre(dt_s, turn_rad, settings_.foretold_sigmas * sigma_rad, settings_.foretold_every_s);
 }
 
 void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
@@ -208,7 +220,7 @@ void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_worl
   const double residual2 = std::max(0.0, all - 2 * error.dot(right) + error.dot(normal * error)) / n_;
   if (residual2 < settings_.max_residual_rad * settings_.max_residual_rad) {
     const double noise2 = std::max(frame2, residual2 * settings_.correlated_frames);
-    measure(error.y(), std::sqrt(noise2 / information));
+    correct(Vec3::UnitX(), error.y(), std::sqrt(noise2 / information));
   }
   begin(q_ear_face);
 }

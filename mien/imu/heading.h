@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "mien/core/rotation.h"
 
@@ -82,6 +83,14 @@ struct HeadingSettings {
   double rest_sigma_rad = 0.14;
   /// Beyond this many sigmas (heading's and skin's together) it is an expression and says nothing.
   double neutral_gate = 2.5;
+  /// Where it is known how skin turns (SkinTurns), what is seen beyond that is such a reading instead: of so
+  /// many of its own standard deviations (people differ, and hold what they do), once in this time, s; and
+  /// skin rests, one sigma, so many from where it was foretold.
+  double foretold_sigmas = 1.67;
+  double foretold_every_s = 1.4;
+  double foretold_rest_sigmas = 1.1;
+  /// In this time, s, it forgets where that was: people do other things, and stray otherwise.
+  double foretold_rest_tau_s = 300;
   /// A heading that got lost: no skin stays this far from neutral, rad (15 deg), to one side, for so long, s,
   /// while the heading is as unsure as this, rad (7 deg). Then the least of those turns was the heading's.
   double lost_turn_rad = 0.26;
@@ -98,8 +107,8 @@ struct HeadingSettings {
 class HeadingTracker {
  public:
   explicit HeadingTracker(const HeadingSettings& settings = {}) : settings_(settings) {}
-  /// From a calibration.
-  void start(double heading_rad, double sigma_rad);
+  /// From a calibration. `foretold_sigma_rad`: of the turns beyond what is foretold, where that is known.
+  void start(double heading_rad, double sigma_rad, std::optional<double> foretold_sigma_rad = {});
   /// Z's angle now.
   [[nodiscard]] double heading_rad() const { return heading_; }
   [[nodiscard]] double sigma_rad() const;
@@ -113,6 +122,8 @@ class HeadingTracker {
   /// The skin's turn about the vertical at heading_rad() in the same frame, rad, and how far it is tilted
   /// away from neutral, rad: for the slow re-centring, and for finding a lost heading again.
   void add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad);
+  /// The same where it is known how skin turns: its turn beyond what was foretold, and that one's sigma, rad.
+  void add_turn_beyond(double dt_s, double turn_rad, double sigma_rad);
   /// One frame in which the sensor or the ear's was missing.
   void skip(double dt_s);
 
@@ -121,13 +132,16 @@ class HeadingTracker {
   void begin(const Quat& q_ear_face);
   /// True when it has just found a lost heading again.
   bool find_again(double dt_s, double turn_rad);
-  /// A reading of the heading's error, alone or with what the face rests at.
-  void measure(double error_rad, double sigma_rad, bool with_rest = false);
+  /// A reading of heading, rate and rest by these shares, that is by so much beyond them.
+  void correct(const Vec3& shares, double beyond_rad, double sigma_rad);
+  /// A turn of the skin, of this standard deviation once in `every_s`.
+  void recentre(double dt_s, double turn_rad, double skin_sigma_rad, double every_s);
 
   HeadingSettings settings_;
   double heading_ = 0;
   double rate_ = 0;
   double rest_ = 0;          // The skin's turn about the vertical while the face rests, rad.
+  double stray_sigma_ = 0;   // Of a rest that is forgotten; 0: this one is kept.
   Mat3 cov_ = Mat3::Zero();  // Of heading, rate and rest.
   Vec3 smooth_rate_ = Vec3::Zero();
   double still_s_ = 0;

@@ -10,6 +10,7 @@
 #include "mien/imu/heading.h"
 #include "mien/imu/orientation_track.h"
 #include "mien/imu/prologue.h"
+#include "mien/imu/skin_turns.h"
 #include "mien/sensor/clock_model.h"
 
 namespace mien::imu {
@@ -113,6 +114,7 @@ struct Pipeline::State {
         watch(rig),
         trackers(face.size(), HeadingTracker(s.heading)),
         lever_m(face.size()) {
+    if (rig.skin) skin.emplace(*rig.skin, rig.face_sensor_names());
     calibration.sensors.resize(face.size());
     prologue_frame.face.resize(face.size());
     if (!head || !rig.sensors[*head].position_m) return;
@@ -132,6 +134,12 @@ struct Pipeline::State {
   void see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh);
   [[nodiscard]] bool fresh(std::uint16_t sensor, DeviceTime frame) const;
   void put_in_force(const Calibration& made);
+  /// Follows a face sensor's heading from here on.
+  void follow(std::size_t i, double heading_rad, double sigma_rad);
+  /// What its skin says of every heading, now that all poses of the frame are known.
+  void recentre(double dt_s, const Quat& q_world_ear);
+  /// P_i of the frame, whose pose is there.
+  [[nodiscard]] Quat relative(std::size_t i, const Quat& q_world_ear) const;
   [[nodiscard]] bool watches() const {
     return settings.calibrates_itself && windows.empty() &&
            (!calibration.complete || (watched && !watch.finished()));
@@ -158,9 +166,11 @@ struct Pipeline::State {
   int calibrations = 0;
   Calibration before_marks;  // In force when the first mark was given.
   int count_before_marks = 0;
-  Quat last_head = Quat::Identity();         // Of the last frame that had one.
-  std::vector<HeadingTracker> trackers;      // One a face sensor.
-  std::vector<std::optional<Vec3>> lever_m;  // From the ear sensor, frame H.
+  Quat last_head = Quat::Identity();              // Of the last frame that had one.
+  std::vector<HeadingTracker> trackers;           // One a face sensor.
+  std::optional<SkinTurns> skin;                  // Where it is known how it turns.
+  std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
+  std::vector<std::optional<Vec3>> lever_m;       // From the ear sensor, frame H.
   std::optional<DeviceTime> last_frame;
   std::optional<Vec3> last_head_rate;  // Frame H, at last_frame.
 };
@@ -226,11 +236,40 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   ++calibrations;
   watched = false;
   for (std::size_t i = 0; i < face.size(); ++i)
-    trackers[i].start(made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
+    follow(i, made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
   for (Channel& channel : channels) {
     channel.began_anew = false;
     channel.gap_sigma = channel.fusion.gap_sigma_rad();
   }
+}
+
+void Pipeline::State::follow(std::size_t i, double heading_rad, double sigma_rad) {
+  trackers[i].start(heading_rad, sigma_rad, skin ? std::optional((*skin)[i].sigma_rad) : std::nullopt);
+}
+
+Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
+  return q_world_ear.conjugate() * turn_of(i) * poses[i]->orientation;
+}
+
+void Pipeline::State::recentre(double dt_s, const Quat& q_world_ear) {
+  const Vec3 up = q_world_ear.conjugate() * Vec3::UnitY();
+  const auto turn = [&](std::size_t i) {
+    return log_rotation(relative(i, q_world_ear) * calibration.sensors[i].neutral.conjugate());
+  };
+  if (!skin) {
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      if (!poses[i]) continue;
+      const Vec3 turned = turn(i);
+      trackers[i].add_turn_from_neutral(dt_s, turned.dot(up), turned.cross(up).norm());
+    }
+    return;
+  }
+  skin->clear();
+  for (std::size_t i = 0; i < face.size(); ++i)
+    if (poses[i]) skin->see(i, calibration.q_head_ear * turn(i));
+  skin->solve(calibration.q_head_ear * up);
+  for (std::size_t i = 0; i < face.size(); ++i)
+    if (poses[i]) trackers[i].add_turn_beyond(dt_s, (*skin)[i].turn_rad, (*skin)[i].sigma_rad);
 }
 
 bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {
@@ -285,7 +324,7 @@ double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
 }
 
 void Pipeline::State::rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor) {
-  trackers[i].start(nearest_neutral(i, ear, sensor), kRejoinedSigma);
+  follow(i, nearest_neutral(i, ear, sensor), kRejoinedSigma);
   channels[face[i]].began_anew = false;
 }
 
@@ -311,9 +350,9 @@ void Pipeline::State::rejoin_head(DeviceTime frame, const FusedSample& ear) {
     for (const std::uint16_t s : face) channels[s].began_anew = true;
   }
   const double turned = std::atan2(sine, cosine);
-  for (HeadingTracker& tracker : trackers)
-    tracker.start(std::remainder(tracker.heading_rad() + turned, 2 * std::numbers::pi),
-                  std::hypot(tracker.sigma_rad(), kRejoinedSigma));
+  for (std::size_t i = 0; i < face.size(); ++i)
+    follow(i, std::remainder(trackers[i].heading_rad() + turned, 2 * std::numbers::pi),
+           std::hypot(trackers[i].sigma_rad(), kRejoinedSigma));
   // The head faces where it last did.
   const Vec3 ahead = ear.orientation * (calibration.q_head_ear.conjugate() * Vec3::UnitZ());
   const Vec3 faced = last_head * Vec3::UnitZ();
@@ -468,12 +507,13 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     ear_gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
     channel.gap_sigma = now;
   }
+  const bool followed = s.settings.track_heading && !s.settings.magnetometer;
+  s.poses.assign(s.face.size(), std::nullopt);
   for (std::size_t i = 0; i < s.face.size(); ++i) {
-    model::SensorFeature& feature = out.sensors[i];
     Channel& channel = s.channels[s.face[i]];
     Quat lab;
     if (channel.lab.at(frame, s.settings.silence, lab)) {
-      put_rotation(lab, feature);
+      put_rotation(lab, out.sensors[i]);
       continue;
     }
     if (!calibration.complete || !calibration.sensors[i].valid) continue;
@@ -482,29 +522,31 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     channel.gap_sigma = now;
     if (gap > 0 || ear_gap > 0) s.trackers[i].inflate(std::hypot(gap, ear_gap));
 
-    const auto sensor = head_known ? s.pose(s.face[i], frame) : std::nullopt;
-    if (sensor && channel.began_anew) s.rejoin_face(i, *ear, *sensor);
-    if (!sensor) {
+    const std::optional<FusedSample>& pose = s.poses[i] =
+        head_known ? s.pose(s.face[i], frame) : std::nullopt;
+    if (!pose) {
       s.trackers[i].skip(dt_s);
       continue;
     }
-    const Quat world_to_ear = ear->orientation.conjugate();
-    Quat relative = world_to_ear * s.turn_of(i) * sensor->orientation;
-    const bool followed = s.settings.track_heading && !s.settings.magnetometer;
-    if (followed) {
-      s.trackers[i].add(dt_s, relative, ear->orientation, relative * sensor->rate_rad_s - ear->rate_rad_s,
-                        ear->rate_rad_s);
-      const Vec3 skin = log_rotation(relative * calibration.sensors[i].neutral.conjugate());
-      const Vec3 up = world_to_ear * Vec3::UnitY();
-      s.trackers[i].add_turn_from_neutral(dt_s, skin.dot(up), skin.cross(up).norm());
-      relative = world_to_ear * s.turn_of(i) * sensor->orientation;
-    }
-    if (followed && s.trackers[i].sigma_rad() > s.settings.unsure_rad) continue;
+    if (channel.began_anew) s.rejoin_face(i, *ear, *pose);
+    if (!followed) continue;
+    const Quat relative = s.relative(i, ear->orientation);
+    s.trackers[i].add(dt_s, relative, ear->orientation, relative * pose->rate_rad_s - ear->rate_rad_s,
+                      ear->rate_rad_s);
+  }
+  if (head_known && followed) s.recentre(dt_s, ear->orientation);
+
+  for (std::size_t i = 0; i < s.face.size(); ++i) {
+    const std::optional<FusedSample>& pose = s.poses[i];
+    if (!pose || (followed && s.trackers[i].sigma_rad() > s.settings.unsure_rad)) continue;
+    model::SensorFeature& feature = out.sensors[i];
+    const Quat relative = s.relative(i, ear->orientation);
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
 
     // Without the arm, what is left of the head's own acceleration would be taken for the skin's.
     if (!s.lever_m[i] || !head_turn) continue;
-    Vec3 accel = c * (world_to_ear * (s.turn_of(i) * sensor->force_world_m_s2 - ear->force_world_m_s2));
+    Vec3 accel =
+        c * (ear->orientation.conjugate() * (s.turn_of(i) * pose->force_world_m_s2 - ear->force_world_m_s2));
     accel -= head_turn->cross(*s.lever_m[i]) + head_rate.cross(head_rate.cross(*s.lever_m[i]));
     feature.accel_m_s2 = (accel - calibration.sensors[i].neutral_accel_m_s2).cast<float>();
     feature.has_accel = true;

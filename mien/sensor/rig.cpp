@@ -19,6 +19,8 @@ constexpr std::size_t kMaxSensors = 256;
 constexpr std::size_t kMaxTextBytes = 128;
 /// Farther from the head's origin than this is a mistake of units.
 constexpr double kMaxPositionM = 10.0;
+/// Sensors whose skin's motion is told; each frame's work grows with the cube of them.
+constexpr std::size_t kMaxSkinSensors = 64;
 
 std::string place(const std::string& where, const toml::node& node) {
   const auto line = node.source().begin.line;
@@ -54,25 +56,32 @@ Result<std::string> text(const toml::table& table, std::string_view key, bool re
   return *value;
 }
 
-Result<std::optional<Vec3>> vector(const toml::table& table, std::string_view key, const std::string& where) {
-  const toml::node* node = table.get(key);
-  if (node == nullptr) return std::optional<Vec3>();
-  const toml::array* array = node->as_array();
-  if (array == nullptr || array->size() != 3)
-    return fail(ErrorCode::malformed, fmt::format("'{}' is not a list of three numbers", key),
-                place(where, *node));
-  Vec3 value;
-  for (std::size_t i = 0; i < 3; ++i) {
+/// A list of so many finite numbers; `key` names it in messages.
+Result<Eigen::VectorXd> number_list(const toml::node* node, std::size_t count, std::string_view key,
+                                    const std::string& where) {
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  const auto malformed = [&] {
+    return fail(ErrorCode::malformed, fmt::format("'{}' is not a list of {} numbers", key, count),
+                node == nullptr ? where : place(where, *node));
+  };
+  if (array == nullptr || array->size() != count) return malformed();
+  Eigen::VectorXd values(static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < count; ++i) {
     const auto number = (*array)[i].value<double>();
-    if (!number)
-      return fail(ErrorCode::malformed, fmt::format("'{}' is not a list of three numbers", key),
-                  place(where, *node));
+    if (!number) return malformed();
     if (!std::isfinite(*number))
       return fail(ErrorCode::out_of_range, fmt::format("'{}' holds a number that is not finite", key),
                   place(where, *node));
-    value[static_cast<Eigen::Index>(i)] = *number;
+    values[static_cast<Eigen::Index>(i)] = *number;
   }
-  return std::optional<Vec3>(value);
+  return values;
+}
+
+Result<std::optional<Vec3>> vector(const toml::table& table, std::string_view key, const std::string& where) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return std::optional<Vec3>();
+  MIEN_TRY_ASSIGN(const Eigen::VectorXd value, number_list(node, 3, key, where));
+  return std::optional<Vec3>(Vec3(value));
 }
 
 /// A direction; made unit, since files round. What is unit already stays as it is, to the bit.
@@ -122,6 +131,44 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   MIEN_TRY_ASSIGN(mount.outward, unit_vector(table, "outward", where));
   MIEN_TRY_ASSIGN(mount.aim, unit_vector(table, "aim", where));
   return mount;
+}
+
+Result<SkinMotion> read_skin(const toml::node& node, const Rig& rig, const std::string& where) {
+  const toml::table* table = node.as_table();
+  const std::string here = place(where, node);
+  if (table == nullptr) return fail(ErrorCode::malformed, "'skin' is not a table", here);
+  MIEN_TRY(only_keys(*table, {"sensors", "mean_deg", "factor_deg"}, where));
+  const toml::array* names = table->get_as<toml::array>("sensors");
+  const toml::array* rows = table->get_as<toml::array>("factor_deg");
+  if (names == nullptr || names->empty() || names->size() > kMaxSkinSensors)
+    return fail(ErrorCode::malformed,
+                fmt::format("'sensors' is not a list of 1 to {} names", kMaxSkinSensors), here);
+  SkinMotion skin;
+  const std::vector<std::string> face = rig.face_sensor_names();
+  for (const toml::node& name : *names) {
+    const std::string sensor = name.value_or(std::string());
+    if (std::ranges::find(face, sensor) == face.end())
+      return fail(ErrorCode::malformed,
+                  fmt::format("skin.sensors names '{}', which is no face sensor", sensor), place(where, name),
+                  "name sensors of this rig with role \"face\"");
+    if (std::ranges::find(skin.sensors, sensor) != skin.sensors.end())
+      return fail(ErrorCode::malformed, fmt::format("skin.sensors names '{}' twice", sensor),
+                  place(where, name), "name it once");
+    skin.sensors.push_back(sensor);
+  }
+  const std::size_t size = 3 * skin.sensors.size();
+  MIEN_TRY_ASSIGN(skin.mean_deg, number_list(table->get("mean_deg"), size, "mean_deg", here));
+  if (rows == nullptr || rows->size() != size)
+    return fail(ErrorCode::malformed, fmt::format("'factor_deg' is not a list of {} rows", size), here);
+  skin.factor_deg.setZero(skin.mean_deg.size(), skin.mean_deg.size());
+  for (std::size_t r = 0; r < size; ++r) {
+    MIEN_TRY_ASSIGN(const Eigen::VectorXd row, number_list(&(*rows)[r], r + 1, "factor_deg", here));
+    skin.factor_deg.row(static_cast<Eigen::Index>(r)).head(row.size()) = row.transpose();
+  }
+  if (skin.mean_deg.cwiseAbs().maxCoeff() > 180 || skin.factor_deg.cwiseAbs().maxCoeff() > 180)
+    return fail(ErrorCode::out_of_range, "'skin' turns by more than half a circle", here,
+                "give it in degrees");
+  return skin;
 }
 
 /// Numbers finite, texts and keys printable, not too deep.
@@ -225,7 +272,7 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
   if (toml_text.size() > kMaxRigBytes)
     return fail(ErrorCode::out_of_range, "a rig of more than 1 MiB", where);
   MIEN_TRY_ASSIGN(const toml::table root, parse_toml(toml_text, where));
-  MIEN_TRY(only_keys(root, {"name", "reference", "sensor", "faults"}, where));
+  MIEN_TRY(only_keys(root, {"name", "reference", "sensor", "skin", "faults"}, where));
 
   Rig rig;
   MIEN_TRY_ASSIGN(rig.name, text(root, "name", true, where));
@@ -253,6 +300,9 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
                 fmt::format("the reference '{}' is not one of the sensors", rig.reference), where,
                 "name a sensor of this rig");
 
+  if (const toml::node* skin = root.get("skin")) {
+    MIEN_TRY_ASSIGN(rig.skin, read_skin(*skin, rig, where));
+  }
   if (const toml::node* faults = root.get("faults")) {
     if (!faults->is_table())
       return fail(ErrorCode::malformed, "'faults' is not a table", place(where, *faults));
@@ -272,6 +322,23 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
   return parse_rig(content, path.string());
 }
 
+std::string write_skin(const SkinMotion& skin) {
+  // Shortest digits that read back to the same bits.
+  toml::array names;
+  for (const std::string& name : skin.sensors) names.push_back(name);
+  std::ostringstream head;
+  line(head, "sensors", names);
+  std::string out = fmt::format("[skin]\n{}mean_deg = [\n", head.str());
+  for (Eigen::Index i = 0; i + 2 < skin.mean_deg.size(); i += 3)
+    out += fmt::format("  {}, {}, {},\n", skin.mean_deg[i], skin.mean_deg[i + 1], skin.mean_deg[i + 2]);
+  out += "]\nfactor_deg = [\n";
+  for (Eigen::Index r = 0; r < skin.factor_deg.rows(); ++r) {
+    const Eigen::VectorXd row = skin.factor_deg.row(r).head(r + 1);
+    out += fmt::format("  [{}],\n", fmt::join(row.begin(), row.end(), ", "));
+  }
+  return out + "]\n";
+}
+
 std::string write_rig(const Rig& rig) {
   std::ostringstream out;
   line(out, "name", rig.name);
@@ -289,6 +356,7 @@ std::string write_rig(const Rig& rig) {
     if (mount.outward) line(out, "outward", numbers(*mount.outward));
     if (mount.aim) line(out, "aim", numbers(*mount.aim));
   }
+  if (rig.skin) out << '\n' << write_skin(*rig.skin);
   if (!rig.faults_toml.empty()) {
     // Its own tables stand in braces, so that the text needs no other heading.
     out << "\n[faults]\n" << rig.faults_toml;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -28,12 +29,21 @@ struct Mount {
   std::optional<Vec3> aim;
 };
 
+/// How the skin under face sensors turns, over many people and performances: mean and covariance of the
+/// rotation vectors against neutral, frame H, three numbers a sensor. Degrees, as the file has them.
+struct SkinMotion {
+  std::vector<std::string> sensors;  ///< Names, each a face sensor of the rig.
+  Eigen::VectorXd mean_deg;
+  Eigen::MatrixXd factor_deg;  ///< Lower triangular; times its transpose it is the covariance.
+};
+
 /// Which sensors sit where: data, never constants in code. `*.toml`, see rigs/default.toml.
 struct Rig {
   std::string name;
-  std::string reference;       ///< Name of the sensor whose device time carries the frame grid.
-  std::vector<Mount> sensors;  ///< Order fixes Sample::sensor.
-  std::string faults_toml;     ///< The file's [faults] table as text, for the simulator; opaque here.
+  std::string reference;           ///< Name of the sensor whose device time carries the frame grid.
+  std::vector<Mount> sensors;      ///< Order fixes Sample::sensor.
+  std::optional<SkinMotion> skin;  ///< Where it was measured: it tells headings (imu::SkinTurns).
+  std::string faults_toml;         ///< The file's [faults] table as text, for the simulator; opaque here.
 
   [[nodiscard]] std::optional<std::uint16_t> find(std::string_view sensor_name) const;
   /// Indices of the sensors with role "face", in order: the sensors that features are made of.
@@ -46,6 +56,8 @@ struct Rig {
 /// reference, non-finite numbers. `where` names the source in messages.
 [[nodiscard]] Result<Rig> parse_rig(std::string_view toml, const std::string& where);
 [[nodiscard]] Result<Rig> read_rig(const std::filesystem::path& path);
+/// The `[skin]` table of a rig file, as TOML.
+[[nodiscard]] std::string write_skin(const SkinMotion& skin);
 /// TOML text that parse_rig takes back to an equal rig.
 [[nodiscard]] std::string write_rig(const Rig& rig);
 

@@ -4,16 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "mien/face/builtin.h"
+#include "mien/study/performance.h"
 #include "mien/study/performers.h"
 #include "mien/study/trace_features.h"
-#include "mien/virtual/device_faults.h"
-#include "mien/virtual/head_motion.h"
-#include "mien/virtual/performer.h"
-#include "mien/virtual/script.h"
-#include "mien/virtual/session.h"
-#include "mien/virtual/skin_site.h"
-#include "mien/virtual/style.h"
 
 namespace mien::study {
 namespace {
@@ -68,22 +61,13 @@ Result<std::vector<Sums>> perform_one(const DriftRequest& request, const sensor:
                                       const virt::DeviceFaults& faults,
                                       std::span<const imu::HeadingSettings> settings, std::size_t performer) {
   const Random root = Random(request.seed).fork("drift", performer);
-  Random identity = root.fork("identity"), style_random = root.fork("style"),
-         script_random = root.fork("script");
-  const face::Face face = face::make_builtin(face::random_identity(identity));
-  const std::vector<Vec3> placement_m =
-      virt::draw_placement(rig, 1e-3 * faults.mount_position_mm, root.fork("placement"));
-  MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> sites, virt::skin_sites(face, rig, placement_m));
-  const virt::Style style = virt::draw_style(style_random);
-  const virt::Script script = virt::random_script(request.seconds, script_random);
-  const face::Motion motion =
-      virt::with_head_motion(virt::perform(script, style, root.fork("motion")), root.fork("head"));
-  const virt::PrologueMotion begun =
-      virt::with_prologue(motion, virt::PrologueKind::brief, root.fork("prologue"));
-  MIEN_TRY_ASSIGN(const virt::VirtualSession session,
-                  virt::play_devices(begun, sites, rig, faults, root.fork("devices")));
+  const VirtualPerson person = draw_person(root);
+  MIEN_TRY_ASSIGN(const Performance performance,
+                  perform_with({.faults = faults}, person.face,
+                               draw_motion(request.seconds, person.style, root), rig, root));
   std::vector<Sums> sums;
-  for (const imu::HeadingSettings& heading : settings) sums.push_back(compare(rig, sites, session, heading));
+  for (const imu::HeadingSettings& heading : settings)
+    sums.push_back(compare(rig, performance.sites, performance.session, heading));
   return sums;
 }
 

@@ -141,6 +141,20 @@ TEST(HeadingTracker, ATiltedFaceSaysLessOfTheHeading) {
   EXPECT_GT(pulled_by(40 * kDeg), 0);
 }
 
+TEST(HeadingTracker, WhatWasForetoldPullsByHowSureItIs) {
+  // After ten seconds in which the skin is 4 degrees beyond what was foretold with this sigma.
+  const auto pulled_by = [](double sigma_rad) {
+    HeadingTracker tracker;
+    tracker.start(0, 5 * kDeg, sigma_rad);
+    for (int i = 0; i < 60 * 10; ++i)
+      tracker.add_turn_beyond(1 / 60.0, tracker.heading_rad() + 4 * kDeg, sigma_rad);
+    return -tracker.heading_rad();
+  };
+  EXPECT_GT(pulled_by(1 * kDeg), 3.5 * kDeg);
+  EXPECT_LT(pulled_by(8 * kDeg), 0.6 * pulled_by(1 * kDeg));
+  EXPECT_GT(pulled_by(8 * kDeg), 0);
+}
+
 TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
   HeadingTracker turning;
   HeadingTracker moving;

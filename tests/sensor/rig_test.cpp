@@ -27,6 +27,10 @@ role = "head"
 [faults]
 gyro_bias_dps = 1.0
 adhesive_lag_ms = [5.0, 20.0]
+[skin]
+sensors = ["chin"]
+mean_deg = [-4, 0.1, 0]
+factor_deg = [[9.5], [0.25, 2], [-1e-3, 0.3, 1.5]]
 )";
 
 std::string with(const std::string& from, const std::string& to) {
@@ -70,13 +74,20 @@ TEST(Rig, TheRigOfBothHasTheSensorsOfEach) {
 }
 
 TEST(Rig, WritesWhatItReads) {
-  for (const std::string& text : {kSmall, with("\"chin\"", "\"a \\\"quoted\\\" \\\\ name\"")}) {
+  std::string quoted = kSmall;
+  for (std::size_t at = 0; (at = quoted.find("\"chin\"", at)) != std::string::npos;)
+    quoted.replace(at, 6, R"("a \"quoted\" \\ name")");
+  for (const std::string& text : {kSmall, quoted}) {
     const auto first = parse_rig(text, "t");
     ASSERT_TRUE(first) << first.error().message();
     const auto second = parse_rig(write_rig(*first), "again");
     ASSERT_TRUE(second) << second.error().message() << write_rig(*first);
     EXPECT_EQ(write_rig(*first), write_rig(*second));
     EXPECT_EQ(first->faults_toml, second->faults_toml);
+    ASSERT_TRUE(first->skin && second->skin);
+    EXPECT_EQ(first->skin->sensors, second->skin->sensors);
+    EXPECT_EQ(first->skin->mean_deg, second->skin->mean_deg);
+    EXPECT_EQ(first->skin->factor_deg, second->skin->factor_deg);
     ASSERT_EQ(first->sensors.size(), second->sensors.size());
     for (std::size_t i = 0; i < first->sensors.size(); ++i) {
       const Mount& a = first->sensors[i];
@@ -121,6 +132,17 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"name = \"small\"", "title = \"small\"", ErrorCode::malformed},
                     Wrong{"reference = \"ear\"", "reference = \"nose\"", ErrorCode::malformed},
                     Wrong{"name = \"chin\"", "name = \"ear\"", ErrorCode::malformed},
+                    Wrong{"[\"chin\"]", "[\"ear\"]", ErrorCode::malformed},
+                    Wrong{"[\"chin\"]", "[\"chin\", \"chin\"]", ErrorCode::malformed},
+                    Wrong{"[\"chin\"]", "[]", ErrorCode::malformed},
+                    Wrong{"[\"chin\"]", "[3]", ErrorCode::malformed},
+                    Wrong{"[skin]", "[[skin]]", ErrorCode::malformed},
+                    Wrong{"[-4, 0.1, 0]", "[-4, 0.1]", ErrorCode::malformed},
+                    Wrong{"[-4, 0.1, 0]", "[-4, 0.1, 200]", ErrorCode::out_of_range},
+                    Wrong{"[0.25, 2]", "[0.25, 2, 1]", ErrorCode::malformed},
+                    Wrong{"[0.25, 2]", "[0.25, nan]", ErrorCode::out_of_range},
+                    Wrong{", [-1e-3, 0.3, 1.5]", "", ErrorCode::malformed},
+                    Wrong{"factor_deg", "spread_deg", ErrorCode::malformed},
                     Wrong{"name = \"chin\"", "name = \"chin\"\ncolour = \"red\"", ErrorCode::malformed},
                     Wrong{"side = \"M\"", "side = \"left\"", ErrorCode::malformed},
                     Wrong{"role = \"face\"", "role = \"head\"", ErrorCode::malformed},

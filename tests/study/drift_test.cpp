@@ -41,6 +41,18 @@ TEST(StudyDrift, FaultsShowAndSettingsAreCompared) {
   EXPECT_NE((*drifts)[0].rms_deg, (*drifts)[2].rms_deg);
 }
 
+TEST(StudyDrift, KnownSkinHoldsHeadings) {
+  sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  const DriftRequest request{.performers = 3, .seconds = 40, .seed = 8, .threads = 0};
+  const imu::HeadingSettings defaults;
+  const auto known = study_drift(request, rig, {&defaults, 1}, no_progress);
+  ASSERT_TRUE(known) << known.error().message();
+  rig.skin.reset();
+  const auto unknown = study_drift(request, rig, {&defaults, 1}, no_progress);
+  ASSERT_TRUE(unknown);
+  EXPECT_LT(known->front().vertical_rms_deg, 0.85 * unknown->front().vertical_rms_deg);
+}
+
 TEST(StudyDrift, StopsWhenTold) {
   const imu::HeadingSettings defaults;
   const auto stopped =
