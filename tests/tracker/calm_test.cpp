@@ -11,6 +11,8 @@
 namespace mien::tracker {
 namespace {
 
+const std::size_t kMouth = face::shape("mouthSmile_L"), kLid = face::shape("eyeBlink_L");
+
 TEST(Calm, TakesTremblingOutAndFollowsABlink) {
   Calm calm;
   Random random(1);
@@ -24,19 +26,50 @@ TEST(Calm, TakesTremblingOutAndFollowsABlink) {
     const float tremble = 0.3F + 0.02F * static_cast<float>(random.normal());
     // A lid closes within a tenth of a second.
     const float lid = f < 300 ? 0.0F : std::min(1.0F, static_cast<float>(f - 300) / 6);
-    weights[0] = tremble;
-    weights[1] = lid;
+    weights[kMouth] = tremble;
+    weights[kLid] = lid;
     calm.apply(weights);
     std::rotate(in.begin(), in.begin() + 1, in.end());
     std::rotate(out.begin(), out.begin() + 1, out.end());
     in[3] = tremble;
-    out[3] = weights[0];
+    out[3] = weights[kMouth];
     if (f > 60) trembling += third(in), left += third(out);
-    if (f == 312) largest_lag = 1 - weights[1];
-    EXPECT_EQ(weights[2], 0);
+    if (f == 306) largest_lag = 1 - weights[kLid];
+    EXPECT_EQ(weights[face::shape("jawOpen")], 0);
   }
-  EXPECT_LT(left, 0.3 * trembling);
-  EXPECT_LT(largest_lag, 0.2) << "a tenth of a second after it has closed";
+  EXPECT_LT(left, 0.15 * trembling);
+  EXPECT_LT(largest_lag, 0.1) << "when it has closed";
+}
+
+TEST(Calm, ALidThatFallsIsHalfShutWhenTheTruthIs) {
+  Calm calm;
+  face::BlendshapeWeights weights;
+  const auto half_shut_after = [&](std::size_t shape) {
+    calm.reset();
+    for (int f = 0; f < 100; ++f) {
+      weights = {};
+      // A network that is sure of a blink two frames after the lid has been half-way.
+      weights[shape] = std::clamp(static_cast<float>(f - 8) / 6, 0.0F, 1.0F);
+      calm.apply(weights);
+      if (weights[shape] >= 0.5F) return f;
+    }
+    return 100;
+  };
+  EXPECT_LE(half_shut_after(kLid), 11);
+  EXPECT_GT(half_shut_after(kMouth), half_shut_after(kLid));
+}
+
+TEST(Calm, ALidThatStaysOrOpensGetsNoLead) {
+  Calm calm;
+  face::BlendshapeWeights weights;
+  float before = 1;
+  for (int f = 0; f < 60; ++f) {
+    weights[kLid] = std::max(0.0F, 1 - static_cast<float>(f) / 10);
+    calm.apply(weights);
+    EXPECT_LE(weights[kLid], before);
+    EXPECT_GE(weights[kLid], std::max(0.0F, 1 - static_cast<float>(f) / 10));
+    before = weights[kLid];
+  }
 }
 
 TEST(Calm, ForgetsAtAReset) {
