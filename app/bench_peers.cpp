@@ -1,6 +1,9 @@
 #include "app/bench_peers.h"
 
+#include <nlohmann/json.hpp>
+
 #include "app/onnx_peer.h"
+#include "app/trainer_helper.h"
 
 namespace mien::app {
 
@@ -10,8 +13,13 @@ Peer onnxruntime_step(const std::filesystem::path& model) {
   return {.step_us = 1e6 * times->best_step_s, .why_not = {}};
 }
 
-Peer libtorch_step(const std::filesystem::path&) {
-  return {.step_us = std::nullopt, .why_not = "this version does not run libtorch's step yet"};
+Peer libtorch_step(const std::filesystem::path& model) {
+  const auto said = ask_trainer({"step", model.string(), "--json"});
+  if (!said) return {.step_us = std::nullopt, .why_not = said.error().message()};
+  const auto told = nlohmann::json::parse(*said, nullptr, false);
+  if (told.is_discarded() || !told.contains("step_us"))
+    return {.step_us = std::nullopt, .why_not = "mien-train did not say how long a step took"};
+  return {.step_us = told["step_us"].get<double>(), .why_not = {}};
 }
 
 }  // namespace mien::app

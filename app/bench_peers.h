@@ -14,7 +14,7 @@ struct Peer {
 
 /// ONNX Runtime, on the model exported to ONNX: the quickest rounds of its best graph (app/onnx_peer.h).
 [[nodiscard]] Peer onnxruntime_step(const std::filesystem::path& model);
-/// libtorch, in the helper mien-train.
+/// libtorch, in the helper mien-train: its quickest rounds.
 [[nodiscard]] Peer libtorch_step(const std::filesystem::path& model);
 
 }  // namespace mien::app

@@ -1,18 +1,14 @@
 #include "app/onnx_peer.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
+#include "app/child_program.h"
 #include "app/private_folder.h"
 #include "mien/core/files.h"
 #include "mien/core/random.h"
@@ -21,8 +17,6 @@
 #include "mien/model/denoiser.h"
 #include "mien/model/schedule.h"
 #include "mien/onnx/export_model.h"
-
-extern char** environ;
 
 namespace mien::app {
 namespace fs = std::filesystem;
@@ -124,29 +118,15 @@ Result<void> write_jobs(const model::ModelFile& model, const std::vector<Job>& j
   return write_file(folder / "job.json", list.dump());
 }
 
-/// `node` with a script and one argument; its output is in `out`.
-Result<void> run_node(const fs::path& script, const fs::path& argument, const fs::path& out) {
-  const fs::path complaints = out.parent_path() / "complaints";
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_addopen(&actions, 2, complaints.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  std::string name = "node", first = script.string(), second = argument.string();
-  char* argv[] = {name.data(), first.data(), second.data(), nullptr};
-  pid_t process = -1;
-  const int code = ::posix_spawnp(&process, "node", &actions, nullptr, argv, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (code == ENOENT)
+/// What `node` prints for a script with one argument.
+Result<std::string> run_node(const fs::path& script, const fs::path& argument) {
+  const auto said = run_child({"node", script.string(), argument.string()});
+  if (!said && said.error().code == ErrorCode::not_found)
     return fail(ErrorCode::not_found, "there is no program `node`", "ONNX Runtime", kInstall);
-  if (code != 0) return fail(ErrorCode::io, std::strerror(code), "node");
-  int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
-  const auto said = read_text(complaints);
+  if (!said) return std::unexpected(said.error());
+  if (said->succeeded) return said->out;
   // Node shows the line of the script first; what went wrong stands where "Error" does.
-  std::string line = said ? *said : std::string();
+  std::string line = said->complaints;
   if (const auto at = line.find("Error"); at != std::string::npos) line = line.substr(at);
   line = line.substr(0, line.find('\n'));
   return fail(ErrorCode::io, line.empty() ? "it stopped without a word" : line, "node " + script.string(),
@@ -195,8 +175,7 @@ Result<PeerTimes> measure_onnxruntime(const PeerRequest& request) {
   MIEN_TRY_ASSIGN(const std::vector<Job> jobs, jobs_of(model));
   MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
   MIEN_TRY(write_jobs(model, jobs, request, folder.path()));
-  MIEN_TRY(run_node(*script, folder.path() / "job.json", folder.path() / "out.json"));
-  MIEN_TRY_ASSIGN(const std::string out, read_text(folder.path() / "out.json"));
+  MIEN_TRY_ASSIGN(const std::string out, run_node(*script, folder.path() / "job.json"));
   try {
     MIEN_TRY_ASSIGN(PeerTimes times, read_times(Json::parse(out), jobs));
     times.kind = model.architecture.kind == model::NetworkKind::causal ? "causal" : "window";

@@ -11,6 +11,7 @@
 #include "mien/model/denoiser.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
+#include "mien/train/libtorch_step.h"
 #include "mien/train/make_task.h"
 #include "mien/train/parity.h"
 #include "mien/train/trainer.h"
@@ -82,6 +83,20 @@ Result<void> run_parity(const std::string& path, bool json) {
   return {};
 }
 
+Result<void> run_step(const std::string& path, bool json) {
+  MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(path));
+  MIEN_TRY_ASSIGN(const train::LibtorchStep step, train::measure_libtorch_step(model));
+  if (json)
+    fmt::print(
+        "{}\n",
+        Json{{"model", path}, {"step_us", 1e6 * step.step_s}, {"largest_difference", step.largest_difference}}
+            .dump(2));
+  else
+    fmt::print("{:.1f} us a step in libtorch, fp32, one thread; {:.2e} from the run time\n",
+               1e6 * step.step_s, step.largest_difference);
+  return {};
+}
+
 struct SpeedArguments {
   std::string architecture = "light", precision = "bf16", device = "cpu";
   std::size_t batch = 32, steps = 10, sensors = 11;
@@ -116,7 +131,7 @@ Result<void> run_speed(const SpeedArguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program("Trains Mien's models. Started by `mien train`; parity and speed are its own.",
+  CLI::App program("Trains Mien's models. Started by `mien train`; parity, step and speed are its own.",
                    "mien-train");
   program.set_version_flag("--version", "mien-train " MIEN_VERSION);
   program.require_subcommand(1);
@@ -147,6 +162,14 @@ int main(int argc, char** argv) {
                                   [&] { return run_parity(parity_model, parity_json); });
   parity->add_option("model", parity_model, "The model")->required();
   parity->add_flag("--json", parity_json, "Print the result as JSON");
+
+  std::string step_model;
+  bool step_json = false;
+  CLI::App* step =
+      commands.add("step", "Measures libtorch's step of a causal network, a peer of the run time",
+                   "mien-train step live.safetensors", [&] { return run_step(step_model, step_json); });
+  step->add_option("model", step_model, "The model")->required();
+  step->add_flag("--json", step_json, "Print the result as JSON");
 
   SpeedArguments speed;
   CLI::App* speed_command =
