@@ -2,6 +2,9 @@
 
 #include "mien/model/architecture.h"
 
+// NEON serves CPUs with SVE too, as in product.cpp, so that kernel_name() tells what ran in both.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+
 // Highway compiles the part between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction
 // set.
 #undef HWY_TARGET_INCLUDE
