@@ -17,7 +17,7 @@ Peer libtorch_step(const std::filesystem::path& model) {
   const auto said = ask_trainer({"step", model.string(), "--json"});
   if (!said) return {.step_us = std::nullopt, .why_not = said.error().message()};
   const auto told = nlohmann::json::parse(*said, nullptr, false);
-  if (told.is_discarded() || !told.contains("step_us"))
+  if (!told.is_object() || !told.contains("step_us") || !told["step_us"].is_number())
     return {.step_us = std::nullopt, .why_not = "mien-train did not say how long a step took"};
   return {.step_us = told["step_us"].get<double>(), .why_not = {}};
 }

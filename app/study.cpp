@@ -147,7 +147,7 @@ void add_drift(Commands& commands, CLI::App* study) {
   command
       ->add_option(
           "--sigma", drift->sigma_deg,
-          "Re-centring's standard deviation, degrees; 0 is off. With a [skin] table only that counts")
+          "Re-centring's standard deviation, degrees; 0 is off. With a [skin] table all others are alike")
       ->check(number_between(0.0, 90.0))
       ->capture_default_str();
   command->add_option("--every", drift->every_s, "Seconds between its readings")
@@ -175,9 +175,9 @@ Result<void> run_skin(SkinOptions options) {
 
 void add_skin(Commands& commands, CLI::App* study) {
   auto skin = std::make_shared<SkinOptions>();
-  CLI::App* command = commands.add_under(
-      study, "skin", "How skin turns under a rig's sensors: the [skin] table of its file",
-      "mien study skin --rig my_rig.toml >> my_rig.toml", [skin] { return run_skin(*skin); });
+  CLI::App* command =
+      commands.add_under(study, "skin", "How skin turns under a rig's sensors: the [skin] table of its file",
+                         "mien study skin --rig my_rig.toml > skin.toml", [skin] { return run_skin(*skin); });
   command->add_option("--rig", skin->rig, "Rig file (default: rigs/default.toml)");
   command->add_option("--performers", skin->request.performers, "Virtual performers")
       ->check(CLI::Range(1, 100000))

@@ -85,12 +85,15 @@ struct HeadingSettings {
   double neutral_gate = 2.5;
   /// Where it is known how skin turns (SkinTurns), what is seen beyond that is such a reading instead: of so
   /// many of its own standard deviations (people differ, and hold what they do), once in this time, s; and
-  /// skin rests, one sigma, so many from where it was foretold.
+  /// skin rests, one sigma, so many from where it was foretold. neutral_sigma_rad of 0 switches these off
+  /// too, the gate is the same. Chosen on virtual people and one real take (docs/fusion.md): fewer sigmas or
+  /// seconds hold drift tighter, and bend held expressions sooner.
   double foretold_sigmas = 1.67;
   double foretold_every_s = 1.4;
   double foretold_rest_sigmas = 1.1;
-  /// In this time, s, it forgets where that was: people do other things, and stray otherwise.
-  double foretold_rest_tau_s = 300;
+  /// In this time, s, it forgets where that was: people do other things, and stray otherwise. Less helps who
+  /// strays elsewhere than in the first minute, more holds drift in long sessions.
+  double foretold_rest_tau_s = 600;
   /// A heading that got lost: no skin stays this far from neutral, rad (15 deg), to one side, for so long, s,
   /// while the heading is as unsure as this, rad (7 deg). Then the least of those turns was the heading's.
   double lost_turn_rad = 0.26;

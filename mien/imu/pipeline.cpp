@@ -113,6 +113,7 @@ struct Pipeline::State {
         prologue(rig),
         watch(rig),
         trackers(face.size(), HeadingTracker(s.heading)),
+        tilt_rad2(face.size()),
         lever_m(face.size()) {
     if (rig.skin) skin.emplace(*rig.skin, rig.face_sensor_names());
     calibration.sensors.resize(face.size());
@@ -166,8 +167,10 @@ struct Pipeline::State {
   int calibrations = 0;
   Calibration before_marks;  // In force when the first mark was given.
   int count_before_marks = 0;
-  Quat last_head = Quat::Identity();              // Of the last frame that had one.
-  std::vector<HeadingTracker> trackers;           // One a face sensor.
+  Quat last_head = Quat::Identity();     // Of the last frame that had one.
+  std::vector<HeadingTracker> trackers;  // One a face sensor.
+  std::vector<double>
+      tilt_rad2;  // By face sensor: what gaps left unsure of its tilt, and gravity has not mended.
   std::optional<SkinTurns> skin;                  // Where it is known how it turns.
   std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
   std::vector<std::optional<Vec3>> lever_m;       // From the ear sensor, frame H.
@@ -244,7 +247,7 @@ void Pipeline::State::put_in_force(const Calibration& made) {
 }
 
 void Pipeline::State::follow(std::size_t i, double heading_rad, double sigma_rad) {
-  trackers[i].start(heading_rad, sigma_rad, skin ? std::optional((*skin)[i].sigma_rad) : std::nullopt);
+  trackers[i].start(heading_rad, sigma_rad, skin ? std::optional(skin->usual_sigma_rad(i)) : std::nullopt);
 }
 
 Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
@@ -266,7 +269,7 @@ void Pipeline::State::recentre(double dt_s, const Quat& q_world_ear) {
   }
   skin->clear();
   for (std::size_t i = 0; i < face.size(); ++i)
-    if (poses[i]) skin->see(i, calibration.q_head_ear * turn(i));
+    if (poses[i]) skin->see(i, calibration.q_head_ear * turn(i), std::sqrt(tilt_rad2[i]));
   skin->solve(calibration.q_head_ear * up);
   for (std::size_t i = 0; i < face.size(); ++i)
     if (poses[i]) trackers[i].add_turn_beyond(dt_s, (*skin)[i].turn_rad, (*skin)[i].sigma_rad);
@@ -521,9 +524,11 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     const double gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
     channel.gap_sigma = now;
     if (gap > 0 || ear_gap > 0) s.trackers[i].inflate(std::hypot(gap, ear_gap));
+    s.tilt_rad2[i] =
+        s.tilt_rad2[i] * std::exp(-2 * dt_s / s.settings.fusion.tau_accel_s) + gap * gap + ear_gap * ear_gap;
 
-    const std::optional<FusedSample>& pose = s.poses[i] =
-        head_known ? s.pose(s.face[i], frame) : std::nullopt;
+    if (head_known) s.poses[i] = s.pose(s.face[i], frame);
+    const std::optional<FusedSample>& pose = s.poses[i];
     if (!pose) {
       s.trackers[i].skip(dt_s);
       continue;

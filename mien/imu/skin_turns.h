@@ -30,22 +30,27 @@ class SkinTurns {
 
   /// A new frame, in which no sensor was seen.
   void clear();
-  /// A face sensor's rotation vector against its neutral, frame H, rad, by the heading it has now.
-  void see(std::size_t sensor, const Vec3& rotation_vector);
+  /// A face sensor's rotation vector against its neutral, frame H, rad, by the heading it has now; and how
+  /// unsure what gravity holds of it is, rad, one sigma, beyond what any sensor's is.
+  void see(std::size_t sensor, const Vec3& rotation_vector, double tilt_sigma_rad = 0);
   /// Works out the readings of the sensors that were seen, for the vertical `up`, frame H. No allocation.
   void solve(const Vec3& up);
   [[nodiscard]] const Reading& operator[](std::size_t sensor) const { return readings_[sensor]; }
+  /// The sigma of its readings while the head is upright and all sensors are there.
+  [[nodiscard]] double usual_sigma_rad(std::size_t sensor) const { return usual_sigma_rad_[sensor]; }
 
  private:
-  Eigen::MatrixXd information_;  // Inverse of the rotations' covariance, 3 n x 3 n, 1/rad^2.
+  Eigen::MatrixXd covariance_rad2_;  // Of rotation vectors and of what every sensor is off, 3 n x 3 n.
   Eigen::VectorXd mean_rad_;
-  Eigen::VectorXd beyond_rad_;  // What was seen, less the mean.
   std::vector<bool> seen_;
   std::vector<Reading> readings_;
-  // A column for a heading's error where the sensor was seen, three for its whole rotation where it was not.
-  Eigen::MatrixXd normal_;
+  std::vector<double> usual_sigma_rad_;
+  Eigen::VectorXd noise_rad2_;  // Of this frame's components besides.
+  Eigen::VectorXd beyond_rad_;  // What was seen, less the mean.
+  // Of solve(): the factor of all of the covariance, the design with a column a heading, and its normal
+  // equations.
+  Eigen::MatrixXd factor_, design_, normal_;
   Eigen::VectorXd right_, unit_;
-  std::vector<Eigen::Index> column_;
 };
 
 }  // namespace mien::imu

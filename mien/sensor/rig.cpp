@@ -19,7 +19,7 @@ constexpr std::size_t kMaxSensors = 256;
 constexpr std::size_t kMaxTextBytes = 128;
 /// Farther from the head's origin than this is a mistake of units.
 constexpr double kMaxPositionM = 10.0;
-/// Sensors whose skin's motion is told; each frame's work grows with the cube of them.
+/// Face sensors of a rig whose skin's motion is told; each frame's work grows with the cube of them.
 constexpr std::size_t kMaxSkinSensors = 64;
 
 std::string place(const std::string& where, const toml::node& node) {
@@ -145,11 +145,13 @@ Result<SkinMotion> read_skin(const toml::node& node, const Rig& rig, const std::
                 fmt::format("'sensors' is not a list of 1 to {} names", kMaxSkinSensors), here);
   SkinMotion skin;
   const std::vector<std::string> face = rig.face_sensor_names();
+  if (face.size() > kMaxSkinSensors)
+    return fail(ErrorCode::out_of_range,
+                fmt::format("a 'skin' for a rig of more than {} face sensors", kMaxSkinSensors), here);
   for (const toml::node& name : *names) {
     const std::string sensor = name.value_or(std::string());
     if (std::ranges::find(face, sensor) == face.end())
-      return fail(ErrorCode::malformed,
-                  fmt::format("skin.sensors names '{}', which is no face sensor", sensor), place(where, name),
+      return fail(ErrorCode::malformed, "skin.sensors names what is no face sensor", place(where, name),
                   "name sensors of this rig with role \"face\"");
     if (std::ranges::find(skin.sensors, sensor) != skin.sensors.end())
       return fail(ErrorCode::malformed, fmt::format("skin.sensors names '{}' twice", sensor),
@@ -157,12 +159,12 @@ Result<SkinMotion> read_skin(const toml::node& node, const Rig& rig, const std::
     skin.sensors.push_back(sensor);
   }
   const std::size_t size = 3 * skin.sensors.size();
-  MIEN_TRY_ASSIGN(skin.mean_deg, number_list(table->get("mean_deg"), size, "mean_deg", here));
+  MIEN_TRY_ASSIGN(skin.mean_deg, number_list(table->get("mean_deg"), size, "mean_deg", where));
   if (rows == nullptr || rows->size() != size)
     return fail(ErrorCode::malformed, fmt::format("'factor_deg' is not a list of {} rows", size), here);
   skin.factor_deg.setZero(skin.mean_deg.size(), skin.mean_deg.size());
   for (std::size_t r = 0; r < size; ++r) {
-    MIEN_TRY_ASSIGN(const Eigen::VectorXd row, number_list(&(*rows)[r], r + 1, "factor_deg", here));
+    MIEN_TRY_ASSIGN(const Eigen::VectorXd row, number_list(&(*rows)[r], r + 1, "factor_deg", where));
     skin.factor_deg.row(static_cast<Eigen::Index>(r)).head(row.size()) = row.transpose();
   }
   if (skin.mean_deg.cwiseAbs().maxCoeff() > 180 || skin.factor_deg.cwiseAbs().maxCoeff() > 180)
@@ -323,17 +325,18 @@ Result<Rig> read_rig(const std::filesystem::path& path) {
 }
 
 std::string write_skin(const SkinMotion& skin) {
-  // Shortest digits that read back to the same bits.
+  // Shortest digits that read back to equal numbers; adding nought takes the sign of a negative nought.
   toml::array names;
   for (const std::string& name : skin.sensors) names.push_back(name);
   std::ostringstream head;
   line(head, "sensors", names);
   std::string out = fmt::format("[skin]\n{}mean_deg = [\n", head.str());
   for (Eigen::Index i = 0; i + 2 < skin.mean_deg.size(); i += 3)
-    out += fmt::format("  {}, {}, {},\n", skin.mean_deg[i], skin.mean_deg[i + 1], skin.mean_deg[i + 2]);
+    out += fmt::format("  {}, {}, {},\n", skin.mean_deg[i] + 0.0, skin.mean_deg[i + 1] + 0.0,
+                       skin.mean_deg[i + 2] + 0.0);
   out += "]\nfactor_deg = [\n";
   for (Eigen::Index r = 0; r < skin.factor_deg.rows(); ++r) {
-    const Eigen::VectorXd row = skin.factor_deg.row(r).head(r + 1);
+    const Eigen::VectorXd row = skin.factor_deg.row(r).head(r + 1).array() + 0.0;
     out += fmt::format("  [{}],\n", fmt::join(row.begin(), row.end(), ", "));
   }
   return out + "]\n";

@@ -76,6 +76,7 @@ Result<sensor::SkinMotion> study_skin_motion(const SkinMotionRequest& request, c
     all.first += sums[p].first;
     all.second += sums[p].second;
   }
+  if (!(all.count > 0)) return fail(ErrorCode::bad_usage, "the performances have no frames", rig.name);
   const Eigen::VectorXd mean = all.first / all.count;
   Eigen::MatrixXd covariance = all.second / all.count - mean * mean.transpose();
   covariance.diagonal().array() += 0.05 * 0.05;  // What a triangle of hundredths cannot tell from nothing.

@@ -7,7 +7,6 @@
 namespace mien::tracker {
 namespace {
 
-constexpr float kFramesPerSecond = 60;
 const std::array kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
 }  // namespace
@@ -18,9 +17,10 @@ void Calm::apply(face::BlendshapeWeights& weights) {
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     const auto one = static_cast<float>(filters_[k].filter(now, weights[k]));
     if (std::ranges::find(kLids, k) != kLids.end()) {
-      const float speed = first ? 0 : (one - last_[k]) * kFramesPerSecond;
+      const float speed = first ? 0 : (one - last_[k]) * static_cast<float>(kFrameRateHz);
       last_[k] = one;
-      weights[k] = std::min(1.0F, one + kBlinkLead * std::max(0.0F, speed - kBlinkSpeed));
+      const float lead = kBlinkLead * std::max(0.0F, speed - kBlinkSpeed);
+      weights[k] = lead > 0 ? std::max(one, std::min(1.0F, one + lead)) : one;
     } else {
       last_[k] = first ? one : last_[k] + kFollow * (one - last_[k]);
       weights[k] = last_[k];

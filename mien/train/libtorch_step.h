@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-
 #include "mien/core/error.h"
 #include "mien/model/model_file.h"
 

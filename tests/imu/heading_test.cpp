@@ -155,6 +155,28 @@ TEST(HeadingTracker, WhatWasForetoldPullsByHowSureItIs) {
   EXPECT_GT(pulled_by(8 * kDeg), 0);
 }
 
+TEST(HeadingTracker, ForgetsWhereSkinStrayedToFromWhatWasForetold) {
+  // Skin that stays four degrees beyond what was foretold, for a minute, and after hours in which nothing was
+  // seen: first that is where it rests, then it is the heading's.
+  const auto moved_in_a_minute = [](double hours_s) {
+    HeadingTracker tracker;
+    tracker.start(0, 0.5 * kDeg, 4 * kDeg);
+    const auto minute = [&tracker] {
+      for (int i = 0; i < 60 * 60; ++i) {
+        tracker.skip(1 / 60.0);
+        tracker.add_turn_beyond(1 / 60.0, tracker.heading_rad() + 4 * kDeg, 4 * kDeg);
+      }
+    };
+    minute();
+    for (int i = 0; i < static_cast<int>(hours_s); ++i) tracker.skip(1);
+    const double before = tracker.heading_rad();
+    minute();
+    return std::abs(tracker.heading_rad() - before);
+  };
+  EXPECT_LT(moved_in_a_minute(0), 1 * kDeg);
+  EXPECT_GT(moved_in_a_minute(7200), 1.5 * kDeg);
+}
+
 TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
   HeadingTracker turning;
   HeadingTracker moving;

@@ -29,7 +29,7 @@ gyro_bias_dps = 1.0
 adhesive_lag_ms = [5.0, 20.0]
 [skin]
 sensors = ["chin"]
-mean_deg = [-4, 0.1, 0]
+mean_deg = [-4, 0.1, -0.0]
 factor_deg = [[9.5], [0.25, 2], [-1e-3, 0.3, 1.5]]
 )";
 
@@ -137,8 +137,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"[\"chin\"]", "[]", ErrorCode::malformed},
                     Wrong{"[\"chin\"]", "[3]", ErrorCode::malformed},
                     Wrong{"[skin]", "[[skin]]", ErrorCode::malformed},
-                    Wrong{"[-4, 0.1, 0]", "[-4, 0.1]", ErrorCode::malformed},
-                    Wrong{"[-4, 0.1, 0]", "[-4, 0.1, 200]", ErrorCode::out_of_range},
+                    Wrong{"[-4, 0.1, -0.0]", "[-4, 0.1]", ErrorCode::malformed},
+                    Wrong{"[-4, 0.1, -0.0]", "[-4, 0.1, 200]", ErrorCode::out_of_range},
                     Wrong{"[0.25, 2]", "[0.25, 2, 1]", ErrorCode::malformed},
                     Wrong{"[0.25, 2]", "[0.25, nan]", ErrorCode::out_of_range},
                     Wrong{", [-1e-3, 0.3, 1.5]", "", ErrorCode::malformed},
