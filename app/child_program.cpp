@@ -14,7 +14,6 @@
 extern char** environ;
 
 namespace mien::app {
-namespace {
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
   std::vector<char*> list;
@@ -22,8 +21,6 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   list.push_back(nullptr);
   return list;
 }
-
-}  // namespace
 
 Result<ChildOutput> run_child(std::vector<std::string> command, std::vector<std::string> environment) {
   // Files, not pipes: nobody has to read both at once.

@@ -14,6 +14,10 @@ struct ChildOutput {
   std::string complaints;  ///< ... and standard error.
 };
 
+/// As programs are given their arguments and their environment, with a null behind; valid while `texts` is as
+/// it is.
+[[nodiscard]] std::vector<char*> pointers(std::vector<std::string>& texts);
+
 /// Runs a program, found along PATH where its name has no slash, without standard input, and waits for it.
 /// `command`: name and arguments; `environment`: its whole environment, or empty for this program's own.
 /// Errors: not_found (no such program), io.

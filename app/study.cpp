@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
 #include <numbers>
 
@@ -19,6 +20,12 @@
 namespace mien::app {
 namespace {
 
+Result<sensor::Rig> read_rig_or_default(const std::string& path) {
+  if (!path.empty()) return sensor::read_rig(path);
+  MIEN_TRY_ASSIGN(const std::filesystem::path standard, find_resource("rigs/default.toml"));
+  return sensor::read_rig(standard);
+}
+
 struct BoundOptions {
   std::string face = "builtin";
   std::string rig;
@@ -36,11 +43,8 @@ nlohmann::ordered_json mean_or_null(const std::optional<study::MeanStd>& value) 
   return value ? nlohmann::ordered_json(value->mean) : nlohmann::ordered_json();
 }
 
-Result<void> run_bound(BoundOptions options) {
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
-  }
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+Result<void> run_bound(const BoundOptions& options) {
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, read_rig_or_default(options.rig));
   MIEN_TRY_ASSIGN(const face::Face face, face::load_face(options.face));
   MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face, rig));
   std::vector<virt::SkinSite> sites;
@@ -84,11 +88,8 @@ struct DriftOptions {
   bool json = false;
 };
 
-Result<void> run_drift(DriftOptions options) {
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
-  }
-  MIEN_TRY_ASSIGN(sensor::Rig rig, sensor::read_rig(options.rig));
+Result<void> run_drift(const DriftOptions& options) {
+  MIEN_TRY_ASSIGN(sensor::Rig rig, read_rig_or_default(options.rig));
   if (options.unknown_skin) rig.skin.reset();
   std::vector<imu::HeadingSettings> settings;
   for (const double sigma_deg : options.sigma_deg)
@@ -162,11 +163,8 @@ struct SkinOptions {
   std::string rig;
 };
 
-Result<void> run_skin(SkinOptions options) {
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
-  }
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+Result<void> run_skin(const SkinOptions& options) {
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, read_rig_or_default(options.rig));
   MIEN_TRY_ASSIGN(const sensor::SkinMotion skin,
                   study::study_skin_motion(options.request, rig, terminal_progress("skin")));
   fmt::print("{}", sensor::write_skin(skin));

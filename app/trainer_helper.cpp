@@ -54,12 +54,7 @@ Result<std::vector<std::string>> command_of(std::vector<std::string> arguments) 
 Result<void> become_trainer(std::vector<std::string> arguments) {
   MIEN_TRY_ASSIGN(std::vector<std::string> command, command_of(std::move(arguments)));
   std::vector<std::string> variables = environment();
-  std::vector<char*> argv, envp;
-  for (std::string& word : command) argv.push_back(word.data());
-  for (std::string& variable : variables) envp.push_back(variable.data());
-  argv.push_back(nullptr);
-  envp.push_back(nullptr);
-  ::execve(argv.front(), argv.data(), envp.data());
+  ::execve(command.front().c_str(), pointers(command).data(), pointers(variables).data());
   return fail(ErrorCode::io, std::strerror(errno), command.front(),
               "build or install it again, with Debian's libtorch-dev");
 }

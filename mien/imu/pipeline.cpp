@@ -169,8 +169,8 @@ struct Pipeline::State {
   int count_before_marks = 0;
   Quat last_head = Quat::Identity();     // Of the last frame that had one.
   std::vector<HeadingTracker> trackers;  // One a face sensor.
-  std::vector<double>
-      tilt_rad2;  // By face sensor: what gaps left unsure of its tilt, and gravity has not mended.
+  // By face sensor: what gaps left unsure of its tilt, and gravity has not mended.
+  std::vector<double> tilt_rad2;
   std::optional<SkinTurns> skin;                  // Where it is known how it turns.
   std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
   std::vector<std::optional<Vec3>> lever_m;       // From the ear sensor, frame H.

@@ -14,8 +14,8 @@ namespace mien::tracker {
 /// allocation.
 class Calm {
  public:
-  /// Together with the low-pass this takes the third difference from 6 times the truth's to below 1.1, for 4
-  /// % of squared error (docs/live_model.md). The delay at rest is a tenth of a second.
+  /// Together with the low-pass this takes the third difference from 6 times the truth's to about
+  /// the truth's, for 4 % of squared error (docs/live_model.md). The delay at rest is a tenth of a second.
   static constexpr OneEuroSettings kSettings{.min_cutoff_hz = 1.5, .beta = 3};
   /// Of the low-pass, per frame: 14 Hz. One pole leaves steps in the speed, of which the third difference is
   /// made.
