@@ -308,8 +308,8 @@ void add_calibrate_command(Commands& commands) {
       ->add_option(
           "kind", options->kind,
           "short: hold still, and nod and shake the head where the sensors need it; full: then the anchor "
-          "expressions")
-      ->check(CLI::IsMember({"short", "full"}))
+          "expressions; wearer: then a minute of others, from which sensors on the skin learn yours")
+      ->check(CLI::IsMember({"short", "full", "wearer"}))
       ->capture_default_str();
   guided
       ->add_option("--wait", options->wait_s,

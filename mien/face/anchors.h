@@ -19,4 +19,8 @@ struct Anchor {
 /// In the order in which they are asked for.
 [[nodiscard]] std::span<const Anchor> anchors();
 
+/// A range of motion in the same form: the shapes that a performer can be asked for one by one, both sides
+/// together, some also alone. Names as the shapes', without the side where both are asked for.
+[[nodiscard]] std::span<const Anchor> range_of_motion();
+
 }  // namespace mien::face

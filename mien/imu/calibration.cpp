@@ -14,6 +14,9 @@ using nlohmann::json;
 using sensor::read_flag;
 using sensor::read_number;
 
+constexpr std::size_t kMostSlopes = std::size_t{256} * 3 * 64;
+constexpr double kLargestSlope = 100;
+
 json numbers(const Vec3& v) {
   return json::array({v.x(), v.y(), v.z()});
 }
@@ -50,11 +53,16 @@ std::string write_calibration(const Calibration& calibration) {
                        {"heading_rad", s.heading_rad},
                        {"heading_sigma_rad", s.heading_sigma_rad},
                        {"neutral_accel_m_s2", numbers(s.neutral_accel_m_s2)}});
-  const json root = {{"complete", calibration.complete},
-                     {"q_head_ear", numbers(calibration.q_head_ear)},
-                     {"neutral_heading_rad", calibration.neutral_heading_rad},
-                     {"sensors", std::move(sensors)},
-                     {"scores", sensor::scores_json(calibration.scores)}};
+  json root = {{"complete", calibration.complete},
+               {"q_head_ear", numbers(calibration.q_head_ear)},
+               {"neutral_heading_rad", calibration.neutral_heading_rad},
+               {"sensors", std::move(sensors)},
+               {"scores", sensor::scores_json(calibration.scores)}};
+  if (!calibration.wearer.empty()) {
+    json& slopes = root["wearer"] = json::array();
+    // In millionths, as they are learnt: a float's own digits would be twice as many.
+    for (const float slope : calibration.wearer) slopes.push_back(std::round(1e6 * slope) / 1e6);
+  }
   return root.dump();
 }
 
@@ -83,6 +91,14 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
       return bad(fmt::format("sensor {} is not a sensor's calibration", c.sensors.size()));
     s.neutral_accel_m_s2 = Vec3(accel[0], accel[1], accel[2]);
     c.sensors.push_back(s);
+  }
+  if (const auto wearer = root.find("wearer"); wearer != root.end()) {
+    if (!wearer->is_array() || wearer->size() > kMostSlopes) return bad("'wearer' is no list of slopes");
+    for (const json& slope : *wearer) {
+      if (!slope.is_number() || !(std::abs(slope.get<double>()) < kLargestSlope))
+        return bad(fmt::format("slope {} of the wearer is no such number", c.wearer.size()));
+      c.wearer.push_back(slope.get<float>());
+    }
   }
   MIEN_TRY_ASSIGN(c.scores, sensor::read_scores(*scores, where));
   return c;

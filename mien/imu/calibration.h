@@ -28,12 +28,16 @@ struct Calibration {
   double neutral_heading_rad = 0;          ///< Heading of the head in the ear fusion's world at neutral.
   std::vector<SensorCalibration> sensors;  ///< One a face sensor, in the rig's order.
   std::vector<sensor::Score> scores;       ///< Neutral, nod, shake, and one heading a sensor.
+  /// How the wearer's skin turns, as a calibration that learnt it found (model::Skin::wearer); empty: as the
+  /// model has it.
+  std::vector<float> wearer;
   bool operator==(const Calibration&) const = default;
 };
 
 /// JSON, one object; parse_calibration takes it back to an equal value.
 [[nodiscard]] std::string write_calibration(const Calibration& calibration);
-/// Errors: malformed, out_of_range (not finite, no unit quaternion, more than 256 sensors).
+/// Errors: malformed, out_of_range (not finite, no unit quaternion, more than 256 sensors,
+/// slopes of 100 radians).
 [[nodiscard]] Result<Calibration> parse_calibration(std::string_view json, const std::string& where);
 
 }  // namespace mien::imu

@@ -43,7 +43,10 @@ PipelineSettings ImuTracker::watching() {
 
 ImuTracker::ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameModel> model,
                        const PipelineSettings& settings)
-    : face_(rig.face_sensors()), pipeline_(rig, settings), model_(std::move(model)) {
+    : face_(rig.face_sensors()),
+      pipeline_(rig, settings),
+      model_(std::move(model)),
+      learner_(rig.face_sensor_names()) {
   features_.sensors.resize(face_.size());
 }
 
@@ -75,6 +78,12 @@ std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
     guided_until_.reset();
     if (!holds_together()) pipeline_.cancel_marks();
   }
+  if (const model::ModelFile* file = model_->personal())
+    if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file)) {
+      wearer_score_ = std::move(learnt->score);
+      ++wearers_;
+      if (!learnt->slopes.empty()) use_wearer(std::move(learnt->slopes));
+    }
   const auto felt =
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
   if (felt == 0 && !pipeline_.calibration().complete) {
@@ -89,13 +98,35 @@ std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
 
 void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (step == Step::none) return;
-  if (!guided_until_) judged_ = pipeline_.calibration_count();
+  if (!guided_until_) {
+    judged_ = pipeline_.calibration_count();
+    learner_.cancel();
+    wearer_score_.reset();
+  }
   pipeline_.mark(to_phase(step), begin, end);
   guided_until_ = guided_until_ ? std::max(*guided_until_, end) : end;
   hint_ = {};
 }
 
+void ImuTracker::guide_expression(const tracker::PromptedExpression& asked) {
+  if (model_->personal() != nullptr) {
+    learner_.expect(asked);
+    return;
+  }
+  wearer_score_ = sensor::Score{.name = "wearer",
+                                .value = 0,
+                                .unit = "nats",
+                                .pass = false,
+                                .sentence = "this model cannot learn a wearer; use models/live.safetensors"};
+}
+
+void ImuTracker::use_wearer(std::vector<float> slopes) {
+  wearer_ = std::move(slopes);
+  if (model_->personal() != nullptr) model_->use_wearer(wearer_);
+}
+
 void ImuTracker::cancel_guidance() {
+  learner_.cancel();
   if (!guided_until_) return;
   pipeline_.cancel_marks();
   guided_until_.reset();
@@ -134,15 +165,20 @@ tracker::CalibrationState ImuTracker::calibration_state() const {
 }
 
 std::string ImuTracker::calibration() const {
-  return pipeline_.calibration().complete ? write_calibration(pipeline_.calibration_now()) : std::string();
+  if (!pipeline_.calibration().complete) return {};
+  Calibration now = pipeline_.calibration_now();
+  now.wearer = wearer_;
+  return write_calibration(now);
 }
 
 std::vector<sensor::Score> ImuTracker::scores() const {
-  return pipeline_.calibration().scores;
+  std::vector<sensor::Score> scores = pipeline_.calibration().scores;
+  if (wearer_score_) scores.push_back(*wearer_score_);
+  return scores;
 }
 
 int ImuTracker::calibration_count() const {
-  return pipeline_.calibration_count();
+  return pipeline_.calibration_count() + wearers_;
 }
 
 std::vector<tracker::PerformedStep> ImuTracker::found_steps() const {
@@ -154,7 +190,15 @@ std::vector<tracker::PerformedStep> ImuTracker::found_steps() const {
 
 Result<void> ImuTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
-  return pipeline_.restore(calibration);
+  const model::ModelFile* file = model_->personal();
+  if (!calibration.wearer.empty() &&
+      (file == nullptr || file->skin->standard.size() != calibration.wearer.size()))
+    return fail(ErrorCode::mismatch, "its wearer was learnt for another model", "calibration",
+                "calibrate again with this one");
+  MIEN_TRY(pipeline_.restore(calibration));
+  use_wearer(calibration.wearer);
+  wearer_score_.reset();
+  return {};
 }
 
 std::optional<double> ImuTracker::heading_sigma_rad(std::uint16_t sensor) const {

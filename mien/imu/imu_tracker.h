@@ -1,10 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "mien/imu/pipeline.h"
 #include "mien/tracker/frame_model.h"
 #include "mien/tracker/tracker.h"
+#include "mien/tracker/wearer_learner.h"
 
 namespace mien::imu {
 
@@ -23,6 +27,7 @@ class ImuTracker final : public tracker::Tracker {
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
   std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
+  void guide_expression(const tracker::PromptedExpression& asked) override;
   void cancel_guidance() override;
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
   [[nodiscard]] std::string calibration() const override;
@@ -35,6 +40,8 @@ class ImuTracker final : public tracker::Tracker {
  private:
   /// Of the calibration that guidance made; says in hint_ why not.
   bool holds_together();
+  /// Puts a wearer's slopes in force; none: the model's own.
+  void use_wearer(std::vector<float> slopes);
 
   std::vector<std::uint16_t> face_;  // Numbers in the rig.
   Pipeline pipeline_;
@@ -43,6 +50,10 @@ class ImuTracker final : public tracker::Tracker {
   std::optional<DeviceTime> guided_until_;
   int judged_ = 0;  // Count of the calibration that was judged last, or that was there before.
   std::string_view hint_;
+  tracker::WearerLearner learner_;
+  std::vector<float> wearer_;                  // Slopes of the skin in force; empty: the model's own.
+  int wearers_ = 0;                            // That were learnt.
+  std::optional<sensor::Score> wearer_score_;  // Of the calibration that was guided last.
 };
 
 }  // namespace mien::imu

@@ -60,9 +60,12 @@ std::string part_of(const json& object, std::initializer_list<const char*> names
   return part.dump();
 }
 
+/// By the numbers of Calibrate::Kind.
+constexpr std::array<std::string_view, 3> kCalibrationKinds = {"short", "full", "wearer"};
+
 struct Writer {
   json operator()(const Calibrate& c) const {
-    return {{"command", "calibrate"}, {"kind", c.full ? "full" : "short"}};
+    return {{"command", "calibrate"}, {"kind", kCalibrationKinds.at(static_cast<std::size_t>(c.kind))}};
   }
   json operator()(const CancelCalibration&) const { return {{"command", "cancel_calibration"}}; }
   json operator()(const UseCalibration& c) const {
@@ -124,10 +127,11 @@ Result<Command> parse_command(std::string_view text) {
   MIEN_TRY_ASSIGN(const std::string name, text_of(object, "command"));
   if (name == "calibrate") {
     MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
-    if (kind != "short" && kind != "full")
+    const auto found = std::ranges::find(kCalibrationKinds, kind);
+    if (found == kCalibrationKinds.end())
       return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", kind), kWhere,
-                  "short or full");
-    return Calibrate{kind == "full"};
+                  "short, full or wearer");
+    return Calibrate{static_cast<Calibrate::Kind>(found - kCalibrationKinds.begin())};
   }
   if (name == "cancel_calibration") return CancelCalibration{};
   if (name == "use_calibration") {

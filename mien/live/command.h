@@ -16,7 +16,12 @@ namespace mien::live {
 // weights or a take's events. They go into the session log as they came, and a replay obeys them again.
 
 struct Calibrate {
-  bool full = false;  ///< Anchor expressions after neutral, nod and shake.
+  enum class Kind : std::uint8_t {
+    brief,   ///< "short": neutral, nod and shake, as the sensors need them.
+    full,    ///< "full": then the anchor expressions.
+    wearer,  ///< "wearer": then a range of motion as well, and the wearer is learnt from all of them.
+  };
+  Kind kind = Kind::brief;
 };
 struct CancelCalibration {};
 /// Puts a version in force that the session made before.

@@ -15,22 +15,25 @@ using tracker::Step;
 constexpr Duration kLeadIn = std::chrono::milliseconds(1500);
 constexpr Duration kGesture = std::chrono::milliseconds(4500);
 constexpr Duration kAnchor = std::chrono::milliseconds(2400);
+constexpr Duration kRange = std::chrono::milliseconds(2000);
+/// Until what was learnt is in force, and the tracker has answered by it.
+constexpr Duration kLearning = tracker::kWearerLearnt + std::chrono::milliseconds(500);
 /// An anchor of which less than this share came through was not done, or is not felt.
 constexpr double kMinResponse = 0.25;
 
 }  // namespace
 
-void Guide::begin(bool full) {
+void Guide::begin(Calibrate::Kind kind) {
   *this = {};
   state_ = State::wanted;
-  full_ = full;
+  kind_ = kind;
 }
 
 void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
   DeviceTime at = begin + kLeadIn;
   const auto add = [&](Step step, std::string_view name, std::string_view prompt, Duration length,
                        const face::BlendshapeWeights* target) {
-    parts_.push_back({step, name, prompt, target, at, at + length});
+    parts_.push_back({step, name, prompt, target, false, at, at + length});
     at += length;
   };
   add(Step::neutral, "neutral", "Look ahead, relax your face and hold still", wanted.neutral, nullptr);
@@ -38,9 +41,16 @@ void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
     add(Step::nod, "nod", "Keep your face still and nod twice, down first", kGesture, nullptr);
     add(Step::shake, "shake", "Keep your face still and shake your head twice", kGesture, nullptr);
   }
-  if (full_)
-    for (const face::Anchor& anchor : face::anchors())
+  if (kind_ != Calibrate::Kind::brief)
+    for (const face::Anchor& anchor : face::anchors()) {
       add(Step::none, anchor.name, anchor.prompt, kAnchor, &anchor.target);
+      parts_.back().scored = true;
+    }
+  if (kind_ == Calibrate::Kind::wearer) {
+    for (const face::Anchor& asked : face::range_of_motion())
+      add(Step::none, asked.name, asked.prompt, kRange, &asked.target);
+    add(Step::none, "learning", "Relax: how your skin turns is being learnt", kLearning, nullptr);
+  }
   response_.assign(parts_.size(), 0.0F);
 }
 
@@ -49,8 +59,20 @@ void Guide::before(DeviceTime frame, tracker::Tracker& tracker) {
   plan(frame, tracker.guidance());
   for (const Part& part : parts_)
     if (part.step != Step::none) tracker.guide(part.step, part.begin, part.end);
-  const auto anchors = std::ranges::find(parts_, Step::none, &Part::step);
-  if (anchors != parts_.end()) tracker.guide_range(anchors->begin, parts_.back().end);
+  const auto asked = [](const Part& part) { return part.target != nullptr; };
+  const auto first = std::ranges::find_if(parts_, asked);
+  if (first != parts_.end()) {
+    const auto last = std::find_if(parts_.rbegin(), parts_.rend(), asked);
+    tracker.guide_range(first->begin, last->end);
+  }
+  if (kind_ == Calibrate::Kind::wearer)
+    for (const Part& part : parts_)
+      if (asked(part))
+        tracker.guide_expression({.name = std::string(part.name),
+                                  .begin = part.begin,
+                                  .end = part.end,
+                                  .held = true,
+                                  .target = *part.target});
   state_ = State::running;
 }
 
@@ -58,7 +80,7 @@ bool Guide::after(const face::OutputFrame& frame) {
   if (state_ != State::running) return false;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
-    if (part.target == nullptr || frame.time < part.begin || frame.time >= part.end) continue;
+    if (!part.scored || frame.time < part.begin || frame.time >= part.end) continue;
     float sum = 0, asked = 0;
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
       sum += std::min(frame.weights[k], (*part.target)[k]);
@@ -68,7 +90,7 @@ bool Guide::after(const face::OutputFrame& frame) {
   }
   if (frame.time < parts_.back().end) return false;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    if (parts_[i].target == nullptr) continue;
+    if (!parts_[i].scored) continue;
     const bool seen = response_[i] >= kMinResponse;
     scores_.push_back({.name = fmt::format("anchor {}", parts_[i].name),
                        .value = response_[i],
@@ -78,9 +100,14 @@ bool Guide::after(const face::OutputFrame& frame) {
                                         : "little of this expression was seen; do it more strongly, or check "
                                           "the sensors near it"});
   }
-  parts_.clear();
   state_ = State::idle;
   return true;
+}
+
+bool Guide::steps_over(DeviceTime frame) const {
+  return state_ == State::running && std::ranges::none_of(parts_, [&](const Part& part) {
+           return part.step != Step::none && frame < part.end;
+         });
 }
 
 Guide::Place Guide::place(DeviceTime frame) const {

@@ -7,18 +7,19 @@
 
 #include "mien/core/time.h"
 #include "mien/face/output_frame.h"
+#include "mien/live/command.h"
 #include "mien/sensor/calibration.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::live {
 
 /// Leads a performer through a calibration on the grid's time: neutral, nod and shake as the tracker asks for
-/// them, and in a full one the anchor expressions, each with a score of how much of it the tracker saw.
-/// Allocates where it begins and ends.
+/// them, in a full one the anchor expressions, each with a score of how much of it the tracker saw, and in
+/// one that learns the wearer a range of motion too. Allocates where it begins and ends.
 class Guide {
  public:
   /// From the next tick on.
-  void begin(bool full);
+  void begin(Calibrate::Kind kind);
   void cancel() { *this = {}; }
   [[nodiscard]] bool running() const { return state_ != State::idle; }
 
@@ -31,13 +32,17 @@ class Guide {
 
   /// A part of the run, for events in a take and for the page.
   struct Part {
-    tracker::Step step = tracker::Step::none;  ///< none: an anchor.
-    std::string_view name;                     ///< "neutral", "nod", "shake", "smile", ...
+    tracker::Step step = tracker::Step::none;  ///< none: an expression, or the learning.
+    std::string_view name;                     ///< "neutral", "nod", "shake", "smile", ..., "learning".
     std::string_view prompt;
-    const face::BlendshapeWeights* target = nullptr;
+    const face::BlendshapeWeights* target = nullptr;  ///< Of an expression.
+    bool scored = false;                              ///< An anchor.
     DeviceTime begin, end;
   };
+  /// Of the run that is on, or was over last.
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  /// Whether it runs, and of the tracker's own steps none is left.
+  [[nodiscard]] bool steps_over(DeviceTime frame) const;
   /// Where the run is at a frame: the part that runs or comes next, how far it is (0 to 1; 0 before its
   /// begin), and the time until its end.
   struct Place {
@@ -53,7 +58,7 @@ class Guide {
   void plan(DeviceTime begin, const tracker::Guidance& wanted);
 
   State state_ = State::idle;
-  bool full_ = false;
+  Calibrate::Kind kind_ = Calibrate::Kind::brief;
   std::vector<Part> parts_;
   std::vector<float> response_;  // Of each part.
   std::vector<sensor::Score> scores_;

@@ -243,8 +243,11 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   const std::size_t felt = tracker_->tick(frame, frame_);
   shaper_.apply(frame_, felt);
   if (guide_.after(frame_)) {
-    const tracker::CalibrationState state = tracker_->calibration_state();
-    failure_ = state.hint;
+    for (const Guide::Part& part : guide_.parts())
+      if (part.target != nullptr)
+        add_event("prompt", part.begin, part.end,
+                  prompt_event_json({.name = std::string(part.name), .say = {}, .target = *part.target}));
+    failure_ = tracker_->calibration_state().hint;
     if (!failure_.empty()) add_event("calibration_failed", frame, frame, quoted("why", failure_));
     // Of several trackers one may have failed and another not.
     if (failure_.empty() || tracker_->calibration_count() != calibrations_) {
@@ -253,6 +256,13 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
       add_version(frame, "guided", std::move(scores));
     }
     calibrations_ = tracker_->calibration_count();
+  } else if (guide_.steps_over(frame) && tracker_->calibration_count() == calibrations_ &&
+             !tracker_->calibration_state().hint.empty()) {
+    // Its steps made no calibration: nobody is to make faces for nothing.
+    failure_ = tracker_->calibration_state().hint;
+    guide_.cancel();
+    tracker_->cancel_guidance();
+    add_event("calibration_failed", frame, frame, quoted("why", failure_));
   }
   watch_calibration(frame);
   if (std::optional<take::Event> shown = prompter_.at(frame)) events_.push_back(*std::move(shown));
@@ -346,7 +356,7 @@ Result<void> Session::obey(const Calibrate& command) {
   MIEN_TRY(check_versions());
   tracker_->cancel_guidance();
   failure_ = {};
-  guide_.begin(command.full);
+  guide_.begin(command.kind);
   return {};
 }
 

@@ -91,6 +91,10 @@ void CombinedTracker::guide_range(DeviceTime begin, DeviceTime end) {
   for (Member& member : members_) member.tracker->guide_range(begin, end);
 }
 
+void CombinedTracker::guide_expression(const tracker::PromptedExpression& asked) {
+  for (Member& member : members_) member.tracker->guide_expression(asked);
+}
+
 void CombinedTracker::cancel_guidance() {
   for (Member& member : members_) member.tracker->cancel_guidance();
 }

@@ -47,6 +47,7 @@ class CombinedTracker final : public tracker::Tracker {
   [[nodiscard]] tracker::Guidance guidance() const override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   void guide_range(DeviceTime begin, DeviceTime end) override;
+  void guide_expression(const tracker::PromptedExpression& asked) override;
   void cancel_guidance() override;
   /// Guided while one is; done when all are; the step and the hint of the first that has one.
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;

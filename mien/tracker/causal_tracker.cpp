@@ -14,6 +14,12 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
       condition_(file_.features.width()),
       writer_(file_) {}
 
+void CausalTracker::use_wearer(const std::vector<float>& slopes) {
+  model::Skin skin = *file_.skin;
+  if (!slopes.empty()) skin.wearer = slopes;
+  input_.use(skin, file_.mean_pose);
+}
+
 void CausalTracker::reset() {
   state_.reset();
   calm_.reset();

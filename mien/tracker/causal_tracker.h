@@ -36,6 +36,9 @@ class CausalTracker final : public FrameModel {
   /// Forgets the performance so far: as after create().
   void reset() override;
 
+  [[nodiscard]] const model::ModelFile* personal() const override { return file_.skin ? &file_ : nullptr; }
+  void use_wearer(const std::vector<float>& slopes) override;
+
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
   [[nodiscard]] const model::CausalNetwork& network() const { return network_; }
 

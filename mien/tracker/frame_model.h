@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include "mien/face/output_frame.h"
 #include "mien/model/features.h"
+#include "mien/model/model_file.h"
 
 namespace mien::tracker {
 
@@ -15,6 +18,12 @@ class FrameModel {
   virtual void step(const model::FeatureFrame& features, face::OutputFrame& out) = 0;
   /// Forgets what came before.
   virtual void reset() = 0;
+
+  /// The model file, where a wearer can be learnt for it (personalise()); else none.
+  [[nodiscard]] virtual const model::ModelFile* personal() const { return nullptr; }
+  /// From now on it reads what comes by this wearer's skin (model::Skin::wearer); empty: by the one that its
+  /// file came with. Only where personal() is something, and of its skin's size.
+  virtual void use_wearer([[maybe_unused]] const std::vector<float>& slopes) {}
 };
 
 }  // namespace mien::tracker

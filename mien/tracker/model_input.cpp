@@ -22,7 +22,12 @@ ModelInput::ModelInput(const model::ModelFile& file, const std::vector<std::stri
       places_(sensor::sensor_places(layout_.sensors, rig_sensors)) {
   values_.resize(7 * places_.size());
   present_.resize(2 * places_.size());
-  if (file.skin && !file.skin->wearer.empty()) skin_.emplace(*file.skin, file.mean_pose);
+  if (file.skin) use(*file.skin, file.mean_pose);
+}
+
+void ModelInput::use(const model::Skin& skin, std::span<const float> mean_pose) {
+  skin_.reset();
+  if (!skin.wearer.empty()) skin_.emplace(skin, mean_pose);
 }
 
 bool ModelInput::empty() const {

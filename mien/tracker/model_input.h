@@ -23,6 +23,9 @@ class ModelInput {
   /// `rig_sensors` names the entries of the frames that will come.
   ModelInput(const model::ModelFile& file, const std::vector<std::string>& rig_sensors);
 
+  /// Reads by this skin's wearer from now on; by nobody's, where it has none.
+  void use(const model::Skin& skin, std::span<const float> mean_pose);
+
   /// Whether rig and model have no sensor in common.
   [[nodiscard]] bool empty() const;
   /// The condition of one frame. Shape: as many sensors as the rig, out.size() == layout.width(). No

@@ -27,7 +27,7 @@ constexpr auto kShapes = static_cast<Index>(face::kShapeCount);
 /// theirs (gain 0.6 to 1.2, 0.15 to 0.6 s late, one to three of the other shapes at up to 0.3). Nobody has
 /// measured real people's yet.
 constexpr double kGainMean = 0.9, kGainSigma = 0.17;
-constexpr double kLateFirst_s = 0.15, kLateLast_s = 0.6;
+constexpr double kLateFirst_s = 0.15;
 /// A shape that nobody asked for, while the expression is held: its mean, and its mean square.
 constexpr double kUnaskedMean = 0.007, kUnaskedSquare = 0.0014;
 /// Lids close when they like.
@@ -66,7 +66,7 @@ Reach reach(const PromptedExpression& prompt, double since_s) {
   const double hold_s = prompt.held ? length_s - prompt.rise_s : std::max(0.1, length_s - 3 * prompt.rise_s);
   Reach out;
   for (int i = 0; i < kLatenesses; ++i) {
-    const double late_s = kLateFirst_s + (kLateLast_s - kLateFirst_s) * (i + 0.5) / kLatenesses;
+    const double late_s = kLateFirst_s + (kLatestAnswer_s - kLateFirst_s) * (i + 0.5) / kLatenesses;
     const double rise_s = prompt.rise_s, at = since_s - late_s;
     const double reached = minimum_jerk(at / rise_s) * (1 - minimum_jerk((at - rise_s - hold_s) / rise_s));
     out.mean += reached / kLatenesses;
@@ -181,7 +181,7 @@ double surprise(const std::vector<Frame>& frames, const MatrixXd& slopes,
 std::vector<Frame> frames_of(std::span<const model::FeatureFrame> features,
                              std::span<const PromptedExpression> prompts,
                              const std::vector<std::ptrdiff_t>& places) {
-  constexpr Duration kLate = from_seconds(kLateLast_s);
+  constexpr Duration kLate = from_seconds(kLatestAnswer_s);
   std::vector<Frame> frames;
   std::size_t seen = 0;
   for (const model::FeatureFrame& feature : features) {

@@ -6,23 +6,11 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/face/profile.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/tracker/prompted_expression.h"
 
 namespace mien::tracker {
-
-/// An expression that a wearer was asked for, as a take's event "prompt" tells it. What was done is not
-/// known: it comes late, stronger or weaker than asked, and with something of other shapes.
-struct PromptedExpression {
-  std::string name;
-  DeviceTime begin, end;  ///< Asked for from begin to end.
-  double rise_s = 0.4;    ///< How long the way there and back takes.
-  /// Shown until its end, as mien record shows it; else to be left so early that the face rests at the end,
-  /// as a virtual performer's prologue wants it.
-  bool held = false;
-  face::BlendshapeWeights target;
-};
 
 /// With fewer prompts than these nothing is learnt.
 inline constexpr std::size_t kLeastPrompts = 6;

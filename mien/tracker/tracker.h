@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/sample.h"
+#include "mien/tracker/prompted_expression.h"
 
 namespace mien::tracker {
 
@@ -44,6 +46,10 @@ struct Guidance {
   Duration neutral = std::chrono::seconds(3);
   bool gestures = true;  ///< The head nods and shakes.
 };
+
+/// So long after the last expression a wearer is learnt: a fixed time, so that a replay gives the same bits
+/// however quick the machine is. The work itself takes a second or two.
+inline constexpr Duration kWearerLearnt = std::chrono::seconds(6);
 
 /// When a step of the calibration in force was performed, on the reference's time line.
 struct PerformedStep {
@@ -80,6 +86,10 @@ class Tracker {
   /// The same of expressions that move the whole face, one after the other: a range of motion. It follows the
   /// steps. A modality that has no use for it passes it over.
   virtual void guide_range([[maybe_unused]] DeviceTime begin, [[maybe_unused]] DeviceTime end) {}
+  /// One of the expressions that a calibration asks for which learns its wearer too; given beforehand, in
+  /// their order, before the first begins. What is learnt comes into force kWearerLearnt after the last one's
+  /// end. A modality that has no use for it passes it over.
+  virtual void guide_expression([[maybe_unused]] const PromptedExpression& asked) {}
   /// Ends guidance; what was in force before its first step is in force again.
   virtual void cancel_guidance() = 0;
 

@@ -17,15 +17,19 @@ namespace {
 /// A scale is never taken for smaller than this: a value that hardly changes must not be blown up into noise.
 constexpr double kSmallestScale = 1e-3;
 
-/// Turns a rotation (w, x, y, z) by a random vector of `sigma` radians an axis, in the frame that it is given
-/// in.
-void disturb(float* wxyz, double sigma, Random& random) {
-  const Vec3 turn{random.normal(0, sigma), random.normal(0, sigma), random.normal(0, sigma)};
+/// Turns a rotation (w, x, y, z) by a rotation vector, both in the frame that it is given in.
+void turn_by(const Vec3& turn, float* wxyz) {
   const Quat q = canonical(exp_rotation(turn) * Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]));
   wxyz[0] = static_cast<float>(q.w());
   wxyz[1] = static_cast<float>(q.x());
   wxyz[2] = static_cast<float>(q.y());
   wxyz[3] = static_cast<float>(q.z());
+}
+
+/// Turns it by a random vector of `sigma` radians an axis.
+void disturb(float* wxyz, double sigma, Random& random) {
+  const double x = random.normal(0, sigma), y = random.normal(0, sigma), z = random.normal(0, sigma);
+  turn_by({x, y, z}, wxyz);
 }
 
 bool all_finite(const std::vector<float>& values) {
@@ -167,6 +171,8 @@ void BatchMaker::encode_with(std::size_t sequence, std::size_t first, std::size_
       if (loss.acceleration) present[n + sensor] = 0;
       if (s.lab && present[sensor] != 0)
         disturb(values.data() + 7 * sensor + 3, recipe_.lab_noise_rad, random);
+      else if (!loss.heading_rad.empty() && present[sensor] != 0)
+        turn_by(loss.heading_rad[sensor] * Vec3::UnitY(), values.data() + 7 * sensor + 3);
     }
     for (const Loss::Stretch& away : loss.away)
       if (f >= away.begin && f < away.end) present[away.sensor] = present[n + away.sensor] = 0;
@@ -189,6 +195,11 @@ BatchMaker::Loss BatchMaker::draw_loss(Random& random) const {
   for (std::uint8_t& lost : loss.sensor) lost = random.chance(chance) ? 1 : 0;
   if (recipe_.stretch_loss > 0) draw_stretches(random, loss);
   if (recipe_.held_readings > 0 && random.chance(recipe_.held_readings)) draw_held(random, loss);
+  if (recipe_.heading_drift > 0 && random.chance(recipe_.heading_drift)) {
+    const double sigma_rad = random.uniform(0, recipe_.heading_drift_rad);
+    for (std::size_t s = 0; s < layout_.sensors.size(); ++s)
+      loss.heading_rad.push_back(random.normal(0, sigma_rad));
+  }
   return loss;
 }
 

@@ -71,7 +71,7 @@ class BatchMaker {
 
  private:
   [[nodiscard]] WindowPlaces window_places() const;
-  /// What is missing in one window, though the data have it.
+  /// What is missing or wrong in one window, though the data have it.
   struct Loss {
     /// A sensor is not there in frames [begin, end).
     struct Stretch {
@@ -81,6 +81,9 @@ class BatchMaker {
     bool acceleration = false;         ///< None is there.
     std::vector<Stretch> away;
     std::vector<std::uint8_t> held;  ///< frames x sensors: the reading is the last frame's; empty: none.
+    /// What a device's headings are off, frame H's +Y taken for the vertical; empty: nothing. Lab rotations
+    /// have none.
+    std::vector<double> heading_rad;
   };
   void encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
                    Random& random, std::span<float> out) const;

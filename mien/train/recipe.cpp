@@ -164,6 +164,10 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   a.number("acceleration_loss", r.acceleration_loss, 0, 1);
   a.number("stretch_loss", r.stretch_loss, 0, 1);
   a.number("held_readings", r.held_readings, 0, 1);
+  a.number("heading_drift", r.heading_drift, 0, 1);
+  double heading_drift_deg = r.heading_drift_rad * 180 / std::numbers::pi;
+  a.number("heading_drift_deg", heading_drift_deg, 0, 45);
+  r.heading_drift_rad = heading_drift_deg * std::numbers::pi / 180;
   a.number("known_skin", r.known_skin, 0, 1);
   a.number("skin_gain_error", r.skin_gain_error, 0, 1);
   a.number("skin_slope_error", r.skin_slope_error, 0, 1);

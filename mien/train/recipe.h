@@ -71,6 +71,10 @@ struct Recipe {
   /// Chance of a window whose readings stand still now and then, as they do where packets are lost: each
   /// sensor for a few frames, as often as a share drawn from 0 to 0.4 says.
   double held_readings = 0;
+  /// Chance of a device's window whose headings have drifted, as they do in long sessions: each sensor's by a
+  /// normal error that stays through the window, of a sigma drawn evenly up to heading_drift_rad.
+  double heading_drift = 0;
+  double heading_drift_rad = 0.1;
 
   /// Share of the windows in which the wearer's skin is known, as it is after a minute of prompts: the
   /// network then reads what the sensors would say on the standard skin (model::SkinMap).

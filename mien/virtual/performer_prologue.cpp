@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "mien/face/anchors.h"
 #include "mien/virtual/blink.h"
-#include "mien/virtual/expression_range.h"
 #include "mien/virtual/head_motion.h"
 #include "mien/virtual/performer_canvas.h"
 #include "mien/virtual/performer_limits.h"
@@ -27,42 +27,6 @@ constexpr double kEase_s = 0.5;
 constexpr double kAnchor_s = 2.4;
 constexpr double kRangePrompt_s = 2.0;
 constexpr double kDegree = std::numbers::pi / 180;
-
-struct NamedPose {
-  std::string_view name;
-  face::BlendshapeWeights target;
-};
-
-face::BlendshapeWeights target_of(const Pose& pose) {
-  face::BlendshapeWeights target;
-  for (const PosePart& part : pose) target[part.shape] = std::min(1.0F, part.weight);
-  return target;
-}
-
-/// What a guided calibration asks for first.
-std::vector<NamedPose> anchor_poses() {
-  std::vector<NamedPose> poses;
-  for (const face::Anchor& anchor : face::anchors()) poses.push_back({anchor.name, anchor.target});
-  return poses;
-}
-
-/// A minute of prompts: every shape that can be asked for, sides together and each alone where a minute has
-/// room.
-std::vector<NamedPose> range_poses() {
-  std::vector<NamedPose> poses;
-  constexpr std::array<std::string_view, 30> kStems = {
-      "browInnerUp", "browOuterUp", "browOuterUp_L",  "browOuterUp_R",   "browDown",     "eyeWide",
-      "eyeSquint",   "eyeBlink",    "cheekSquint",    "cheekPuff",       "noseSneer",    "jawOpen",
-      "jawLeft",     "jawRight",    "jawForward",     "mouthSmile",      "mouthSmile_L", "mouthSmile_R",
-      "mouthFrown",  "mouthPucker", "mouthFunnel",    "mouthLeft",       "mouthRight",   "mouthStretch",
-      "mouthDimple", "mouthPress",  "mouthRollLower", "mouthShrugLower", "mouthUpperUp", "mouthLowerDown"};
-  for (const std::string_view stem : kStems) poses.push_back({stem, target_of(pose_of({{stem, 1}}))});
-  // Rolled lips roll together.
-  for (NamedPose& named : poses)
-    if (named.name == "mouthRollLower")
-      named = {"mouthRoll", target_of(pose_of({{"mouthRollLower", 1}, {"mouthRollUpper", 1}}))};
-  return poses;
-}
 
 /// What the performer makes of a prompt.
 void miss(Canvas& canvas, const Prompt& prompt, double canvas_begin_s, Random random) {
@@ -93,8 +57,8 @@ class Prologue {
     times.nod = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
     times.shake = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
     if (kind == PrologueKind::full) {
-      times.anchors = ask(anchor_poses(), kAnchor_s, true, times.prompts);
-      times.range_of_motion = ask(range_poses(), kRangePrompt_s, false, times.prompts);
+      times.anchors = ask(face::anchors(), kAnchor_s, true, times.prompts);
+      times.range_of_motion = ask(face::range_of_motion(), kRangePrompt_s, false, times.prompts);
     } else {
       times.anchors = times.range_of_motion = {now_s_, now_s_};
     }
@@ -109,16 +73,16 @@ class Prologue {
     now_s_ = interval.end_s;
     return interval;
   }
-  Interval ask(const std::vector<NamedPose>& poses, double each_s, bool anchor,
+  Interval ask(std::span<const face::Anchor> poses, double each_s, bool anchor,
                std::vector<Prompt>& prompts) {
     const double begin_s = now_s_;
-    for (const NamedPose& named : poses) {
+    for (const face::Anchor& pose : poses) {
       const Interval interval = stretch(each_s);
-      prompts.push_back({.name = std::string(named.name),
+      prompts.push_back({.name = std::string(pose.name),
                          .anchor = anchor,
                          .begin_s = interval.begin_s,
                          .end_s = interval.end_s,
-                         .target = named.target});
+                         .target = pose.target});
     }
     // The last prompt too is answered late, and the face comes back to neutral.
     if (!anchor) stretch(1.0);
@@ -212,8 +176,8 @@ class Prologue {
 
 face::BlendshapeWeights prompted_shapes() {
   face::BlendshapeWeights asked;
-  for (const auto& poses : {anchor_poses(), range_poses()})
-    for (const NamedPose& pose : poses)
+  for (const auto& poses : {face::anchors(), face::range_of_motion()})
+    for (const face::Anchor& pose : poses)
       for (std::size_t k = 0; k < kShapeCount; ++k)
         if (pose.target[k] > 0) asked[k] = 1;
   return asked;

@@ -11,7 +11,8 @@ TEST(Command, AreWrittenAsTheyAreRead) {
   for (
       const char* text :
       {R"({"command":"calibrate","kind":"short"})", R"({"command":"calibrate","kind":"full"})",
-       R"({"command":"cancel_calibration"})", R"({"command":"use_calibration","version":3})",
+       R"({"command":"calibrate","kind":"wearer"})", R"({"command":"cancel_calibration"})",
+       R"({"command":"use_calibration","version":3})",
        R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
        R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
        R"({"command":"prompt","name":"smile","say":"","seconds":2.5,"target":{"jawOpen":0.1,"mouthSmile_L":1}})",
@@ -35,7 +36,8 @@ TEST(Command, TakesOnlyWhatItsKindHas) {
   const auto merge = parse_command(R"({"command": "shape", "merge": {"order": {"jaw": ["imu"]}}})");
   ASSERT_TRUE(merge);
   EXPECT_EQ(std::get<Shape>(*merge).json, R"({"merge":{"order":{"jaw":["imu"]}}})");
-  EXPECT_TRUE(std::get<Calibrate>(*parse_command(R"({"command": "calibrate", "kind": "full"})")).full);
+  EXPECT_TRUE(std::get<Calibrate>(*parse_command(R"({"command": "calibrate", "kind": "full"})")).kind ==
+              Calibrate::Kind::full);
 }
 
 TEST(Command, APromptHasThreeSecondsAndNothingToSayUnlessItSaysSo) {

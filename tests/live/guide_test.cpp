@@ -18,6 +18,7 @@ class Guided final : public tracker::Tracker {
   };
   std::vector<Asked> asked;
   std::vector<Asked> ranges;
+  std::vector<tracker::PromptedExpression> expressions;
   tracker::Guidance wanted;
 
   [[nodiscard]] std::string_view modality() const override { return "none"; }
@@ -28,6 +29,7 @@ class Guided final : public tracker::Tracker {
   void guide(Step step, DeviceTime begin, DeviceTime end) override { asked.push_back({step, begin, end}); }
   [[nodiscard]] tracker::Guidance guidance() const override { return wanted; }
   void guide_range(DeviceTime begin, DeviceTime end) override { ranges.push_back({Step::none, begin, end}); }
+  void guide_expression(const tracker::PromptedExpression& told) override { expressions.push_back(told); }
   void cancel_guidance() override {}
   [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
   [[nodiscard]] std::string calibration() const override { return {}; }
@@ -57,7 +59,7 @@ TEST(Guide, AShortOneIsNeutralNodAndShakeWithTimeToRead) {
   Guide guide;
   Guided tracker;
   EXPECT_FALSE(guide.running());
-  guide.begin(false);
+  guide.begin(Calibrate::Kind::brief);
   EXPECT_TRUE(guide.running());
   EXPECT_EQ(guide.place(DeviceTime()).part, nullptr) << "its time is not known before its first tick";
   const int frames = lead(guide, tracker, 1);
@@ -75,7 +77,7 @@ TEST(Guide, AShortOneIsNeutralNodAndShakeWithTimeToRead) {
 TEST(Guide, AFullOneScoresEachAnchorByHowMuchOfItCameThrough) {
   Guide guide;
   Guided tracker;
-  guide.begin(true);
+  guide.begin(Calibrate::Kind::full);
   const int frames = lead(guide, tracker, 0.6);
   EXPECT_NEAR(frames, 60 * (13.5 + 2.4 * static_cast<double>(face::anchors().size())), 1);
   EXPECT_EQ(tracker.asked.size(), 3u) << "the tracker has no use for anchors";
@@ -86,11 +88,11 @@ TEST(Guide, AFullOneScoresEachAnchorByHowMuchOfItCameThrough) {
     EXPECT_TRUE(score.pass) << score.name;
   }
 
-  guide.begin(true);
+  guide.begin(Calibrate::Kind::full);
   lead(guide, tracker, 0.1);
   for (const sensor::Score& score : guide.anchor_scores()) EXPECT_FALSE(score.pass) << score.name;
 
-  guide.begin(false);
+  guide.begin(Calibrate::Kind::brief);
   EXPECT_TRUE(guide.anchor_scores().empty()) << "those of the last run";
 }
 
@@ -98,13 +100,13 @@ TEST(Guide, AsksForWhatTheTrackerWantsAndTellsItOfTheRangeOfMotion) {
   Guide guide;
   Guided tracker;
   tracker.wanted = {.neutral = std::chrono::seconds(5), .gestures = false};
-  guide.begin(false);
+  guide.begin(Calibrate::Kind::brief);
   EXPECT_NEAR(lead(guide, tracker, 1), 60 * (1.5 + 5), 1);
   ASSERT_EQ(tracker.asked.size(), 1u);
   EXPECT_EQ(tracker.asked[0].step, Step::neutral);
   EXPECT_TRUE(tracker.ranges.empty()) << "a short one has none";
 
-  guide.begin(true);
+  guide.begin(Calibrate::Kind::full);
   EXPECT_NEAR(lead(guide, tracker, 1), 60 * (6.5 + 2.4 * static_cast<double>(face::anchors().size())), 1);
   ASSERT_EQ(tracker.asked.size(), 2u);
   ASSERT_EQ(tracker.ranges.size(), 1u);
@@ -114,10 +116,27 @@ TEST(Guide, AsksForWhatTheTrackerWantsAndTellsItOfTheRangeOfMotion) {
   EXPECT_EQ(guide.anchor_scores().size(), face::anchors().size());
 }
 
+TEST(Guide, OneThatLearnsTheWearerTellsTheTrackerOfEachExpression) {
+  Guide guide;
+  Guided tracker;
+  guide.begin(Calibrate::Kind::wearer);
+  const double asked_s = 2.4 * static_cast<double>(face::anchors().size()) +
+                         2.0 * static_cast<double>(face::range_of_motion().size());
+  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (13.5 + asked_s + to_seconds(tracker::kWearerLearnt) + 0.5), 1);
+  ASSERT_EQ(tracker.expressions.size(), face::anchors().size() + face::range_of_motion().size());
+  EXPECT_EQ(tracker.expressions.front().begin, tracker.asked.back().end);
+  for (std::size_t i = 0; i + 1 < tracker.expressions.size(); ++i)
+    EXPECT_EQ(tracker.expressions[i].end, tracker.expressions[i + 1].begin);
+  EXPECT_EQ(tracker.expressions.back().target, face::range_of_motion().back().target);
+  ASSERT_EQ(tracker.ranges.size(), 1u);
+  EXPECT_EQ(tracker.ranges[0].end, tracker.expressions.back().end) << "the learning is no expression";
+  EXPECT_EQ(guide.anchor_scores().size(), face::anchors().size()) << "the others are not judged one by one";
+}
+
 TEST(Guide, TellsWhereItIs) {
   Guide guide;
   Guided tracker;
-  guide.begin(true);
+  guide.begin(Calibrate::Kind::full);
   const DeviceTime begin(frame_offset(600));
   guide.before(begin, tracker);
   ASSERT_EQ(guide.parts().size(), 3 + face::anchors().size());

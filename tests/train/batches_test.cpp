@@ -84,6 +84,32 @@ TEST_F(Batches, DeviceRotationsAreLeftAlone) {
   EXPECT_EQ(once, again);
 }
 
+TEST_F(Batches, HeadingsDriftOfDevicesAloneAndStayThroughTheWindow) {
+  lose_nothing();
+  recipe_.lab_noise_rad = 0;
+  for (study::Sequence& s : dataset_.sequences)
+    for (std::size_t i = 0; i < s.values.size(); ++i) s.values[i] = i % 7 == 3 ? 1.0F : 0.0F;  // Neutral.
+  normalisation_ = {.mean = std::vector<float>(14, 0.0F), .scale = std::vector<float>(14, 1.0F)};
+  recipe_.heading_drift = 1;
+  recipe_.heading_drift_rad = 0.2;
+  const std::size_t width = layout_.width(), window = recipe_.architecture.window;
+  for (const bool lab : {false, true}) {
+    for (study::Sequence& s : dataset_.sequences) s.lab = lab;
+    const Batch batch = maker().random_batch(400, Random(1));
+    double squares = 0;
+    for (std::size_t w = 0; w < batch.windows; ++w)
+      for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        const float* first = batch.condition.data() + w * window * width + 7 * sensor;
+        squares += std::pow(2.0 * double{first[5]}, 2) / 800;
+        EXPECT_EQ(first[4], 0);
+        EXPECT_EQ(first[6], 0) << "about the vertical";
+        EXPECT_EQ(first[(window - 1) * width + 5], first[5]);
+      }
+    // A sigma drawn evenly up to s: a mean square of s * s / 3.
+    EXPECT_NEAR(std::sqrt(squares), lab ? 0 : 0.2 / std::sqrt(3.0), 0.012);
+  }
+}
+
 TEST_F(Batches, LostSensorsSaySo) {
   recipe_.sensor_loss = 1;
   recipe_.many_lost = 0;

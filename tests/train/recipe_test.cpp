@@ -48,6 +48,7 @@ TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
   const auto r = parse_recipe(
       "[network]\narchitecture = \"causal\"\nd_model = 128\nwindow = 300\n"
       "[optimiser]\ndifference_weight = 7\n[augmentation]\nstretch_loss = 0.1\nheld_readings = 0.2\n"
+      "heading_drift = 0.5\nheading_drift_deg = 9\n"
       "[budget]\nsteps = 1\n",
       "test");
   ASSERT_TRUE(r) << r.error().message();
@@ -59,6 +60,8 @@ TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
   EXPECT_EQ(r->difference_weight, 7);
   EXPECT_EQ(r->stretch_loss, 0.1);
   EXPECT_EQ(r->held_readings, 0.2);
+  EXPECT_EQ(r->heading_drift, 0.5);
+  EXPECT_NEAR(r->heading_drift_rad, 0.157, 1e-3);
   EXPECT_TRUE(parse_recipe(*read_text(MIEN_SOURCE_DIR "/models/recipes/live.toml"), "live.toml"));
 }
 
@@ -80,6 +83,7 @@ TEST(Recipe, RefusesEachWrongThingInOneLine) {
                                   budget + "[optimiser]\ndifference_weight = 7\n",
                                   budget + "[augmentation]\nstretch_loss = 2\n",
                                   budget + "[augmentation]\nheld_readings = -1\n",
+                                  budget + "[augmentation]\nheading_drift_deg = 90\n",
                                   budget + "[sampler]\nsteps = []\n",
                                   budget + "[sampler]\nsteps = [0]\n",
                                   budget + "[sampler]\nsteps = [1.5]\n",

@@ -1,5 +1,5 @@
 /** What buttons and keys do: one place for both, so that they do the same. */
-import type { Command, Reply } from "./protocol";
+import type { CalibrationKind, Command, Reply } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
 
@@ -55,7 +55,7 @@ export class Actions {
     if (reply.ok && !on) void this.session.refreshTakes();
   }
 
-  async calibrate(kind: "short" | "full" = "short"): Promise<void> {
+  async calibrate(kind: CalibrationKind = "short"): Promise<void> {
     if (this.session.status.value?.calibration.state === "running") return;
     await this.send({ command: "calibrate", kind });
   }

@@ -198,9 +198,12 @@ export interface Take {
 
 export type Message = Hello | Frame | Status | Reply | SessionEvent;
 
+/** wearer: neutral, nod and shake, expressions, then a minute of others, from which skin sensors learn the wearer. */
+export type CalibrationKind = "short" | "full" | "wearer";
+
 /** What the page may ask for; `id` is added by the connection. */
 export type Command =
-  | { command: "calibrate"; kind: "short" | "full" }
+  | { command: "calibrate"; kind: CalibrationKind }
   | { command: "cancel_calibration" }
   | { command: "use_calibration"; version: string | number }
   | { command: "recentre" }

@@ -29,14 +29,15 @@ export class CalibrationPanel {
   ) {
     const short = h("button", { type: "button", class: "button primary", onclick: () => void actions.calibrate("short") }, "Calibrate");
     const full = h("button", { type: "button", class: "button", onclick: () => void actions.calibrate("full") }, "With expressions");
+    const wearer = h("button", { type: "button", class: "button", onclick: () => void actions.calibrate("wearer") }, "Learn my skin");
     const recentre = h("button", { type: "button", class: "button", onclick: () => void actions.recentre() }, "Re-centre");
-    this.begin = [short, full];
+    this.begin = [short, full, wearer];
     this.element.append(
       this.sentence,
-      h("div", { class: "button-row" }, short, full, recentre),
+      h("div", { class: "button-row" }, short, full, wearer, recentre),
       h("p", {
         class: "quiet",
-        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Re-centre: the face you have now is neutral again.",
+        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Re-centre: the face you have now is neutral again.",
       }),
       h("h3", { text: "Versions" }),
       this.list,

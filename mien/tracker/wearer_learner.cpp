@@ -1,0 +1,67 @@
+#include "mien/tracker/wearer_learner.h"
+
+#include <cmath>
+#include <utility>
+
+#include "mien/tracker/personalise.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::tracker {
+namespace {
+
+/// Slopes are kept in millionths of a radian: a calibration's JSON is half as long, and brings back the same.
+constexpr double kSlopeSteps = 1e6;
+
+WearerLearner::Learnt learn(const std::vector<model::FeatureFrame>& seen,
+                            const std::vector<PromptedExpression>& asked,
+                            const std::vector<std::string>& rig_sensors, model::ModelFile file) {
+  WearerLearner::Learnt out;
+  out.score = {.name = "wearer", .value = 0, .unit = "nats", .pass = false, .sentence = {}};
+  const Result<Personalisation> learnt = personalise(seen, asked, rig_sensors, file);
+  if (!learnt) {
+    out.score.sentence = learnt.error().message();
+    return out;
+  }
+  out.score.pass = true;
+  out.score.value = learnt->surprise_before - learnt->surprise_after;
+  if (!learnt->taken) {
+    out.score.sentence = "the standard skin fits you as well as what was learnt, so it stays";
+    return out;
+  }
+  out.score.sentence = "your skin was learnt, and foretells expressions better that it was not learnt from";
+  out.slopes = std::move(file.skin->wearer);
+  for (float& slope : out.slopes) slope = static_cast<float>(std::round(kSlopeSteps * slope) / kSlopeSteps);
+  return out;
+}
+
+}  // namespace
+
+void WearerLearner::expect(const PromptedExpression& asked) {
+  asked_.push_back(asked);
+}
+
+void WearerLearner::cancel() {
+  asked_.clear();
+  seen_.clear();
+  if (running_.valid()) abandoned_ = std::move(running_);
+}
+
+std::optional<WearerLearner::Learnt> WearerLearner::add(const model::FeatureFrame& features,
+                                                        const model::ModelFile& file) {
+  if (asked_.empty() || features.time < asked_.front().begin) return std::nullopt;
+  const DeviceTime end = asked_.back().end;
+  if (running_.valid()) {
+    if (features.time < end + kWearerLearnt) return std::nullopt;
+    Learnt learnt = running_.get();
+    asked_.clear();
+    return learnt;
+  }
+  if (features.time < end + from_seconds(kLatestAnswer_s)) {
+    seen_.push_back(features);
+    return std::nullopt;
+  }
+  running_ = std::async(std::launch::async, learn, std::exchange(seen_, {}), asked_, rig_sensors_, file);
+  return std::nullopt;
+}
+
+}  // namespace mien::tracker
