@@ -11,6 +11,10 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Errors of successive nods are hardly independent: so many looks a prologue counts for.
 constexpr double kIndependentLooks = 2;
+/// Where the skin's turn about the vertical stands in a tracker's state.
+constexpr Eigen::Index kWayY = 3;
+/// Three numbers' squared sigmas that are as rare as one's of two and a half, over the latter's.
+constexpr double kThreeNumbers = 1.74;
 
 double wrap(double angle) {
   const double wrapped = std::remainder(angle, 2 * kPi);
@@ -93,15 +97,16 @@ HeadingSums::Best HeadingSums::find() const {
   return best;
 }
 
-void HeadingTracker::start(double heading_rad, double sigma_rad, std::optional<double> foretold_sigma_rad) {
+void HeadingTracker::start(double heading_rad, double sigma_rad, const std::optional<Mat3>& strays_rad2) {
   *this = HeadingTracker(settings_);
   heading_ = heading_rad;
   cov_(0, 0) = sigma_rad * sigma_rad;
   cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
-  const double rest_sigma_rad =
-      foretold_sigma_rad ? settings_.foretold_rest_sigmas * *foretold_sigma_rad : settings_.rest_sigma_rad;
-  cov_(2, 2) = rest_sigma_rad * rest_sigma_rad;
-  stray_sigma_ = foretold_sigma_rad ? rest_sigma_rad : 0;
+  if (strays_rad2)
+    cov_.bottomRightCorner<3, 3>() =
+        settings_.foretold_way_sigmas * settings_.foretold_way_sigmas * *strays_rad2;
+  else
+    cov_(kWayY, kWayY) = settings_.rest_sigma_rad * settings_.rest_sigma_rad;
 }
 
 double HeadingTracker::sigma_rad() const {
@@ -110,14 +115,12 @@ double HeadingTracker::sigma_rad() const {
 
 void HeadingTracker::predict(double dt_s) {
   heading_ = wrap(heading_ + rate_ * dt_s);
-  Mat3 step;
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
-  const double keep_rest = stray_sigma_ > 0 ? std::exp(-dt_s / settings_.foretold_rest_tau_s) : 1;
-  step << 1, dt_s, 0, 0, keep, 0, 0, 0, keep_rest;
+  Mat5 step = Mat5::Identity();
+  step(0, 1) = dt_s;
+  step(1, 1) = keep;
   rate_ *= keep;
-  rest_ *= keep_rest;
   cov_ = (step * cov_ * step.transpose()).eval();
-  cov_(2, 2) += (1 - keep_rest * keep_rest) * stray_sigma_ * stray_sigma_;
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
   cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
 }
@@ -138,45 +141,65 @@ void HeadingTracker::skip(double dt_s) {
   away_s_ = 0;
 }
 
-void HeadingTracker::correct(const Vec3& shares, double beyond_rad, double sigma_rad) {
-  const Vec3 spread = cov_ * shares;
-  const Vec3 kalman = spread / (shares.dot(spread) + sigma_rad * sigma_rad);
+void HeadingTracker::move_by(const Vec5& change) {
   // The first is Z's excess, the heading less the true one; and the rate is that excess' own.
-  heading_ = wrap(heading_ - kalman.x() * beyond_rad);
-  rate_ -= kalman.y() * beyond_rad;
-  rest_ += kalman.z() * beyond_rad;
+  heading_ = wrap(heading_ - change[0]);
+  rate_ -= change[1];
+  way_ += change.tail<3>();
+}
+
+void HeadingTracker::correct(const Vec5& shares, double beyond_rad, double sigma_rad) {
+  const Vec5 spread = cov_ * shares;
+  const Vec5 kalman = spread / (shares.dot(spread) + sigma_rad * sigma_rad);
+  move_by(kalman * beyond_rad);
   cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
 
-bool HeadingTracker::find_again(double dt_s, double turn_rad) {
+bool HeadingTracker::find_again(double dt_s, double turn_rad, double way_rad) {
   const bool away = std::abs(turn_rad) > settings_.lost_turn_rad && sigma_rad() > settings_.lost_sigma_rad;
   if (!away || turn_rad * away_least_rad_ < 0) away_s_ = 0;
   if (!away) return false;
   if (away_s_ == 0 || std::abs(turn_rad) < std::abs(away_least_rad_)) away_least_rad_ = turn_rad;
   away_s_ += dt_s;
   if (away_s_ <= settings_.lost_after_s) return false;
-  heading_ = wrap(heading_ - (away_least_rad_ - rest_));
+  heading_ = wrap(heading_ - (away_least_rad_ - way_rad));
   away_s_ = 0;
   still_s_ = 0;  // A stretch that runs knows the heading from before.
   return true;
 }
 
-void HeadingTracker::recentre(double dt_s, double turn_rad, double skin_sigma_rad, double every_s) {
-  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad)) return;
-  const Vec3 shares(1, 0, 1);  // The turn is the heading's excess and the rest.
-  const double beyond_rad = turn_rad - rest_;
+void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad) {
+  const double way_rad = way_.y();
+  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad, way_rad)) return;
+  const double skin_sigma_rad = std::hypot(settings_.neutral_sigma_rad, settings_.neutral_tilt * tilt_rad);
+  const Vec5 shares = Vec5::Unit(0) + Vec5::Unit(kWayY);  // The turn is the heading's excess and the rest.
+  const double beyond_rad = turn_rad - way_rad;
   const double expected2 = shares.dot(cov_ * shares) + skin_sigma_rad * skin_sigma_rad;
   if (beyond_rad * beyond_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
-  correct(shares, beyond_rad, skin_sigma_rad * std::sqrt(every_s / dt_s));
+  correct(shares, beyond_rad, skin_sigma_rad * std::sqrt(settings_.neutral_every_s / dt_s));
 }
 
-void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad) {
-  recentre(dt_s, turn_rad, std::hypot(settings_.neutral_sigma_rad, settings_.neutral_tilt * tilt_rad),
-           settings_.neutral_every_s);
-}
-
-void HeadingTracker::add_turn_beyond(double dt_s, double turn_rad, double sigma_rad) {
-  recentre(dt_s, turn_rad, settings_.foretold_sigmas * sigma_rad, settings_.foretold_every_s);
+void HeadingTracker::add_skin(double dt_s, const SkinReading& reading) {
+  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0) return;
+  // The heading's excess if the skin went exactly as foretold, and the part of it that is the skin's way.
+  const Vec3 weighed = reading.strays_rad2.inverse() * reading.about;
+  const double whole = weighed.dot(reading.about);
+  if (find_again(dt_s, weighed.dot(reading.beyond_rad) / whole, reading.strength * weighed.dot(way_) / whole))
+    return;
+  Eigen::Matrix<double, 3, 5> shares = Eigen::Matrix<double, 3, 5>::Zero();
+  shares.col(0) = reading.about;
+  shares.rightCols<3>() = reading.strength * Mat3::Identity();
+  const Eigen::Matrix<double, 5, 3> spread = cov_ * shares.transpose();
+  const Mat3 expected = shares * spread;
+  const double sigmas = settings_.foretold_sigmas * reading.strength;
+  const Mat3 noise = sigmas * sigmas * reading.strays_rad2;
+  const Vec3 beyond = reading.beyond_rad - reading.strength * way_;
+  const double far2 = beyond.dot(Mat3(expected + noise).inverse() * beyond);
+  if (far2 > kThreeNumbers * settings_.neutral_gate * settings_.neutral_gate) return;
+  const Eigen::Matrix<double, 5, 3> kalman =
+      spread * Mat3(expected + noise * (settings_.foretold_every_s / dt_s)).inverse();
+  move_by(kalman * beyond);
+  cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
 
 void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_world_ear, const Vec3& rate_rad_s,
@@ -220,7 +243,7 @@ void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_worl
   const double residual2 = std::max(0.0, all - 2 * error.dot(right) + error.dot(normal * error)) / n_;
   if (residual2 < settings_.max_residual_rad * settings_.max_residual_rad) {
     const double noise2 = std::max(frame2, residual2 * settings_.correlated_frames);
-    correct(Vec3::UnitX(), error.y(), std::sqrt(noise2 / information));
+    correct(Vec5::Unit(0), error.y(), std::sqrt(noise2 / information));
   }
   begin(q_ear_face);
 }

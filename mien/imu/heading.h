@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mien/core/rotation.h"
+#include "mien/imu/skin_turns.h"
 
 namespace mien::imu {
 
@@ -85,15 +86,12 @@ struct HeadingSettings {
   double neutral_gate = 2.5;
   /// Where it is known how skin turns (SkinTurns), what is seen beyond that is such a reading instead: of so
   /// many of its own standard deviations (people differ, and hold what they do), once in this time, s; and
-  /// skin rests, one sigma, so many from where it was foretold. neutral_sigma_rad of 0 switches these off
-  /// too, the gate is the same. Chosen on virtual people and one real take (docs/fusion.md): fewer sigmas or
-  /// seconds hold drift tighter, and bend held expressions sooner.
+  /// skin has a way of its own, one sigma, so many from what is foretold. neutral_sigma_rad of 0 switches
+  /// these off too, the gate is the same. Chosen on virtual people and one real take (docs/fusion.md): fewer
+  /// sigmas or seconds hold drift tighter, and bend held expressions sooner.
   double foretold_sigmas = 1.67;
   double foretold_every_s = 1.4;
-  double foretold_rest_sigmas = 1.1;
-  /// In this time, s, it forgets where that was: people do other things, and stray otherwise. Less helps who
-  /// strays elsewhere than in the first minute, more holds drift in long sessions.
-  double foretold_rest_tau_s = 600;
+  double foretold_way_sigmas = 1.1;
   /// A heading that got lost: no skin stays this far from neutral, rad (15 deg), to one side, for so long, s,
   /// while the heading is as unsure as this, rad (7 deg). Then the least of those turns was the heading's.
   double lost_turn_rad = 0.26;
@@ -110,8 +108,9 @@ struct HeadingSettings {
 class HeadingTracker {
  public:
   explicit HeadingTracker(const HeadingSettings& settings = {}) : settings_(settings) {}
-  /// From a calibration. `foretold_sigma_rad`: of the turns beyond what is foretold, where that is known.
-  void start(double heading_rad, double sigma_rad, std::optional<double> foretold_sigma_rad = {});
+  /// From a calibration. `strays_rad2`: how skin strays from what is foretold (SkinReading), where that is
+  /// known.
+  void start(double heading_rad, double sigma_rad, const std::optional<Mat3>& strays_rad2 = {});
   /// Z's angle now.
   [[nodiscard]] double heading_rad() const { return heading_; }
   [[nodiscard]] double sigma_rad() const;
@@ -125,27 +124,30 @@ class HeadingTracker {
   /// The skin's turn about the vertical at heading_rad() in the same frame, rad, and how far it is tilted
   /// away from neutral, rad: for the slow re-centring, and for finding a lost heading again.
   void add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad);
-  /// The same where it is known how skin turns: its turn beyond what was foretold, and that one's sigma, rad.
-  void add_turn_beyond(double dt_s, double turn_rad, double sigma_rad);
+  /// The same where it is known how skin turns.
+  void add_skin(double dt_s, const SkinReading& reading);
   /// One frame in which the sensor or the ear's was missing.
   void skip(double dt_s);
 
  private:
+  /// Heading, rate, and the skin's way.
+  using Vec5 = Eigen::Matrix<double, 5, 1>;
+  using Mat5 = Eigen::Matrix<double, 5, 5>;
   void predict(double dt_s);
   void begin(const Quat& q_ear_face);
-  /// True when it has just found a lost heading again.
-  bool find_again(double dt_s, double turn_rad);
-  /// A reading of heading, rate and rest by these shares, that is by so much beyond them.
-  void correct(const Vec3& shares, double beyond_rad, double sigma_rad);
-  /// A turn of the skin, of this standard deviation once in `every_s`.
-  void recentre(double dt_s, double turn_rad, double skin_sigma_rad, double every_s);
+  /// True when it has just found a lost heading again. `way_rad`: what of the turn is the skin's own.
+  bool find_again(double dt_s, double turn_rad, double way_rad);
+  /// A reading of the state by these shares, that is by so much beyond it.
+  void correct(const Vec5& shares, double beyond_rad, double sigma_rad);
+  void move_by(const Vec5& change);
 
   HeadingSettings settings_;
   double heading_ = 0;
   double rate_ = 0;
-  double rest_ = 0;          // The skin's turn about the vertical while the face rests, rad.
-  double stray_sigma_ = 0;   // Of a rest that is forgotten; 0: this one is kept.
-  Mat3 cov_ = Mat3::Zero();  // Of heading, rate and rest.
+  /// The skin's own way: its rotation vector beyond what is foretold at strength 1, frame H, rad. Where
+  /// nothing is foretold, how it rests: +Y alone counts, for its turn about the vertical.
+  Vec3 way_ = Vec3::Zero();
+  Mat5 cov_ = Mat5::Zero();
   Vec3 smooth_rate_ = Vec3::Zero();
   double still_s_ = 0;
   double away_s_ = 0;          // How long the skin has been far to one side, ...

@@ -22,6 +22,8 @@ using sensor::SampleKind;
 /// A device time this far behind the newest is a board that began anew; less is a sample out of order.
 constexpr Duration kRestart = std::chrono::seconds(1);
 
+/// Skin is asked of headings this often, s (every third frame): from one frame to the next it says the same.
+constexpr double kSkinEvery_s = 0.045;
 /// What a board's heading may be off after it began anew with a face that is not at neutral, rad (10 deg).
 constexpr double kRejoinedSigma = 0.17;
 
@@ -172,6 +174,7 @@ struct Pipeline::State {
   // By face sensor: what gaps left unsure of its tilt, and gravity has not mended.
   std::vector<double> tilt_rad2;
   std::optional<SkinTurns> skin;                  // Where it is known how it turns.
+  double skin_due_s = 0;                          // Since it was last asked.
   std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
   std::vector<std::optional<Vec3>> lever_m;       // From the ear sensor, frame H.
   std::optional<DeviceTime> last_frame;
@@ -247,7 +250,7 @@ void Pipeline::State::put_in_force(const Calibration& made) {
 }
 
 void Pipeline::State::follow(std::size_t i, double heading_rad, double sigma_rad) {
-  trackers[i].start(heading_rad, sigma_rad, skin ? std::optional(skin->usual_sigma_rad(i)) : std::nullopt);
+  trackers[i].start(heading_rad, sigma_rad, skin ? std::optional(skin->usual_strays_rad2(i)) : std::nullopt);
 }
 
 Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
@@ -267,12 +270,15 @@ void Pipeline::State::recentre(double dt_s, const Quat& q_world_ear) {
     }
     return;
   }
+  skin_due_s += dt_s;
+  if (skin_due_s < kSkinEvery_s) return;
   skin->clear();
   for (std::size_t i = 0; i < face.size(); ++i)
     if (poses[i]) skin->see(i, calibration.q_head_ear * turn(i), std::sqrt(tilt_rad2[i]));
   skin->solve(calibration.q_head_ear * up);
   for (std::size_t i = 0; i < face.size(); ++i)
-    if (poses[i]) trackers[i].add_turn_beyond(dt_s, (*skin)[i].turn_rad, (*skin)[i].sigma_rad);
+    if (poses[i]) trackers[i].add_skin(skin_due_s, (*skin)[i]);
+  skin_due_s = 0;
 }
 
 bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {

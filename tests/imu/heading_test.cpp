@@ -141,13 +141,21 @@ TEST(HeadingTracker, ATiltedFaceSaysLessOfTheHeading) {
   EXPECT_GT(pulled_by(40 * kDeg), 0);
 }
 
+/// Skin that is seen this far beyond what was foretold about the vertical, of this sigma.
+SkinReading beyond(double turn_rad, double sigma_rad, double strength = 1) {
+  return {.beyond_rad = Vec3(0, turn_rad, 0),
+          .about = Vec3::UnitY(),
+          .strays_rad2 = sigma_rad * sigma_rad * Mat3::Identity(),
+          .strength = strength};
+}
+
 TEST(HeadingTracker, WhatWasForetoldPullsByHowSureItIs) {
   // After ten seconds in which the skin is 4 degrees beyond what was foretold with this sigma.
   const auto pulled_by = [](double sigma_rad) {
     HeadingTracker tracker;
-    tracker.start(0, 5 * kDeg, sigma_rad);
+    tracker.start(0, 5 * kDeg, sigma_rad * sigma_rad * Mat3::Identity());
     for (int i = 0; i < 60 * 10; ++i)
-      tracker.add_turn_beyond(1 / 60.0, tracker.heading_rad() + 4 * kDeg, sigma_rad);
+      tracker.add_skin(1 / 60.0, beyond(tracker.heading_rad() + 4 * kDeg, sigma_rad));
     return -tracker.heading_rad();
   };
   EXPECT_GT(pulled_by(1 * kDeg), 3.5 * kDeg);
@@ -155,26 +163,31 @@ TEST(HeadingTracker, WhatWasForetoldPullsByHowSureItIs) {
   EXPECT_GT(pulled_by(8 * kDeg), 0);
 }
 
-TEST(HeadingTracker, ForgetsWhereSkinStrayedToFromWhatWasForetold) {
-  // Skin that stays four degrees beyond what was foretold, for a minute, and after hours in which nothing was
-  // seen: first that is where it rests, then it is the heading's.
-  const auto moved_in_a_minute = [](double hours_s) {
+TEST(HeadingTracker, LearnsTheSkinsOwnWayWhileTheHeadingIsFresh) {
+  // Four degrees beyond what was foretold, for a minute: with a fresh heading that is how this skin turns.
+  HeadingTracker tracker;
+  tracker.start(0, 0.5 * kDeg, Mat3((4 * kDeg) * (4 * kDeg) * Mat3::Identity()));
+  for (int i = 0; i < 60 * 60; ++i) {
+    tracker.skip(1 / 60.0);
+    tracker.add_skin(1 / 60.0, beyond(tracker.heading_rad() + 4 * kDeg, 4 * kDeg));
+  }
+  EXPECT_LT(std::abs(tracker.heading_rad()), 1.5 * kDeg);
+}
+
+TEST(HeadingTracker, TellsTheSkinsWayFromTheHeadingByHowStronglyAFaceMoves) {
+  // The heading is five degrees off, and the skin goes six of its own: the latter only while the face moves.
+  const auto left = [](double strength_at_rest) {
     HeadingTracker tracker;
-    tracker.start(0, 0.5 * kDeg, 4 * kDeg);
-    const auto minute = [&tracker] {
-      for (int i = 0; i < 60 * 60; ++i) {
-        tracker.skip(1 / 60.0);
-        tracker.add_turn_beyond(1 / 60.0, tracker.heading_rad() + 4 * kDeg, 4 * kDeg);
-      }
-    };
-    minute();
-    for (int i = 0; i < static_cast<int>(hours_s); ++i) tracker.skip(1);
-    const double before = tracker.heading_rad();
-    minute();
-    return std::abs(tracker.heading_rad() - before);
+    tracker.start(5 * kDeg, 2 * kDeg, Mat3((4 * kDeg) * (4 * kDeg) * Mat3::Identity()));
+    for (int i = 0; i < 60 * 60; ++i) {
+      tracker.skip(1 / 60.0);
+      const double strength = i / 60 % 2 == 0 ? 1 : strength_at_rest;
+      tracker.add_skin(1 / 60.0, beyond(tracker.heading_rad() + strength * 6 * kDeg, 4 * kDeg, strength));
+    }
+    return std::abs(tracker.heading_rad());
   };
-  EXPECT_LT(moved_in_a_minute(0), 1 * kDeg);
-  EXPECT_GT(moved_in_a_minute(7200), 1.5 * kDeg);
+  EXPECT_LT(left(0.2), 0.5 * left(1));
+  EXPECT_GT(left(1), 1 * kDeg) << "always moving alike, it cannot be told";
 }
 
 TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <cmath>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -39,9 +41,20 @@ struct Skin {
   }
 };
 
+/// A heading's error, by its reading alone.
+struct Told {
+  double error_rad, sigma_rad;
+};
+Told told(const SkinReading& reading) {
+  const Vec3 weighed = reading.strays_rad2.inverse() * reading.about;
+  const double information = weighed.dot(reading.about);
+  return {weighed.dot(reading.beyond_rad) / information, 1 / std::sqrt(information)};
+}
+
 void see(SkinTurns& turns, const Eigen::VectorXd& rotations, std::size_t sensor, const Vec3& up,
          double error) {
-  turns.see(sensor, rotations.segment<3>(static_cast<Eigen::Index>(3 * sensor)) + error * up);
+  const Vec3 skin = rotations.segment<3>(static_cast<Eigen::Index>(3 * sensor));
+  turns.see(sensor, log_rotation(exp_rotation(error * up) * exp_rotation(skin)));
 }
 
 TEST(SkinTurns, TellsHeadingsByWhatGravityHolds) {
@@ -56,13 +69,14 @@ TEST(SkinTurns, TellsHeadingsByWhatGravityHolds) {
       const Eigen::VectorXd rotations = skin.draw(random);
       turns.clear();
       for (std::size_t i = 0; i < kSensors; ++i)
-        see(turns, rotations, i, vertical, 25 * kDeg * static_cast<double>(i));
+        see(turns, rotations, i, vertical, 4 * kDeg * static_cast<double>(i));
       turns.solve(vertical);
       for (std::size_t i = 0; i < kSensors; ++i) {
-        const double strayed = turns[i].turn_rad - 25 * kDeg * static_cast<double>(i);
-        squares += strayed * strayed / (turns[i].sigma_rad * turns[i].sigma_rad);
+        const Told heading = told(turns[i]);
+        const double strayed = heading.error_rad - 4 * kDeg * static_cast<double>(i);
+        squares += strayed * strayed / (heading.sigma_rad * heading.sigma_rad);
         const double turn = rotations.segment<3>(static_cast<Eigen::Index>(3 * i)).dot(vertical);
-        plain += turn * turn / (turns[i].sigma_rad * turns[i].sigma_rad);
+        plain += turn * turn / (heading.sigma_rad * heading.sigma_rad);
       }
     }
     // It strays as far as it says (a little less: it leaves room for what sensors are off), and a turn by
@@ -70,6 +84,28 @@ TEST(SkinTurns, TellsHeadingsByWhatGravityHolds) {
     EXPECT_NEAR(squares / (kMoments * kSensors), 0.7, 0.3) << up.transpose();
     EXPECT_GT(plain / squares, 10) << up.transpose();
   }
+}
+
+TEST(SkinTurns, TellsHowStronglyAFaceMoves) {
+  const Skin skin;
+  SkinTurns turns(skin.motion, kNames);
+  const auto strength = [&](double share, double heading_rad) {
+    Random random(4);
+    double sum = 0;
+    for (int moment = 0; moment < 200; ++moment) {
+      const Eigen::VectorXd rotations = share * skin.draw(random);
+      turns.clear();
+      for (std::size_t i = 0; i < kSensors; ++i) see(turns, rotations, i, Vec3::UnitY(), heading_rad);
+      turns.solve(Vec3::UnitY());
+      sum += turns[0].strength / 200;
+    }
+    return sum;
+  };
+  const double usual = strength(1, 0);
+  EXPECT_NEAR(usual, 0.9, 0.2);
+  EXPECT_NEAR(strength(0.4, 0) / usual, 0.4, 0.03);
+  EXPECT_NEAR(strength(1, 10 * kDeg) / usual, 1, 0.05) << "headings have no say in it";
+  EXPECT_GT(strength(0, 0), 0);
 }
 
 TEST(SkinTurns, WhoIsNotSeenIsNotAsked) {
@@ -90,14 +126,18 @@ TEST(SkinTurns, WhoIsNotSeenIsNotAsked) {
   turns.clear();
   without.clear();
   for (const std::size_t i : {0, 2, 3}) {
-    see(turns, rotations, i, up, 0.1);
-    without.see(i == 0 ? 0 : i - 1, rotations.segment<3>(static_cast<Eigen::Index>(3 * i)) + 0.1 * up);
+    const Vec3 turn = rotations.segment<3>(static_cast<Eigen::Index>(3 * i)) + 0.1 * up;
+    turns.see(i, turn);
+    without.see(i == 0 ? 0 : i - 1, turn);
   }
   turns.solve(up);
   without.solve(up);
   for (const std::size_t i : {0, 2, 3}) {
-    EXPECT_NEAR(turns[i].turn_rad, without[i == 0 ? 0 : i - 1].turn_rad, 1e-8);
-    EXPECT_NEAR(turns[i].sigma_rad, without[i == 0 ? 0 : i - 1].sigma_rad, 1e-8);
+    const SkinReading& one = turns[i];
+    const SkinReading& other = without[i == 0 ? 0 : i - 1];
+    EXPECT_LT((one.beyond_rad - other.beyond_rad).norm(), 1e-6);
+    EXPECT_LT((one.strays_rad2 - other.strays_rad2).norm(), 1e-6);
+    EXPECT_NEAR(one.strength, other.strength, 1e-6);
   }
 }
 
@@ -114,26 +154,25 @@ TEST(SkinTurns, OfASensorThatNobodyMeasuredNothingIsForetold) {
     see(turns, rotations, i, Vec3::UnitY(), 0);
     see(known, rotations, i, Vec3::UnitY(), 0);
   }
-  turns.see(4, Vec3(0.1, 0.2, -0.1));
+  turns.see(4, Vec3(0, 0.2, 0));
   turns.solve(Vec3::UnitY());
   known.solve(Vec3::UnitY());
-  for (std::size_t i = 0; i < kSensors; ++i) EXPECT_NEAR(turns[i].turn_rad, known[i].turn_rad, 1e-8);
-  EXPECT_NEAR(turns[4].turn_rad, 0.2, 1e-8);
-  EXPECT_GT(turns[4].sigma_rad, 9 * kDeg);
+  for (std::size_t i = 0; i < kSensors; ++i)
+    EXPECT_LT((turns[i].beyond_rad - known[i].beyond_rad).norm(), 1e-8);
+  EXPECT_NEAR(told(turns[4]).error_rad, 0.2, 1e-8);
+  EXPECT_GT(told(turns[4]).sigma_rad, 9 * kDeg);
 }
 
 TEST(SkinTurns, ReadsTheSameHoweverItWasAskedBefore) {
   const Skin skin;
   SkinTurns turns(skin.motion, kNames);
-  const double at_first = turns[1].sigma_rad;
-  EXPECT_GT(at_first, 0);
   turns.clear();
   turns.see(2, Vec3(0.1, 0.1, 0.1));
   turns.solve(Vec3::UnitX());
   turns.clear();
   for (std::size_t i = 0; i < kSensors; ++i) turns.see(i, Vec3::Zero());
   turns.solve(Vec3::UnitY());
-  EXPECT_EQ(turns[1].sigma_rad, at_first);
+  for (std::size_t i = 0; i < kSensors; ++i) EXPECT_EQ(turns[i].strays_rad2, turns.usual_strays_rad2(i));
 }
 
 }  // namespace
