@@ -151,6 +151,10 @@ struct Pipeline::State {
   void rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor);
   [[nodiscard]] double nearest_neutral(std::size_t i, const FusedSample& ear,
                                        const FusedSample& sensor) const;
+  /// Of a sensor's rotation, by its heading and its tilt.
+  [[nodiscard]] double unsure_rad(std::size_t i) const {
+    return std::hypot(trackers[i].sigma_rad(), std::sqrt(tilt_rad2[i]));
+  }
   [[nodiscard]] Quat turn_of(std::size_t i) const {
     return settings.magnetometer ? Quat::Identity() : heading_turn(trackers[i].heading_rad());
   }
@@ -549,7 +553,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
 
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     const std::optional<FusedSample>& pose = s.poses[i];
-    if (!pose || (followed && s.trackers[i].sigma_rad() > s.settings.unsure_rad)) continue;
+    if (!pose || (followed && s.unsure_rad(i) > s.settings.unsure_rad)) continue;
     model::SensorFeature& feature = out.sensors[i];
     const Quat relative = s.relative(i, ear->orientation);
     put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);

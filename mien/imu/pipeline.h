@@ -42,8 +42,8 @@ struct PipelineSettings {
   bool magnetometer = false;
   /// Follow the headings' drift after the prologue. Off: they stay as the prologue found them.
   bool track_heading = true;
-  /// A sensor whose heading is followed and less sure than this is missing, rad (17 deg): a wrong rotation
-  /// costs a face more than none. Above what a self-calibration accepts.
+  /// A sensor whose heading is followed, and with what gaps left of its tilt less sure than this, is missing,
+  /// rad (17 deg): a wrong rotation costs a face more than none. Above what a self-calibration accepts.
   double unsure_rad = 0.3;
   /// While there is no calibration, watch for a still face, a nod and a shake, and calibrate by them.
   bool calibrates_itself = false;
