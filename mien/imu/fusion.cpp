@@ -112,6 +112,7 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
     gap_sigma_ = std::hypot(gap_sigma_, change);
     if (dt_s > settings_.max_gap_s) {
       gap_sigma_ = std::hypot(gap_sigma_, std::numbers::pi * std::min(1.0, dt_s / 10));
+      ++restarts_;
       force_.restart();
       rotation_.restart();
       rotated_bias_.restart();

@@ -148,6 +148,8 @@ class Fusion {
   /// Standard deviation that gaps and clipped rates have added to the orientation and that has not been
   /// corrected since, rad.
   [[nodiscard]] double gap_sigma_rad() const { return gap_sigma_; }
+  /// How often a gap was so long that the inclination was begun anew (max_gap_s).
+  [[nodiscard]] std::uint64_t restarts() const { return restarts_; }
   /// The magnetic field is not that of before; the heading is held by the gyroscope.
   [[nodiscard]] bool mag_disturbed() const { return mag_.disturbed; }
 
@@ -192,6 +194,7 @@ class Fusion {
   Vec3 bias_ = Vec3::Zero();
   Mat3 bias_cov_;
   double gap_sigma_ = 0;
+  std::uint64_t restarts_ = 0;
   double clipped_rad_ = 0;  // What the running stretch of clipped rates may have hidden.
   MagState mag_;
 };

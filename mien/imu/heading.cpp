@@ -159,10 +159,13 @@ bool HeadingTracker::find_again(double dt_s, double turn_rad, double way_rad) {
   const bool away = std::abs(turn_rad) > settings_.lost_turn_rad && sigma_rad() > settings_.lost_sigma_rad;
   if (!away || turn_rad * away_least_rad_ < 0) away_s_ = 0;
   if (!away) return false;
-  if (away_s_ == 0 || std::abs(turn_rad) < std::abs(away_least_rad_)) away_least_rad_ = turn_rad;
+  if (away_s_ == 0 || std::abs(turn_rad) < std::abs(away_least_rad_)) {
+    away_least_rad_ = turn_rad;
+    away_way_rad_ = way_rad;
+  }
   away_s_ += dt_s;
   if (away_s_ <= settings_.lost_after_s) return false;
-  heading_ = wrap(heading_ - (away_least_rad_ - way_rad));
+  heading_ = wrap(heading_ - (away_least_rad_ - away_way_rad_));
   away_s_ = 0;
   still_s_ = 0;  // A stretch that runs knows the heading from before.
   return true;

@@ -151,7 +151,8 @@ class HeadingTracker {
   Vec3 smooth_rate_ = Vec3::Zero();
   double still_s_ = 0;
   double away_s_ = 0;          // How long the skin has been far to one side, ...
-  double away_least_rad_ = 0;  // ... and its smallest turn meanwhile.
+  double away_least_rad_ = 0;  // ... its smallest turn meanwhile, ...
+  double away_way_rad_ = 0;    // ... and what of that was its own.
   // The running stretch.
   double stretch_s_ = 0;
   double n_ = 0;

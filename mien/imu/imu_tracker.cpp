@@ -68,22 +68,21 @@ std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
   if (guided_until_ && pipeline_.calibration_count() != judged_ && pipeline_.calibration().complete) {
     judged_ = pipeline_.calibration_count();
     if (!holds_together()) {
-      pipeline_.cancel_marks();
-      guided_until_.reset();
+      undo();
       features_.sensors.assign(face_.size(), model::SensorFeature{});
       features_.has_head = false;
     }
   }
   if (guided_until_ && frame >= *guided_until_) {
     guided_until_.reset();
-    if (!holds_together()) pipeline_.cancel_marks();
+    if (!holds_together()) undo();
   }
   if (const model::ModelFile* file = model_->personal())
-    if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file)) {
-      wearer_score_ = std::move(learnt->score);
-      ++wearers_;
-      if (!learnt->slopes.empty()) use_wearer(std::move(learnt->slopes));
-    }
+    if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file))
+      use({.slopes = std::move(learnt->slopes),
+           .count = wearer_.count + 1,
+           .score = std::move(learnt->score)});
+  if (asked_until_ && frame >= *asked_until_) settle();
   const auto felt =
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
   if (felt == 0 && !pipeline_.calibration().complete) {
@@ -96,40 +95,53 @@ std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
   return felt;
 }
 
+tracker::Guidance ImuTracker::guidance() const {
+  return {.learns_wearer = model_->personal() != nullptr};
+}
+
 void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (step == Step::none) return;
   if (!guided_until_) {
+    settle();
     judged_ = pipeline_.calibration_count();
-    learner_.cancel();
-    wearer_score_.reset();
+    wearer_before_ = wearer_;
+    wearer_.score.reset();
   }
   pipeline_.mark(to_phase(step), begin, end);
   guided_until_ = guided_until_ ? std::max(*guided_until_, end) : end;
+  asked_until_ = guided_until_;
   hint_ = {};
 }
 
-void ImuTracker::guide_expression(const tracker::PromptedExpression& asked) {
-  if (model_->personal() != nullptr) {
-    learner_.expect(asked);
-    return;
-  }
-  wearer_score_ = sensor::Score{.name = "wearer",
-                                .value = 0,
-                                .unit = "nats",
-                                .pass = false,
-                                .sentence = "this model cannot learn a wearer; use models/live.safetensors"};
+void ImuTracker::guide_range(DeviceTime, DeviceTime end) {
+  if (asked_until_) asked_until_ = std::max(*asked_until_, end);
 }
 
-void ImuTracker::use_wearer(std::vector<float> slopes) {
-  wearer_ = std::move(slopes);
-  if (model_->personal() != nullptr) model_->use_wearer(wearer_);
+void ImuTracker::guide_expression(const tracker::PromptedExpression& asked) {
+  if (!asked_until_ || model_->personal() == nullptr) return;
+  learner_.expect(asked);
+  asked_until_ = std::max(*asked_until_, asked.end + tracker::kWearerLearnt + tracker::kWearerShown);
 }
 
 void ImuTracker::cancel_guidance() {
+  if (asked_until_) undo();
+}
+
+void ImuTracker::settle() {
   learner_.cancel();
-  if (!guided_until_) return;
-  pipeline_.cancel_marks();
   guided_until_.reset();
+  asked_until_.reset();
+}
+
+void ImuTracker::undo() {
+  settle();
+  pipeline_.cancel_marks();
+  use(std::move(wearer_before_));
+}
+
+void ImuTracker::use(Wearer wearer) {
+  if (model_->personal() != nullptr && wearer.slopes != wearer_.slopes) model_->use_wearer(wearer.slopes);
+  wearer_ = std::move(wearer);
 }
 
 bool ImuTracker::holds_together() {
@@ -167,18 +179,18 @@ tracker::CalibrationState ImuTracker::calibration_state() const {
 std::string ImuTracker::calibration() const {
   if (!pipeline_.calibration().complete) return {};
   Calibration now = pipeline_.calibration_now();
-  now.wearer = wearer_;
+  now.wearer = wearer_.slopes;
   return write_calibration(now);
 }
 
 std::vector<sensor::Score> ImuTracker::scores() const {
   std::vector<sensor::Score> scores = pipeline_.calibration().scores;
-  if (wearer_score_) scores.push_back(*wearer_score_);
+  if (wearer_.score) scores.push_back(*wearer_.score);
   return scores;
 }
 
 int ImuTracker::calibration_count() const {
-  return pipeline_.calibration_count() + wearers_;
+  return pipeline_.calibration_count() + wearer_.count;
 }
 
 std::vector<tracker::PerformedStep> ImuTracker::found_steps() const {
@@ -190,14 +202,20 @@ std::vector<tracker::PerformedStep> ImuTracker::found_steps() const {
 
 Result<void> ImuTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
-  const model::ModelFile* file = model_->personal();
-  if (!calibration.wearer.empty() &&
-      (file == nullptr || file->skin->standard.size() != calibration.wearer.size()))
-    return fail(ErrorCode::mismatch, "its wearer was learnt for another model", "calibration",
-                "calibrate again with this one");
   MIEN_TRY(pipeline_.restore(calibration));
-  use_wearer(calibration.wearer);
-  wearer_score_.reset();
+  settle();
+  Wearer wearer{.slopes = calibration.wearer, .count = wearer_.count, .score = {}};
+  const model::ModelFile* file = model_->personal();
+  if (!wearer.slopes.empty() && (file == nullptr || file->skin->standard.size() != wearer.slopes.size())) {
+    // The rest of the calibration holds all the same.
+    wearer.slopes.clear();
+    wearer.score = sensor::Score{.name = "wearer",
+                                 .value = 0,
+                                 .unit = "nats",
+                                 .pass = false,
+                                 .sentence = "your skin was learnt for another model; let this one learn it"};
+  }
+  use(std::move(wearer));
   return {};
 }
 

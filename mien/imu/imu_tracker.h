@@ -27,6 +27,8 @@ class ImuTracker final : public tracker::Tracker {
   void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
   std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
+  [[nodiscard]] tracker::Guidance guidance() const override;
+  void guide_range(DeviceTime begin, DeviceTime end) override;
   void guide_expression(const tracker::PromptedExpression& asked) override;
   void cancel_guidance() override;
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
@@ -38,22 +40,31 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
 
  private:
+  /// The wearer in force.
+  struct Wearer {
+    std::vector<float> slopes;           // Empty: the model's own.
+    int count = 0;                       // Of those that were learnt.
+    std::optional<sensor::Score> score;  // Of the calibration that was guided last.
+  };
   /// Of the calibration that guidance made; says in hint_ why not.
   bool holds_together();
-  /// Puts a wearer's slopes in force; none: the model's own.
-  void use_wearer(std::vector<float> slopes);
+  void use(Wearer wearer);
 
   std::vector<std::uint16_t> face_;  // Numbers in the rig.
   Pipeline pipeline_;
   std::unique_ptr<tracker::FrameModel> model_;
   model::FeatureFrame features_;
-  std::optional<DeviceTime> guided_until_;
+  /// Guidance is over: what it made stays.
+  void settle();
+  /// What guidance made is undone.
+  void undo();
+
+  std::optional<DeviceTime> guided_until_;  // Its steps' end.
+  std::optional<DeviceTime> asked_until_;   // The end of all that it asks for and learns.
   int judged_ = 0;  // Count of the calibration that was judged last, or that was there before.
   std::string_view hint_;
   tracker::WearerLearner learner_;
-  std::vector<float> wearer_;                  // Slopes of the skin in force; empty: the model's own.
-  int wearers_ = 0;                            // That were learnt.
-  std::optional<sensor::Score> wearer_score_;  // Of the calibration that was guided last.
+  Wearer wearer_, wearer_before_;  // The latter: when guidance began.
 };
 
 }  // namespace mien::imu

@@ -22,6 +22,8 @@ using sensor::SampleKind;
 /// A device time this far behind the newest is a board that began anew; less is a sample out of order.
 constexpr Duration kRestart = std::chrono::seconds(1);
 
+/// What is unsure of a tilt for which gravity was asked anew after a long gap, rad^2 (5 deg).
+constexpr double kNewTilt_rad2 = 0.0076;
 /// Skin is asked of headings this often, s (every third frame): from one frame to the next it says the same.
 constexpr double kSkinEvery_s = 0.045;
 /// What a board's heading may be off after it began anew with a face that is not at neutral, rad (10 deg).
@@ -71,7 +73,8 @@ struct Channel {
   LabTrack lab;
   std::optional<DeviceTime> newest;
   Duration step{};                // Between the last two samples that followed each other.
-  double gap_sigma = 0;           // As the fusion had it when its growth was last passed on.
+  double gap_sigma = 0;           // As the fusion had it when its growth was last passed on, ...
+  std::uint64_t restarts = 0;     // ... and how often it had begun its tilt anew.
   bool began_anew = false;        // Its heading has nothing to do with the calibrated one.
   bool may_be_unchanged = false;  // Sends nothing while nothing changes.
   std::uint64_t dropped = 0;
@@ -247,9 +250,11 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   watched = false;
   for (std::size_t i = 0; i < face.size(); ++i)
     follow(i, made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
+  std::ranges::fill(tilt_rad2, 0.0);
   for (Channel& channel : channels) {
     channel.began_anew = false;
     channel.gap_sigma = channel.fusion.gap_sigma_rad();
+    channel.restarts = channel.fusion.restarts();
   }
 }
 
@@ -475,6 +480,7 @@ void Pipeline::forget(std::uint16_t sensor) {
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     if (s.face[i] != sensor) continue;
     s.calibration.sensors[i].valid = false;
+    s.tilt_rad2[i] = 0;
     if (i < s.before_marks.sensors.size()) s.before_marks.sensors[i].valid = false;
   }
   if (!s.calibration.complete) s.watch.forget();  // A hold that it saw half of is none.
@@ -514,11 +520,14 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
   s.last_head_rate = head_known ? std::optional<Vec3>(head_rate) : std::nullopt;
 
   double ear_gap = 0;
+  bool ear_anew = false;
   if (s.head) {
     Channel& channel = s.channels[*s.head];
     const double now = channel.fusion.gap_sigma_rad();
     ear_gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
     channel.gap_sigma = now;
+    ear_anew = channel.fusion.restarts() != channel.restarts;
+    channel.restarts = channel.fusion.restarts();
   }
   const bool followed = s.settings.track_heading && !s.settings.magnetometer;
   s.poses.assign(s.face.size(), std::nullopt);
@@ -534,8 +543,14 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     const double gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
     channel.gap_sigma = now;
     if (gap > 0 || ear_gap > 0) s.trackers[i].inflate(std::hypot(gap, ear_gap));
-    s.tilt_rad2[i] =
-        s.tilt_rad2[i] * std::exp(-2 * dt_s / s.settings.fusion.tau_accel_s) + gap * gap + ear_gap * ear_gap;
+    double& tilt_rad2 = s.tilt_rad2[i];
+    tilt_rad2 *= std::exp(-2 * dt_s / s.settings.fusion.tau_accel_s);
+    if (channel.fusion.restarts() != channel.restarts)
+      tilt_rad2 = kNewTilt_rad2;
+    else
+      tilt_rad2 += gap * gap;
+    channel.restarts = channel.fusion.restarts();
+    tilt_rad2 += ear_anew ? kNewTilt_rad2 : ear_gap * ear_gap;
 
     if (head_known) s.poses[i] = s.pose(s.face[i], frame);
     const std::optional<FusedSample>& pose = s.poses[i];
@@ -629,6 +644,7 @@ SensorStatus Pipeline::status(std::uint16_t sensor) const {
     if (s.face[i] != sensor || s.settings.magnetometer) continue;
     status.heading_rad = s.trackers[i].heading_rad();
     status.heading_sigma_rad = s.trackers[i].sigma_rad();
+    status.tilt_sigma_rad = std::sqrt(s.tilt_rad2[i]);
   }
   return status;
 }

@@ -62,6 +62,7 @@ struct SensorStatus {
   bool present = false;          ///< Heard within the silence limit of the last frame.
   double heading_rad = 0;        ///< Z_i in force.
   double heading_sigma_rad = 0;  ///< Its standard deviation; grows while nothing tells it.
+  double tilt_sigma_rad = 0;     ///< What gaps left of its tilt, and gravity has not mended.
   std::uint64_t dropped = 0;     ///< Samples that came out of order or twice.
   std::uint64_t lost = 0;        ///< Samples that never came, as the gaps in device time tell.
 };

@@ -16,8 +16,7 @@ constexpr Duration kLeadIn = std::chrono::milliseconds(1500);
 constexpr Duration kGesture = std::chrono::milliseconds(4500);
 constexpr Duration kAnchor = std::chrono::milliseconds(2400);
 constexpr Duration kRange = std::chrono::milliseconds(2000);
-/// Until what was learnt is in force, and the tracker has answered by it.
-constexpr Duration kLearning = tracker::kWearerLearnt + std::chrono::milliseconds(500);
+constexpr Duration kLearning = tracker::kWearerLearnt + tracker::kWearerShown;
 /// An anchor of which less than this share came through was not done, or is not felt.
 constexpr double kMinResponse = 0.25;
 

@@ -120,6 +120,7 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
   if (links_[sensor].heard && guide_.running()) {
     guide_.cancel();
     tracker_->cancel_guidance();
+    calibrations_ = tracker_->calibration_count();
     failure_ = "a sensor came to another place meanwhile; calibrate again";
   }
   links_[sensor] = Link();
@@ -243,11 +244,14 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   const std::size_t felt = tracker_->tick(frame, frame_);
   shaper_.apply(frame_, felt);
   if (guide_.after(frame_)) {
-    for (const Guide::Part& part : guide_.parts())
+    failure_ = tracker_->calibration_state().hint;
+    for (const Guide::Part& part : guide_.parts()) {
       if (part.target != nullptr)
         add_event("prompt", part.begin, part.end,
                   prompt_event_json({.name = std::string(part.name), .say = {}, .target = *part.target}));
-    failure_ = tracker_->calibration_state().hint;
+      else if (part.step != Step::none && failure_.empty())
+        add_event(std::string(step_name(part.step)), part.begin, part.end, R"({"guided": true})");
+    }
     if (!failure_.empty()) add_event("calibration_failed", frame, frame, quoted("why", failure_));
     // Of several trackers one may have failed and another not.
     if (failure_.empty() || tracker_->calibration_count() != calibrations_) {
@@ -354,7 +358,11 @@ Result<void> Session::command(HostTime, std::string_view json) {
 
 Result<void> Session::obey(const Calibrate& command) {
   MIEN_TRY(check_versions());
-  tracker_->cancel_guidance();
+  if (command.kind == Calibrate::Kind::wearer && !tracker_->guidance().learns_wearer)
+    return fail(
+        ErrorCode::unsupported, "nothing here learns a wearer", kWhere,
+        "it takes sensors on the skin and a model such as models/live.safetensors; or calibrate full");
+  MIEN_TRY(obey(CancelCalibration{}));
   failure_ = {};
   guide_.begin(command.kind);
   return {};

@@ -79,6 +79,7 @@ tracker::Guidance CombinedTracker::guidance() const {
     const tracker::Guidance one = member.tracker->guidance();
     all.neutral = std::max(all.neutral, one.neutral);
     all.gestures = all.gestures || one.gestures;
+    all.learns_wearer = all.learns_wearer || one.learns_wearer;
   }
   return all;
 }

@@ -44,12 +44,15 @@ struct CalibrationState {
 /// with expressions, through which guide_range() leads.
 struct Guidance {
   Duration neutral = std::chrono::seconds(3);
-  bool gestures = true;  ///< The head nods and shakes.
+  bool gestures = true;        ///< The head nods and shakes.
+  bool learns_wearer = false;  ///< It can learn its wearer from expressions (guide_expression()).
 };
 
 /// So long after the last expression a wearer is learnt: a fixed time, so that a replay gives the same bits
 /// however quick the machine is. The work itself takes a second or two.
 inline constexpr Duration kWearerLearnt = std::chrono::seconds(6);
+/// Guidance is over so much later, when frames have been answered by it.
+inline constexpr Duration kWearerShown = std::chrono::milliseconds(500);
 
 /// When a step of the calibration in force was performed, on the reference's time line.
 struct PerformedStep {

@@ -12,6 +12,12 @@ namespace {
 /// Slopes are kept in millionths of a radian: a calibration's JSON is half as long, and brings back the same.
 constexpr double kSlopeSteps = 1e6;
 
+std::string why_not(const Error& error) {
+  if (error.code == ErrorCode::not_found)
+    return "too few expressions were felt to learn your skin; look after the sensors and calibrate again";
+  return error.what;
+}
+
 WearerLearner::Learnt learn(const std::vector<model::FeatureFrame>& seen,
                             const std::vector<PromptedExpression>& asked,
                             const std::vector<std::string>& rig_sensors, model::ModelFile file) {
@@ -19,17 +25,18 @@ WearerLearner::Learnt learn(const std::vector<model::FeatureFrame>& seen,
   out.score = {.name = "wearer", .value = 0, .unit = "nats", .pass = false, .sentence = {}};
   const Result<Personalisation> learnt = personalise(seen, asked, rig_sensors, file);
   if (!learnt) {
-    out.score.sentence = learnt.error().message();
+    out.score.sentence = why_not(learnt.error());
     return out;
   }
   out.score.pass = true;
-  out.score.value = learnt->surprise_before - learnt->surprise_after;
-  if (!learnt->taken) {
-    out.score.sentence = "the standard skin fits you as well as what was learnt, so it stays";
-    return out;
+  if (learnt->taken) {
+    out.score.value = learnt->surprise_before - learnt->surprise_after;
+    out.score.sentence = "your skin was learnt, and foretells expressions better that it was not learnt from";
+    out.slopes = std::move(file.skin->wearer);
+  } else {
+    out.score.sentence = "the standard skin fits you as well as what was learnt, and is in force";
+    out.slopes = file.skin->standard;
   }
-  out.score.sentence = "your skin was learnt, and foretells expressions better that it was not learnt from";
-  out.slopes = std::move(file.skin->wearer);
   for (float& slope : out.slopes) slope = static_cast<float>(std::round(kSlopeSteps * slope) / kSlopeSteps);
   return out;
 }
@@ -60,7 +67,12 @@ std::optional<WearerLearner::Learnt> WearerLearner::add(const model::FeatureFram
     seen_.push_back(features);
     return std::nullopt;
   }
-  running_ = std::async(std::launch::async, learn, std::exchange(seen_, {}), asked_, rig_sensors_, file);
+  model::ModelFile known;  // What personalise() needs of it.
+  known.features = file.features;
+  known.shapes = file.shapes;
+  known.skin = file.skin;
+  running_ =
+      std::async(std::launch::async, learn, std::exchange(seen_, {}), asked_, rig_sensors_, std::move(known));
   return std::nullopt;
 }
 

@@ -23,12 +23,14 @@ class WearerLearner {
 
   /// One of the expressions, in their order and before the first begins.
   void expect(const PromptedExpression& asked);
-  /// Forgets what was expected and what is being learnt. Does not wait.
+  /// Forgets what was expected and what is being learnt. Waits only for one that was forgotten before and is
+  /// not over.
   void cancel();
 
   struct Learnt {
-    std::vector<float> slopes;  ///< model::Skin::wearer; empty: nothing better than before was found.
-    sensor::Score score;        ///< "wearer".
+    std::vector<float>
+        slopes;           ///< model::Skin::wearer: learnt, or the standard's; empty: neither could be told.
+    sensor::Score score;  ///< "wearer".
   };
   /// The next frame. Keeps it while expressions are asked for, starts learning for `file` after the last, and
   /// returns what was learnt once, at the first frame kWearerLearnt after it; waits there if it must.

@@ -19,6 +19,7 @@ Calibration example() {
   s.heading_sigma_rad = 0.01;
   s.neutral_accel_m_s2 = Vec3(0.01, -0.02, 0.03);
   c.sensors = {s, SensorCalibration{}};
+  c.wearer = {0.25F, static_cast<float>(-0.123457), 0};
   c.scores = {{"nod", 18.5, "deg", true, "the nod was \"large\" enough"}};
   return c;
 }
@@ -44,7 +45,8 @@ TEST(Calibration, RefusesWhatIsNone) {
         with("\"heading_sigma_rad\":0.01", "\"heading_sigma_rad\":-1"),
         with("\"neutral\":[1.0,0.0,0.0,0.0]", "\"neutral\":[2.0,0.0,0.0,0.0]"),
         with("\"neutral\":[1.0,0.0,0.0,0.0]", "\"neutral\":[1.0,0.0,0.0]"),
-        with("\"scores\":[", "\"scores\":[7,")}) {
+        with("\"scores\":[", "\"scores\":[7,"), with("\"wearer\":[", "\"wearer\":7,\"other\":["),
+        with("\"wearer\":[0.25", "\"wearer\":[100.5"), with("\"wearer\":[0.25", "\"wearer\":[null")}) {
     const auto parsed = parse_calibration(text, "bad.json");
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().where, "bad.json");

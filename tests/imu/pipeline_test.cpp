@@ -263,7 +263,10 @@ TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
     if (t < 17.05) return;
     const SensorStatus status = p.status(1);
     EXPECT_TRUE(status.present);
-    EXPECT_EQ(frame.sensors[1].has_rotation, status.heading_sigma_rad <= settings.unsure_rad) << t;
+    EXPECT_EQ(frame.sensors[1].has_rotation,
+              std::hypot(status.heading_sigma_rad, status.tilt_sigma_rad) <= settings.unsure_rad)
+        << t;
+    EXPECT_LT(status.tilt_sigma_rad, 6 * kDeg) << "after a long gap gravity was asked anew";
     EXPECT_TRUE(frame.sensors[0].has_rotation);
     ++(frame.sensors[1].has_rotation ? sure : unsure);
   });

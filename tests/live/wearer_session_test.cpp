@@ -93,6 +93,7 @@ TEST(WearerSession, LearnsTheWearerAndCanGoBack) {
   const Played again = test::run(*other, performance.entries, {{0, kCalibrate}});
   EXPECT_EQ(run.hash, again.hash) << "the same bits";
 
+  EXPECT_EQ(run.count("nod"), 1u);
   EXPECT_EQ(run.count("prompt"), face::anchors().size() + face::range_of_motion().size())
       << "so that mien personalise can learn from the take too";
 
@@ -106,6 +107,45 @@ TEST(WearerSession, LearnsTheWearerAndCanGoBack) {
   const std::string restore = write_command(RestoreCalibration{made.json});
   const Played restored = test::run(*later, performance.entries, {{100, restore}});
   EXPECT_LT(jaw_error(restored, performance), 0.8 * unlearnt);
+}
+
+TEST(WearerSession, CancelledItLeavesEverythingAsItWas) {
+  const virt::VirtualSession performance = performed();
+  const std::string cancel = R"({"command": "cancel_calibration"})";
+  // While it holds still, makes faces, is being learnt, and in the half second in which what was learnt is
+  // shown: 13.5 s of steps, 86.4 s of expressions, 6.5 s.
+  for (const double at_s : {4.0, 40.0, 103.0, 106.3}) {
+    const auto one = session();
+    const Played run = test::run(*one, performance.entries, {{0, kCalibrate}, {at_s, cancel}});
+    for (const CalibrationVersion& version : one->versions()) {
+      EXPECT_EQ(version.origin, "self") << at_s;
+      EXPECT_EQ(version.json.find("\"wearer\""), std::string::npos) << at_s;
+    }
+    EXPECT_EQ(run.count("prompt"), 0u) << at_s;
+  }
+}
+
+TEST(WearerSession, IsRefusedWhereNothingLearnsAWearer) {
+  const auto plain = test::session();
+  const auto refused = plain->command(HostTime{}, kCalibrate);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
+}
+
+TEST(WearerSession, ACalibrationOfAnotherModelsWearerKeepsTheRest) {
+  const virt::VirtualSession performance = performed();
+  const auto one = session();
+  const Played run = test::run(*one, performance.entries, {{0, kCalibrate}});
+  ASSERT_FALSE(one->versions().empty());
+  const auto plain = test::session();  // Its model knows no skin.
+  const Played restored = test::run(*plain, performance.entries,
+                                    {{100, write_command(RestoreCalibration{one->versions().back().json})}});
+  ASSERT_FALSE(plain->versions().empty());
+  const CalibrationVersion& version = plain->versions().back();
+  EXPECT_EQ(version.origin, "restored");
+  const auto score = std::ranges::find(version.scores, "wearer", &sensor::Score::name);
+  ASSERT_NE(score, version.scores.end());
+  EXPECT_FALSE(score->pass);
 }
 
 TEST(WearerSession, EndsAtOnceWhenItsStepsMadeNoCalibration) {

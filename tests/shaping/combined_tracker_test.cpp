@@ -49,6 +49,8 @@ class Puppet final : public tracker::Tracker {
   [[nodiscard]] tracker::Guidance guidance() const override { return wants; }
   void guide(Step step, DeviceTime, DeviceTime) override { guided.push_back(step); }
   void guide_range(DeviceTime, DeviceTime end) override { range_end = end; }
+  void guide_expression(const tracker::PromptedExpression& asked) override { expression = asked.name; }
+  std::string expression;
   void cancel_guidance() override { ++cancelled; }
   [[nodiscard]] CalibrationState calibration_state() const override { return state; }
   [[nodiscard]] std::string calibration() const override { return made; }
@@ -195,6 +197,8 @@ TEST(CombinedTracker, GuidesAllAsLongAsOneWants) {
   stage.both->guide(Step::neutral, begin, end);
   stage.both->guide(Step::nod, begin, end);
   stage.both->guide_range(begin, end);
+  stage.both->guide_expression({.name = "smile", .begin = begin, .end = end, .target = {}});
+  EXPECT_EQ(stage.eyewear->expression, "smile");
   stage.both->cancel_guidance();
   for (const Puppet* one : {stage.imu, stage.eyewear}) {
     EXPECT_EQ(one->guided, (std::vector<Step>{Step::neutral, Step::nod}));
