@@ -10,7 +10,7 @@
 namespace mien::study {
 namespace {
 
-constexpr double kWidth = 760, kLeft = 58, kRight = 14, kTop = 10, kBottom = 42;
+constexpr double kWidth = 760, kLeft = 66, kRight = 14, kTop = 10, kBottom = 42;
 
 std::size_t colour_of(std::size_t series) {
   return series % kSeriesColours + 1;
