@@ -4,6 +4,8 @@
 #include <string_view>
 #include <utility>
 
+#include "mien/face/shapes_named.h"
+
 namespace mien::face {
 namespace {
 
@@ -16,12 +18,8 @@ BlendshapeWeights pose(std::initializer_list<std::pair<std::size_t, float>> part
 /// The shapes of these names in full; a name without a side stands for both.
 BlendshapeWeights whole(std::initializer_list<std::string_view> names) {
   BlendshapeWeights weights;
-  for (std::size_t k = 0; k < kShapeCount; ++k)
-    for (const std::string_view name : names)
-      if (kShapeNames[k] == name ||
-          (kShapeNames[k].size() == name.size() + 2 && kShapeNames[k].starts_with(name) &&
-           (kShapeNames[k].ends_with("_L") || kShapeNames[k].ends_with("_R"))))
-        weights[k] = 1;
+  for (const std::string_view name : names)
+    for (const std::size_t shape : shapes_named(name)) weights[shape] = 1;
   return weights;
 }
 

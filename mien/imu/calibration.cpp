@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mien/model/skin_map.h"
 #include "mien/sensor/calibration_json.h"
 
 namespace mien::imu {
@@ -60,8 +61,7 @@ std::string write_calibration(const Calibration& calibration) {
                {"scores", sensor::scores_json(calibration.scores)}};
   if (!calibration.wearer.empty()) {
     json& slopes = root["wearer"] = json::array();
-    // In millionths, as they are learnt: a float's own digits would be twice as many.
-    for (const float slope : calibration.wearer) slopes.push_back(std::round(1e6 * slope) / 1e6);
+    for (const float slope : calibration.wearer) slopes.push_back(model::in_millionths(slope));
   }
   return root.dump();
 }

@@ -48,17 +48,16 @@ class ImuTracker final : public tracker::Tracker {
   };
   /// Of the calibration that guidance made; says in hint_ why not.
   bool holds_together();
+  /// Guidance is over: what it made stays.
+  void settle();
+  /// What guidance made is undone.
+  void undo();
   void use(Wearer wearer);
 
   std::vector<std::uint16_t> face_;  // Numbers in the rig.
   Pipeline pipeline_;
   std::unique_ptr<tracker::FrameModel> model_;
   model::FeatureFrame features_;
-  /// Guidance is over: what it made stays.
-  void settle();
-  /// What guidance made is undone.
-  void undo();
-
   std::optional<DeviceTime> guided_until_;  // Its steps' end.
   std::optional<DeviceTime> asked_until_;   // The end of all that it asks for and learns.
   int judged_ = 0;  // Count of the calibration that was judged last, or that was there before.

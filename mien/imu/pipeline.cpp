@@ -65,9 +65,24 @@ class LabTrack {
   std::size_t next_ = 0;
 };
 
+/// What gaps have done to an orientation since they were last passed on.
+struct Gaps {
+  double sigma_rad = 0;
+  bool tilt_anew = false;  ///< One was so long that gravity was asked anew.
+};
+
 /// One sensor of the rig on its way from samples to orientations.
 struct Channel {
   explicit Channel(const FusionSettings& settings) : fusion(settings) {}
+  /// What was not taken yet.
+  Gaps take_gaps() {
+    const double sigma = fusion.gap_sigma_rad();
+    const Gaps gaps{std::sqrt(std::max(0.0, sigma * sigma - gap_sigma * gap_sigma)),
+                    fusion.restarts() != restarts};
+    gap_sigma = sigma;
+    restarts = fusion.restarts();
+    return gaps;
+  }
   Fusion fusion;
   OrientationTrack track;
   LabTrack lab;
@@ -253,8 +268,7 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   std::ranges::fill(tilt_rad2, 0.0);
   for (Channel& channel : channels) {
     channel.began_anew = false;
-    channel.gap_sigma = channel.fusion.gap_sigma_rad();
-    channel.restarts = channel.fusion.restarts();
+    channel.take_gaps();
   }
 }
 
@@ -519,16 +533,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
   }
   s.last_head_rate = head_known ? std::optional<Vec3>(head_rate) : std::nullopt;
 
-  double ear_gap = 0;
-  bool ear_anew = false;
-  if (s.head) {
-    Channel& channel = s.channels[*s.head];
-    const double now = channel.fusion.gap_sigma_rad();
-    ear_gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
-    channel.gap_sigma = now;
-    ear_anew = channel.fusion.restarts() != channel.restarts;
-    channel.restarts = channel.fusion.restarts();
-  }
+  const Gaps ear_gaps = s.head ? s.channels[*s.head].take_gaps() : Gaps();
   const bool followed = s.settings.track_heading && !s.settings.magnetometer;
   s.poses.assign(s.face.size(), std::nullopt);
   for (std::size_t i = 0; i < s.face.size(); ++i) {
@@ -539,18 +544,16 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
       continue;
     }
     if (!calibration.complete || !calibration.sensors[i].valid) continue;
-    const double now = channel.fusion.gap_sigma_rad();
-    const double gap = std::sqrt(std::max(0.0, now * now - channel.gap_sigma * channel.gap_sigma));
-    channel.gap_sigma = now;
-    if (gap > 0 || ear_gap > 0) s.trackers[i].inflate(std::hypot(gap, ear_gap));
+    const Gaps gaps = channel.take_gaps();
+    if (gaps.sigma_rad > 0 || ear_gaps.sigma_rad > 0)
+      s.trackers[i].inflate(std::hypot(gaps.sigma_rad, ear_gaps.sigma_rad));
     double& tilt_rad2 = s.tilt_rad2[i];
     tilt_rad2 *= std::exp(-2 * dt_s / s.settings.fusion.tau_accel_s);
-    if (channel.fusion.restarts() != channel.restarts)
+    if (gaps.tilt_anew)
       tilt_rad2 = kNewTilt_rad2;
     else
-      tilt_rad2 += gap * gap;
-    channel.restarts = channel.fusion.restarts();
-    tilt_rad2 += ear_anew ? kNewTilt_rad2 : ear_gap * ear_gap;
+      tilt_rad2 += gaps.sigma_rad * gaps.sigma_rad;
+    tilt_rad2 += ear_gaps.tilt_anew ? kNewTilt_rad2 : ear_gaps.sigma_rad * ear_gaps.sigma_rad;
 
     if (head_known) s.poses[i] = s.pose(s.face[i], frame);
     const std::optional<FusedSample>& pose = s.poses[i];

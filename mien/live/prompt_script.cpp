@@ -9,6 +9,7 @@
 
 #include "mien/core/files.h"
 #include "mien/core/toml.h"
+#include "mien/face/shapes_named.h"
 
 namespace mien::live {
 namespace {
@@ -51,10 +52,8 @@ Result<double> number(const toml::table& table, std::string_view key, double oth
 
 /// One shape, or both sides of a pair.
 Result<std::vector<std::size_t>> shapes_of(std::string_view name, const std::string& where) {
-  if (const std::size_t one = face::shape_index(name); one < face::kShapeCount) return std::vector{one};
-  const std::size_t left = face::shape_index(std::string(name) + "_L");
-  const std::size_t right = face::shape_index(std::string(name) + "_R");
-  if (left < face::kShapeCount && right < face::kShapeCount) return std::vector{left, right};
+  std::vector<std::size_t> shapes = face::shapes_named(name);
+  if (!shapes.empty()) return shapes;
   return fail(ErrorCode::malformed, fmt::format("there is no shape '{}'", name.substr(0, 40)), where,
               "docs/recording.md names them: jawOpen, mouthSmile_L, or mouthSmile for both sides");
 }

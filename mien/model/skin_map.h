@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -17,6 +18,12 @@ struct Skin {
   std::vector<float> covariance;  ///< Of the training set's weights, shapes x shapes.
   std::vector<float> wearer;      ///< Of the wearer whose model this is; empty: nobody's yet.
 };
+
+/// A slope in millionths of a radian, as learnt slopes are kept: a float's own digits would be twice as many
+/// in text, and these bring the same float back.
+[[nodiscard]] inline double in_millionths(double slope) {
+  return std::round(1e6 * slope) / 1e6;
+}
 
 /// Tells what a wearer's sensors would say on the skin that a network was trained for: with the likeliest
 /// weights of the frame, linear in its rotations, the wearer's slopes are taken out and the standard's put

@@ -1,6 +1,5 @@
 #include "mien/tracker/wearer_learner.h"
 
-#include <cmath>
 #include <utility>
 
 #include "mien/tracker/personalise.h"
@@ -8,9 +7,6 @@
 
 namespace mien::tracker {
 namespace {
-
-/// Slopes are kept in millionths of a radian: a calibration's JSON is half as long, and brings back the same.
-constexpr double kSlopeSteps = 1e6;
 
 std::string why_not(const Error& error) {
   if (error.code == ErrorCode::not_found)
@@ -37,7 +33,7 @@ WearerLearner::Learnt learn(const std::vector<model::FeatureFrame>& seen,
     out.score.sentence = "the standard skin fits you as well as what was learnt, and is in force";
     out.slopes = file.skin->standard;
   }
-  for (float& slope : out.slopes) slope = static_cast<float>(std::round(kSlopeSteps * slope) / kSlopeSteps);
+  for (float& slope : out.slopes) slope = static_cast<float>(model::in_millionths(slope));
   return out;
 }
 

@@ -4,6 +4,9 @@
 #include <cstdlib>
 #include <numbers>
 #include <string>
+#include <vector>
+
+#include "mien/face/shapes_named.h"
 
 namespace mien::virt {
 
@@ -48,15 +51,9 @@ std::array<std::uint8_t, kShapeCount> make_other_sides() {
 Pose pose_of(std::initializer_list<NamedPart> parts) {
   Pose pose;
   for (const NamedPart& part : parts) {
-    const std::size_t alone = shape_index(part.stem);
-    if (alone < kShapeCount) {
-      pose.push_back({static_cast<std::uint8_t>(alone), part.weight});
-      continue;
-    }
-    const std::size_t left = shape_index(std::string(part.stem) + "_L");
-    if (left == kShapeCount) std::abort();
-    pose.push_back({static_cast<std::uint8_t>(left), part.weight});
-    pose.push_back({static_cast<std::uint8_t>(other_side(left)), part.weight});
+    const std::vector<std::size_t> shapes = face::shapes_named(part.stem);
+    if (shapes.empty()) std::abort();
+    for (const std::size_t shape : shapes) pose.push_back({static_cast<std::uint8_t>(shape), part.weight});
   }
   return pose;
 }
