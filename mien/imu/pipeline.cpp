@@ -311,6 +311,7 @@ bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {
 }
 
 void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh) {
+  prologue_frame.time = frame;
   prologue_frame.q_world_ear = ear.orientation;
   prologue_frame.ear_rate_rad_s = ear.rate_rad_s;
   prologue_frame.ear_force_world_m_s2 = ear.force_world_m_s2;

@@ -16,6 +16,11 @@ constexpr double kDeg = std::numbers::pi / 180;
 constexpr std::size_t kMinFrames = 30;
 /// A head that turned so far from neutral has begun its nod.
 constexpr double kFirstTurn = 4 * kDeg;
+/// Frames further apart, s, tell no angular acceleration.
+constexpr double kMaxStep_s = 0.05;
+/// Of the face's sensors ahead of the ear, m: nods tell which way is ahead where it is more. It is about
+/// 0.09; faults of the accelerometers come to 0.01.
+constexpr double kMinAhead_m = 0.03;
 
 // What passes. A nod of 10 degrees finds the heading to a few degrees; the others tell a step that was not
 // done as asked.
@@ -53,6 +58,33 @@ double Prologue::Sway::rms_rad_s() const {
   return count > 0 ? std::sqrt(rate_square.trace() / static_cast<double>(count)) : 0;
 }
 
+void Prologue::Swing::add(double accel_m_s2, const Vec3& turn_rad_s2) {
+  ++count;
+  accel += accel_m_s2;
+  turn += turn_rad_s2;
+  product += accel_m_s2 * turn_rad_s2;
+  turn_square += turn_rad_s2 * turn_rad_s2.transpose();
+}
+
+double Prologue::Swing::ahead_m(const Vec3& left) const {
+  const double n = static_cast<double>(count);
+  const double mean_turn = left.dot(turn) / n;
+  const double variance = left.dot(turn_square * left) / n - mean_turn * mean_turn;
+  const double covariance = left.dot(product) / n - mean_turn * accel / n;
+  // A head that begins to go down takes what is ahead of the ear down: left x ahead = -up.
+  return variance > 0 ? -covariance / variance : 0;
+}
+
+double Prologue::ahead_m(const Vec3& left) const {
+  double sum = 0, count = 0;
+  for (const Swing& swing : swing_) {
+    if (swing.count < kMinFrames) continue;
+    sum += swing.ahead_m(left);
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
 Prologue::Prologue(const sensor::Rig& rig) {
   for (const std::uint16_t index : rig.face_sensors()) {
     names_.push_back(rig.sensors[index].name);
@@ -74,6 +106,8 @@ void Prologue::begin_neutral() {
 void Prologue::begin_nod() {
   nod_.assign(names_.size(), {});
   nodding_ = {};
+  swing_.assign(names_.size(), {});
+  last_nod_.reset();
   first_turn_.reset();
 }
 
@@ -107,8 +141,15 @@ void Prologue::add_nod(const Frame& frame) {
   const Vec3 turn = from_neutral(frame.q_world_ear);
   nodding_.add(frame.ear_rate_rad_s, turn.norm());
   if (!first_turn_ && turn.norm() > kFirstTurn) first_turn_ = turn;
-  for (std::size_t i = 0; i < frame.face.size(); ++i)
-    if (frame.face[i].present) nod_[i].add(frame.q_world_ear, frame.face[i].q_world_face);
+  const double step_s = last_nod_ ? to_seconds(frame.time - last_nod_->time) : 0;
+  for (std::size_t i = 0; i < frame.face.size(); ++i) {
+    if (!frame.face[i].present) continue;
+    nod_[i].add(frame.q_world_ear, frame.face[i].q_world_face);
+    if (step_s > 0 && step_s <= kMaxStep_s)
+      swing_[i].add(frame.face[i].force_world_m_s2.y() - frame.ear_force_world_m_s2.y(),
+                    (frame.ear_rate_rad_s - last_nod_->rate_rad_s) / step_s);
+  }
+  last_nod_ = {frame.time, frame.ear_rate_rad_s};
 }
 
 void Prologue::add_shake(const Frame& frame) {
@@ -169,17 +210,30 @@ Calibration Prologue::solve() const {
   Vec3 left = level.normalized();
   if (left.dot(*first_turn_) < 0) left = -left;
 
-  // The mean outward direction of the face is forward; it overrules the nod's beginning.
+  // The face is ahead of the ear, as its swing tells, and its mean outward direction is forward: both
+  // overrule the nod's beginning, which may have been lost or done the other way.
   Vec3 outward = Vec3::Zero();
   for (std::size_t i = 0; i < names_.size(); ++i)
     if (outward_[i] && out.sensors[i].valid) outward += out.sensors[i].neutral * *outward_[i];
+  const double swing_m = ahead_m(left);
+  const bool swung = std::abs(swing_m) >= kMinAhead_m;
+  const bool down_first = !swung || swing_m > 0;
+  if (!down_first) left = -left;
   if (outward.norm() > 0.1) {
     const bool agree = left.cross(up).dot(outward) > 0;
-    if (!agree) left = -left;
-    out.scores.push_back(
-        score("nod direction", agree ? 1 : 0, "", agree,
-              agree ? "the nod began downwards, as the sensors' outward axes say too"
-                    : "the nod began upwards, or the sensors' outward axes are wrong; nod down first"));
+    if (!agree && !swung) left = -left;
+    out.scores.push_back(score(
+        "nod direction", agree ? 1 : 0, "", agree,
+        agree ? "the sensors' outward axes say the same of which way is ahead"
+        : swung
+            ? "the sensors' outward axes are wrong: the face swings as if it were behind them; mend the rig"
+            : "the nod began upwards, or the sensors' outward axes are wrong; nod down first"));
+  } else if (swung) {
+    out.scores.push_back(score("nod direction", 1, "", true,
+                               down_first
+                                   ? "the nod began downwards, as the face's swing says too"
+                                   : "the nod's beginning was missed or upwards; the face's swing told "
+                                     "which way is ahead"));
   }
   Mat3 to_head;
   to_head.row(0) = left.transpose();

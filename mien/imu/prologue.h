@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mien/core/rotation.h"
+#include "mien/core/time.h"
 #include "mien/imu/calibration.h"
 #include "mien/imu/heading.h"
 #include "mien/sensor/rig.h"
@@ -20,6 +21,7 @@ class Prologue {
 
   /// What one frame says. `face` holds one entry a face sensor; an absent one is missing.
   struct Frame {
+    DeviceTime time;
     Quat q_world_ear;
     Vec3 ear_rate_rad_s = Vec3::Zero();  ///< Without bias, the ear sensor's axes.
     Vec3 ear_force_world_m_s2 = Vec3::Zero();
@@ -53,7 +55,20 @@ class Prologue {
     [[nodiscard]] double axis_share() const;  // Of the turning, how much is about it.
     [[nodiscard]] double rms_rad_s() const;
   };
+  // A face sensor's vertical acceleration less the ear's, and the head's angular acceleration: sums for their
+  // linear regression.
+  struct Swing {
+    std::size_t count = 0;
+    double accel = 0;
+    Vec3 turn = Vec3::Zero(), product = Vec3::Zero();
+    Mat3 turn_square = Mat3::Zero();
+    void add(double accel_m_s2, const Vec3& turn_rad_s2);
+    /// How far the sensor lies ahead of the ear, m, where `left` is to the left.
+    [[nodiscard]] double ahead_m(const Vec3& left) const;
+  };
   [[nodiscard]] Vec3 from_neutral(const Quat& q_world_ear) const;
+  /// The mean of the face's sensors; 0 where too little was heard.
+  [[nodiscard]] double ahead_m(const Vec3& left) const;
 
   std::vector<std::string> names_;
   std::vector<std::optional<Vec3>> outward_;
@@ -70,6 +85,12 @@ class Prologue {
   Sway still_;
   Sway nodding_;
   Sway shaking_;
+  std::vector<Swing> swing_;  // In the nod.
+  struct Turning {
+    DeviceTime time;
+    Vec3 rate_rad_s;
+  };
+  std::optional<Turning> last_nod_;
   std::optional<Vec3> first_turn_;
 };
 

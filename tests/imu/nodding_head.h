@@ -20,6 +20,7 @@ inline constexpr double kGravity = 9.80665;
 
 struct Faults {
   double scale = 1;  // Of all of them but mounting, heading, clock offset.
+  double arms = 1;   // 0 puts all sensors where the head turns: no fault, but nothing swings.
   double gyro_noise_dps_sqrt_hz = 0.015;
   double gyro_bias_dps = 1.0;
   double gyro_bias_walk_dps_sqrt_min = 0.05;
@@ -121,7 +122,8 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
     const Vec3 accel_scale = Vec3::Ones() + draw(k * faults.accel_scale);
     // From the neck.
     const Vec3 arm =
-        ear ? Vec3(0.08, 0.11, 0.02) : Vec3{random.uniform(-0.06, 0.06), random.uniform(0.04, 0.18), 0.13};
+        faults.arms *
+        (ear ? Vec3(0.08, 0.11, 0.02) : Vec3{random.uniform(-0.06, 0.06), random.uniform(0.04, 0.18), 0.13});
     if (positions) site.position_m = arm;
     out.rig.sensors.push_back(site);
     const double gyro_sigma = k * faults.gyro_noise_dps_sqrt_hz * kDeg * std::sqrt(120.0);
