@@ -138,8 +138,12 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
                   "leave --steps out");
     return OpenModel(std::move(file), adapt);
   }
-  MIEN_TRY_ASSIGN(tracker::WindowSolver solver, tracker::WindowSolver::create(std::move(file)));
-  return OpenModel(std::move(solver), steps);
+  auto solver = tracker::WindowSolver::create(std::move(file));
+  if (!solver) {
+    solver.error().where = path;
+    return std::unexpected(std::move(solver).error());
+  }
+  return OpenModel(*std::move(solver), steps);
 }
 
 }  // namespace mien::app

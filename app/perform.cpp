@@ -101,6 +101,7 @@ Result<void> run(Options options) {
   }
   if (options.prologue == "none") request.prologue = virt::PrologueKind::none;
   if (options.prologue == "full") request.prologue = virt::PrologueKind::full;
+  if (options.prologue == "guided") request.prologue = virt::PrologueKind::guided;
   request.real_time = options.pace == "real";
   request.software = "mien " MIEN_VERSION;
   if (options.rig.empty()) {
@@ -184,8 +185,12 @@ void add_perform_command(Commands& commands) {
                    "TOML file of faults")
       ->capture_default_str();
   add_seed_option(command, request.seed, "Everything that is drawn comes from it");
-  command->add_option("--prologue", options->prologue, "The calibration that the take begins with")
-      ->check(CLI::IsMember({"short", "none", "full"}))
+  command
+      ->add_option(
+          "--prologue", options->prologue,
+          "The calibration that the performance begins with: short (still, nod, shake), none, full (then "
+          "expressions) or guided (full, in the time of a mien calibrate that waits for the sensors)")
+      ->check(CLI::IsMember({"short", "none", "full", "guided"}))
       ->capture_default_str();
   command->add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
       ->needs(take)

@@ -143,7 +143,9 @@ void add_render_command(Commands& commands) {
   command->add_option(
       "--face", options->face,
       "builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the take's own unless told");
-  command->add_option("--weights", options->weights, "Shapes of a still: jawOpen=1,mouthSmile_L=0.5")
+  command
+      ->add_option("--weights", options->weights,
+                   "Shapes of a still: jawOpen=1,mouthSmile_L=0.5; beyond 0 to 1 is drawn too, up to 10")
       ->delimiter(',');
   command->add_option("--view", options->view, "front, three-quarter or side")
       ->check(CLI::IsMember({"front", "three-quarter", "side"}))

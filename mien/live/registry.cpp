@@ -26,9 +26,12 @@ using MadeTracker = Result<std::unique_ptr<tracker::Tracker>>;
 
 MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
-  MIEN_TRY_ASSIGN(tracker::CausalTracker model,
-                  tracker::CausalTracker::create(std::move(file), rig.face_sensor_names()));
-  return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(std::move(model)));
+  auto model = tracker::CausalTracker::create(std::move(file), rig.face_sensor_names());
+  if (!model) {
+    model.error().where = path.string();
+    return std::unexpected(std::move(model).error());
+  }
+  return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(*std::move(model)));
 }
 
 MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {

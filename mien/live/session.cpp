@@ -117,12 +117,8 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
     known.sensor = sensor;
   }
   // A guided calibration that has begun with the board before is none.
-  if (links_[sensor].heard && guide_.running()) {
-    guide_.cancel();
-    tracker_->cancel_guidance();
-    calibrations_ = tracker_->calibration_count();
-    failure_ = "a sensor came to another place meanwhile; calibrate again";
-  }
+  if (links_[sensor].heard && guide_.running())
+    leave_guide("a sensor came to another place meanwhile; calibrate again");
   links_[sensor] = Link();
   bound_at_[sensor] = newest_frame_;
   const bool anew = in_force_ != 0;
@@ -132,6 +128,14 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
       nlohmann::json(
           {{"sensor", rig_.sensors[sensor].name}, {"device", sensor::format_device(key)}, {"anew", anew}})
           .dump());
+}
+
+void Session::leave_guide(std::string_view why) {
+  failure_ = why;
+  guide_.cancel();
+  tracker_->cancel_guidance();
+  calibrations_ = tracker_->calibration_count();
+  add_event("calibration_failed", newest_frame_, newest_frame_, quoted("why", failure_));
 }
 
 void Session::forget(std::uint16_t sensor) {
@@ -263,10 +267,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   } else if (guide_.steps_over(frame) && tracker_->calibration_count() == calibrations_ &&
              !tracker_->calibration_state().hint.empty()) {
     // Its steps made no calibration: nobody is to make faces for nothing.
-    failure_ = tracker_->calibration_state().hint;
-    guide_.cancel();
-    tracker_->cancel_guidance();
-    add_event("calibration_failed", frame, frame, quoted("why", failure_));
+    leave_guide(tracker_->calibration_state().hint);
   }
   watch_calibration(frame);
   if (std::optional<take::Event> shown = prompter_.at(frame)) events_.push_back(*std::move(shown));
@@ -369,9 +370,9 @@ Result<void> Session::obey(const Calibrate& command) {
 }
 
 Result<void> Session::obey(const CancelCalibration&) {
-  guide_.cancel();
-  tracker_->cancel_guidance();
-  calibrations_ = tracker_->calibration_count();
+  if (!guide_.running()) return {};
+  leave_guide("cancelled; nothing was changed");
+  failure_ = {};  // It was wanted.
   return {};
 }
 

@@ -87,7 +87,7 @@ Error Database::error(int code) const {
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
       return {ErrorCode::malformed, fmt::format("the file is damaged ({})", sqlite3_errmsg(handle_.get())),
-              where_, "use a copy of it"};
+              where_, kUseBackup};
     case SQLITE_TOOBIG:
       return {ErrorCode::out_of_range, "a value in it is larger than any that a take holds", where_,
               kDamagedFix};

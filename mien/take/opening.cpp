@@ -50,7 +50,7 @@ Result<void> check_first_bytes(const fs::path& path, const std::string& where) {
     return fail(ErrorCode::malformed, "this is not a take", where,
                 "takes are made by mien perform or import");
   if (count < kHeaderBytes)
-    return fail(ErrorCode::truncated, "the file ends inside its header", where, "use a copy of it");
+    return fail(ErrorCode::truncated, "the file ends inside its header", where, kUseBackup);
   const std::span<const std::byte> bytes = first;
   ByteReader at_version{bytes.subspan(60, 4)};
   ByteReader at_application{bytes.subspan(68, 4)};
@@ -142,7 +142,7 @@ Result<void> check_pages(const Database& database) {
   if (verdict != "ok")
     return fail(ErrorCode::malformed,
                 fmt::format("the file is damaged ({})", verdict.substr(0, verdict.find('\n'))),
-                database.where(), "use a copy of it");
+                database.where(), kUseBackup);
   return {};
 }
 

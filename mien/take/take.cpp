@@ -333,7 +333,7 @@ Result<void> Take::check() const {
   if (verdict != "ok")
     return fail(ErrorCode::malformed,
                 fmt::format("the file is damaged ({})", verdict.substr(0, verdict.find('\n'))), s.where(),
-                "use a copy of it");
+                kUseBackup);
   MIEN_TRY(entries());
   MIEN_TRY(samples());
   MIEN_TRY(ticks());

@@ -26,7 +26,7 @@ struct Header {
   std::string devices;    ///< "device", "lab", or the name of a profile file.
   std::string face;       ///< "builtin", a folder or a file: what --face was. Identity parameters below.
   std::string face_parameters;  ///< JSON; empty when none.
-  std::string prologue;         ///< "short", "full" or "none".
+  std::string prologue;         ///< "short", "full", "guided" or "none".
   std::uint64_t seed = 0;
   std::string rig_toml;     ///< The whole rig file.
   std::string created_utc;  ///< ISO 8601; for people only.

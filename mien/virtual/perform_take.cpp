@@ -23,6 +23,8 @@ std::string_view prologue_name(PrologueKind kind) {
       return "short";
     case PrologueKind::full:
       return "full";
+    case PrologueKind::guided:
+      return "guided";
   }
   return "none";
 }

@@ -24,6 +24,8 @@ constexpr double kGesture_s = 4;        // Two cycles at half a hertz,
 constexpr double kGestureRest_s = 0.5;  // and a moment of rest after each.
 constexpr double kCycles = 2;
 constexpr double kEase_s = 0.5;
+constexpr double kLedIn_s =
+    1.6;  // A second and a half in which a session lets people read, and a tenth to react.
 constexpr double kAnchor_s = 2.4;
 constexpr double kRangePrompt_s = 2.0;
 constexpr double kDegree = std::numbers::pi / 180;
@@ -53,10 +55,10 @@ class Prologue {
 
   PrologueMotion run(const face::Motion& motion, PrologueKind kind) {
     PrologueTimes times;
-    times.neutral = stretch(needs_.neutral_s);
+    times.neutral = stretch(needs_.neutral_s + (kind == PrologueKind::guided ? kLedIn_s : 0));
     times.nod = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
     times.shake = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
-    if (kind == PrologueKind::full) {
+    if (kind == PrologueKind::full || kind == PrologueKind::guided) {
       times.anchors = ask(face::anchors(), kAnchor_s, true, times.prompts);
       times.range_of_motion = ask(face::range_of_motion(), kRangePrompt_s, false, times.prompts);
     } else {

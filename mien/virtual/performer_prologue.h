@@ -11,8 +11,9 @@ namespace mien::virt {
 /// What a performance begins with.
 enum class PrologueKind {
   none,
-  brief,  ///< "short": neutral, nod, shake.
-  full,   ///< The same, then anchor expressions and a minute of prompted range of motion.
+  brief,   ///< "short": neutral, nod, shake.
+  full,    ///< The same, then anchor expressions and a minute of prompted range of motion.
+  guided,  ///< "full", in the time in which a live session that began with it leads through it.
 };
 
 /// Seconds from the start of the whole; end_s == begin_s when there was none.

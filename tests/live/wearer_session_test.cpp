@@ -54,9 +54,9 @@ std::unique_ptr<Session> session() {
 }
 
 /// Somebody who does what the session asks for, a tenth of a second late, and then talks.
-virt::VirtualSession performed(const virt::PrologueNeeds& needs = {.neutral_s = 4.6}) {
+virt::VirtualSession performed(const virt::PrologueNeeds& needs = {}) {
   const virt::PrologueMotion motion =
-      virt::with_prologue(virt::test::talking(15 * 60), virt::PrologueKind::full, Random(3), needs);
+      virt::with_prologue(virt::test::talking(15 * 60), virt::PrologueKind::guided, Random(3), needs);
   virt::DeviceFaults faults = virt::test::mild_faults();
   faults.packet_loss = 0;
   return virt::play_devices(motion, virt::test::three_sites(), virt::test::three_sensors(), faults,
@@ -122,6 +122,7 @@ TEST(WearerSession, CancelledItLeavesEverythingAsItWas) {
       EXPECT_EQ(version.json.find("\"wearer\""), std::string::npos) << at_s;
     }
     EXPECT_EQ(run.count("prompt"), 0u) << at_s;
+    EXPECT_EQ(run.count("calibration_failed"), 1u) << at_s;
   }
 }
 

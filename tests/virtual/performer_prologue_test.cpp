@@ -37,10 +37,10 @@ TEST(Prologue, NoneChangesNothing) {
 
 TEST(Prologue, PhasesFollowEachOtherAndTheMotionFollowsThem) {
   const auto motion = some_motion();
-  for (const PrologueKind kind : {PrologueKind::brief, PrologueKind::full}) {
+  for (const PrologueKind kind : {PrologueKind::brief, PrologueKind::full, PrologueKind::guided}) {
     const auto [with, times] = with_prologue(motion, kind, Random(1));
     EXPECT_EQ(times.neutral.begin_s, 0);
-    EXPECT_DOUBLE_EQ(times.neutral.end_s, 3);
+    EXPECT_DOUBLE_EQ(times.neutral.end_s, kind == PrologueKind::guided ? 4.6 : 3);
     EXPECT_EQ(times.nod.begin_s, times.neutral.end_s);
     EXPECT_EQ(times.shake.begin_s, times.nod.end_s);
     EXPECT_EQ(times.anchors.begin_s, times.shake.end_s);
