@@ -15,6 +15,8 @@ constexpr double kExpectedRestTime = 1.0 / 3;
 constexpr double kExpectedRestTolerance = 2.0;
 /// A step longer than this many of the one before is a gap.
 constexpr double kGapSteps = 2.5;
+/// After this time, s, an unseen rate has little to do with the one seen before.
+constexpr double kRateForgotten_s = 0.25;
 
 double wrap(double angle) {
   return std::remainder(angle, kTurn);
@@ -30,6 +32,13 @@ double gain(double dt_s, double tau_s) {
 /// Source: Magnus expansion for a rate linear in time.
 Vec3 turn_between(const Vec3& rate0, const Vec3& rate1, double dt_s) {
   return 0.5 * dt_s * (rate0 + rate1) + (dt_s * dt_s / 12) * rate0.cross(rate1);
+}
+
+/// How long the rates at both ends of a gap count for what lies between: heads and skin turn back and forth,
+/// and a rate is forgotten exponentially (the mean of an Ornstein-Uhlenbeck process that is pinned at both
+/// ends).
+double felt_time(double gap_s) {
+  return 2 * kRateForgotten_s * std::tanh(0.5 * gap_s / kRateForgotten_s);
 }
 
 /// The range, rad/s, at whose end an axis reads; 0 where none does. Samples do not say their range, but
@@ -138,7 +147,7 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
   }
   last_rate_ = gyro_rad_s - bias_;
   const Vec3 rate_before = settings_.gyro_is_step_mean ? last_rate_ : Vec3(last_raw_ - bias_);
-  q_gyro_ = q_gyro_ * exp_rotation(turn_between(rate_before, last_rate_, dt_s));
+  q_gyro_ = q_gyro_ * exp_rotation(turn_between(rate_before, last_rate_, gap ? felt_time(dt_s) : dt_s));
   q_gyro_.normalize();
   last_raw_ = gyro_rad_s;
 

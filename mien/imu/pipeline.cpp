@@ -28,6 +28,10 @@ constexpr double kNewTilt_rad2 = 0.0076;
 constexpr double kSkinEvery_s = 0.045;
 /// What a board's heading may be off after it began anew with a face that is not at neutral, rad (10 deg).
 constexpr double kRejoinedSigma = 0.17;
+/// No skin turns so far about the vertical, rad (120 deg): a heading that would have it so, for so long (s,
+/// in which a tilt that a gap spoilt is mended), is lost.
+constexpr double kNoSkinTurns_rad = 2.1;
+constexpr double kAstrayFor_s = 0.25;
 
 /// Newest rotations of one sensor of the lab profile; their times stand on the reference's line already.
 class LabTrack {
@@ -134,6 +138,7 @@ struct Pipeline::State {
         watch(rig),
         trackers(face.size(), HeadingTracker(s.heading)),
         tilt_rad2(face.size()),
+        astray_s(face.size()),
         lever_m(face.size()) {
     if (rig.skin) skin.emplace(*rig.skin, rig.face_sensor_names());
     calibration.sensors.resize(face.size());
@@ -167,6 +172,9 @@ struct Pipeline::State {
   }
   void rejoin_head(DeviceTime frame, const FusedSample& ear);
   void rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor);
+  /// Whether a face sensor's heading is lost: no skin turns as it says. It rejoins when it has been for a
+  /// while.
+  bool astray(std::size_t i, double dt_s, const FusedSample& ear, const FusedSample& sensor);
   [[nodiscard]] double nearest_neutral(std::size_t i, const FusedSample& ear,
                                        const FusedSample& sensor) const;
   /// Of a sensor's rotation, by its heading and its tilt.
@@ -195,6 +203,7 @@ struct Pipeline::State {
   std::vector<HeadingTracker> trackers;  // One a face sensor.
   // By face sensor: what gaps left unsure of its tilt, and gravity has not mended.
   std::vector<double> tilt_rad2;
+  std::vector<double> astray_s;                   // By face sensor: for how long no skin turns as it says.
   std::optional<SkinTurns> skin;                  // Where it is known how it turns.
   double skin_due_s = 0;                          // Since it was last asked.
   std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
@@ -266,6 +275,7 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   for (std::size_t i = 0; i < face.size(); ++i)
     follow(i, made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
   std::ranges::fill(tilt_rad2, 0.0);
+  std::ranges::fill(astray_s, 0.0);
   for (Channel& channel : channels) {
     channel.began_anew = false;
     channel.take_gaps();
@@ -359,6 +369,16 @@ double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
 void Pipeline::State::rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor) {
   follow(i, nearest_neutral(i, ear, sensor), kRejoinedSigma);
   channels[face[i]].began_anew = false;
+}
+
+bool Pipeline::State::astray(std::size_t i, double dt_s, const FusedSample& ear, const FusedSample& sensor) {
+  const double off =
+      std::remainder(nearest_neutral(i, ear, sensor) - trackers[i].heading_rad(), 2 * std::numbers::pi);
+  astray_s[i] = std::abs(off) > kNoSkinTurns_rad ? astray_s[i] + dt_s : 0;
+  if (astray_s[i] <= kAstrayFor_s) return astray_s[i] > 0;
+  rejoin_face(i, ear, sensor);
+  astray_s[i] = 0;
+  return false;
 }
 
 void Pipeline::State::rejoin_head(DeviceTime frame, const FusedSample& ear) {
@@ -496,6 +516,7 @@ void Pipeline::forget(std::uint16_t sensor) {
     if (s.face[i] != sensor) continue;
     s.calibration.sensors[i].valid = false;
     s.tilt_rad2[i] = 0;
+    s.astray_s[i] = 0;
     if (i < s.before_marks.sensors.size()) s.before_marks.sensors[i].valid = false;
   }
   if (!s.calibration.complete) s.watch.forget();  // A hold that it saw half of is none.
@@ -564,6 +585,11 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     }
     if (channel.began_anew) s.rejoin_face(i, *ear, *pose);
     if (!followed) continue;
+    if (s.astray(i, dt_s, *ear, *pose)) {
+      s.trackers[i].skip(dt_s);
+      s.poses[i].reset();
+      continue;
+    }
     const Quat relative = s.relative(i, ear->orientation);
     s.trackers[i].add(dt_s, relative, ear->orientation, relative * pose->rate_rad_s - ear->rate_rad_s,
                       ear->rate_rad_s);

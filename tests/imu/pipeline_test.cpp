@@ -292,6 +292,31 @@ TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
   EXPECT_GT(sure, 300u);
 }
 
+TEST(Pipeline, AHeadingThatNoSkinCouldHaveIsFoundAnewAtOnce) {
+  Script script;
+  script.end = 16;
+  // Half a second of shaking, of which a quarter is lost: at both of its ends the skin turns by 750 degrees a
+  // second, and nobody knows that it came back between them.
+  const auto shaken = [](std::size_t sensor, double t) {
+    const double on = testing_head::ease((t - 11.5) / 0.25) * (1 - testing_head::ease((t - 12.5) / 0.25));
+    const double turn = sensor == 0 ? on * 30 * kDeg * std::sin(8 * std::numbers::pi * (t - 12)) : 0;
+    return exp_rotation(turn * Vec3::UnitY());
+  };
+  Recording recording = record(script, no_faults(), 3, 25, shaken);
+  std::erase_if(recording.entries, [](const Entry& entry) {
+    const double t = to_seconds(entry.arrival.time_since_epoch());
+    return entry.samples.front().sensor == 0 && t > 12.0 && t < 12.27;
+  });
+  Pipeline pipeline(recording.rig);
+  std::size_t frames = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t < 13.3 || !frame.sensors[0].has_rotation) return;
+    EXPECT_LT(angle_between(rotation_of(frame.sensors[0]), Quat::Identity()), 12 * kDeg) << t;
+    ++frames;
+  });
+  EXPECT_GT(frames, 100u);
+}
+
 TEST(Pipeline, NodesThatFuseEnterAfterTheFusion) {
   // Perfect fusions, each with a heading of its own, forty degrees apart.
   Script script;
