@@ -12,7 +12,8 @@ constexpr double kPi = std::numbers::pi;
 /// Errors of successive nods are hardly independent: so many looks a prologue counts for.
 constexpr double kIndependentLooks = 2;
 /// Where the skin's turn about the vertical stands in a tracker's state.
-constexpr Eigen::Index kWayY = 3;
+// Where in the state they begin.
+constexpr Eigen::Index kWay = 2, kWayY = 3, kSlip = 5;
 /// Three numbers' squared sigmas that are as rare as one's of two and a half, over the latter's.
 constexpr double kThreeNumbers = 1.74;
 
@@ -103,10 +104,21 @@ void HeadingTracker::start(double heading_rad, double sigma_rad, const std::opti
   cov_(0, 0) = sigma_rad * sigma_rad;
   cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
   if (strays_rad2)
-    cov_.bottomRightCorner<3, 3>() =
+    cov_.block<3, 3>(kWay, kWay) =
         settings_.foretold_way_sigmas * settings_.foretold_way_sigmas * *strays_rad2;
   else
     cov_(kWayY, kWayY) = settings_.rest_sigma_rad * settings_.rest_sigma_rad;
+}
+
+void HeadingTracker::move_to(double heading_rad, double sigma_rad) {
+  heading_ = heading_rad;
+  rate_ = 0;
+  cov_.topRows<kWay>().setZero();
+  cov_.leftCols<kWay>().setZero();
+  cov_(0, 0) = sigma_rad * sigma_rad;
+  cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
+  still_s_ = 0;
+  away_s_ = 0;
 }
 
 double HeadingTracker::sigma_rad() const {
@@ -116,13 +128,14 @@ double HeadingTracker::sigma_rad() const {
 void HeadingTracker::predict(double dt_s) {
   heading_ = wrap(heading_ + rate_ * dt_s);
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
-  Mat5 step = Mat5::Identity();
+  StateMat step = StateMat::Identity();
   step(0, 1) = dt_s;
   step(1, 1) = keep;
   rate_ *= keep;
   cov_ = (step * cov_ * step.transpose()).eval();
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
   cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
+  cov_.diagonal().segment<3>(kSlip).array() += settings_.slip_walk * settings_.slip_walk * dt_s;
 }
 
 void HeadingTracker::begin(const Quat& q_ear_face) {
@@ -141,16 +154,17 @@ void HeadingTracker::skip(double dt_s) {
   away_s_ = 0;
 }
 
-void HeadingTracker::move_by(const Vec5& change) {
+void HeadingTracker::move_by(const StateVec& change) {
   // The first is Z's excess, the heading less the true one; and the rate is that excess' own.
   heading_ = wrap(heading_ - change[0]);
   rate_ -= change[1];
-  way_ += change.tail<3>();
+  way_ += change.segment<3>(kWay);
+  slip_ += change.segment<3>(kSlip);
 }
 
-void HeadingTracker::correct(const Vec5& shares, double beyond_rad, double sigma_rad) {
-  const Vec5 spread = cov_ * shares;
-  const Vec5 kalman = spread / (shares.dot(spread) + sigma_rad * sigma_rad);
+void HeadingTracker::correct(const StateVec& shares, double beyond_rad, double sigma_rad) {
+  const StateVec spread = cov_ * shares;
+  const StateVec kalman = spread / (shares.dot(spread) + sigma_rad * sigma_rad);
   move_by(kalman * beyond_rad);
   cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
@@ -175,7 +189,8 @@ void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double 
   const double way_rad = way_.y();
   if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad, way_rad)) return;
   const double skin_sigma_rad = std::hypot(settings_.neutral_sigma_rad, settings_.neutral_tilt * tilt_rad);
-  const Vec5 shares = Vec5::Unit(0) + Vec5::Unit(kWayY);  // The turn is the heading's excess and the rest.
+  const StateVec shares =
+      StateVec::Unit(0) + StateVec::Unit(kWayY);  // The turn is the heading's excess and the rest.
   const double beyond_rad = turn_rad - way_rad;
   const double expected2 = shares.dot(cov_ * shares) + skin_sigma_rad * skin_sigma_rad;
   if (beyond_rad * beyond_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
@@ -189,17 +204,18 @@ void HeadingTracker::add_skin(double dt_s, const SkinReading& reading) {
   const double whole = weighed.dot(reading.about);
   if (find_again(dt_s, weighed.dot(reading.beyond_rad) / whole, reading.strength * weighed.dot(way_) / whole))
     return;
-  Eigen::Matrix<double, 3, 5> shares = Eigen::Matrix<double, 3, 5>::Zero();
+  Eigen::Matrix<double, 3, kStates> shares = Eigen::Matrix<double, 3, kStates>::Zero();
   shares.col(0) = reading.about;
-  shares.rightCols<3>() = reading.strength * Mat3::Identity();
-  const Eigen::Matrix<double, 5, 3> spread = cov_ * shares.transpose();
+  shares.middleCols<3>(kWay) = reading.strength * Mat3::Identity();
+  shares.middleCols<3>(kSlip) = Mat3::Identity();
+  const Eigen::Matrix<double, kStates, 3> spread = cov_ * shares.transpose();
   const Mat3 expected = shares * spread;
   const double sigmas = settings_.foretold_sigmas * reading.strength;
   const Mat3 noise = sigmas * sigmas * reading.strays_rad2;
   const Vec3 beyond = reading.beyond_rad - reading.strength * way_;
   const double far2 = beyond.dot(Mat3(expected + noise).inverse() * beyond);
   if (far2 > kThreeNumbers * settings_.neutral_gate * settings_.neutral_gate) return;
-  const Eigen::Matrix<double, 5, 3> kalman =
+  const Eigen::Matrix<double, kStates, 3> kalman =
       spread * Mat3(expected + noise * (settings_.foretold_every_s / dt_s)).inverse();
   move_by(kalman * beyond);
   cov_ = (cov_ - kalman * spread.transpose()).eval();
@@ -246,7 +262,7 @@ void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_worl
   const double residual2 = std::max(0.0, all - 2 * error.dot(right) + error.dot(normal * error)) / n_;
   if (residual2 < settings_.max_residual_rad * settings_.max_residual_rad) {
     const double noise2 = std::max(frame2, residual2 * settings_.correlated_frames);
-    correct(Vec5::Unit(0), error.y(), std::sqrt(noise2 / information));
+    correct(StateVec::Unit(0), error.y(), std::sqrt(noise2 / information));
   }
   begin(q_ear_face);
 }

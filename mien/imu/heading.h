@@ -99,6 +99,9 @@ struct HeadingSettings {
   double lost_sigma_rad = 0.12;
   /// How the heading itself wanders, rad per root s (0.03 deg).
   double heading_walk = 5e-4;
+  /// How the adhesive creeps, rad per root s (0.5 deg a root minute), where it is known how skin turns: a
+  /// turn from neutral that a face at rest keeps is the sensor's. 0: it holds.
+  double slip_walk = 1.13e-3;
 };
 
 /// Follows one sensor's heading error after the prologue. Where the head tilts while the face is still, an
@@ -111,9 +114,14 @@ class HeadingTracker {
   /// From a calibration. `strays_rad2`: how skin strays from what is foretold (SkinReading), where that is
   /// known.
   void start(double heading_rad, double sigma_rad, const std::optional<Mat3>& strays_rad2 = {});
+  /// The same sensor on the same skin has another heading: its fusion began anew.
+  void move_to(double heading_rad, double sigma_rad);
   /// Z's angle now.
   [[nodiscard]] double heading_rad() const { return heading_; }
   [[nodiscard]] double sigma_rad() const;
+  /// How the sensor has crept on its skin since start(), a rotation vector in frame H, rad; known where it is
+  /// known how skin turns.
+  [[nodiscard]] const Vec3& slip_rad() const { return slip_; }
   /// Something else made it unsure: a gap, by so much.
   void inflate(double sigma_rad) { cov_(0, 0) += sigma_rad * sigma_rad; }
 
@@ -130,16 +138,17 @@ class HeadingTracker {
   void skip(double dt_s);
 
  private:
-  /// Heading, rate, and the skin's way.
-  using Vec5 = Eigen::Matrix<double, 5, 1>;
-  using Mat5 = Eigen::Matrix<double, 5, 5>;
+  /// Heading, rate, the skin's way (3), and the adhesive's slip (3).
+  static constexpr int kStates = 8;
+  using StateVec = Eigen::Matrix<double, kStates, 1>;
+  using StateMat = Eigen::Matrix<double, kStates, kStates>;
   void predict(double dt_s);
   void begin(const Quat& q_ear_face);
   /// True when it has just found a lost heading again. `way_rad`: what of the turn is the skin's own.
   bool find_again(double dt_s, double turn_rad, double way_rad);
   /// A reading of the state by these shares, that is by so much beyond it.
-  void correct(const Vec5& shares, double beyond_rad, double sigma_rad);
-  void move_by(const Vec5& change);
+  void correct(const StateVec& shares, double beyond_rad, double sigma_rad);
+  void move_by(const StateVec& change);
 
   HeadingSettings settings_;
   double heading_ = 0;
@@ -147,7 +156,9 @@ class HeadingTracker {
   /// The skin's own way: its rotation vector beyond what is foretold at strength 1, frame H, rad. Where
   /// nothing is foretold, how it rests: +Y alone counts, for its turn about the vertical.
   Vec3 way_ = Vec3::Zero();
-  Mat5 cov_ = Mat5::Zero();
+  /// How the sensor has crept on its skin since the calibration: a rotation vector, frame H, rad.
+  Vec3 slip_ = Vec3::Zero();
+  StateMat cov_ = StateMat::Zero();
   Vec3 smooth_rate_ = Vec3::Zero();
   double still_s_ = 0;
   double away_s_ = 0;          // How long the skin has been far to one side, ...

@@ -166,6 +166,11 @@ struct Pipeline::State {
   void recentre(double dt_s, const Quat& q_world_ear);
   /// P_i of the frame, whose pose is there.
   [[nodiscard]] Quat relative(std::size_t i, const Quat& q_world_ear) const;
+  /// N_i with what its sensor has crept since the calibration.
+  [[nodiscard]] Quat neutral(std::size_t i) const {
+    const Quat& c = calibration.q_head_ear;
+    return c.conjugate() * exp_rotation(trackers[i].slip_rad()) * c * calibration.sensors[i].neutral;
+  }
   [[nodiscard]] bool watches() const {
     return settings.calibrates_itself && windows.empty() &&
            (!calibration.complete || (watched && !watch.finished()));
@@ -293,7 +298,7 @@ Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
 void Pipeline::State::recentre(double dt_s, const Quat& q_world_ear) {
   const Vec3 up = q_world_ear.conjugate() * Vec3::UnitY();
   const auto turn = [&](std::size_t i) {
-    return log_rotation(relative(i, q_world_ear) * calibration.sensors[i].neutral.conjugate());
+    return log_rotation(relative(i, q_world_ear) * neutral(i).conjugate());
   };
   if (!skin) {
     for (std::size_t i = 0; i < face.size(); ++i) {
@@ -359,7 +364,7 @@ void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optiona
 double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
                                         const FusedSample& sensor) const {
   // trace(N^T R_h^T Z R_i) = a + b cos + c sin.
-  const Mat3 to = (ear.orientation * calibration.sensors[i].neutral).toRotationMatrix();
+  const Mat3 to = (ear.orientation * neutral(i)).toRotationMatrix();
   const Mat3 from = sensor.orientation.toRotationMatrix();
   const double cosine = to.row(0).dot(from.row(0)) + to.row(2).dot(from.row(2));
   const double sine = to.row(0).dot(from.row(2)) - to.row(2).dot(from.row(0));
@@ -367,7 +372,7 @@ double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
 }
 
 void Pipeline::State::rejoin_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor) {
-  follow(i, nearest_neutral(i, ear, sensor), kRejoinedSigma);
+  trackers[i].move_to(nearest_neutral(i, ear, sensor), kRejoinedSigma);
   channels[face[i]].began_anew = false;
 }
 
@@ -404,8 +409,8 @@ void Pipeline::State::rejoin_head(DeviceTime frame, const FusedSample& ear) {
   }
   const double turned = std::atan2(sine, cosine);
   for (std::size_t i = 0; i < face.size(); ++i)
-    follow(i, std::remainder(trackers[i].heading_rad() + turned, 2 * std::numbers::pi),
-           std::hypot(trackers[i].sigma_rad(), kRejoinedSigma));
+    trackers[i].move_to(std::remainder(trackers[i].heading_rad() + turned, 2 * std::numbers::pi),
+                        std::hypot(trackers[i].sigma_rad(), kRejoinedSigma));
   // The head faces where it last did.
   const Vec3 ahead = ear.orientation * (calibration.q_head_ear.conjugate() * Vec3::UnitZ());
   const Vec3 faced = last_head * Vec3::UnitZ();
@@ -601,7 +606,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     if (!pose || (followed && s.unsure_rad(i) > s.settings.unsure_rad)) continue;
     model::SensorFeature& feature = out.sensors[i];
     const Quat relative = s.relative(i, ear->orientation);
-    put_rotation(c * relative * calibration.sensors[i].neutral.conjugate() * c.conjugate(), feature);
+    put_rotation(c * relative * s.neutral(i).conjugate() * c.conjugate(), feature);
 
     // Without the arm, what is left of the head's own acceleration would be taken for the skin's.
     if (!s.lever_m[i] || !head_turn) continue;
@@ -626,6 +631,7 @@ Calibration Pipeline::calibration_now() const {
     if (!now.sensors[i].valid) continue;
     now.sensors[i].heading_rad = state_->trackers[i].heading_rad();
     now.sensors[i].heading_sigma_rad = state_->trackers[i].sigma_rad();
+    now.sensors[i].neutral = state_->neutral(i);
   }
   return now;
 }
