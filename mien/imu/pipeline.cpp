@@ -225,7 +225,7 @@ bool Pipeline::State::order(Channel& channel, const Sample& sample, double& dt_s
       channel.fusion.restart();
       channel.track.clear();
       channel.began_anew = true;
-      channel.gap_sigma = 0;
+      channel.take_gaps();
       channel.step = {};
     } else if (since <= Duration::zero()) {
       ++channel.dropped;
@@ -327,12 +327,14 @@ bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {
 
 void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh) {
   prologue_frame.time = frame;
+  prologue_frame.ear_fresh = fresh(*head, frame);
   prologue_frame.q_world_ear = ear.orientation;
   prologue_frame.ear_rate_rad_s = ear.rate_rad_s;
   prologue_frame.ear_force_world_m_s2 = ear.force_world_m_s2;
   for (std::size_t i = 0; i < face.size(); ++i) {
     const auto sensor = pose(face[i], frame);
-    prologue_frame.face[i].present = sensor.has_value() && (!only_fresh || fresh(face[i], frame));
+    prologue_frame.face[i].fresh = sensor.has_value() && fresh(face[i], frame);
+    prologue_frame.face[i].present = sensor.has_value() && (!only_fresh || prologue_frame.face[i].fresh);
     if (!prologue_frame.face[i].present) continue;
     prologue_frame.face[i].q_world_face = sensor->orientation;
     prologue_frame.face[i].force_world_m_s2 = sensor->force_world_m_s2;
@@ -586,6 +588,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     const std::optional<FusedSample>& pose = s.poses[i];
     if (!pose) {
       s.trackers[i].skip(dt_s);
+      s.astray_s[i] = 0;
       continue;
     }
     if (channel.began_anew) s.rejoin_face(i, *ear, *pose);

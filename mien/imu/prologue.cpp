@@ -18,9 +18,11 @@ constexpr std::size_t kMinFrames = 30;
 constexpr double kFirstTurn = 4 * kDeg;
 /// Frames further apart, s, tell no angular acceleration.
 constexpr double kMaxStep_s = 0.05;
-/// Of the face's sensors ahead of the ear, m: nods tell which way is ahead where it is more. It is about
-/// 0.09; faults of the accelerometers come to 0.01.
+/// Of the face's sensors ahead of the ear, m, and what a nod makes of it, m/s^2: nods tell which way is ahead
+/// where both are more. They are about 0.09 and, at half a hertz, 0.9 (docs/fusion.md); faults of the
+/// accelerometers come to 0.1 to 0.3 m/s^2.
 constexpr double kMinAhead_m = 0.03;
+constexpr double kMinSwing_m_s2 = 0.4;
 
 // What passes. A nod of 10 degrees finds the heading to a few degrees; the others tell a step that was not
 // done as asked.
@@ -35,6 +37,21 @@ constexpr double kMaxHeadingSigma = 3 * kDeg;
 
 sensor::Score score(std::string name, double value, const char* unit, bool pass, std::string sentence) {
   return {std::move(name), value, unit, pass, std::move(sentence)};
+}
+
+/// Whether the face's sensors are ahead of the head's (1), behind it (-1) or neither, where a rig says; ahead
+/// where it does not.
+double face_side(const sensor::Rig& rig) {
+  double sum_m = 0, count = 0;
+  for (const std::uint16_t index : rig.face_sensors()) {
+    if (!rig.sensors[index].position_m) continue;
+    sum_m += rig.sensors[index].position_m->z();
+    ++count;
+  }
+  const auto head = rig.head_sensor();
+  if (count == 0 || !head || !rig.sensors[*head].position_m) return 1;
+  const double ahead_m = sum_m / count - rig.sensors[*head].position_m->z();
+  return std::abs(ahead_m) < kMinAhead_m ? 0 : std::copysign(1.0, ahead_m);
 }
 
 }  // namespace
@@ -66,26 +83,32 @@ void Prologue::Swing::add(double accel_m_s2, const Vec3& turn_rad_s2) {
   turn_square += turn_rad_s2 * turn_rad_s2.transpose();
 }
 
-double Prologue::Swing::ahead_m(const Vec3& left) const {
-  const double n = static_cast<double>(count);
-  const double mean_turn = left.dot(turn) / n;
-  const double variance = left.dot(turn_square * left) / n - mean_turn * mean_turn;
-  const double covariance = left.dot(product) / n - mean_turn * accel / n;
-  // A head that begins to go down takes what is ahead of the ear down: left x ahead = -up.
-  return variance > 0 ? -covariance / variance : 0;
+double Prologue::Swing::covariance(const Vec3& left) const {
+  return left.dot(product) - left.dot(turn) * accel / static_cast<double>(count);
+}
+
+double Prologue::Swing::variance(const Vec3& left) const {
+  return left.dot(turn_square * left) - left.dot(turn) * left.dot(turn) / static_cast<double>(count);
 }
 
 double Prologue::ahead_m(const Vec3& left) const {
-  double sum = 0, count = 0;
+  double covariance = 0, variance = 0, count = 0;
   for (const Swing& swing : swing_) {
     if (swing.count < kMinFrames) continue;
-    sum += swing.ahead_m(left);
-    ++count;
+    covariance += swing.covariance(left);
+    variance += swing.variance(left);
+    count += static_cast<double>(swing.count);
   }
-  return count > 0 ? sum / count : 0;
+  if (!(variance > 0)) return 0;
+  // A head that begins to go down takes what is ahead of the ear down: left x ahead = -up.
+  const double ahead = -face_side_ * covariance / variance;
+  // A slow nod hardly swings, and what an accelerometer is off turns with the head, too.
+  const double rate2 = left.dot(nodding_.rate_square * left) / static_cast<double>(nodding_.count);
+  const double swing_m_s2 = std::abs(ahead) * (variance / count) / rate2;
+  return std::abs(ahead) >= kMinAhead_m && swing_m_s2 >= kMinSwing_m_s2 ? ahead : 0;
 }
 
-Prologue::Prologue(const sensor::Rig& rig) {
+Prologue::Prologue(const sensor::Rig& rig) : face_side_(face_side(rig)) {
   for (const std::uint16_t index : rig.face_sensors()) {
     names_.push_back(rig.sensors[index].name);
     outward_.push_back(rig.sensors[index].outward);
@@ -145,11 +168,11 @@ void Prologue::add_nod(const Frame& frame) {
   for (std::size_t i = 0; i < frame.face.size(); ++i) {
     if (!frame.face[i].present) continue;
     nod_[i].add(frame.q_world_ear, frame.face[i].q_world_face);
-    if (step_s > 0 && step_s <= kMaxStep_s)
+    if (step_s > 0 && step_s <= kMaxStep_s && frame.ear_fresh && frame.face[i].fresh)
       swing_[i].add(frame.face[i].force_world_m_s2.y() - frame.ear_force_world_m_s2.y(),
                     (frame.ear_rate_rad_s - last_nod_->rate_rad_s) / step_s);
   }
-  last_nod_ = {frame.time, frame.ear_rate_rad_s};
+  if (frame.ear_fresh) last_nod_ = {frame.time, frame.ear_rate_rad_s};
 }
 
 void Prologue::add_shake(const Frame& frame) {
@@ -216,7 +239,7 @@ Calibration Prologue::solve() const {
   for (std::size_t i = 0; i < names_.size(); ++i)
     if (outward_[i] && out.sensors[i].valid) outward += out.sensors[i].neutral * *outward_[i];
   const double swing_m = ahead_m(left);
-  const bool swung = std::abs(swing_m) >= kMinAhead_m;
+  const bool swung = swing_m != 0;
   const bool down_first = !swung || swing_m > 0;
   if (!down_first) left = -left;
   if (outward.norm() > 0.1) {

@@ -25,8 +25,10 @@ class Prologue {
     Quat q_world_ear;
     Vec3 ear_rate_rad_s = Vec3::Zero();  ///< Without bias, the ear sensor's axes.
     Vec3 ear_force_world_m_s2 = Vec3::Zero();
+    bool ear_fresh = true;  ///< Heard for this frame, not held over a gap.
     struct Face {
       bool present = false;
+      bool fresh = true;
       Quat q_world_face;
       Vec3 force_world_m_s2 = Vec3::Zero();
       Vec3 rate_rad_s = Vec3::Zero();  ///< Without bias, its own axes; for who watches for stillness.
@@ -63,11 +65,13 @@ class Prologue {
     Vec3 turn = Vec3::Zero(), product = Vec3::Zero();
     Mat3 turn_square = Mat3::Zero();
     void add(double accel_m_s2, const Vec3& turn_rad_s2);
-    /// How far the sensor lies ahead of the ear, m, where `left` is to the left.
-    [[nodiscard]] double ahead_m(const Vec3& left) const;
+    // About `left`, times count.
+    [[nodiscard]] double covariance(const Vec3& left) const;
+    [[nodiscard]] double variance(const Vec3& left) const;
   };
   [[nodiscard]] Vec3 from_neutral(const Quat& q_world_ear) const;
-  /// The mean of the face's sensors; 0 where too little was heard.
+  /// How far the face's sensors lie ahead of the ear's where `left` is to the left, m, as the nod's swing
+  /// tells; 0 where it does not.
   [[nodiscard]] double ahead_m(const Vec3& left) const;
 
   std::vector<std::string> names_;
@@ -85,6 +89,7 @@ class Prologue {
   Sway still_;
   Sway nodding_;
   Sway shaking_;
+  double face_side_ = 1;      // 1: the face is ahead of the head's sensor, -1: behind it; 0: beside it.
   std::vector<Swing> swing_;  // In the nod.
   struct Turning {
     DeviceTime time;

@@ -118,7 +118,7 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
   }
   // A guided calibration that has begun with the board before is none.
   if (links_[sensor].heard && guide_.running())
-    leave_guide("a sensor came to another place meanwhile; calibrate again");
+    leave_guide(failure_ = "a sensor came to another place meanwhile; calibrate again");
   links_[sensor] = Link();
   bound_at_[sensor] = newest_frame_;
   const bool anew = in_force_ != 0;
@@ -131,11 +131,11 @@ void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
 }
 
 void Session::leave_guide(std::string_view why) {
-  failure_ = why;
   guide_.cancel();
   tracker_->cancel_guidance();
   calibrations_ = tracker_->calibration_count();
-  add_event("calibration_failed", newest_frame_, newest_frame_, quoted("why", failure_));
+  // Without a frame there is no time at which it could have been.
+  if (frames_ > 0) add_event("calibration_failed", newest_frame_, newest_frame_, quoted("why", why));
 }
 
 void Session::forget(std::uint16_t sensor) {
@@ -267,7 +267,7 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   } else if (guide_.steps_over(frame) && tracker_->calibration_count() == calibrations_ &&
              !tracker_->calibration_state().hint.empty()) {
     // Its steps made no calibration: nobody is to make faces for nothing.
-    leave_guide(tracker_->calibration_state().hint);
+    leave_guide(failure_ = tracker_->calibration_state().hint);
   }
   watch_calibration(frame);
   if (std::optional<take::Event> shown = prompter_.at(frame)) events_.push_back(*std::move(shown));
@@ -370,9 +370,7 @@ Result<void> Session::obey(const Calibrate& command) {
 }
 
 Result<void> Session::obey(const CancelCalibration&) {
-  if (!guide_.running()) return {};
-  leave_guide("cancelled; nothing was changed");
-  failure_ = {};  // It was wanted.
+  if (guide_.running()) leave_guide("cancelled; nothing was changed");
   return {};
 }
 

@@ -113,7 +113,7 @@ class Session {
   void bind(std::uint16_t sensor, const sensor::DeviceKey& key);
   /// Nothing that was learned of the board at this place holds.
   void forget(std::uint16_t sensor);
-  /// Ends a guided calibration before its time, for a reason that stays readable; what was in force stays.
+  /// Ends a guided calibration before its time, and tells why; what was in force stays.
   void leave_guide(std::string_view why);
   /// Whether the readings of a device come from there: nobody else is believed about it.
   [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;

@@ -183,6 +183,17 @@ TEST(Fusion, ComesBackUprightAfterALongGap) {
   EXPECT_GT(fusion.gap_sigma_rad(), 10 * kDeg);
 }
 
+TEST(Fusion, ARateIsForgottenInALongGap) {
+  // Round the vertical, which gravity does not mend: what counts of the half second is 2 tau tanh(gap / 2
+  // tau).
+  Fusion fusion;
+  const Vec3 rate(0, 1, 0), force(0, 9.81, 0);
+  for (int i = 0; i < 240; ++i) fusion.add(1 / 240.0, rate, force);
+  const Quat before = fusion.orientation();
+  fusion.add(0.5, rate, force);
+  EXPECT_NEAR(log_rotation(before.conjugate() * fusion.orientation()).y(), 0.5 * std::tanh(1.0), 0.01);
+}
+
 TEST(Fusion, TurnsToMagneticNorthAndHoldsItAgainstAMagnet) {
   Random random(8);
   const Motion motion;

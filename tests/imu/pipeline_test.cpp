@@ -131,6 +131,38 @@ TEST(Pipeline, ANodThatBeginsUpwardsTurnsNobodyRound) {
   }
 }
 
+TEST(Pipeline, ANodOfWhichTheBeginningIsLostTurnsNobodyRound) {
+  Script script;
+  script.end = 12;
+  Recording recording = record(script, Faults{}, 3, 23, still_skin);
+  // Its first half cycle, from all sensors: what is heard first goes upwards.
+  std::erase_if(recording.entries, [&](const Entry& entry) {
+    const double t = to_seconds(entry.arrival.time_since_epoch());
+    return t > script.nod_begin - 0.05 && t < script.nod_begin + 0.8;
+  });
+  Pipeline pipeline(recording.rig);
+  std::size_t frames = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t < script.move_begin) return;
+    EXPECT_LT(angle_between(frame.head, script.head(t)), 10 * kDeg) << t;
+    ++frames;
+  });
+  EXPECT_GT(frames, 100u);
+}
+
+TEST(Pipeline, ARigWhoseHeadSensorIsAheadOfTheFaceIsBelieved) {
+  Script script;
+  script.end = 9;
+  Recording recording = record(script, no_faults(), 3, 23, still_skin, false, true);
+  Pipeline known(recording.rig);
+  play(recording, script, known, [](double, const model::FeatureFrame&, const Pipeline&) {});
+  for (sensor::Mount& mount : recording.rig.sensors) mount.position_m->z() *= -1;
+  Pipeline turned(recording.rig);
+  play(recording, script, turned, [](double, const model::FeatureFrame&, const Pipeline&) {});
+  EXPECT_NEAR(angle_between(known.calibration().q_head_ear, turned.calibration().q_head_ear),
+              std::numbers::pi, 1 * kDeg);
+}
+
 TEST(Pipeline, WithoutAccelerationsOutwardAxesOrTheNodsBeginningTellWhichWayIsAhead) {
   Script script;
   script.end = 12;
