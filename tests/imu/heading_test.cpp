@@ -190,6 +190,44 @@ TEST(HeadingTracker, TellsTheSkinsWayFromTheHeadingByHowStronglyAFaceMoves) {
   EXPECT_GT(left(1), 1 * kDeg) << "always moving alike, it cannot be told";
 }
 
+TEST(HeadingTracker, WhatAFaceAtRestKeepsIsTheSensorsCreep) {
+  // In five minutes a sensor creeps by three degrees of tilt. The same of a face that always moves may be the
+  // skin's own way.
+  const auto creep = [](double strength, double walk) {
+    HeadingSettings settings;
+    settings.slip_walk = walk;
+    HeadingTracker tracker(settings);
+    tracker.start(0, 0.5 * kDeg, Mat3((4 * kDeg) * (4 * kDeg) * Mat3::Identity()));
+    constexpr int kFrames = 60 * 300;
+    for (int i = 0; i < kFrames; ++i) {
+      tracker.skip(1 / 60.0);
+      SkinReading reading = beyond(tracker.heading_rad(), 4 * kDeg, strength);
+      reading.beyond_rad.x() = 3 * kDeg * i / kFrames - tracker.slip_rad().x();
+      tracker.add_skin(1 / 60.0, reading);
+    }
+    return tracker.slip_rad();
+  };
+  const double walk = HeadingSettings().slip_walk;
+  EXPECT_LT((creep(0.15, walk) - Vec3(3 * kDeg, 0, 0)).norm(), 0.5 * kDeg);
+  EXPECT_LT(creep(3, walk).norm(), 2 * kDeg);
+  EXPECT_EQ(creep(0.15, 0), Vec3(Vec3::Zero())) << "glue that holds";
+  // A fusion that begins anew is on the same skin.
+  HeadingTracker tracker;
+  tracker.start(0, 0.5 * kDeg, Mat3((4 * kDeg) * (4 * kDeg) * Mat3::Identity()));
+  for (int i = 0; i < 60 * 300; ++i) {
+    tracker.skip(1 / 60.0);
+    SkinReading reading = beyond(tracker.heading_rad(), 4 * kDeg, 0.15);
+    reading.beyond_rad.z() = 1e-4 * kDeg * i - tracker.slip_rad().z();
+    tracker.add_skin(1 / 60.0, reading);
+  }
+  const Vec3 crept = tracker.slip_rad();
+  EXPECT_GT(crept.z(), 0.5 * kDeg);
+  tracker.move_to(2, 10 * kDeg);
+  EXPECT_EQ(tracker.slip_rad(), crept);
+  EXPECT_EQ(tracker.heading_rad(), 2);
+  EXPECT_NEAR(tracker.sigma_rad(), 10 * kDeg, 1e-9);
+}
+
 TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
   HeadingTracker turning;
   HeadingTracker moving;
