@@ -128,11 +128,12 @@ double HeadingTracker::sigma_rad() const {
 void HeadingTracker::predict(double dt_s) {
   heading_ = wrap(heading_ + rate_ * dt_s);
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
-  StateMat step = StateMat::Identity();
-  step(0, 1) = dt_s;
-  step(1, 1) = keep;
   rate_ *= keep;
-  cov_ = (step * cov_ * step.transpose()).eval();
+  // What the step does to the state it does to the covariance, from both sides.
+  cov_.row(0) += dt_s * cov_.row(1);
+  cov_.row(1) *= keep;
+  cov_.col(0) += dt_s * cov_.col(1);
+  cov_.col(1) *= keep;
   cov_(0, 0) += settings_.heading_walk * settings_.heading_walk * dt_s;
   cov_(1, 1) += settings_.rate_walk * settings_.rate_walk * dt_s;
   cov_.diagonal().segment<3>(kSlip).array() += settings_.slip_walk * settings_.slip_walk * dt_s;
