@@ -11,8 +11,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 /// Errors of successive nods are hardly independent: so many looks a prologue counts for.
 constexpr double kIndependentLooks = 2;
-/// Where the skin's turn about the vertical stands in a tracker's state.
-// Where in the state they begin.
+/// Where in a tracker's state the skin's way begins and its turn about the vertical stands, and where the
+/// slip begins.
 constexpr Eigen::Index kWay = 2, kWayY = 3, kSlip = 5;
 /// Three numbers' squared sigmas that are as rare as one's of two and a half, over the latter's.
 constexpr double kThreeNumbers = 1.74;
@@ -100,9 +100,7 @@ HeadingSums::Best HeadingSums::find() const {
 
 void HeadingTracker::start(double heading_rad, double sigma_rad, const std::optional<Mat3>& strays_rad2) {
   *this = HeadingTracker(settings_);
-  heading_ = heading_rad;
-  cov_(0, 0) = sigma_rad * sigma_rad;
-  cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
+  move_to(heading_rad, sigma_rad);
   if (strays_rad2)
     cov_.block<3, 3>(kWay, kWay) =
         settings_.foretold_way_sigmas * settings_.foretold_way_sigmas * *strays_rad2;

@@ -160,8 +160,6 @@ struct Pipeline::State {
   void see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh);
   [[nodiscard]] bool fresh(std::uint16_t sensor, DeviceTime frame) const;
   void put_in_force(const Calibration& made);
-  /// Follows a face sensor's heading from here on.
-  void follow(std::size_t i, double heading_rad, double sigma_rad);
   /// What its skin says of every heading, now that all poses of the frame are known.
   void recentre(double dt_s, const Quat& q_world_ear);
   /// P_i of the frame, whose pose is there.
@@ -278,17 +276,14 @@ void Pipeline::State::put_in_force(const Calibration& made) {
   ++calibrations;
   watched = false;
   for (std::size_t i = 0; i < face.size(); ++i)
-    follow(i, made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad);
+    trackers[i].start(made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad,
+                      skin ? std::optional(skin->usual_strays_rad2(i)) : std::nullopt);
   std::ranges::fill(tilt_rad2, 0.0);
   std::ranges::fill(astray_s, 0.0);
   for (Channel& channel : channels) {
     channel.began_anew = false;
     channel.take_gaps();
   }
-}
-
-void Pipeline::State::follow(std::size_t i, double heading_rad, double sigma_rad) {
-  trackers[i].start(heading_rad, sigma_rad, skin ? std::optional(skin->usual_strays_rad2(i)) : std::nullopt);
 }
 
 Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {

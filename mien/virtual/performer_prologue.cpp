@@ -24,8 +24,8 @@ constexpr double kGesture_s = 4;        // Two cycles at half a hertz,
 constexpr double kGestureRest_s = 0.5;  // and a moment of rest after each.
 constexpr double kCycles = 2;
 constexpr double kEase_s = 0.5;
-constexpr double kLedIn_s =
-    1.6;  // A second and a half in which a session lets people read, and a tenth to react.
+/// A session lets people read for a second and a half, and they take a tenth to react.
+constexpr double kLedIn_s = 1.6;
 constexpr double kAnchor_s = 2.4;
 constexpr double kRangePrompt_s = 2.0;
 constexpr double kDegree = std::numbers::pi / 180;
