@@ -22,7 +22,8 @@
 
 namespace {
 
-/// In memory where the machine has such a folder: the disk would be what is measured otherwise.
+/// In memory where the machine has such a folder, as are the copies that recovery makes: a disk that stalls would
+/// look like an input that hangs.
 const std::filesystem::path& folder() {
   static const std::filesystem::path path = [] {
     const std::filesystem::path shared = "/dev/shm";
@@ -31,6 +32,7 @@ const std::filesystem::path& folder() {
          "take-fuzz-XXXXXX")
             .string();
     if (::mkdtemp(name.data()) == nullptr) std::abort();
+    if (::setenv("TMPDIR", name.c_str(), 1) != 0) std::abort();
     static std::string kept = name;
     std::atexit([] { std::filesystem::remove_all(kept); });
     return name;
