@@ -217,7 +217,7 @@ void add_bench_command(Commands& commands) {
       "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
       "beside other "
       "run times, and how many performers one core carries, beside the core's measured peak",
-      "mien bench causal --precision bf16 --json", [asked] { return run_causal_bench(*asked); });
+      "mien bench causal --precision int8 --json", [asked] { return run_causal_bench(*asked); });
   causal
       ->add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
       ->capture_default_str();

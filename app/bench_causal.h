@@ -3,13 +3,15 @@
 #include <string>
 
 #include "mien/core/error.h"
+#include "mien/model/precision.h"
+#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 
 /// What `mien bench causal` is asked.
 struct CausalBench {
   std::string model;  ///< Empty: the default live model.
-  std::string precision = "fp32";
+  std::string precision{model::precision_name(tracker::kLivePrecision)};
   int frames = 3600;
   bool no_peers = false;  ///< ONNX Runtime and libtorch are not run.
   bool json = false;

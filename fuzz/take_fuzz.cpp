@@ -22,8 +22,8 @@
 
 namespace {
 
-/// In memory where the machine has such a folder, as are the copies that recovery makes: a disk that stalls would
-/// look like an input that hangs.
+/// In memory where the machine has such a folder, as are the copies that recovery makes: a disk that stalls
+/// would look like an input that hangs.
 const std::filesystem::path& folder() {
   static const std::filesystem::path path = [] {
     const std::filesystem::path shared = "/dev/shm";

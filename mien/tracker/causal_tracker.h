@@ -16,6 +16,10 @@
 
 namespace mien::tracker {
 
+/// What the live network multiplies in: half of fp32's time, and no error of it moves by a hundredth
+/// (docs/engine.md).
+inline constexpr model::Precision kLivePrecision = model::Precision::bf16;
+
 /// The live tracker: one frame of features in, one output frame out, nothing of the future. Which network
 /// answers is the model file's affair. Belongs to one performance and one thread; a moved-from one is of no
 /// use.
@@ -26,10 +30,10 @@ class CausalTracker final : public FrameModel {
   /// not causal or whose outputs are not the 53 shapes, no sensor in common), and the network's.
   [[nodiscard]] static Result<CausalTracker> create(model::ModelFile file,
                                                     const std::vector<std::string>& face_sensor_names,
-                                                    model::Precision precision = model::Precision::fp32);
+                                                    model::Precision precision = kLivePrecision);
 
   /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (Calm). No allocation;
-  /// about 30 us with the default model. The same frames after a reset give the same bits on one CPU family
+  /// about 25 us with the default model. The same frames after a reset give the same bits on one CPU family
   /// and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 

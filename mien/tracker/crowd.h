@@ -11,6 +11,7 @@
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
 #include "mien/tracker/calm.h"
+#include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/frame_writer.h"
 #include "mien/tracker/model_input.h"
 
@@ -25,7 +26,7 @@ class Crowd {
   [[nodiscard]] static Result<Crowd> create(const model::ModelFile& file,
                                             const std::vector<std::string>& face_sensor_names,
                                             std::size_t performers,
-                                            model::Precision precision = model::Precision::fp32);
+                                            model::Precision precision = kLivePrecision);
 
   /// The next frame of the performers `due`, each once; features[i] and out[i] belong to due[i]. No
   /// allocation.
