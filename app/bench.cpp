@@ -21,7 +21,8 @@
 #include "app/running_session.h"
 #include "mien/core/files.h"
 #include "mien/live/latency.h"
-#include "mien/model/kernels.h"
+#include "mien/model/linear.h"
+#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 namespace {
@@ -161,7 +162,7 @@ Result<void> run_live(const Options& options) {
         {"missed", summary->missed},
         {"received", received.load()},
         {"packets", performed->packets},
-        {"kernels", model::kernel_name()},
+        {"kernels", model::kernel_name(tracker::kLivePrecision)},
         {"hash", summary->hash}};
   };
   const Result<nlohmann::ordered_json> measured = [&]() -> Result<nlohmann::ordered_json> {
@@ -188,7 +189,8 @@ Result<void> run_live(const Options& options) {
   line("a thread that only sends datagrams on", (*measured)["network"]);
   fmt::print("{} frames, {} missed, {} received; kernels {}, hash {}\n",
              (*measured)["frames"].get<std::uint64_t>(), (*measured)["missed"].get<std::uint64_t>(),
-             received.load(), model::kernel_name(), (*measured)["hash"].get<std::string>());
+             received.load(), model::kernel_name(tracker::kLivePrecision),
+             (*measured)["hash"].get<std::string>());
   return {};
 }
 

@@ -24,11 +24,12 @@
 #include "mien/face/load.h"
 #include "mien/live/registry.h"
 #include "mien/live/replay.h"
-#include "mien/model/kernels.h"
+#include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
+#include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -201,7 +202,7 @@ Result<void> run(Options options) {
                 {"take", live_path.string()},
                 {"frames", captured.summary.frames},
                 {"missed", captured.summary.missed},
-                {"kernels", model::kernel_name()},
+                {"kernels", model::kernel_name(tracker::kLivePrecision)},
                 {"hash", captured.summary.hash},
                 {"same_bits", same_bits},
                 {"latency_ms", {{"p50", p50_ms}, {"p99", p99_ms}}},

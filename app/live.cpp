@@ -11,7 +11,8 @@
 #include "app/live_session.h"
 #include "mien/live/registry.h"
 #include "mien/live/replay.h"
-#include "mien/model/kernels.h"
+#include "mien/model/linear.h"
+#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 namespace {
@@ -45,12 +46,12 @@ Result<void> run_replay(Options options) {
                 {"calibrated_frames", calibrated},
                 {"calibration", report.calibration.state},
                 {"prompt", report.calibration.prompt},
-                {"kernels", model::kernel_name()},
+                {"kernels", model::kernel_name(tracker::kLivePrecision)},
                 {"hash", hash},
                 {"live_hash", live_hash}});
   } else {
     fmt::print("{}: {} frames, kernels {}, hash {}\n", options.replay.string(), session->frames(),
-               model::kernel_name(), hash);
+               model::kernel_name(tracker::kLivePrecision), hash);
     if (!live_hash.empty())
       fmt::print("{}\n",
                  live_hash == hash

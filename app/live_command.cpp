@@ -8,7 +8,8 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/page_address.h"
-#include "mien/model/kernels.h"
+#include "mien/model/linear.h"
+#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 namespace {
@@ -35,7 +36,7 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
                      {"doubled", link.health.doubled}});
   return {{"frames", summary.frames},
           {"missed", summary.missed},
-          {"kernels", model::kernel_name()},
+          {"kernels", model::kernel_name(tracker::kLivePrecision)},
           {"hash", summary.hash},
           {"latency_ms",
            {{"p50", ms(summary.latency.percentile(0.5))},
@@ -112,7 +113,7 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);
     if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
-    fmt::print("kernels {}, hash {}\n", model::kernel_name(), summary.hash);
+    fmt::print("kernels {}, hash {}\n", model::kernel_name(tracker::kLivePrecision), summary.hash);
   }
   if (!summary.recording_error.empty())
     return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");

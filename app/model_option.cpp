@@ -11,6 +11,7 @@
 #include "app/command.h"
 #include "mien/core/files.h"
 #include "mien/live/registry.h"
+#include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/study/prompted.h"
 #include "mien/tracker/causal_tracker.h"
@@ -65,6 +66,11 @@ face::BlendshapeWeights OpenModel::mean_pose() const {
 
 int OpenModel::steps() const {
   return std::holds_alternative<tracker::WindowSolver>(model_) ? static_cast<int>(settings_.steps) : 0;
+}
+
+std::string OpenModel::kernels() const {
+  return model::kernel_name(std::holds_alternative<model::ModelFile>(model_) ? tracker::kLivePrecision
+                                                                             : model::Precision::fp32);
 }
 
 Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFrom from,

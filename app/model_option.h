@@ -27,6 +27,8 @@ class OpenModel {
   [[nodiscard]] face::BlendshapeWeights mean_pose() const;
   /// Denoising steps; 0 for a causal network, which takes none.
   [[nodiscard]] int steps() const;
+  /// What its network multiplies with on this CPU (model::kernel_name()).
+  [[nodiscard]] std::string kernels() const;
   /// Solves a take, showing progress under `title`; says on stderr where the answer stands on few of the
   /// sensors or on none.
   [[nodiscard]] Result<study::Solution> solve(const take::Take& take, study::SolveFrom from,

@@ -7,7 +7,6 @@
 #include "app/json_output.h"
 #include "app/model_option.h"
 #include "app/write_motion.h"
-#include "mien/model/kernels.h"
 #include "mien/study/solve.h"
 
 namespace mien::app {
@@ -39,13 +38,13 @@ Result<void> run(Options options) {
                 {"model", options.model.path},
                 {"frames", solution.frames.size()},
                 {"felt", solution.felt},
-                {"kernels", model::kernel_name()},
+                {"kernels", model.kernels()},
                 {"hash", solution.hash},
                 {"seconds", seconds},
                 {"out", options.out}});
   } else {
     fmt::print("{} frames in {:.1f} s\nkernels {}\nhash    {}\n", solution.frames.size(), seconds,
-               model::kernel_name(), solution.hash);
+               model.kernels(), solution.hash);
     if (!options.out.empty()) fmt::print("wrote   {}\n", options.out);
   }
   return {};

@@ -12,8 +12,9 @@ namespace mien::imu {
 
 /// What the prologue tells of one face sensor. Frames: S_i the sensor's own, S_h the ear sensor's.
 struct SensorCalibration {
-  bool valid = false;               ///< False: the sensor was silent in the prologue; it stays missing.
-  Quat neutral = Quat::Identity();  ///< N_i: from S_i to S_h on the neutral face.
+  bool valid = false;  ///< False: the sensor was silent in the prologue; it stays missing.
+  Quat neutral =
+      Quat::Identity();    ///< N_i: from S_i to S_h on the neutral face; its creep included, where followed.
   double heading_rad = 0;  ///< Z_i: turn about the vertical from this fusion's world to the ear's, (-pi, pi].
   double heading_sigma_rad = 0;  ///< Its standard deviation.
   Vec3 neutral_accel_m_s2 =

@@ -103,7 +103,8 @@ class Pipeline {
   [[nodiscard]] const Calibration& calibration() const;
   /// Counts calibrations: 0 before the first, one more each time calibration() changes.
   [[nodiscard]] int calibration_count() const;
-  /// The same with the headings as they are followed now: what restore() may put in force again.
+  /// The same with the headings as they are followed now, and neutrals with what the adhesive has crept: what
+  /// restore() may put in force again.
   [[nodiscard]] Calibration calibration_now() const;
   /// The phase that runs, or that is watched for; none when a calibration is in force and nothing runs.
   [[nodiscard]] std::optional<Phase> phase() const;

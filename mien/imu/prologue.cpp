@@ -18,11 +18,11 @@ constexpr std::size_t kMinFrames = 30;
 constexpr double kFirstTurn = 4 * kDeg;
 /// Frames further apart, s, tell no angular acceleration.
 constexpr double kMaxStep_s = 0.05;
-/// Of the face's sensors ahead of the ear, m, and what a nod makes of it, m/s^2: nods tell which way is ahead
-/// where both are more. They are about 0.09 and, at half a hertz, 0.9 (docs/fusion.md); faults of the
-/// accelerometers come to 0.1 to 0.3 m/s^2.
+/// Of the face's sensors ahead of the ear, m, and what a nod makes of it, m/s^2 for each radian that the head
+/// turns: nods tell which way is ahead where both are more. They are about 0.09 and, at half a hertz, 0.9
+/// (docs/fusion.md); faults of the accelerometers, which turn with the head, come to 0.1 to 0.3.
 constexpr double kMinAhead_m = 0.03;
-constexpr double kMinSwing_m_s2 = 0.4;
+constexpr double kMinSwing_m_s2_rad = 0.4;
 
 // What passes. A nod of 10 degrees finds the heading to a few degrees; the others tell a step that was not
 // done as asked.
@@ -104,8 +104,8 @@ double Prologue::ahead_m(const Vec3& left) const {
   const double ahead = -face_side_ * covariance / variance;
   // A slow nod hardly swings, and what an accelerometer is off turns with the head, too.
   const double rate2 = left.dot(nodding_.rate_square * left) / static_cast<double>(nodding_.count);
-  const double swing_m_s2 = std::abs(ahead) * (variance / count) / rate2;
-  return std::abs(ahead) >= kMinAhead_m && swing_m_s2 >= kMinSwing_m_s2 ? ahead : 0;
+  const double swing_m_s2_rad = std::abs(ahead) * (variance / count) / rate2;
+  return std::abs(ahead) >= kMinAhead_m && swing_m_s2_rad >= kMinSwing_m_s2_rad ? ahead : 0;
 }
 
 Prologue::Prologue(const sensor::Rig& rig) : face_side_(face_side(rig)) {

@@ -21,14 +21,14 @@ class Prologue {
 
   /// What one frame says. `face` holds one entry a face sensor; an absent one is missing.
   struct Frame {
-    DeviceTime time;
+    DeviceTime time;  ///< Reference sensor's clock.
     Quat q_world_ear;
     Vec3 ear_rate_rad_s = Vec3::Zero();  ///< Without bias, the ear sensor's axes.
     Vec3 ear_force_world_m_s2 = Vec3::Zero();
     bool ear_fresh = true;  ///< Heard for this frame, not held over a gap.
     struct Face {
       bool present = false;
-      bool fresh = true;
+      bool fresh = true;  ///< Of a present one: heard for this frame, not held over a gap.
       Quat q_world_face;
       Vec3 force_world_m_s2 = Vec3::Zero();
       Vec3 rate_rad_s = Vec3::Zero();  ///< Without bias, its own axes; for who watches for stillness.
@@ -92,7 +92,7 @@ class Prologue {
   double face_side_ = 1;      // 1: the face is ahead of the head's sensor, -1: behind it; 0: beside it.
   std::vector<Swing> swing_;  // In the nod.
   struct Turning {
-    DeviceTime time;
+    DeviceTime time;  ///< Reference sensor's clock.
     Vec3 rate_rad_s;
   };
   std::optional<Turning> last_nod_;

@@ -20,8 +20,9 @@
 #include "mien/live/page_messages.h"
 #include "mien/live/recorder.h"
 #include "mien/live/tracker_loop.h"
-#include "mien/model/kernels.h"
+#include "mien/model/linear.h"
 #include "mien/sink/address.h"
+#include "mien/tracker/causal_tracker.h"
 
 namespace mien::live {
 namespace {
@@ -346,7 +347,7 @@ Result<void> Engine::State::start_recording(const std::filesystem::path& path, b
 }
 
 std::vector<take::Note> Engine::State::notes() const {
-  return {{"live.model", settings.model}, {"live.kernels", std::string(model::kernel_name())}};
+  return {{"live.model", settings.model}, {"live.kernels", model::kernel_name(tracker::kLivePrecision)}};
 }
 
 void Engine::State::on_message(std::uint64_t client, std::string_view text) {

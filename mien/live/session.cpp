@@ -370,7 +370,7 @@ Result<void> Session::obey(const Calibrate& command) {
 }
 
 Result<void> Session::obey(const CancelCalibration&) {
-  if (guide_.running()) leave_guide("cancelled; nothing was changed");
+  if (guide_.running()) leave_guide("cancelled; the calibration before it is in force");
   return {};
 }
 

@@ -16,14 +16,16 @@ void Calm::apply(face::BlendshapeWeights& weights) {
   const DeviceTime now = DeviceTime{} + frame_offset(frames_++);
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     const auto one = static_cast<float>(filters_[k].filter(now, weights[k]));
-    if (std::ranges::find(kLids, k) != kLids.end()) {
-      const float speed = first ? 0 : (one - last_[k]) * static_cast<float>(kFrameRateHz);
-      last_[k] = one;
+    const bool lid = std::ranges::find(kLids, k) != kLids.end();
+    const float next = first || lid ? one : last_[k] + kFollow * (one - last_[k]);
+    const float speed = first ? 0 : (next - last_[k]) * static_cast<float>(kFrameRateHz);
+    last_[k] = next;
+    if (lid) {
       const float lead = kBlinkLead * std::max(0.0F, speed - kBlinkSpeed);
-      weights[k] = lead > 0 ? std::max(one, std::min(1.0F, one + lead)) : one;
+      weights[k] = lead > 0 ? std::max(next, std::min(1.0F, next + lead)) : next;
     } else {
-      last_[k] = first ? one : last_[k] + kFollow * (one - last_[k]);
-      weights[k] = last_[k];
+      speed_[k] += kSpeedFollow * (speed - speed_[k]);
+      weights[k] = std::clamp(next + kLead * speed_[k], 0.0F, 1.0F);
     }
   }
 }

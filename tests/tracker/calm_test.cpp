@@ -72,6 +72,23 @@ TEST(Calm, ALidThatStaysOrOpensGetsNoLead) {
   }
 }
 
+TEST(Calm, AMovementIsHardlyLate) {
+  Calm calm;
+  float late = 0;
+  for (int f = 0; f < 120; ++f) {
+    face::BlendshapeWeights weights;
+    const float truth = std::clamp(static_cast<float>(f - 60) / 60, 0.0F, 1.0F);
+    weights[kMouth] = truth;
+    calm.apply(weights);
+    late = std::max(late, truth - weights[kMouth]);
+    if (f > 60 + 45) {
+      EXPECT_LT(truth - weights[kMouth], 0.03F) << f << ": both filters delay by 0.06 together";
+    }
+    EXPECT_LE(weights[kMouth], 1);
+  }
+  EXPECT_LT(late, 0.09F) << "when it begins";
+}
+
 TEST(Calm, ForgetsAtAReset) {
   Calm calm, fresh;
   face::BlendshapeWeights one, two;

@@ -25,7 +25,8 @@ model::FeatureFrame frame_of(std::size_t performer, std::size_t frame) {
 TEST(Crowd, EverybodyGetsWhatATrackerOfTheirOwnGives) {
   constexpr std::size_t kPerformers = Crowd::kTogether + 5, kFrames = 9;
   const auto file = test::tiny_causal_model(kSensors);
-  for (const model::Precision precision : {model::Precision::fp32, model::Precision::int8}) {
+  for (const model::Precision precision :
+       {model::Precision::fp32, model::Precision::bf16, model::Precision::int8}) {
     Crowd crowd = Crowd::create(file, kSensors, kPerformers, precision).value();
     EXPECT_EQ(crowd.performers(), kPerformers);
     std::vector<CausalTracker> trackers;
