@@ -52,11 +52,17 @@ Result<void> run_replay(Options options) {
   } else {
     fmt::print("{}: {} frames, kernels {}, hash {}\n", options.replay.string(), session->frames(),
                model::kernel_name(tracker::kLivePrecision), hash);
-    if (!live_hash.empty())
-      fmt::print("{}\n",
-                 live_hash == hash
-                     ? "The same bits as the session that recorded it."
-                     : "Not the bits of the session that recorded it: another model, kernels or build.");
+    if (live_hash == hash) {
+      fmt::print("The same bits as the session that recorded it.\n");
+    } else if (!live_hash.empty()) {
+      MIEN_TRY_ASSIGN(const std::string live_model, take.note("live.model"));
+      MIEN_TRY_ASSIGN(const std::string live_kernels, take.note("live.kernels"));
+      fmt::print(
+          "Not the bits of the session that recorded it, which had the model {} and the kernels {}: give "
+          "that "
+          "model with --model, or it was another build.\n",
+          live_model, live_kernels);
+    }
   }
   return {};
 }
