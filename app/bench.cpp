@@ -14,6 +14,7 @@
 
 #include "app/bench_causal.h"
 #include "app/bench_onnxruntime.h"
+#include "app/bench_start.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live_session.h"
@@ -211,6 +212,7 @@ void add_bench_command(Commands& commands) {
       ->capture_default_str();
   live->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
   live->add_flag("--json", options->json, "Print one JSON object");
+  add_start_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
 
   auto asked = std::make_shared<CausalBench>();

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <fstream>
+#include <string>
 #include <utility>
 
 #include "app/command.h"
@@ -13,6 +15,14 @@
 
 namespace mien::app {
 namespace {
+
+/// The most memory that this process ever had resident, in MiB; null where the system does not tell.
+nlohmann::ordered_json peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (double kb = 0; word == "VmHWM:" && status >> kb) return kb / 1024;
+  return nullptr;
+}
 
 nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
   const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
@@ -42,6 +52,7 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
            {{"p50", ms(summary.latency.percentile(0.5))},
             {"p99", ms(summary.latency.percentile(0.99))},
             {"max", ms(summary.latency.largest())}}},
+          {"peak_memory_mb", peak_memory_mb()},
           {"datagrams", summary.datagrams},
           {"dropped", summary.dropped},
           {"malformed", summary.malformed},

@@ -12,6 +12,7 @@
 #include <charconv>
 #include <chrono>
 #include <ctime>
+#include <future>
 #include <optional>
 
 #include "app/command.h"
@@ -58,8 +59,27 @@ Result<std::vector<live::PairingKey>> read_key(const std::string& path) {
   return std::vector{key};
 }
 
-Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request,
-                                                        std::span<const std::byte> face_glb) {
+/// A face as the page loads it. The built-in one takes longer than all else at the beginning of a session and
+/// cannot fail: it is made when somebody looks. What is wrong with others is known before the session begins.
+Result<live::Asset> face_file(const std::string& name) {
+  const auto make = [name]() -> Result<std::vector<std::byte>> {
+    MIEN_TRY_ASSIGN(const face::Face face, face::load_face(name));
+    return render::encode_gltf(face, nullptr, render::GltfKind::binary);
+  };
+  std::shared_future<Result<std::vector<std::byte>>> made;
+  if (name != "builtin") {
+    made = std::async(std::launch::deferred, make).share();
+    MIEN_TRY(made.get());
+  }
+  live::Asset file{.path = "/face.glb", .type = "model/gltf-binary", .bytes = {}, .open = false};
+  file.make = [make, made]() mutable {
+    if (!made.valid()) made = std::async(std::launch::async, make).share();
+    return made;
+  };
+  return file;
+}
+
+Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request) {
   if (request.page == "off") return std::optional<live::PageSettings>();
   const auto wrong = [&request] {
     return fail(ErrorCode::bad_usage, "not an address for the page", "--page " + request.page,
@@ -86,7 +106,8 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   if (page.assets.empty())
     return fail(ErrorCode::not_found, "this program was built without its page", request.page,
                 "run with --page off, or build it with npm installed");
-  page.assets.push_back({"/face.glb", "model/gltf-binary", face_glb, false});
+  MIEN_TRY_ASSIGN(live::Asset face, face_file(request.face));
+  page.assets.push_back(std::move(face));
   return std::optional(std::move(page));
 }
 
@@ -104,13 +125,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(const std::vector<live::PairingKey> keys, read_key(request.key));
   if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
 
-  LiveSession out;
-  out.face_glb = std::make_unique<std::vector<std::byte>>();
-  if (request.page != "off") {
-    MIEN_TRY_ASSIGN(const face::Face face, face::load_face(request.face));
-    MIEN_TRY_ASSIGN(*out.face_glb, render::encode_gltf(face, nullptr, render::GltfKind::binary));
-  }
-  MIEN_TRY_ASSIGN(settings.page, page_settings(request, *out.face_glb));
+  MIEN_TRY_ASSIGN(settings.page, page_settings(request));
 
   const auto serial = [](const std::string& address) { return address.starts_with("serial:"); };
   if (!keys.empty() && std::ranges::any_of(request.listen, serial))
@@ -144,6 +159,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(std::unique_ptr<live::Session> session, live::make_session(rig, model, {}, keys));
   auto engine = live::Engine::open(std::move(settings), std::move(session));
   if (!engine) return std::unexpected(with_option(std::move(engine).error(), request.out));
+  LiveSession out;
   out.engine = *std::move(engine);
   out.out = std::move(request.out);
   return out;

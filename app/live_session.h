@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -33,12 +32,12 @@ struct LiveRequest {
 
 /// A session that is open, and what it shows.
 struct LiveSession {
-  std::unique_ptr<std::vector<std::byte>> face_glb;  ///< Given out by the engine's page.
-  std::vector<std::string> out;                      ///< Addresses of the sinks that were asked for.
+  std::vector<std::string> out;  ///< Addresses of the sinks that were asked for.
   std::unique_ptr<live::Engine> engine;
 };
 
-/// Reads what the request names and opens every port, sink, take and page. Errors: theirs.
+/// Reads what the request names and opens every port, sink, take and page. The built-in face that the page
+/// shows is made on a thread of its own meanwhile: frames do not wait for it. Errors: theirs.
 [[nodiscard]] Result<LiveSession> open_live(LiveRequest request);
 
 }  // namespace mien::app

@@ -136,9 +136,8 @@ class Child {
 }  // namespace
 
 Result<fs::path> find_helper(const std::string& name) {
+  MIEN_TRY_ASSIGN(const fs::path self, running_program());
   std::error_code code;
-  const fs::path self = fs::read_symlink("/proc/self/exe", code);
-  if (code) return fail(ErrorCode::io, "the running program's path cannot be read", "/proc/self/exe");
   const fs::path path = self.parent_path() / name;
   if (!fs::exists(path, code))
     return fail(ErrorCode::not_found,

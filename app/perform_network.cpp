@@ -108,7 +108,7 @@ void Broadcast::listen(std::size_t node) {
 }
 
 void Broadcast::refused() {
-  if (summary_.refused++ > 0) return;
+  if (summary_.refused++ > 0 || options_.title.empty()) return;
   clear_progress();
   fmt::print(stderr,
              "mien: {}: nobody listens there; performing all the same (the calibration comes once, at the "
@@ -182,7 +182,11 @@ Result<void> Broadcast::simulate_ahead(HostTime at) {
 Result<NetworkSummary> Broadcast::run() {
   summary_.nodes = nodes_.size();
   for (std::size_t n = 0; n < nodes_.size(); ++n) summary_.listening += nodes_[n].listens() ? 1 : 0;
-  Progress progress = terminal_progress(options_.title);
+  const auto shown = [this](const std::string& title) -> Progress {
+    if (options_.title.empty()) return [](double, std::string_view) { return !stop_asked(); };
+    return terminal_progress(title);
+  };
+  Progress progress = shown(options_.title);
   MIEN_TRY_ASSIGN(const bool waited, wait_for_an_answer(progress));
   summary_.stopped = !waited;
   // Devices are on a little before the performance begins.
@@ -199,7 +203,7 @@ Result<NetworkSummary> Broadcast::run() {
     summary_.performed_s = std::max(0.0, to_seconds(at - *start_));
     const auto [round, share] = nodes_.round_at(summary_.performed_s);
     if (round > summary_.rounds && round > 1)
-      progress = terminal_progress(fmt::format("{}, round {}", options_.title, round));
+      progress = shown(fmt::format("{}, round {}", options_.title, round));
     summary_.rounds = round;
     if (options_.enough && options_.enough(round)) {
       summary_.answered = answered();

@@ -25,7 +25,7 @@ struct NetworkOptions {
   std::string to;                 ///< As parse_target() takes it.
   double wait_s = 10;             ///< The performance begins unanswered after this.
   bool loop = false;              ///< Again and again, until it is stopped.
-  std::string title = "perform";  ///< Stands before the progress.
+  std::string title = "perform";  ///< Stands before the progress; empty: it says nothing.
   /// Asked often, where there is one: true ends the performance, and that is no stop by its user.
   std::function<bool(std::size_t round)> enough;
 };

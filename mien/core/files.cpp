@@ -127,10 +127,16 @@ Result<void> write_file(const fs::path& path, std::string_view text) {
   return write_file(path, std::as_bytes(std::span(text)));
 }
 
-Result<fs::path> find_resource(const fs::path& relative) {
+Result<fs::path> running_program() {
   std::error_code code;
-  const fs::path program = fs::read_symlink("/proc/self/exe", code);
+  fs::path program = fs::read_symlink("/proc/self/exe", code);
   if (code) return fail(ErrorCode::io, "the running program's path cannot be read", "/proc/self/exe");
+  return program;
+}
+
+Result<fs::path> find_resource(const fs::path& relative) {
+  MIEN_TRY_ASSIGN(const fs::path program, running_program());
+  std::error_code code;
   // build/<preset>/app/mien and <prefix>/bin/mien alike: the nearest folder above that has it.
   for (fs::path folder = program.parent_path();; folder = folder.parent_path()) {
     for (const fs::path& candidate : {folder / relative, folder / "share" / "mien" / relative})

@@ -28,6 +28,9 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{1} << 31U;
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 [[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view text);
 
+/// The running program's real path. Errors: io.
+[[nodiscard]] Result<std::filesystem::path> running_program();
+
 /// Where a program's own parts stand (models, rigs, helpers): found from the running program's real path, in
 /// an installed tree as in a build tree. `relative` is like "rigs/default.toml". Errors: not_found.
 [[nodiscard]] Result<std::filesystem::path> find_resource(const std::filesystem::path& relative);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -32,6 +33,8 @@ constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 16U;
 /// Replies and states that a client may be behind.
 constexpr std::size_t kMaxQueue = 256;
 constexpr auto kPatience = std::chrono::seconds(15);
+/// How often a request looks whether what it waits for is made.
+constexpr auto kLookAgain = std::chrono::milliseconds(20);
 
 std::string_view view(beast::string_view text) {
   return {text.data(), text.size()};
@@ -63,7 +66,10 @@ struct PageServer::State : std::enable_shared_from_this<PageServer::State> {
 class PageServer::Connection : public std::enable_shared_from_this<PageServer::Connection> {
  public:
   Connection(tcp::socket socket, std::shared_ptr<State> state)
-      : stream_(std::move(socket)), state_(std::move(state)), buffer_(kMaxRequestBytes) {
+      : stream_(std::move(socket)),
+        look_again_(stream_.get_executor()),
+        state_(std::move(state)),
+        buffer_(kMaxRequestBytes) {
     ++state_->connections;
   }
   ~Connection() {
@@ -118,17 +124,30 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
         // addresses.
         if (!asset.open && !state_->knows_token(token))
           return refuse(http::status::forbidden, "a token is missing or wrong");
-        return give(asset, request);
+        return asset.make ? give_when_made(asset, request) : give(asset, asset.bytes, request);
       }
     refuse(http::status::not_found, "no such page");
   }
 
-  void give(const Asset& asset, const http::request<http::empty_body>& request) {
+  void give_when_made(const Asset& asset, const http::request<http::empty_body>& request) {
+    const auto made = asset.make();
+    if (made.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+      look_again_.expires_after(kLookAgain);
+      look_again_.async_wait([self = shared_from_this(), &asset, request](beast::error_code code) {
+        if (!code) self->give_when_made(asset, request);
+      });
+      return;
+    }
+    if (!made.get()) return refuse(http::status::internal_server_error, made.get().error().message());
+    give(asset, *made.get(), request);
+  }
+
+  void give(const Asset& asset, std::span<const std::byte> bytes,
+            const http::request<http::empty_body>& request) {
     auto response = std::make_shared<http::response<http::span_body<const char>>>(
         std::piecewise_construct,
-        std::make_tuple(
-            beast::span<const char>(reinterpret_cast<const char*>(asset.bytes.data()),
-                                    request.method() == http::verb::head ? 0 : asset.bytes.size())),
+        std::make_tuple(beast::span<const char>(reinterpret_cast<const char*>(bytes.data()),
+                                                request.method() == http::verb::head ? 0 : bytes.size())),
         std::make_tuple(http::status::ok, request.version()));
     response->set(http::field::content_type, beast::string_view(asset.type.data(), asset.type.size()));
     response->set(http::field::cache_control, "no-cache");
@@ -139,7 +158,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
                   "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
                   "connect-src 'self' blob: data:; worker-src 'self' blob:; object-src 'none'; "
                   "frame-ancestors 'none'; base-uri 'none'");
-    response->content_length(asset.bytes.size());
+    response->content_length(bytes.size());
     response->keep_alive(request.keep_alive());
     stream_.expires_after(4 * kPatience);
     http::async_write(stream_, *response,
@@ -207,6 +226,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   }
 
   beast::tcp_stream stream_;
+  asio::steady_timer look_again_;
   std::shared_ptr<State> state_;
   beast::flat_buffer buffer_;
   beast::flat_buffer message_{kMaxMessageBytes};

@@ -3,6 +3,7 @@
 #include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <set>
 #include <span>
@@ -20,6 +21,9 @@ struct Asset {
   std::string_view type;  ///< "text/html; charset=utf-8".
   std::span<const std::byte> bytes;
   bool open = true;  ///< Given without a token, too: it says nothing of the session.
+  /// If set, it tells the bytes, which may take a while: called whenever they are asked for, and the request
+  /// waits.
+  std::function<std::shared_future<Result<std::vector<std::byte>>>()> make = nullptr;
 };
 
 struct PageSettings {

@@ -7,15 +7,18 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
+#include <future>
 #include <optional>
 #include <span>
 
 namespace mien::live {
 namespace {
 
+using namespace std::string_literals;
 using boost::asio::ip::tcp;
 using test::PageClient;
 using test::run_until;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -28,6 +31,7 @@ class PageServerTest : public ::testing::Test {
     PageSettings settings{.host = "127.0.0.1", .port = 0, .token = token, .assets = {}};
     settings.assets.push_back({"/index.html", "text/html; charset=utf-8", bytes("<p>page</p>")});
     settings.assets.push_back({"/face.glb", "model/gltf-binary", bytes("glTF"), false});
+    settings.assets.push_back({"/late.glb", "model/gltf-binary", {}, true, [this] { return late; }});
     auto made = PageServer::open(
         network, settings, [] { return std::string(R"({"type": "hello"})"); },
         [this](std::uint64_t client, std::string_view text) {
@@ -64,6 +68,8 @@ class PageServerTest : public ::testing::Test {
   }
 
   boost::asio::io_context network;
+  std::promise<Result<std::vector<std::byte>>> making;
+  std::shared_future<Result<std::vector<std::byte>>> late = making.get_future().share();
   std::vector<std::string> heard;
   std::unique_ptr<PageServer> server;
   std::uint16_t port = 0;
@@ -87,6 +93,30 @@ TEST_F(PageServerTest, GivesItsFilesAndNothingElse) {
     EXPECT_THAT(get("/", "127.0.0.1", method), StartsWith("HTTP/1.1 405")) << method;
   EXPECT_EQ(answer("nonsense\r\n\r\n"), "");
   EXPECT_EQ(answer("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: " + std::string(20000, 'x') + "\r\n\r\n"), "");
+}
+
+TEST_F(PageServerTest, GivesWhatIsStillBeingMadeOnceItIs) {
+  open();
+  std::string late_answer;
+  bool ended = false;
+  tcp::socket socket(network);
+  socket.connect({boost::asio::ip::address_v4::loopback(), port});
+  boost::asio::write(
+      socket, boost::asio::buffer("GET /late.glb HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\n\r\n"s));
+  boost::asio::async_read(socket, boost::asio::dynamic_buffer(late_answer),
+                          [&](boost::system::error_code, std::size_t) { ended = true; });
+  EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));  // Others need not wait for it.
+  EXPECT_EQ(late_answer, "");
+  making.set_value(std::vector(4, std::byte{'x'}));
+  EXPECT_TRUE(run_until(network, [&] { return ended; }));
+  EXPECT_THAT(late_answer, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("\r\n\r\nxxxx")));
+  EXPECT_THAT(get("/late.glb"), HasSubstr("\r\n\r\nxxxx"));
+}
+
+TEST_F(PageServerTest, SaysWhatCouldNotBeMade) {
+  making.set_value(fail(ErrorCode::malformed, "no face", "a.obj"));
+  open();
+  EXPECT_THAT(get("/late.glb"), AllOf(StartsWith("HTTP/1.1 500"), HasSubstr("a.obj: no face")));
 }
 
 TEST_F(PageServerTest, AnswersOnLoopbackOnlyWhoCallsItThat) {
