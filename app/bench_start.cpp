@@ -171,10 +171,12 @@ Result<void> run_start_bench(const StartBench& options) {
   }
   const auto line = [&](const char* what, const ordered_json& f) {
     fmt::print("{:<36} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
-    fmt::print("{}\n",
-               f.contains("peak_memory_mb") ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>()) : "");
+    fmt::print("{}\n", f.contains("peak_memory_mb")
+                           ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>())
+                           : "");
   };
-  fmt::print("{:<36} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst", "MB");
+  fmt::print("{:<36} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst",
+             "MB");
   line("mien live, to its first frame", measured["with_page"]);
   line("the same with --page off", measured["without_page"]);
   line("mien --version, to its end", measured["program_alone"]);
