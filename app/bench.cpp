@@ -201,7 +201,7 @@ void add_bench_command(Commands& commands) {
   auto options = std::make_shared<Options>();
   CLI::App* bench = commands.add("bench", "How fast it is on this machine, beside what it is compared with",
                                  "mien bench live", nullptr);
-  bench->require_subcommand(1);
+  bench->require_subcommand(0, 1);
   CLI::App* live = commands.add_under(
       bench, "live",
       "From the arrival of the last sample of a frame to the packet that leaves, with a virtual performer on "

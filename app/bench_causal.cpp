@@ -250,8 +250,12 @@ Result<void> run_causal_bench(const CausalBench& asked) {
     MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
   }
   MIEN_TRY_ASSIGN(const model::ModelFile file, model::read_model(options.model));
-  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                  tracker::CausalTracker::create(file, file.features.sensors, *precision));
+  auto created = tracker::CausalTracker::create(file, file.features.sensors, *precision);
+  if (!created) {
+    created.error().where = options.model;
+    return std::unexpected(std::move(created).error());
+  }
+  tracker::CausalTracker& tracker = *created;
   MIEN_TRY_ASSIGN(tracker::Crowd crowd,
                   tracker::Crowd::create(file, file.features.sensors, kCrowd, *precision));
 

@@ -1,6 +1,7 @@
 #include "app/command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -42,11 +43,23 @@ CLI::App* Commands::add_under(CLI::App* parent, const std::string& name, const s
   return command;
 }
 
+std::vector<std::string> command_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* part : command.get_subcommands({})) names.push_back(part->get_name());
+  return names;
+}
+
 Result<void> Commands::run() const {
   // The deepest command that was named does the work.
-  for (auto it = runs_.rbegin(); it != runs_.rend(); ++it)
+  const CLI::App* named = nullptr;
+  for (auto it = runs_.rbegin(); it != runs_.rend(); ++it) {
     if (it->first->parsed() && it->second) return it->second();
-  return fail(ErrorCode::bad_usage, "no command was given", {}, "see mien --help");
+    if (it->first->parsed() && named == nullptr) named = it->first;
+  }
+  if (named == nullptr) return fail(ErrorCode::bad_usage, "no command was given", {}, "see mien --help");
+  return fail(ErrorCode::bad_usage, "it needs one of its commands", named->get_name(),
+              fmt::format("they are {}; see mien {} --help", fmt::join(command_names(*named), ", "),
+                          named->get_name()));
 }
 
 CLI::Validator number_between(double least, double most) {

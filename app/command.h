@@ -44,6 +44,9 @@ class Commands {
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path,
                                         std::initializer_list<std::string_view> endings);
 
+/// The names of a command's own commands.
+[[nodiscard]] std::vector<std::string> command_names(const CLI::App& command);
+
 /// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C
 /// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it.
 [[nodiscard]] Progress terminal_progress(std::string title);

@@ -115,6 +115,11 @@ Result<void> run(Options options) {
   if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
   print_row("hold last", evaluation.hold_last);
   print_row("mean pose", evaluation.mean_pose);
+  if (evaluation.model.mse > evaluation.mean_pose.mse &&
+      evaluation.model.mse_felt < evaluation.mean_pose.mse_felt)
+    fmt::print(
+        "\nMSE is above the mean pose's in shapes that these sensors do not feel (MSE felt leaves them out); "
+        "in millimetres they weigh little.\n");
   if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);
   return {};
 }
@@ -131,8 +136,10 @@ void add_evaluate_command(Commands& commands) {
   command->add_option("--face", options->face,
                       "Face to measure on (default: the take's own where it is found, else builtin)");
   command->add_option("--report", options->report, "Write a self-contained HTML page with plots");
-  command->add_flag("--no-adapt", options->no_adapt,
-                    "Do not personalise the model on a take's full prologue first");
+  command
+      ->add_flag("--no-adapt", options->no_adapt,
+                 "Do not personalise the live model on a take's full prologue first")
+      ->needs(command->get_option("--live"));
   command->add_flag("--json", options->json, "Print one JSON object");
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/command.h"
 #include "app/one_line.h"
 
 namespace mien::app {
@@ -50,12 +51,6 @@ const CLI::App& named_command(const CLI::App& program) {
   const CLI::App* command = &program;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().back();
   return *command;
-}
-
-std::vector<std::string> command_names(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::App* part : command.get_subcommands({})) names.push_back(part->get_name());
-  return names;
 }
 
 std::vector<std::string> option_names(const CLI::App& command) {

@@ -158,11 +158,11 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
 }
 
 void Fusion::restart() {
-  const Vec3 bias = bias_;
-  const Mat3 bias_cov = bias_cov_;
-  *this = Fusion(settings_);
-  bias_ = bias;
-  bias_cov_ = bias_cov;
+  Fusion anew(settings_);
+  anew.bias_ = bias_;
+  anew.bias_cov_ = bias_cov_;
+  anew.restarts_ = restarts_ + 1;
+  *this = anew;
 }
 
 void Fusion::detect_rest(double dt_s, const Vec3& gyro, const Vec3& accel) {

@@ -28,6 +28,9 @@ constexpr double kNewTilt_rad2 = 0.0076;
 constexpr double kSkinEvery_s = 0.045;
 /// What a board's heading may be off after it began anew with a face that is not at neutral, rad (10 deg).
 constexpr double kRejoinedSigma = 0.17;
+/// A board that began anew is believed when it has run for so long without another gap: two boards of one
+/// number never do.
+constexpr Duration kSettles = std::chrono::milliseconds(200);
 /// No skin turns so far about the vertical, rad (120 deg): a heading that would have it so, for so long (s,
 /// in which a tilt that a gap spoilt is mended), is lost.
 constexpr double kNoSkinTurns_rad = 2.1;
@@ -87,10 +90,13 @@ struct Channel {
     restarts = fusion.restarts();
     return gaps;
   }
+  [[nodiscard]] bool settled() const { return !began_anew || !newest || *newest - steady_since >= kSettles; }
+
   Fusion fusion;
   OrientationTrack track;
   LabTrack lab;
   std::optional<DeviceTime> newest;
+  DeviceTime steady_since;        // It began anew, or its last long gap ended.
   Duration step{};                // Between the last two samples that followed each other.
   double gap_sigma = 0;           // As the fusion had it when its growth was last passed on, ...
   std::uint64_t restarts = 0;     // ... and how often it had begun its tilt anew.
@@ -223,13 +229,14 @@ bool Pipeline::State::order(Channel& channel, const Sample& sample, double& dt_s
       channel.fusion.restart();
       channel.track.clear();
       channel.began_anew = true;
-      channel.take_gaps();
+      channel.steady_since = sample.time;
       channel.step = {};
     } else if (since <= Duration::zero()) {
       ++channel.dropped;
       return false;
     } else {
       dt_s = to_seconds(since);
+      if (dt_s > settings.fusion.max_gap_s) channel.steady_since = sample.time;
       if (channel.step > Duration::zero() && since > channel.step * 3 / 2)
         channel.lost += static_cast<std::uint64_t>((since + channel.step / 2) / channel.step - 1);
       else
@@ -579,7 +586,7 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
       tilt_rad2 += gaps.sigma_rad * gaps.sigma_rad;
     tilt_rad2 += ear_gaps.tilt_anew ? kNewTilt_rad2 : ear_gaps.sigma_rad * ear_gaps.sigma_rad;
 
-    if (head_known) s.poses[i] = s.pose(s.face[i], frame);
+    if (head_known && channel.settled()) s.poses[i] = s.pose(s.face[i], frame);
     const std::optional<FusedSample>& pose = s.poses[i];
     if (!pose) {
       s.trackers[i].skip(dt_s);

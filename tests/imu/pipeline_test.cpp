@@ -297,6 +297,33 @@ TEST(Pipeline, AnotherBoardHasNoNeutralUntilTheNextCalibration) {
   EXPECT_FALSE(pipeline.calibration().complete);
 }
 
+TEST(Pipeline, TwoBoardsOfOneNumberSayNothing) {
+  Script script;
+  script.end = 16;
+  Recording recording = record(script, no_faults(), 3, 27, moving_skin);
+  // After the calibration the third's packets come under the second's number, too.
+  std::vector<Entry> others = recording.entries;
+  std::erase_if(others, [](const Entry& entry) {
+    return entry.samples[0].sensor != 2 || to_seconds(entry.arrival.time_since_epoch()) < 12;
+  });
+  for (Entry& entry : others)
+    for (sensor::Sample& sample : entry.samples) sample.sensor = 1;
+  recording.entries.insert(recording.entries.end(), others.begin(), others.end());
+  std::ranges::stable_sort(recording.entries, {}, &Entry::arrival);
+  Pipeline pipeline(recording.rig);
+  std::size_t before = 0, shown = 0, frames = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
+    if (t > 11 && t < 11.9) before += frame.sensors[1].has_rotation ? 1 : 0;
+    if (t < 12.1) return;
+    ++frames;
+    shown += frame.sensors[1].has_rotation ? 1 : 0;
+    EXPECT_TRUE(frame.sensors[0].has_rotation && frame.sensors[2].has_rotation) << t;
+  });
+  EXPECT_GT(before, 50u);
+  EXPECT_GT(frames, 200u);
+  EXPECT_EQ(shown, 0u);
+}
+
 TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
   Script script;
   script.end = 24;
@@ -322,6 +349,36 @@ TEST(Pipeline, ASensorIsLeftOutUntilItsHeadingIsKnownAgain) {
   });
   EXPECT_GT(unsure, 0u);
   EXPECT_GT(sure, 300u);
+}
+
+TEST(Pipeline, ASensorThatCreepsIsFollowedAlsoBeyondItsBoardsRestart) {
+  Script script;
+  script.end = 100;
+  constexpr double kCrept = 3 * kDeg;
+  constexpr std::size_t kCreeper = 1;
+  const auto creeping = [](std::size_t sensor, double t) {
+    const double crept = sensor == kCreeper ? kCrept * std::clamp((t - 10) / 60, 0.0, 1.0) : 0;
+    return exp_rotation(crept * Vec3::UnitX());
+  };
+  Recording recording = record(script, no_faults(), 3, 28, creeping);
+  recording.rig.skin = sensor::SkinMotion{.sensors = recording.rig.face_sensor_names(),
+                                          .mean_deg = Eigen::VectorXd::Zero(9),
+                                          .factor_deg = 4 * Eigen::MatrixXd::Identity(9, 9)};
+  for (Entry& entry : recording.entries)
+    for (sensor::Sample& sample : entry.samples)
+      if (sample.sensor == kCreeper && to_seconds(entry.arrival.time_since_epoch()) > 90)
+        sample.time -= std::chrono::seconds(50);
+  Pipeline pipeline(recording.rig);
+  double before = 0, after = 0, tilt_sigma = 0;
+  play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline& p) {
+    const double shown = angle_between(rotation_of(frame.sensors[kCreeper]), Quat::Identity());
+    if (t > 80 && t < 90) before = std::max(before, shown);
+    if (t > 90) tilt_sigma = std::max(tilt_sigma, p.status(kCreeper).tilt_sigma_rad);
+    if (t > 95) after = std::max(after, shown);
+  });
+  EXPECT_LT(before, kCrept / 2);
+  EXPECT_LT(after, kCrept / 2);
+  EXPECT_GT(tilt_sigma, 4 * kDeg) << "gravity was asked anew";
 }
 
 TEST(Pipeline, AHeadingThatNoSkinCouldHaveIsFoundAnewAtOnce) {

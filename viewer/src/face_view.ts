@@ -46,6 +46,7 @@ export class FaceView {
     h("p", { text: "Drop a .glb or .vrm to wear it" }),
     h("p", { class: "quiet", text: "It stays in this browser." }),
   );
+  private readonly coming = h("div", { class: "face-coming", role: "status", text: "The face is coming …" });
 
   private bytes: { data: ArrayBuffer; name: string; own: boolean } | null = null;
   private first: Avatar | null = null;
@@ -72,7 +73,8 @@ export class FaceView {
       }
     });
     const host = h("div", { class: "stage-host" });
-    this.element.append(host, this.dots.element, this.left, this.right, this.nextFace, this.difference, this.veil);
+    this.element.append(host, this.dots.element, this.left, this.right, this.nextFace, this.difference, this.coming, this.veil);
+    this.loading.listen((loading) => setHidden(this.coming, !loading));
     this.stage = this.makeStage(host);
     if (!this.stage) return;
 
