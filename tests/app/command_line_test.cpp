@@ -117,7 +117,7 @@ class WrongInput : public ::testing::Test {
 TEST_F(WrongInput, CommandsThatDoNotExist) {
   expect_refused({{{}, "no command was given"},
                   {{"dance"}, "dance"},
-                  {{"take"}, "no command was given"},
+                  {{"take"}, "they are info, check"},
                   {{"take", "eat", "@kept.mien"}, "eat"},
                   {{"take", "info"}, "take"},
                   {{"perform"}, "--take"},
