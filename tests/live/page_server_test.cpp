@@ -106,7 +106,7 @@ TEST_F(PageServerTest, GivesWhatIsStillBeingMadeOnceItIs) {
   boost::asio::async_read(socket, boost::asio::dynamic_buffer(late_answer),
                           [&](boost::system::error_code, std::size_t) { ended = true; });
   EXPECT_THAT(get("/"), StartsWith("HTTP/1.1 200"));  // Others need not wait for it.
-  EXPECT_EQ(late_answer, "");
+  EXPECT_FALSE(ended);
   making.set_value(std::vector(4, std::byte{'x'}));
   EXPECT_TRUE(run_until(network, [&] { return ended; }));
   EXPECT_THAT(late_answer, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("\r\n\r\nxxxx")));
