@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "tests/imu/nodding_head.h"
 
@@ -309,7 +310,8 @@ TEST(Pipeline, TwoBoardsOfOneNumberSayNothing) {
   for (Entry& entry : others)
     for (sensor::Sample& sample : entry.samples) sample.sensor = 1;
   recording.entries.insert(recording.entries.end(), others.begin(), others.end());
-  std::ranges::stable_sort(recording.entries, {}, &Entry::arrival);
+  std::ranges::sort(recording.entries, {},
+                    [](const Entry& entry) { return std::pair(entry.arrival, entry.samples[0].time); });
   Pipeline pipeline(recording.rig);
   std::size_t before = 0, shown = 0, frames = 0;
   play(recording, script, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline&) {
