@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <memory>
+#include <system_error>
 
 namespace mien::app {
 namespace {
@@ -80,6 +82,10 @@ Result<void> check_output(const std::filesystem::path& path,
   if (path.has_parent_path() && !std::filesystem::is_directory(path.parent_path(), code))
     return fail(ErrorCode::not_found, "there is no such folder", path.parent_path().string(),
                 "make it first");
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (::access(folder.c_str(), W_OK) != 0)
+    return fail(ErrorCode::io, std::generic_category().message(errno), folder.string(),
+                "choose a folder that can be written to");
   return {};
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "app/command.h"
 #include "app/json_output.h"
@@ -73,6 +74,10 @@ Result<void> write_performance(Options options) {
 }
 
 Result<void> run(const Options& options) {
+  std::error_code not_there;
+  for (const std::string& read : {options.motion, options.model})
+    if (std::filesystem::equivalent(read, options.out, not_there))
+      return fail(ErrorCode::bad_usage, "it is what is read, too", options.out, "give --out another name");
   if (options.model.empty() && options.motion.empty())
     return fail(ErrorCode::bad_usage, "--motion or --model is required", "export", "see mien export --help");
   return options.model.empty() ? write_performance(options) : write_onnx(options);

@@ -69,9 +69,11 @@ Result<FilmMade> film(double from_s, double until_s, int columns, const FilmOpti
   MIEN_TRY_ASSIGN(auto writer, FilmWriter::start(out, columns * options.width, options.height,
                                                  options.rate_hz, cut(options.sound, from_s, until_s)));
   for (int i = 0; i < frames; ++i) {
-    MIEN_TRY(writer.add_frame(draw(from_s + i / options.rate_hz)));
+    const Result<void> added = writer.add_frame(draw(from_s + i / options.rate_hz));
+    // (A stop from the terminal stops the film's writer as well.)
     if (!progress(static_cast<double>(i + 1) / frames, fmt::format("frame {} of {}", i + 1, frames)))
       return fail(ErrorCode::cancelled, "stopped", out.string(), "nothing was written");
+    MIEN_TRY(added);
   }
   MIEN_TRY(writer.finish());
   return FilmMade{.frames = frames,

@@ -97,7 +97,8 @@ void add_live_command(Commands& commands) {
       "Where the face goes: livelink://, vmc://, vrchat://, ifacialmocap://, ws://HOST[:PORT] "
       "or csv:FILE; may be given often");
   CLI::Option* record =
-      command->add_option("--record", request.record, "The take to write, from the first packet on");
+      command->add_option("--record", request.record, "The take to write, from the first packet on")
+          ->check([](const std::string& file) { return file.empty() ? "the take has no name" : ""; });
   command
       ->add_option("--takes", request.takes,
                    "The folder of takes that the page records and shows (default: that of --record, or the "

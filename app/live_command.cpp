@@ -120,6 +120,13 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
                summary.frames, summary.missed, 1e3 * to_seconds(summary.latency.percentile(0.5)),
                1e3 * to_seconds(summary.latency.percentile(0.99)),
                1e3 * to_seconds(summary.latency.largest()));
+    if (summary.frames == 0)
+      fmt::print("No frame came: {}\n", summary.datagrams == 0
+                                            ? "nothing was heard"
+                                            : "packets did, but none of the rig's reference sensor");
+    else if (summary.report.calibration.state == "watching")
+      fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
+                 summary.report.calibration.prompt);
     for (const sink::Status& sink : summary.sinks)
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);

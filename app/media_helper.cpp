@@ -84,6 +84,7 @@ class Child {
   ~Child() {
     if (id_ <= 0) return;
     ::kill(id_, SIGTERM);
+    input_.close();  // Whatever it waits for: it ends, and takes away what it began.
     ::waitpid(id_, nullptr, 0);
   }
 

@@ -112,15 +112,15 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFro
 }
 
 void ModelOption::add_to(CLI::App* command) {
-  CLI::Option* named =
-      command->add_option("--model", path, "Model file (default: the one in models/ for the take's sensors)");
+  command->add_option("--model", path,
+                      "Model file (default: the one in models/ for the take's sensors); a live one, or a "
+                      "wearer's own, goes frame by frame by itself");
   CLI::Option* counted =
       command
           ->add_option("--steps", steps,
                        "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
           ->check(CLI::Range(1, 1000));
   command->add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
-      ->excludes(named)
       ->excludes(counted);
 }
 
@@ -144,6 +144,9 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
                   "leave --steps out");
     return OpenModel(std::move(file), adapt);
   }
+  if (live)
+    return fail(ErrorCode::bad_usage, "this is a window network, which sees what comes later", path,
+                "leave --live out, or name a live model");
   auto solver = tracker::WindowSolver::create(std::move(file));
   if (!solver) {
     solver.error().where = path;

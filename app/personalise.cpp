@@ -5,6 +5,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "mien/core/files.h"
+#include "mien/live/registry.h"
 #include "mien/model/model_file.h"
 #include "mien/study/prompted.h"
 #include "mien/study/solve.h"
@@ -24,13 +25,22 @@ Result<void> run(Options options) {
   if (!options.force && std::filesystem::exists(options.out))
     return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
+  if (!live::has_window_models(take.rig()))
+    return fail(ErrorCode::unsupported,
+                "its sensors do not sit on the skin, and how skin turns is what is learnt", options.take,
+                "glasses learn their wearer from a calibration (docs/eyewear.md)");
   if (options.model.empty()) {
     MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
   }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
                   study::take_features(take, study::SolveFrom::samples));
-  MIEN_TRY_ASSIGN(const tracker::Personalisation learnt, study::personalise_on(take, features, file));
+  auto made = study::personalise_on(take, features, file);
+  if (!made) {
+    made.error().where = options.take;
+    return std::unexpected(std::move(made).error());
+  }
+  const tracker::Personalisation& learnt = *made;
   if (!learnt.taken)
     return fail(
         ErrorCode::not_found,

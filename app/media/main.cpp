@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -24,11 +25,21 @@ struct VideoCommand {
   int quality = 20;
 };
 
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// A stop ends what waits for input, so that what was begun is taken away again.
+void catch_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_asked = 1; };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+}
+
 /// Fills `frame` from standard input. True when there was a whole one, false at the end.
 Result<bool> read_frame(std::span<std::uint8_t> frame) {
   std::size_t have = 0;
   while (have < frame.size()) {
     const ssize_t n = ::read(STDIN_FILENO, frame.data() + have, frame.size() - have);
+    if (stop_asked != 0) return fail(ErrorCode::cancelled, "stopped", "standard input");
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return fail(ErrorCode::io, std::strerror(errno), "standard input");
     if (n == 0) break;
@@ -53,6 +64,7 @@ Result<void> run_video(const VideoCommand& command) {
   }
   const std::size_t frame_size = std::size_t{3} * static_cast<std::size_t>(std::max(0, options.width)) *
                                  static_cast<std::size_t>(std::max(0, options.height));
+  catch_signals();
   MIEN_TRY_ASSIGN(auto video, media::VideoWriter::create(command.out, std::move(options)));
   std::vector<std::uint8_t> frame(frame_size);
   for (;;) {

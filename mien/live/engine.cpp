@@ -36,6 +36,8 @@ constexpr auto kBeat = std::chrono::milliseconds(100);
 constexpr int kBeatsPerStatus = 2;
 /// A session that is over goes on for a second, so that the page hears of it.
 constexpr int kLastBeats = 10;
+/// A device that is on has been heard by then.
+constexpr auto kSilence = std::chrono::seconds(10);
 /// A session that calibrates itself has done so by then: half a minute.
 constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
@@ -158,7 +160,8 @@ struct Engine::State {
   std::optional<std::filesystem::path> take;
   std::string recording_error;
   std::string unable_to_record;
-  bool told_uncalibrated = false;  // Already told.
+  bool told_silent = false;        // That nothing is heard; already told, ...
+  bool told_uncalibrated = false;  // ... as this.
   bool was_recording = false;
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
@@ -275,6 +278,14 @@ void Engine::State::on_beat() {
     if (!outlet.on || state.note.empty() || state.note == outlet.told) continue;
     outlet.told = state.note;
     tell("sink", state.address + ": " + state.note);
+  }
+  if (!told_silent && std::chrono::steady_clock::now() - begun > kSilence) {
+    told_silent = true;
+    if (loop.report().frames == 0)
+      tell("nothing_heard", intake.counts().received == 0
+                                ? "nothing is heard yet: are the devices on, and do they send here?"
+                                : "packets come, but no frame of the rig's reference sensor yet; the page's "
+                                  "sensors and docs/links.md say why");
   }
   if (!told_uncalibrated) {
     const Report report = loop.report();

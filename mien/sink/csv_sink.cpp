@@ -13,6 +13,7 @@
 #include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "mien/face/livelink_csv.h"
 #include "mien/sink/frame_pace.h"
@@ -26,41 +27,56 @@ constexpr std::int64_t kFlushEvery = 30;
 /// What waits for a disk that has stopped taking; some minutes. Beyond it rows are dropped.
 constexpr std::size_t kMaxWaiting = std::size_t{8} << 20U;
 
-/// A file that is appended to in whole pieces.
+/// A file that is appended to in whole pieces. What was there before goes with the first of them; a file that
+/// got none, and was not there before, goes with this.
 class AppendedFile {
  public:
-  explicit AppendedFile(int descriptor) : descriptor_(descriptor) {}
+  AppendedFile(std::string path, int descriptor, bool was_there)
+      : path_(std::move(path)), descriptor_(descriptor), was_there_(was_there) {}
   AppendedFile(const AppendedFile&) = delete;
   AppendedFile& operator=(const AppendedFile&) = delete;
-  ~AppendedFile() { ::close(descriptor_); }
+  ~AppendedFile() {
+    if (!begun_ && !was_there_) ::unlink(path_.c_str());
+    ::close(descriptor_);
+  }
 
   /// All of it, or none: a piece that did not fit is taken back. Returns 0 or errno.
   int append(std::string_view text) {
+    // (A device cannot be cut; there is nothing before us.)
+    if (!begun_ && was_there_ && ::ftruncate(descriptor_, 0) != 0 && errno != EINVAL) return errno;
     std::size_t done = 0;
     while (done < text.size()) {
       const ssize_t wrote = ::write(descriptor_, text.data() + done, text.size() - done);
       if (wrote < 0 && errno == EINTR) continue;
       if (wrote <= 0) {
         const int code = wrote < 0 ? errno : ENOSPC;
-        // A device cannot be cut; there is nothing to take back there.
+        // Nor is there anything to take back there.
         if (done > 0 && ::ftruncate(descriptor_, size_) != 0) size_ += static_cast<off_t>(done);
         return code;
       }
       done += static_cast<std::size_t>(wrote);
     }
     size_ += static_cast<off_t>(done);
+    begun_ = true;
     return 0;
   }
+  [[nodiscard]] bool begun() const { return begun_; }
 
  private:
+  std::string path_;
   int descriptor_;
+  bool was_there_;
+  bool begun_ = false;
   off_t size_ = 0;
 };
 
 class CsvSink final : public Sink {
  public:
-  CsvSink(std::string address, int descriptor, int rate_hz)
-      : address_(std::move(address)), file_(descriptor), pace_(rate_hz) {}
+  CsvSink(std::string address, std::string path, int descriptor, bool was_there, int rate_hz)
+      : address_(std::move(address)),
+        file_(std::move(path), descriptor, was_there),
+        pace_(rate_hz),
+        writer_([this] { write_rows(); }) {}
   ~CsvSink() override {
     {
       const std::scoped_lock lock(mutex_);
@@ -68,15 +84,6 @@ class CsvSink final : public Sink {
     }
     wake_.notify_one();
     if (writer_.joinable()) writer_.join();
-  }
-  /// Writes the header; from here on rows are taken.
-  Result<void> begin() {
-    std::string header;
-    face::append_livelink_header(header);
-    if (const int code = file_.append(header); code != 0)
-      return fail(ErrorCode::io, std::system_category().message(code), address_);
-    writer_ = std::thread([this] { write_rows(); });
-    return {};
   }
 
   void send(const face::OutputFrame& frame, std::int64_t frame_index) noexcept override {
@@ -135,7 +142,9 @@ class CsvSink final : public Sink {
         ended = ended_;
         flush_ = false;
         rows.clear();
-        rows.swap(waiting_);
+        if (!file_.begun() && !waiting_.empty()) face::append_livelink_header(rows);
+        rows += waiting_;
+        waiting_.clear();
         count = std::exchange(waiting_rows_, 0);
       }
       const int code = rows.empty() ? 0 : file_.append(rows);
@@ -158,7 +167,7 @@ class CsvSink final : public Sink {
   bool ended_ = false;
   std::atomic<std::uint64_t> lost_ = 0;  ///< Rows that the disk did not take.
   std::atomic<int> error_ = 0;           ///< errno of the last write; 0 when it went well.
-  std::thread writer_;
+  std::thread writer_;                   ///< Last: it uses all of these.
 };
 
 }  // namespace
@@ -167,8 +176,10 @@ Result<std::unique_ptr<Sink>> open_csv_sink(const Address& address, std::string_
   MIEN_TRY(address.expect_options({"rate", "force"}));
   MIEN_TRY_ASSIGN(const int rate_hz, address.whole_option("rate", 60, 1, 60));
   MIEN_TRY_ASSIGN(const int force, address.whole_option("force", 0, 0, 1));
-  const int flags = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK | (force == 1 ? O_TRUNC : O_EXCL);
-  const int descriptor = ::open(address.path.c_str(), flags, 0666);
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK;
+  int descriptor = ::open(address.path.c_str(), kFlags | O_EXCL, 0666);
+  const bool was_there = descriptor < 0 && errno == EEXIST;
+  if (was_there && force == 1) descriptor = ::open(address.path.c_str(), kFlags, 0666);
   if (descriptor < 0) {
     const int code = errno;
     if (code == EEXIST)
@@ -177,11 +188,10 @@ Result<std::unique_ptr<Sink>> open_csv_sink(const Address& address, std::string_
     if (code == ENOENT) return fail(ErrorCode::not_found, "its folder is not there", address.path);
     return fail(ErrorCode::io, std::system_category().message(code), address.path);
   }
-  auto sink = std::make_unique<CsvSink>(std::string(text), descriptor, rate_hz);
+  auto sink = std::make_unique<CsvSink>(std::string(text), address.path, descriptor, was_there, rate_hz);
   struct stat kind {};
   if (::fstat(descriptor, &kind) != 0 || !(S_ISREG(kind.st_mode) || S_ISCHR(kind.st_mode)))
     return fail(ErrorCode::unsupported, "is neither a file nor a device", address.path);
-  MIEN_TRY(sink->begin());
   return sink;
 }
 

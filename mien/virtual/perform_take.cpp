@@ -53,7 +53,9 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   if (!progress(0, "reading")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
   MIEN_TRY_ASSIGN(const Stage stage, set_stage(request));
   if (!progress(0.1, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
-  MIEN_TRY_ASSIGN(const VirtualSession session, play(stage));
+  MIEN_TRY_ASSIGN(const VirtualSession session, play(stage, [&](double share, std::string_view what) {
+                    return progress(0.1 + 0.4 * share, what);
+                  }));
   if (!progress(0.5, "performing")) return fail(ErrorCode::cancelled, "stopped", request.take.string());
 
   take::Header header;

@@ -13,8 +13,8 @@
 namespace mien::virt {
 
 Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
-                                    const sensor::Rig& rig, const DeviceFaults& faults,
-                                    const Random& random) {
+                                    const sensor::Rig& rig, const DeviceFaults& faults, const Random& random,
+                                    const Progress& progress) {
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
@@ -24,6 +24,8 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   std::vector<Datagram> sent;
   std::vector<VirtualClock> clocks;
   for (std::size_t s = 0; s < sites.size(); ++s) {
+    if (!progress(static_cast<double>(s) / static_cast<double>(sites.size()), "performing"))
+      return fail(ErrorCode::cancelled, "stopped", motion.motion.name);
     ImuSimulator simulator(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
     clocks.push_back(simulator.clock());
     for (const VirtualPacket& virtual_packet : simulator.play(trajectory)) {

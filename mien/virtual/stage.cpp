@@ -106,11 +106,11 @@ Result<Stage> set_stage(const StageRequest& request) {
   return stage;
 }
 
-Result<VirtualSession> play(const Stage& stage) {
+Result<VirtualSession> play(const Stage& stage, const Progress& progress) {
   if (stage.eyewear)
     return play_eyewear(stage.motion, stage.eyewear->wearer, stage.rig, stage.eyewear->faults, stage.devices);
   if (stage.lab) return play_lab(stage.motion, stage.sites, stage.rig, stage.devices);
-  return play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices);
+  return play_devices(stage.motion, stage.sites, stage.rig, stage.faults, stage.devices, progress);
 }
 
 }  // namespace mien::virt

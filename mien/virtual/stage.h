@@ -63,8 +63,8 @@ struct Stage {
 /// the face's); unsupported (a rig of several kinds of sensors); out_of_range (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
-/// The whole performance on its stage, as the rig's kind of sensors feels it. Errors: those of
-/// play_devices(), play_lab() and play_eyewear().
-[[nodiscard]] Result<VirtualSession> play(const Stage& stage);
+/// The whole performance on its stage, as the rig's kind of sensors feels it; `progress` hears of devices'.
+/// Errors: those of play_devices(), play_lab() and play_eyewear().
+[[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress = no_progress);
 
 }  // namespace mien::virt

@@ -239,7 +239,7 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"evaluate", "@sound.mien", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
        {{"solve", "@kept.mien", "--model", "@tiny.safetensors", "--out", "@new.txt"}, "new.txt"},
        {{"solve", "@kept.mien", "--steps", "0"}, "--steps"},
-       {{"solve", "@kept.mien", "--live", "--model", "@tiny.safetensors"}, "--model"},
+       {{"solve", "@sound.mien", "--live", "--model", "@tiny.safetensors"}, "leave --live out"},
        {{"evaluate", "@kept.mien", "--live", "--steps", "4"}, "--steps"},
        {{"evaluate", "@kept.mien", "--no-adapt"}, "--live"},
        {{"face", "--face", "nobody"}, "nobody"},

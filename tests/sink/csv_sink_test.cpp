@@ -85,7 +85,20 @@ TEST(CsvSink, ReplacesNothingUnasked) {
   EXPECT_THAT(refused.error().message(), HasSubstr("force=1"));
   EXPECT_EQ(*read_text(path), "mine");
   EXPECT_TRUE(open("csv:" + path + "?force=1"));
+  EXPECT_EQ(*read_text(path), "mine") << "a session that never began replaces nothing";
+  {
+    auto sink = open("csv:" + path + "?force=1");
+    ASSERT_TRUE(sink);
+    (*sink)->send(frame_at(0), 0);
+  }
   EXPECT_THAT(*read_text(path), ::testing::StartsWith("Timecode,BlendShapeCount,EyeBlinkLeft"));
+  const auto fresh = (folder / "new.csv").string();
+  {
+    const auto sink = open("csv:" + fresh);
+    ASSERT_TRUE(sink);
+    EXPECT_TRUE(std::filesystem::exists(fresh)) << "its name is taken";
+  }
+  EXPECT_FALSE(std::filesystem::exists(fresh)) << "a session that never began leaves nothing";
   EXPECT_EQ(open("csv:" + (folder / "no/a.csv").string()).error().code, ErrorCode::not_found);
   EXPECT_FALSE(open("csv:" + folder.path().string() + "?force=1"));
   EXPECT_FALSE(open("csv:a.csv?subject=x"));
