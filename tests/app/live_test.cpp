@@ -252,6 +252,12 @@ TEST_F(LiveProgram, AFullDiskIsSaidAndTheCaptureGoesOn) {
   EXPECT_EQ(run({"take", "check", take}).status, 0);
 }
 
+TEST_F(LiveProgram, ASessionThatHearsNothingSaysSo) {
+  const Outcome outcome = run({"live", "--listen", "udp://127.0.0.1:0", "--page", "off", "--for", "0.2"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("No frame came: nothing was heard"), std::string::npos) << outcome.out;
+}
+
 TEST_F(LiveProgram, BadInputIsOneLine) {
   const auto line = [](std::vector<std::string> arguments, const std::string& part) {
     arguments.insert(arguments.begin(), "live");
