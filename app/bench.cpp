@@ -18,6 +18,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live_session.h"
+#include "app/loopback.h"
 #include "app/perform_network.h"
 #include "app/running_session.h"
 #include "mien/core/files.h"
@@ -37,10 +38,6 @@ struct Options {
   std::string model;
   bool json = false;
 };
-
-udp::socket loopback(asio::io_context& io) {
-  return udp::socket(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
-}
 
 /// Wakes who receives there: one byte is the end.
 void end_receiving(const udp::endpoint& there) {

@@ -13,13 +13,14 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <ranges>
-#include <span>
 #include <thread>
 #include <vector>
 
 #include "app/child_program.h"
 #include "app/json_output.h"
+#include "app/loopback.h"
 #include "app/perform_network.h"
 #include "mien/core/files.h"
 
@@ -36,10 +37,6 @@ struct StartBench {
   int times = 10;
   bool json = false;
 };
-
-udp::socket loopback(asio::io_context& io) {
-  return udp::socket(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
-}
 
 double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();

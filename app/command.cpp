@@ -79,10 +79,9 @@ Result<void> check_output(const std::filesystem::path& path,
     return fail(ErrorCode::bad_usage, fmt::format("its name does not end with {}", fmt::join(endings, ", ")),
                 path.string(), "name it so, lest something else be replaced");
   std::error_code code;
-  if (path.has_parent_path() && !std::filesystem::is_directory(path.parent_path(), code))
-    return fail(ErrorCode::not_found, "there is no such folder", path.parent_path().string(),
-                "make it first");
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (!std::filesystem::is_directory(folder, code))
+    return fail(ErrorCode::not_found, "there is no such folder", folder.string(), "make it first");
   if (::access(folder.c_str(), W_OK) != 0)
     return fail(ErrorCode::io, std::generic_category().message(errno), folder.string(),
                 "choose a folder that can be written to");

@@ -40,7 +40,7 @@ class Commands {
 [[nodiscard]] CLI::Validator number_between(double least, double most);
 
 /// Whether a file of this name may be written: it has one of the endings, and its folder is there. To be
-/// asked before long work. Errors: bad_usage, not_found.
+/// asked before long work. Errors: bad_usage, not_found, io (the folder cannot be written to).
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path,
                                         std::initializer_list<std::string_view> endings);
 

@@ -59,8 +59,7 @@ Result<void> run_replay(Options options) {
       MIEN_TRY_ASSIGN(const std::string live_kernels, take.note("live.kernels"));
       fmt::print(
           "Not the bits of the session that recorded it, which had the model {} and the kernels {}: give "
-          "that "
-          "model with --model, or it was another build.\n",
+          "that model with --model, or it was another build.\n",
           live_model, live_kernels);
     }
   }

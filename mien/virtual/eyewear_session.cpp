@@ -22,7 +22,7 @@ Result<VirtualSession> play_eyewear(const PrologueMotion& motion, const EyewearW
   while (boards.scanned_s() < curve.duration_s() + kTrajectoryMarginS)
     MIEN_TRY(boards.scan([&](double true_s) { return curve.at(true_s).weights; }, sent));
   // By arrival; of one moment by board and sequence, as they stand.
-  std::ranges::stable_sort(sent, {}, &Datagram::time);
+  sort_by_time(sent);
 
   VirtualSession session;
   session.events = prologue_events(motion.times, boards.clock());

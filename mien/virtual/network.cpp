@@ -99,6 +99,18 @@ class Way {
 
 }  // namespace
 
+// (Not by stable_sort, whose buffer clang-19 calls deprecated.)
+void sort_by_time(std::vector<Datagram>& datagrams) {
+  std::vector<std::pair<HostTime, std::size_t>> order;
+  order.reserve(datagrams.size());
+  for (const Datagram& datagram : datagrams) order.emplace_back(datagram.time, order.size());
+  std::ranges::sort(order);
+  std::vector<Datagram> sorted;
+  sorted.reserve(datagrams.size());
+  for (const auto& [time, place] : order) sorted.push_back(std::move(datagrams[place]));
+  datagrams = std::move(sorted);
+}
+
 Result<std::vector<Datagram>> deliver(std::span<const Datagram> sent, const NetworkSettings& settings,
                                       const Random& random) {
   MIEN_TRY(check(settings));
@@ -109,7 +121,7 @@ Result<std::vector<Datagram>> deliver(std::span<const Datagram> sent, const Netw
     const auto way = ways.try_emplace(datagram.source, settings, random, datagram.source).first;
     way->second.send(datagram, arrived);
   }
-  std::ranges::stable_sort(arrived, {}, &Datagram::time);
+  sort_by_time(arrived);
   return arrived;
 }
 

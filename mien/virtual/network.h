@@ -41,6 +41,9 @@ struct Datagram {
   std::vector<std::byte> bytes;
 };
 
+/// Those of one moment keep their order.
+void sort_by_time(std::vector<Datagram>& datagrams);
+
 /// What arrives, by arrival. Each kind of fault and each source has a random stream of its own: changing one
 /// leaves the others as they were. Shape: `sent` in each source's order of sending. Errors: out_of_range (a
 /// setting).

@@ -11,23 +11,6 @@
 #include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
-namespace {
-
-/// Of one moment by sensor and sequence, as they stand. (Not by stable_sort, whose buffer clang-19 calls
-/// deprecated.)
-void sort_by_arrival(std::vector<Datagram>& sent) {
-  std::vector<std::pair<HostTime, std::size_t>> order;
-  order.reserve(sent.size());
-  for (const Datagram& datagram : sent) order.emplace_back(datagram.time, order.size());
-  std::ranges::sort(order);
-  std::vector<Datagram> sorted;
-  sorted.reserve(sent.size());
-  for (const auto& [time, place] : order) sorted.push_back(std::move(sent[place]));
-  sent = std::move(sorted);
-}
-
-}  // namespace
-
 Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
                                     const sensor::Rig& rig, const DeviceFaults& faults, const Random& random,
                                     const Progress& progress) {
@@ -50,7 +33,8 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
       sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
     }
   }
-  sort_by_arrival(sent);
+  // Of one moment by sensor and sequence, as they stand.
+  sort_by_time(sent);
 
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   VirtualSession session;
