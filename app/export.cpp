@@ -9,9 +9,9 @@
 #include "app/performance.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
-#include "mien/eyewear/load_marker_track.h"
-#include "mien/eyewear/marker_retarget.h"
-#include "mien/face/load.h"
+#include "mien/mocap/load_marker_track.h"
+#include "mien/mocap/marker_retarget.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/onnx/export_model.h"
 
 namespace mien::app {
@@ -35,10 +35,10 @@ Result<void> write_markers(const face::Motion& motion, const Options& options) {
   if (path.empty()) {
     MIEN_TRY_ASSIGN(path, find_resource("rigs/markers.toml"));
   }
-  MIEN_TRY_ASSIGN(const eyewear::MarkerSet set, eyewear::read_markers(path));
-  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(options.face));
-  MIEN_TRY_ASSIGN(const eyewear::PlacedMarkers placed, eyewear::PlacedMarkers::place(face, set));
-  return eyewear::write_marker_track(options.out, eyewear::markers_of_motion(motion, placed, set));
+  MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(path));
+  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed, builtin_face::PlacedMarkers::place(face, set));
+  return mocap::write_marker_track(options.out, mocap::markers_of_motion(motion, placed, set));
 }
 
 Result<void> write_onnx(const Options& options) {

@@ -10,7 +10,7 @@
 
 #include "app/command.h"
 #include "mien/core/files.h"
-#include "mien/face/load.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/face/obj.h"
 #include "mien/render/gltf_export.h"
 
@@ -102,7 +102,7 @@ struct FaceArguments {
 
 Result<void> show(const FaceArguments& arguments) {
   MIEN_TRY_ASSIGN(const face::Face face,
-                  face::load_face(arguments.face, terminal_progress("reading the face")));
+                  builtin_face::load_face(arguments.face, terminal_progress("reading the face")));
   if (arguments.json)
     print_json(describe(face));
   else
@@ -116,7 +116,7 @@ Result<void> export_face(const FaceArguments& arguments) {
   if (ending != ".obj" && ending != ".glb" && ending != ".gltf")
     return fail(ErrorCode::bad_usage, "the name ends neither in .obj nor in .glb or .gltf", out.string());
   MIEN_TRY_ASSIGN(const face::Face face,
-                  face::load_face(arguments.face, terminal_progress("reading the face")));
+                  builtin_face::load_face(arguments.face, terminal_progress("reading the face")));
   if (ending == ".obj")
     MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
   else

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/media_helper.h"
+#include "mien/core/smoothstep.h"
 #include "mien/render/comparison.h"
 
 namespace mien::app {
@@ -31,9 +32,7 @@ void turn_head(const face::Face& face, const face::MotionFrame& frame, std::span
   if (angle < 1e-6F) return;
   const Vec3f axis = turn / angle;
   for (std::size_t i = 0; i < vertices_m.size(); ++i) {
-    const float t =
-        chin > lowest ? std::clamp((face.neutral_m[i].y() - lowest) / (chin - lowest), 0.0F, 1.0F) : 1.0F;
-    const float share = t * t * (3 - 2 * t);
+    const float share = chin > lowest ? smoothstep(lowest, chin, face.neutral_m[i].y()) : 1.0F;
     vertices_m[i] = pivot + Eigen::AngleAxisf(share * angle, axis) * (vertices_m[i] - pivot);
   }
 }

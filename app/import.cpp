@@ -10,10 +10,10 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/marker_import.h"
-#include "app/session_markers.h"
+#include "app/live/session_markers.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
-#include "mien/eyewear/load_marker_track.h"
+#include "mien/mocap/load_marker_track.h"
 #include "mien/face/load_motion.h"
 #include "mien/take/take.h"
 
@@ -81,8 +81,8 @@ Result<void> run(const Options& options) {
     markers = std::move(found.imported);
     motion = std::move(markers->retargeted.motion);
   } else if (const auto extension = std::filesystem::path(options.motion).extension();
-             extension == ".trc" || extension == ".c3d" || eyewear::is_marker_recording(options.motion)) {
-    MIEN_TRY_ASSIGN(const eyewear::MarkerTrack track, eyewear::load_marker_track(options.motion, &warnings));
+             extension == ".trc" || extension == ".c3d" || mocap::is_marker_recording(options.motion)) {
+    MIEN_TRY_ASSIGN(const mocap::MarkerTrack track, mocap::load_marker_track(options.motion, &warnings));
     MIEN_TRY_ASSIGN(markers, import_markers(track, options.markers));
     motion = std::move(markers->retargeted.motion);
   } else {

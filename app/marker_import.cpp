@@ -7,7 +7,7 @@
 #include <iterator>
 
 #include "mien/core/files.h"
-#include "mien/face/load.h"
+#include "mien/builtin_face/load_face.h"
 
 namespace mien::app {
 namespace {
@@ -33,14 +33,14 @@ void MarkerImport::add_to(CLI::App* command) {
                   "Positions are in the head's frame already, as mien export writes them");
 }
 
-Result<ImportedMarkers> import_markers(const eyewear::MarkerTrack& track, const MarkerImport& options) {
+Result<ImportedMarkers> import_markers(const mocap::MarkerTrack& track, const MarkerImport& options) {
   std::filesystem::path path = options.set;
   if (path.empty()) {
     MIEN_TRY_ASSIGN(path, find_resource("rigs/markers.toml"));
   }
   ImportedMarkers imported;
-  MIEN_TRY_ASSIGN(imported.set, eyewear::read_markers(path));
-  eyewear::MarkerNames names;
+  MIEN_TRY_ASSIGN(imported.set, builtin_face::read_markers(path));
+  mocap::MarkerNames names;
   names.head = options.head;
   for (const std::string& text : options.renamed) {
     const auto equals = text.rfind('=');
@@ -49,23 +49,23 @@ Result<ImportedMarkers> import_markers(const eyewear::MarkerTrack& track, const 
                   "write it as THEIRS=OURS, or THEIRS= to leave it out");
     names.renamed.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
-  MIEN_TRY_ASSIGN(eyewear::MatchedTrack matched, eyewear::match_markers(track, imported.set, names));
+  MIEN_TRY_ASSIGN(mocap::MatchedTrack matched, mocap::match_markers(track, imported.set, names));
   imported.missing = std::move(matched.missing);
   imported.unlabelled = matched.unlabelled;
 
-  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(options.face));
-  MIEN_TRY_ASSIGN(const eyewear::PlacedMarkers placed, eyewear::PlacedMarkers::place(face, imported.set));
-  eyewear::CleaningSettings settings;
+  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed, builtin_face::PlacedMarkers::place(face, imported.set));
+  mocap::CleaningSettings settings;
   settings.remove_head = !options.still_head;
   if (options.neutral_s.size() == 2) settings.neutral_s = {options.neutral_s[0], options.neutral_s[1]};
-  MIEN_TRY_ASSIGN(const eyewear::CleanMarkers clean, eyewear::clean_markers(matched, placed, settings));
+  MIEN_TRY_ASSIGN(const mocap::CleanMarkers clean, mocap::clean_markers(matched, placed, settings));
   imported.cleaning = clean.report;
-  MIEN_TRY_ASSIGN(imported.retargeted, eyewear::retarget_markers(clean, placed));
+  MIEN_TRY_ASSIGN(imported.retargeted, mocap::retarget_markers(clean, placed));
   return imported;
 }
 
 std::string markers_text(const ImportedMarkers& imported) {
-  const eyewear::CleaningReport& c = imported.cleaning;
+  const mocap::CleaningReport& c = imported.cleaning;
   std::string text;
   auto end = std::back_inserter(text);
   fmt::format_to(end, "markers: {} of {}", imported.set.markers.size() - imported.missing.size(),
@@ -84,7 +84,7 @@ std::string markers_text(const ImportedMarkers& imported) {
 }
 
 nlohmann::json markers_json(const ImportedMarkers& imported) {
-  const eyewear::CleaningReport& c = imported.cleaning;
+  const mocap::CleaningReport& c = imported.cleaning;
   nlohmann::json residuals = nlohmann::json::object();
   for (std::size_t m = 0; m < imported.set.markers.size(); ++m)
     residuals[imported.set.markers[m].name] = imported.retargeted.residual_of_mm[m];

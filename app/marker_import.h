@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/eyewear/marker_cleaning.h"
-#include "mien/eyewear/marker_retarget.h"
-#include "mien/eyewear/marker_track.h"
+#include "mien/mocap/marker_cleaning.h"
+#include "mien/mocap/marker_retarget.h"
+#include "mien/mocap/marker_track.h"
 
 namespace mien::app {
 
@@ -26,15 +26,15 @@ struct MarkerImport {
 
 /// What came of it.
 struct ImportedMarkers {
-  eyewear::MarkerSet set;
+  builtin_face::MarkerSet set;
   std::vector<std::string> missing;  ///< Of the set.
   std::size_t unlabelled = 0;
-  eyewear::CleaningReport cleaning;
-  eyewear::Retargeted retargeted;
+  mocap::CleaningReport cleaning;
+  mocap::Retargeted retargeted;
 };
 
 /// Matches, cleans and retargets a recording. Errors: bad_usage (options), those of the steps.
-[[nodiscard]] Result<ImportedMarkers> import_markers(const eyewear::MarkerTrack& track,
+[[nodiscard]] Result<ImportedMarkers> import_markers(const mocap::MarkerTrack& track,
                                                      const MarkerImport& options);
 
 /// What was found and done, for people and for machines.

@@ -57,7 +57,7 @@ constexpr double kPauseS = 0.4;
 class Speaker {
  public:
   struct Line {
-    virt::Utterance utterance;
+    performer::Utterance utterance;
     Sound sound;
   };
 
@@ -71,7 +71,7 @@ class Speaker {
       return std::unexpected(std::move(error));
     }
     Line line;
-    MIEN_TRY_ASSIGN(line.utterance, virt::parse_utterance(speech->json));
+    MIEN_TRY_ASSIGN(line.utterance, performer::parse_utterance(speech->json));
     line.sound = std::move(speech->sound);
     return &said_.emplace(key, std::move(line)).first->second;
   }
@@ -81,8 +81,8 @@ class Speaker {
 };
 
 /// Appends what is said at `at_s` of the segment.
-void append(const virt::Utterance& line, double at_s, virt::Utterance& all) {
-  for (virt::Utterance::Phoneme phoneme : line.phonemes) {
+void append(const performer::Utterance& line, double at_s, performer::Utterance& all) {
+  for (performer::Utterance::Phoneme phoneme : line.phonemes) {
     phoneme.start_s += at_s;
     phoneme.end_s += at_s;
     all.phonemes.push_back(std::move(phoneme));
@@ -104,27 +104,27 @@ void mix(const Sound& line, double at_s, double end_s, Sound& all) {
 
 }  // namespace
 
-Result<Sound> read_aloud(virt::Script& script, const Progress& progress) {
+Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
   // espeak-ng's own pace for calm reading; acted lines are quicker.
   constexpr int kCalm = 140, kActed = 170;
   Speaker speaker;
   Sound heard;
   double begin_s = 0;
   std::size_t spoken = 0;
-  for (virt::Segment& segment : script.segments) {
+  for (performer::Segment& segment : script.segments) {
     const double segment_s = segment.duration_s;
     const double from_s = begin_s;
     begin_s += segment_s;
-    if (segment.block != virt::Block::reading && segment.block != virt::Block::acted) continue;
+    if (segment.block != performer::Block::reading && segment.block != performer::Block::acted) continue;
     const Reader& reader = kReaders[spoken % kReaders.size()];
-    virt::Utterance all;
+    performer::Utterance all;
     double at_s = 0;
     for (std::size_t line = spoken++; at_s < segment_s; ++line) {
       if (!progress((from_s + at_s) / script.duration_s(), reader.voice))
         return fail(ErrorCode::cancelled, "stopped while reading aloud");
       MIEN_TRY_ASSIGN(const Speaker::Line* said,
                       speaker.say(reader.voice, reader.lines[line % reader.lines.size()],
-                                  segment.block == virt::Block::acted ? kActed : kCalm));
+                                  segment.block == performer::Block::acted ? kActed : kCalm));
       all.language = segment.language = said->utterance.language;
       append(said->utterance, at_s, all);
       mix(said->sound, from_s + at_s, from_s + segment_s, heard);

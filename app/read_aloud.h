@@ -3,7 +3,7 @@
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/core/wav.h"
-#include "mien/virtual/script.h"
+#include "mien/performer/script.h"
 
 namespace mien::app {
 
@@ -11,6 +11,6 @@ namespace mien::app {
 /// French, by espeak-ng: the segment's utterance gets its phonemes and their times, and the result is what is
 /// heard, from the script's start. Errors: bad_usage (nothing in the script is said); not_found (no
 /// mien-media); what the helper says; cancelled.
-[[nodiscard]] Result<Sound> read_aloud(virt::Script& script, const Progress& progress);
+[[nodiscard]] Result<Sound> read_aloud(performer::Script& script, const Progress& progress);
 
 }  // namespace mien::app

@@ -10,7 +10,7 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "mien/core/files.h"
-#include "mien/face/load.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/face/load_motion.h"
 #include "mien/render/comparison.h"
 
@@ -100,7 +100,7 @@ Result<void> run(Options options) {
     MIEN_TRY_ASSIGN(how.sound, parse_wav(bytes, options.audio));
   }
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
-  MIEN_TRY_ASSIGN(const face::Face face, face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
 
   FilmMade made{.frames = 1, .duration_s = 0, .seconds = 0};
   if (!film) {

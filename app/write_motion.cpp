@@ -3,7 +3,7 @@
 #include "app/command.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
-#include "mien/face/load.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/render/gltf_export.h"
 
 namespace mien::app {
@@ -32,7 +32,7 @@ Result<void> write_motion(const face::Motion& motion, const std::string& face,
   MIEN_TRY(check_motion_output(path));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
-  MIEN_TRY_ASSIGN(const face::Face model, face::load_face(face));
+  MIEN_TRY_ASSIGN(const face::Face model, builtin_face::load_face(face));
   return render::write_gltf(path, model, &motion);
 }
 

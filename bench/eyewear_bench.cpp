@@ -42,7 +42,8 @@ std::vector<sensor::Sample> wave(std::size_t sensors) {
 /// A whole frame of a live session at full rate: 77 samples, filters, grid, features, network and weights.
 void eyewear_frame(benchmark::State& state) {
   const sensor::Rig rig = sensor::read_rig(find_resource("rigs/eyewear.toml").value()).value();
-  const eyewear::MarkerSet set = eyewear::read_markers(find_resource("rigs/markers.toml").value()).value();
+  const builtin_face::MarkerSet set =
+      builtin_face::read_markers(find_resource("rigs/markers.toml").value()).value();
   eyewear::MarkerNetworkFile file =
       eyewear::read_marker_network(find_resource("models/eyewear.safetensors").value()).value();
   const auto tracker =

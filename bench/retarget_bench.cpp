@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/core/sha256.h"
-#include "mien/face/builtin.h"
 #include "mien/face/marker_deformation.h"
 #include "mien/face/weight_solver.h"
 
@@ -16,7 +16,7 @@ using namespace mien;
 
 /// Every second of the built-in face's landmarks as markers, and a face that speaks.
 struct Marked {
-  face::Face face = face::make_builtin({});
+  face::Face face = builtin_face::make_builtin({});
   Eigen::VectorXd neutral_m = Eigen::VectorXd::Zero(3 * 34);
   Eigen::MatrixXd shapes_m = Eigen::MatrixXd::Zero(3 * 34, static_cast<Eigen::Index>(face::kShapeCount));
 

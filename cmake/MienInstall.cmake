@@ -18,12 +18,15 @@ foreach(program mien mien-train mien-media)
 endforeach()
 
 # The library without train and media: these are for the helpers, and would bring libtorch and FFmpeg with them.
-foreach(room core face sensor take model tracker imu eyewear headset speech shaping sink render virtual study live)
+foreach(room core face builtin_face sensor take model tracker shaping session performer mocap imu_packets imu eyewear modalities
+        sink render virtual study live)
   if(TARGET mien_${room})
     set_target_properties(mien_${room} PROPERTIES EXPORT_NAME ${room})
     install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
-    install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
-            FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE)
+    if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}")  # A part of a room comes with its room.
+      install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
+              FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE)
+    endif()
   endif()
 endforeach()
 

@@ -1,6 +1,6 @@
 # The page (viewer/) inside the program: built by npm into the build folder, then taken in as bytes.
 
-# mien_embed_page(TARGET): gives the target app/page_files.h's table.
+# mien_embed_page(TARGET): gives the target app/live/page_files.h's table.
 function(mien_embed_page target)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/page")
   set(embedded "${CMAKE_CURRENT_BINARY_DIR}/page_files.cpp")

@@ -24,20 +24,36 @@ target_compile_options(mien_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # g++ 12 sees overflows and uninitialised reads in Eigen's and the standard library's inlined code that are not there.
   target_compile_options(mien_warnings INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow
-                                                 -Wno-stringop-overread -Wno-restrict -Wno-dangling-pointer)
+                                                 -Wno-stringop-overread -Wno-restrict -Wno-dangling-pointer
+                         -Wno-subobject-linkage)  # In a unit of several files each looks like a header to it.
 endif()
 
-# mien_room(NAME [KNOWS room...] [USES library...]): one folder, one library target mien_NAME.
-# KNOWS is the only way to reach another room: what it knows is reachable in turn, nothing else is.
+# mien_room(NAME [FOLDERS folder...] [KNOWS room...] [USES library...] [HIDES library...]): one folder, one library target
+# mien_NAME; FOLDERS are parts of the same target. KNOWS is the only way to reach another room: what it knows is reachable
+# in turn, nothing else is. USES is what the room's headers need of libraries, HIDES what only its sources do.
+#
+# With MIEN_UNITY the sources are compiled several at a time (CMake's unity builds), which parses what they share once: names in
+# anonymous namespaces are then unique in a target. A file that cannot be is marked SKIP_UNITY_BUILD_INCLUSION.
+function(mien_unity target)
+  if(MIEN_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${MIEN_UNITY})
+  endif()
+endfunction()
+
 function(mien_room name)
-  cmake_parse_arguments(ROOM "" "" "KNOWS;USES;HIDES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+  cmake_parse_arguments(ROOM "" "" "FOLDERS;KNOWS;USES;HIDES" ${ARGN})
+  set(patterns "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
+  foreach(folder IN LISTS ROOM_FOLDERS)
+    list(APPEND patterns "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp")
+  endforeach()
+  file(GLOB sources CONFIGURE_DEPENDS ${patterns})
   if(NOT sources)
     add_library(mien_${name} INTERFACE)
     set(scope INTERFACE)
   else()
     add_library(mien_${name} STATIC ${sources})
     set(scope PUBLIC)
+    mien_unity(mien_${name})
     target_link_libraries(mien_${name} PRIVATE $<BUILD_INTERFACE:mien_warnings> ${ROOM_HIDES})
     # libFuzzer's counters, in the asan-ubsan build too: both then compile a room alike, and the second finds it in ccache.
     if(MIEN_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")

@@ -1,8 +1,8 @@
 # cmake -DFOLDER=... -DOUT=... -P embed_files.cmake: writes a C++ file with every file of the folder as bytes
-# (app/page_files.h declares them). The assembler reads them: a megabyte takes it no time.
+# (app/live/page_files.h declares them). The assembler reads them: a megabyte takes it no time.
 file(GLOB_RECURSE files RELATIVE "${FOLDER}" "${FOLDER}/*")
 list(SORT files)
-set(code "// Made by cmake/embed_files.cmake.\n#include \"app/page_files.h\"\n\n#include <array>\n\n")
+set(code "// Made by cmake/embed_files.cmake.\n#include \"app/live/page_files.h\"\n\n#include <array>\n\n")
 set(externs "")
 set(rows "")
 set(number 0)

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "mien/face/builtin.h"
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/render/camera.h"
 #include "mien/render/lettering.h"
 #include "mien/render/renderer.h"
@@ -32,7 +32,7 @@ render::Image portrait(const face::Face& face, const face::BlendshapeWeights& we
 
 /// Every shape, the two sides of a pair together, and two poses that need several.
 render::Image all_shapes() {
-  const face::Face face = face::make_builtin();
+  const face::Face face = builtin_face::make_builtin();
   std::vector<std::string> names = {"neutral"};
   for (const std::string_view name : face::kShapeNames)
     if (!name.ends_with("_R") && name != "mouthClose") names.emplace_back(name.substr(0, name.find('_')));
@@ -59,8 +59,8 @@ render::Image some_people() {
   render::Image sheet(kColumns * kTile, kRows * kTile);
   for (int i = 0; i < kColumns * kRows; ++i) {
     Random random(static_cast<std::uint64_t>(i));
-    const face::Face face =
-        face::make_builtin(i == 0 ? face::BuiltinParameters{} : face::random_identity(random));
+    const face::Face face = builtin_face::make_builtin(i == 0 ? builtin_face::BuiltinParameters{}
+                                                              : builtin_face::random_identity(random));
     const auto view = i % 2 == 0 ? render::View::front : render::View::three_quarter;
     render::paste(sheet, portrait(face, {}, 0, view), i % kColumns * kTile, i / kColumns * kTile);
   }

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "mien/eyewear/c3d.h"
+#include "mien/mocap/c3d.h"
 
 // What was accepted is no larger than its file, and all of it is seen within reach, or lost.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mien/live/command.h"
+#include "mien/session/command.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mien::live;

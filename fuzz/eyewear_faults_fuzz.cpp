@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "mien/core/random.h"
-#include "mien/virtual/eyewear_faults.h"
-#include "mien/virtual/photo_sensor.h"
+#include "mien/virtual/eyewear/eyewear_faults.h"
+#include "mien/virtual/eyewear/photo_sensor.h"
 
 /// A part with any faults that are accepted reads what is a share of full scale.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mien/study/eyewear_dataset.h"
+#include "mien/study/eyewear/eyewear_dataset.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto recipe = mien::study::parse_eyewear_data_recipe(

@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "mien/imu/packet.h"
-#include "mien/virtual/device_faults.h"
-#include "mien/virtual/imu_simulator.h"
+#include "mien/imu/packets/packet.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/imu_simulator.h"
 
 namespace {
 

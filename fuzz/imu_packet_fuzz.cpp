@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mien/core/bytes.h"
-#include "mien/imu/packet.h"
+#include "mien/imu/packets/packet.h"
 
 namespace {
 

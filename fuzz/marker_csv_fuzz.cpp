@@ -2,7 +2,7 @@
 #include <string_view>
 
 #include "fuzz/marker_round_trip.h"
-#include "mien/eyewear/marker_csv.h"
+#include "mien/mocap/marker_csv.h"
 
 // Ours and Motive's.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

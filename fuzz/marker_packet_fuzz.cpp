@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "mien/eyewear/marker_log.h"
-#include "mien/eyewear/marker_packet.h"
+#include "mien/mocap/marker_log.h"
+#include "mien/mocap/marker_packet.h"
 
 // What was accepted and sent anew is accepted again and says the same; a log takes anything.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

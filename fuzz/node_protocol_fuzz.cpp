@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mien/core/bytes.h"
-#include "mien/imu/node_protocol.h"
+#include "mien/imu/packets/node_protocol.h"
 
 namespace {
 

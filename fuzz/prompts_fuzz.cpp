@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mien/live/command.h"
-#include "mien/live/prompt_script.h"
+#include "mien/session/command.h"
+#include "mien/session/prompt_script.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mien::live;

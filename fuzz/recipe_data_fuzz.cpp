@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mien/study/make_dataset.h"
+#include "mien/study/imu/make_dataset.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto recipe =

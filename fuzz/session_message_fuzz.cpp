@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "app/session_message.h"
+#include "app/live/session_message.h"
 
 // What answers at a session's address may say anything; what is taken from it is finite.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

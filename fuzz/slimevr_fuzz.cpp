@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mien/core/bytes.h"
-#include "mien/imu/slimevr_protocol.h"
+#include "mien/imu/packets/slimevr_protocol.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 #include <string_view>
 
 #include "fuzz/marker_round_trip.h"
-#include "mien/eyewear/trc.h"
+#include "mien/mocap/trc.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mien::eyewear;

@@ -86,4 +86,9 @@ class ByteWriter {
 /// CRC-32 (IEEE 802.3, reflected, start and end value all ones). "123456789" gives 0xCBF43926.
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes);
 
+/// The bytes as characters; valid while they are.
+[[nodiscard]] inline std::string_view as_text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 }  // namespace mien

@@ -76,6 +76,13 @@ double Random::normal() {
   return u * k;
 }
 
+Vec3 Random::normal_vector(double sigma) {
+  const double x = normal();
+  const double y = normal();
+  const double z = normal();
+  return sigma * Vec3(x, y, z);
+}
+
 double Random::log_normal(double sigma) {
   return std::exp(sigma * normal());
 }

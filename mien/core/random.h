@@ -30,6 +30,8 @@ class Random {
   /// Mean 0, standard deviation 1 (Marsaglia's polar method).
   double normal();
   double normal(double mean, double sigma) { return mean + sigma * normal(); }
+  /// Three independent components of mean 0 and this standard deviation.
+  Vec3 normal_vector(double sigma);
   /// exp(normal(0, sigma)): a factor around 1.
   double log_normal(double sigma);
   /// Mean `mean`.

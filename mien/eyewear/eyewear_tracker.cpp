@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mien/face/builtin.h"
+#include "mien/builtin_face/builtin_face.h"
 
 namespace mien::eyewear {
 namespace {
@@ -27,7 +27,7 @@ constexpr double kLongestStepS = 1;
 }  // namespace
 
 Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig& rig,
-                                                               const MarkerSet& markers,
+                                                               const builtin_face::MarkerSet& markers,
                                                                std::unique_ptr<MarkerRegressor> regressor) {
   if (photo_sensors(rig).empty())
     return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", rig.name);
@@ -36,7 +36,8 @@ Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig
                 fmt::format("the model has {} markers, and {} has {}", regressor->marker_count(),
                             markers.name, markers.markers.size()),
                 rig.name, "use the markers that the model was made with");
-  MIEN_TRY_ASSIGN(const PlacedMarkers placed, PlacedMarkers::place(face::make_builtin(), markers));
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
+                  builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), markers));
   const Eigen::VectorXd neutral_m = placed.at({});
   MIEN_TRY_ASSIGN(
       face::WeightSolver solver,

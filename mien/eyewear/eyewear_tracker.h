@@ -3,10 +3,10 @@
 #include <memory>
 #include <optional>
 
+#include "mien/builtin_face/markers.h"
 #include "mien/eyewear/calibrator.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/marker_regressor.h"
-#include "mien/eyewear/markers.h"
 #include "mien/face/weight_solver.h"
 #include "mien/tracker/tracker.h"
 
@@ -21,7 +21,8 @@ class EyewearTracker final : public tracker::Tracker {
   /// set. Errors: mismatch (another number of markers; a rig without such sensors), the face's. Cost: sculpts
   /// the built-in face (half a second).
   [[nodiscard]] static Result<std::unique_ptr<EyewearTracker>> create(
-      const sensor::Rig& rig, const MarkerSet& markers, std::unique_ptr<MarkerRegressor> regressor);
+      const sensor::Rig& rig, const builtin_face::MarkerSet& markers,
+      std::unique_ptr<MarkerRegressor> regressor);
 
   [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;

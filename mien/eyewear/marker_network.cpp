@@ -24,7 +24,7 @@ bool unique(const std::vector<std::string>& names) {
   return std::set<std::string>(names.begin(), names.end()).size() == names.size();
 }
 
-Result<void> check(const MarkerNetworkFile& file, const std::string& where) {
+Result<void> check_network_file(const MarkerNetworkFile& file, const std::string& where) {
   const auto differ = [&](std::string what) { return fail(ErrorCode::mismatch, std::move(what), where); };
   if (const auto ok = model::check(file.architecture); !ok)
     return fail(ok.error().code, ok.error().what, where);
@@ -76,7 +76,7 @@ Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
   if (!from.tensors.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
                 where);
-  MIEN_TRY(check(file, where));
+  MIEN_TRY(check_network_file(file, where));
   return file;
 }
 
@@ -86,7 +86,7 @@ Result<MarkerNetworkFile> read_marker_network(const std::filesystem::path& path)
 }
 
 Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& file) {
-  MIEN_TRY(check(file, "model"));
+  MIEN_TRY(check_network_file(file, "model"));
   model::TensorFile to;
   to.metadata = {
       {"format", std::string(kFormat)},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mien/core/quantile.h"
 #include "mien/sensor/calibration_json.h"
 
 namespace mien::eyewear {
@@ -33,14 +34,6 @@ constexpr double kRestless = 0.25;     // Unrest of the middle sensor in the hol
 constexpr double kDim = 0.01;          // Light, share of full scale: ten steps of a converter of ten bits.
 constexpr double kSaturated = 0.1;     // Share of the hold's frames.
 constexpr double kHardlyMoved = 0.04;  // Of the log light in the range of motion.
-
-/// The value below which the share `q` of the sorted values lies, interpolated. At least one value.
-double quantile(const std::vector<double>& sorted, double q) {
-  const double at = q * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(at);
-  const std::size_t above = std::min(below + 1, sorted.size() - 1);
-  return sorted[below] + (at - static_cast<double>(below)) * (sorted[above] - sorted[below]);
-}
 
 }  // namespace
 
@@ -147,14 +140,14 @@ Normalisation NormalisationMaker::solve(const Normalisation& before) const {
       if (s.valid) {
         std::vector<double> sorted = neutral_.light[i];
         std::ranges::sort(sorted);
-        s.neutral = quantile(sorted, 0.5);
-        s.unrest = 0.5 * (quantile(sorted, kSigmaHigh) - quantile(sorted, kSigmaLow));
+        s.neutral = quantile_of_sorted(sorted, 0.5);
+        s.unrest = 0.5 * (quantile_of_sorted(sorted, kSigmaHigh) - quantile_of_sorted(sorted, kSigmaLow));
       }
     }
     if (range_.begun && there(range_, i)) {
       std::vector<double> sorted = range_.light[i];
       std::ranges::sort(sorted);
-      s.moved = quantile(sorted, kRangeHigh) - quantile(sorted, kRangeLow);
+      s.moved = quantile_of_sorted(sorted, kRangeHigh) - quantile_of_sorted(sorted, kRangeLow);
       // Shrunk towards the usual one by how much was seen, as ranges differ: by factors.
       const auto frames = static_cast<double>(range_.frames);
       const double trust = frames / (frames + kRangeFrames);
@@ -174,7 +167,7 @@ void NormalisationMaker::judge_neutral(Normalisation& made) const {
   for (const SensorNormalisation& s : made.sensors)
     if (s.valid) unrest.push_back(s.unrest);
   std::ranges::sort(unrest);
-  const double middle = unrest.empty() ? 0 : quantile(unrest, 0.5);
+  const double middle = unrest.empty() ? 0 : quantile_of_sorted(unrest, 0.5);
   const bool still = !unrest.empty() && middle <= kRestless;
   made.scores.push_back(
       {.name = "neutral face",

@@ -19,24 +19,24 @@ constexpr std::size_t kHeaderBytes = 32;
 constexpr std::size_t kChannelBytes = 4;
 constexpr std::size_t kReservedBytes = 3;
 
-const char* const kWhere = "eyewear packet";
+const char* const kEyewearPacket = "eyewear packet";
 
 /// What holds for a packet whichever way it goes.
 Result<void> check(const Packet& packet) {
   if (packet.channels < 1 || packet.channels > kMaxChannels)
     return fail(ErrorCode::out_of_range,
-                fmt::format("{} channels, not 1 to {}", packet.channels, kMaxChannels), kWhere);
+                fmt::format("{} channels, not 1 to {}", packet.channels, kMaxChannels), kEyewearPacket);
   if (packet.adc_bits < kMinAdcBits || packet.adc_bits > kMaxAdcBits)
     return fail(
         ErrorCode::out_of_range,
         fmt::format("a converter of {} bits, not {} to {}", packet.adc_bits, kMinAdcBits, kMaxAdcBits),
-        kWhere);
-  MIEN_TRY(sensor::check_battery(packet.battery_percent, kWhere));
-  MIEN_TRY(sensor::check_device_time(packet.time, kWhere));
+        kEyewearPacket);
+  MIEN_TRY(sensor::check_battery(packet.battery_percent, kEyewearPacket));
+  MIEN_TRY(sensor::check_device_time(packet.time, kEyewearPacket));
   for (std::size_t c = 0; c < packet.channels; ++c)
     if (std::max(packet.light[c].on, packet.light[c].off) > packet.full_scale())
       return fail(ErrorCode::out_of_range, fmt::format("channel {} is beyond the converter's range", c),
-                  kWhere);
+                  kEyewearPacket);
   return {};
 }
 
@@ -48,11 +48,11 @@ bool is_packet(std::span<const std::byte> bytes) {
 
 Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderBytes + kChannelBytes + kChecksumBytes)
-    return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kWhere);
+    return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kEyewearPacket);
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kWhere));
+  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kEyewearPacket));
   if (type != kTypeEyewear)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not eyewear's", type), kWhere);
+    return fail(ErrorCode::unsupported, fmt::format("packet type {} is not eyewear's", type), kEyewearPacket);
 
   Packet packet;
   packet.channels = reader.little<std::uint8_t>();
@@ -62,14 +62,14 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   packet.battery_percent = reader.little<std::uint8_t>();
   const auto reserved = reader.take(kReservedBytes);
   if (std::ranges::any_of(reserved, [](std::byte b) { return b != std::byte{0}; }))
-    return fail(ErrorCode::malformed, "a reserved byte is set", kWhere);
-  MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kWhere));
+    return fail(ErrorCode::malformed, "a reserved byte is set", kEyewearPacket);
+  MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kEyewearPacket));
 
   // What the length and the range depend on, before either is believed.
   MIEN_TRY(check(packet));
   const std::size_t expected = kHeaderBytes + packet.channels * kChannelBytes + kChecksumBytes;
-  MIEN_TRY(sensor::check_length(bytes.size(), expected, kWhere));
-  MIEN_TRY(sensor::check_checksum(bytes, kWhere));
+  MIEN_TRY(sensor::check_length(bytes.size(), expected, kEyewearPacket));
+  MIEN_TRY(sensor::check_checksum(bytes, kEyewearPacket));
 
   for (std::size_t c = 0; c < packet.channels; ++c) {
     packet.light[c].on = reader.little<std::uint16_t>();
@@ -100,7 +100,8 @@ Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
 
 Result<Packet> make_packet(std::span<const Sample> scan, std::uint8_t adc_bits) {
   if (scan.empty() || scan.size() > kMaxChannels)
-    return fail(ErrorCode::bad_usage, fmt::format("{} samples do not make a scan", scan.size()), kWhere);
+    return fail(ErrorCode::bad_usage, fmt::format("{} samples do not make a scan", scan.size()),
+                kEyewearPacket);
   Packet packet;
   packet.channels = static_cast<std::uint8_t>(scan.size());
   packet.adc_bits = adc_bits;
@@ -115,9 +116,9 @@ Result<Packet> make_packet(std::span<const Sample> scan, std::uint8_t adc_bits) 
     const Sample& sample = scan[c];
     if (sample.kind != SampleKind::photo_reflective || sample.count != 2 || sample.time != packet.time ||
         sample.sequence != packet.sequence)
-      return fail(ErrorCode::bad_usage, "samples that do not belong in one scan", kWhere);
+      return fail(ErrorCode::bad_usage, "samples that do not belong in one scan", kEyewearPacket);
     if (!std::isfinite(sample.values[0]) || !std::isfinite(sample.values[1]))
-      return fail(ErrorCode::out_of_range, "a value that is not finite", kWhere);
+      return fail(ErrorCode::out_of_range, "a value that is not finite", kEyewearPacket);
     packet.light[c] = {steps(sample.values[0]), steps(sample.values[1])};
   }
   return packet;

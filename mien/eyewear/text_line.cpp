@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int32_t kMostSteps = (1 << kMaxAdcBits) - 1;
 constexpr std::string_view kBlanks = " \t";
-const char* const kWhere = "text line";
+const char* const kTextLine = "text line";
 
 bool is_blank(char c) {
   return kBlanks.find(c) != std::string_view::npos;
@@ -34,8 +34,8 @@ Result<std::int32_t> take_number(std::string_view& text) {
   std::int32_t value = 0;
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (wrong == std::errc::result_out_of_range || value > kMostSteps || value < -kMostSteps)
-    return fail(ErrorCode::out_of_range, "a value beyond 16 bits", kWhere);
-  if (wrong != std::errc{}) return fail(ErrorCode::malformed, "a value is missing or no integer", kWhere);
+    return fail(ErrorCode::out_of_range, "a value beyond 16 bits", kTextLine);
+  if (wrong != std::errc{}) return fail(ErrorCode::malformed, "a value is missing or no integer", kTextLine);
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return value;
 }
@@ -52,14 +52,14 @@ Result<TextLine> parse_header(std::string_view text) {
     } else if (word == "bits") {
       std::string_view digits = take_word(text);
       MIEN_TRY_ASSIGN(const std::int32_t bits, take_number(digits));
-      if (!digits.empty()) return fail(ErrorCode::malformed, "bits that are no number", kWhere);
+      if (!digits.empty()) return fail(ErrorCode::malformed, "bits that are no number", kTextLine);
       if (bits < kMinAdcBits || bits > kMaxAdcBits)
         return fail(ErrorCode::out_of_range,
                     fmt::format("a converter of {} bits, not {} to {}", bits, kMinAdcBits, kMaxAdcBits),
-                    kWhere);
+                    kTextLine);
       header.adc_bits = static_cast<std::uint8_t>(bits);
     } else {
-      return fail(ErrorCode::malformed, "a header with a word that is unknown", kWhere,
+      return fail(ErrorCode::malformed, "a header with a word that is unknown", kTextLine,
                   "write it as \"# mien on off bits 12\"");
     }
   }
@@ -72,7 +72,7 @@ Result<TextLine> parse_values(std::string_view text) {
     if (text.empty() && line.count > 0) return line;  // A separator after the last value.
     MIEN_TRY_ASSIGN(const std::int32_t value, take_number(text));
     if (line.count == line.values.size())
-      return fail(ErrorCode::out_of_range, fmt::format("more than {} values", kMaxTextValues), kWhere);
+      return fail(ErrorCode::out_of_range, fmt::format("more than {} values", kMaxTextValues), kTextLine);
     line.values[line.count++] = value;
     if (text.empty()) return line;
     const bool blank = is_blank(text.front());
@@ -81,7 +81,7 @@ Result<TextLine> parse_values(std::string_view text) {
     if (text.front() == ',' || text.front() == ';')
       text.remove_prefix(1);
     else if (!blank)
-      return fail(ErrorCode::malformed, "a value is missing or no integer", kWhere);
+      return fail(ErrorCode::malformed, "a value is missing or no integer", kTextLine);
   }
 }
 

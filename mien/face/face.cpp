@@ -28,7 +28,7 @@ void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_o
 }
 
 void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m) {
-  constexpr float kRadPerUnit = 0.611F;
+  constexpr auto kRadPerUnit = static_cast<float>(kEyeTurnRadPerUnit);
   const float left_yaw = weights[shape("eyeLookOut_L")] - weights[shape("eyeLookIn_L")];
   const float left_pitch = weights[shape("eyeLookUp_L")] - weights[shape("eyeLookDown_L")];
   const float right_yaw = weights[shape("eyeLookIn_R")] - weights[shape("eyeLookOut_R")];

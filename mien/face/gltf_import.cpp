@@ -14,6 +14,7 @@
 
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
+#include "mien/core/smoothstep.h"
 
 namespace mien::face {
 namespace fs = std::filesystem;
@@ -29,7 +30,7 @@ inline constexpr std::size_t kMaxBinds = 4096;
 inline constexpr std::size_t kMaxJsonDepth = 128;
 inline constexpr std::size_t kMaxNodes = 100'000;
 inline constexpr std::size_t kMaxNodeDepth = 512;
-inline constexpr std::size_t kTongueOut = kShapeCount;
+inline constexpr std::size_t kTongueOutPlace = kShapeCount;
 
 // ---- Names
 // ----------------------------------------------------------------------------------------------------------
@@ -58,7 +59,7 @@ const std::map<std::string, std::vector<std::size_t>, std::less<>>& name_table()
     }
     t["browinnerup"] = {shape("browInnerUp_L"), shape("browInnerUp_R")};
     t["cheekpuff"] = {shape("cheekPuff_L"), shape("cheekPuff_R")};
-    t["tongueout"] = {kTongueOut};
+    t["tongueout"] = {kTongueOutPlace};
     return t;
   }();
   return table;
@@ -833,7 +834,7 @@ Result<GltfHead> finish(Assembly& head, const Binding& binding, const std::strin
 
   constexpr double kRamp_m = 0.02;
   for (std::size_t k = 0; k <= kShapeCount; ++k) {
-    if (k == kTongueOut && head.delta[k].empty()) break;
+    if (k == kTongueOutPlace && head.delta[k].empty()) break;
     Shape& s = face.shapes.emplace_back();
     s.name = shape_name(k);
     const double side = s.name.ends_with("_L") ? 1 : -1;
@@ -841,8 +842,7 @@ Result<GltfHead> finish(Assembly& head, const Binding& binding, const std::strin
       double share = 1;
       if (binding.split[k]) {
         const double x = metres(head.position[vertex]).x() - middle.x();
-        const double u = std::clamp(0.5 + 0.5 * side * x / kRamp_m, 0.0, 1.0);
-        share = u * u * (3 - 2 * u);
+        share = smoothstep(0.5 + 0.5 * side * x / kRamp_m);
       }
       if (share == 0) continue;
       s.vertex.push_back(vertex);

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <optional>
 
+#include "mien/core/ascii.h"
+
 namespace mien::face {
 namespace {
 
@@ -30,11 +32,6 @@ std::string_view trim(std::string_view text) {
   const std::size_t first = text.find_first_not_of(kBlank);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-  return std::ranges::equal(a, b, [&](char x, char y) { return lower(x) == lower(y); });
 }
 
 std::size_t column_meaning(std::string_view cell) {
@@ -351,7 +348,6 @@ LiveLinkMotion motion_from_livelink(const LiveLinkCsv& csv, std::string name) {
 }
 
 LiveLinkCsv livelink_from_motion(const Motion& motion, bool clamp_mouth_close) {
-  constexpr double kRadPerUnit = 0.611;
   LiveLinkCsv csv;
   csv.rows.reserve(motion.frames.size());
   for (const MotionFrame& frame : motion.frames) {
@@ -364,11 +360,13 @@ LiveLinkCsv livelink_from_motion(const Motion& motion, bool clamp_mouth_close) {
     const Vec3 head = motion.has_head ? livelink_from_head(frame.head) : Vec3::Zero();
     row.values.insert(row.values.end(), head.data(), head.data() + 3);
     const auto weight = [&](std::size_t k) { return static_cast<double>(frame.weights[k]); };
-    row.values.push_back(kRadPerUnit * (weight(shape("eyeLookIn_L")) - weight(shape("eyeLookOut_L"))));
-    row.values.push_back(kRadPerUnit * (weight(shape("eyeLookDown_L")) - weight(shape("eyeLookUp_L"))));
+    row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookIn_L")) - weight(shape("eyeLookOut_L"))));
+    row.values.push_back(kEyeTurnRadPerUnit *
+                         (weight(shape("eyeLookDown_L")) - weight(shape("eyeLookUp_L"))));
     row.values.push_back(0);
-    row.values.push_back(kRadPerUnit * (weight(shape("eyeLookOut_R")) - weight(shape("eyeLookIn_R"))));
-    row.values.push_back(kRadPerUnit * (weight(shape("eyeLookDown_R")) - weight(shape("eyeLookUp_R"))));
+    row.values.push_back(kEyeTurnRadPerUnit * (weight(shape("eyeLookOut_R")) - weight(shape("eyeLookIn_R"))));
+    row.values.push_back(kEyeTurnRadPerUnit *
+                         (weight(shape("eyeLookDown_R")) - weight(shape("eyeLookUp_R"))));
     row.values.push_back(0);
   }
   return csv;

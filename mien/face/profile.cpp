@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "mien/core/ascii.h"
+
 namespace mien::face {
 namespace {
 
@@ -36,7 +38,7 @@ constexpr std::size_t arkit(std::string_view name) {
 }
 inline constexpr std::size_t kJawOpen = arkit("jawOpen");
 inline constexpr std::size_t kMouthClose = arkit("mouthClose");
-inline constexpr std::size_t kTongueOut = arkit("tongueOut");
+inline constexpr std::size_t kArkitTongueOut = arkit("tongueOut");
 
 /// "eyeBlinkLeft" is split into "eyeBlink" and "_L". jawLeft and the like are directions, not sides of a
 /// pair.
@@ -74,14 +76,6 @@ constexpr std::array<Targets, kArkitCount> kTargets = [] {
   }
   return targets;
 }();
-
-constexpr char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
-bool equal_ignoring_case(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
-}
 
 Profile arkit_profile(ArkitOrder order) {
   Profile p;
@@ -149,11 +143,12 @@ std::size_t arkit_index(std::string_view name) {
     if (equal_ignoring_case(name, kArkitNames[i])) return i;
   if (name.size() < 3 || name[name.size() - 2] != '_') return kArkitCount;
   const std::string_view stem = name.substr(0, name.size() - 2);
-  const char side = lower(name.back());
+  const char side = ascii_lower(name.back());
   if (side != 'l' && side != 'r') return kArkitCount;
   for (std::size_t i = 0; i < kArkitCount; ++i) {
     const auto [other_stem, other_side] = split_side(kArkitNames[i]);
-    if (!other_side.empty() && lower(other_side.back()) == side && equal_ignoring_case(stem, other_stem))
+    if (!other_side.empty() && ascii_lower(other_side.back()) == side &&
+        equal_ignoring_case(stem, other_stem))
       return i;
   }
   return kArkitCount;
@@ -166,7 +161,7 @@ BlendshapeWeights ict_from_arkit(const ArkitWeights& arkit_weights, float* tongu
     if (t.first < kShapeCount) ict[t.first] = arkit_weights.values[i];
     if (t.second < kShapeCount) ict[t.second] = arkit_weights.values[i];
   }
-  if (tongue_out != nullptr) *tongue_out = arkit_weights.values[kTongueOut];
+  if (tongue_out != nullptr) *tongue_out = arkit_weights.values[kArkitTongueOut];
   return ict;
 }
 
@@ -179,7 +174,7 @@ ArkitWeights arkit_from_ict(const BlendshapeWeights& ict, float tongue_out, bool
     else if (t.first < kShapeCount)
       weights.values[i] = ict[t.first];
   }
-  weights.values[kTongueOut] = tongue_out;
+  weights.values[kArkitTongueOut] = tongue_out;
   if (clamp_mouth_close)
     weights.values[kMouthClose] = std::min(weights.values[kMouthClose], weights.values[kJawOpen]);
   return weights;

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "mien/core/time.h"
+#include "mien/core/units.h"
 
 namespace mien::face {
 namespace {
 
 /// A sweep in which no weight moves by more has nothing left to do.
 constexpr double kDone = 5e-4;
-constexpr double kMmPerM = 1000;
 
 }  // namespace
 

@@ -17,7 +17,7 @@ constexpr Eigen::Index kWay = 2, kWayY = 3, kSlip = 5;
 /// Three numbers' squared sigmas that are as rare as one's of two and a half, over the latter's.
 constexpr double kThreeNumbers = 1.74;
 
-double wrap(double angle) {
+double wrap_heading(double angle) {
   const double wrapped = std::remainder(angle, 2 * kPi);
   return wrapped <= -kPi ? kPi : wrapped;
 }
@@ -75,7 +75,7 @@ HeadingSums::Best HeadingSums::find() const {
   constexpr int kCoarse = 72;
   double top = -1;
   for (int i = 0; i < kCoarse; ++i) {
-    const double angle = wrap(2 * kPi * i / kCoarse);
+    const double angle = wrap_heading(2 * kPi * i / kCoarse);
     const double value = squared_sum(angle);
     if (value > top) {
       top = value;
@@ -90,7 +90,7 @@ HeadingSums::Best HeadingSums::find() const {
     const double b = low + kGolden * (high - low);
     (squared_sum(a) > squared_sum(b) ? high : low) = squared_sum(a) > squared_sum(b) ? b : a;
   }
-  best.heading_rad = wrap(0.5 * (low + high));
+  best.heading_rad = wrap_heading(0.5 * (low + high));
   const double n = static_cast<double>(count_);
   const double tilt2 = 1 - (up_sum_ / n).squaredNorm();  // Mean square path of the vertical about its mean.
   const double left = std::max(spread(best.heading_rad), 1e-4);
@@ -124,7 +124,7 @@ double HeadingTracker::sigma_rad() const {
 }
 
 void HeadingTracker::predict(double dt_s) {
-  heading_ = wrap(heading_ + rate_ * dt_s);
+  heading_ = wrap_heading(heading_ + rate_ * dt_s);
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
   rate_ *= keep;
   // What the step does to the state it does to the covariance, from both sides.
@@ -155,7 +155,7 @@ void HeadingTracker::skip(double dt_s) {
 
 void HeadingTracker::move_by(const StateVec& change) {
   // The first is Z's excess, the heading less the true one; and the rate is that excess' own.
-  heading_ = wrap(heading_ - change[0]);
+  heading_ = wrap_heading(heading_ - change[0]);
   rate_ -= change[1];
   way_ += change.segment<3>(kWay);
   slip_ += change.segment<3>(kSlip);
@@ -178,7 +178,7 @@ bool HeadingTracker::find_again(double dt_s, double turn_rad, double way_rad) {
   }
   away_s_ += dt_s;
   if (away_s_ <= settings_.lost_after_s) return false;
-  heading_ = wrap(heading_ - (away_least_rad_ - away_way_rad_));
+  heading_ = wrap_heading(heading_ - (away_least_rad_ - away_way_rad_));
   away_s_ = 0;
   still_s_ = 0;  // A stretch that runs knows the heading from before.
   return true;

@@ -5,17 +5,16 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "mien/core/units.h"
 
 namespace mien::imu {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
-
 /// Frames of neutral, and of a nod, that a calibration is made of at least: half a second.
 constexpr std::size_t kMinFrames = 30;
 /// A head that turned so far from neutral has begun its nod.
-constexpr double kFirstTurn = 4 * kDeg;
+constexpr double kFirstTurn = 4 * kRadPerDeg;
 /// Frames further apart, s, tell no angular acceleration.
 constexpr double kMaxStep_s = 0.05;
 /// Of the face's sensors ahead of the ear, m, and what a nod makes of it, m/s^2 for each radian that the head
@@ -26,14 +25,14 @@ constexpr double kMinSwing_m_s2_rad = 0.4;
 
 // What passes. A nod of 10 degrees finds the heading to a few degrees; the others tell a step that was not
 // done as asked.
-constexpr double kMaxStillRate = 4 * kDeg;   // Of the head in the hold, RMS, rad/s.
-constexpr double kMaxFaceSpread = 2 * kDeg;  // Of the worst sensor against the head in the hold.
-constexpr double kMinNod = 10 * kDeg;
-constexpr double kMinShake = 10 * kDeg;
+constexpr double kMaxStillRate = 4 * kRadPerDeg;   // Of the head in the hold, RMS, rad/s.
+constexpr double kMaxFaceSpread = 2 * kRadPerDeg;  // Of the worst sensor against the head in the hold.
+constexpr double kMinNod = 10 * kRadPerDeg;
+constexpr double kMinShake = 10 * kRadPerDeg;
 constexpr double kMinAxisShare = 0.8;
-constexpr double kMaxNodTilt = 20 * kDeg;    // Of the nod's axis out of the horizontal.
-constexpr double kMaxShakeTilt = 20 * kDeg;  // Of the shake's axis off the vertical.
-constexpr double kMaxHeadingSigma = 3 * kDeg;
+constexpr double kMaxNodTilt = 20 * kRadPerDeg;    // Of the nod's axis out of the horizontal.
+constexpr double kMaxShakeTilt = 20 * kRadPerDeg;  // Of the shake's axis off the vertical.
+constexpr double kMaxHeadingSigma = 3 * kRadPerDeg;
 
 sensor::Score score(std::string name, double value, const char* unit, bool pass, std::string sentence) {
   return {std::move(name), value, unit, pass, std::move(sentence)};
@@ -188,7 +187,7 @@ Calibration Prologue::solve() const {
               "the head sensor was not heard while holding still; check it and hold still again"));
     return out;
   }
-  const double still_dps = still_.rms_rad_s() / kDeg;
+  const double still_dps = still_.rms_rad_s() / kRadPerDeg;
   out.scores.push_back(score("neutral", still_dps, "dps", still_.rms_rad_s() <= kMaxStillRate,
                              still_.rms_rad_s() <= kMaxStillRate
                                  ? "the head held still"
@@ -209,7 +208,7 @@ Calibration Prologue::solve() const {
     worst_spread = std::max(worst_spread, hold_[i].spread(best.heading_rad));
   }
   if (nodding_.count < kMinFrames) return out;
-  out.scores.push_back(score("neutral face", worst_spread / kDeg, "deg", worst_spread <= kMaxFaceSpread,
+  out.scores.push_back(score("neutral face", worst_spread / kRadPerDeg, "deg", worst_spread <= kMaxFaceSpread,
                              worst_spread <= kMaxFaceSpread
                                  ? "the face held still"
                                  : "the face moved while holding still; relax and hold still again"));
@@ -222,10 +221,10 @@ Calibration Prologue::solve() const {
   const double share = nodding_.axis_share();
   const bool nodded = first_turn_.has_value() && nodding_.largest_rad >= kMinNod;
   out.scores.push_back(
-      score("nod", nodding_.largest_rad / kDeg, "deg", nodded,
+      score("nod", nodding_.largest_rad / kRadPerDeg, "deg", nodded,
             nodded ? "the nod was large enough" : "the nod was too small; nod by 15 degrees or more"));
   const bool straight = nod_tilt <= kMaxNodTilt && share >= kMinAxisShare;
-  out.scores.push_back(score("nod axis", nod_tilt / kDeg, "deg", straight,
+  out.scores.push_back(score("nod axis", nod_tilt / kRadPerDeg, "deg", straight,
                              straight
                                  ? "the nod was straight"
                                  : "the nod was mixed with other turns; nod straight down and up again"));
@@ -272,7 +271,7 @@ Calibration Prologue::solve() const {
     const double off = std::acos(std::clamp(std::abs(up.dot(shaking_.axis())), 0.0, 1.0));
     const bool good = off <= kMaxShakeTilt && shaking_.largest_rad >= kMinShake;
     out.scores.push_back(
-        score("shake", off / kDeg, "deg", good,
+        score("shake", off / kRadPerDeg, "deg", good,
               good ? "the shake was about the vertical that gravity gives"
                    : "the shake was small or not about the vertical; sit upright and calibrate again"));
   }
@@ -285,7 +284,7 @@ Calibration Prologue::solve() const {
     }
     const bool good = sensor.heading_sigma_rad <= kMaxHeadingSigma;
     out.scores.push_back(
-        score("heading " + names_[i], sensor.heading_sigma_rad / kDeg, "deg", good,
+        score("heading " + names_[i], sensor.heading_sigma_rad / kRadPerDeg, "deg", good,
               good ? "the nod tells how this sensor is headed"
                    : "the nod does not tell how this sensor is headed; keep the face still and nod wider"));
     const ForceSums& f = force_[i];

@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "mien/core/units.h"
 
 namespace mien::imu {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
 constexpr double kSmoothing_s = 0.1;
 
 // Stillness: a living head sways at a degree a second, and a gyroscope whose bias is not found yet adds some.
-constexpr double kStillHead = 5 * kDeg;  // rad/s.
-constexpr double kStillFace = 6 * kDeg;
+constexpr double kStillHead = 5 * kRadPerDeg;  // rad/s.
+constexpr double kStillFace = 6 * kRadPerDeg;
 constexpr double kStill_s = 0.8;  // Before a hold counts: biases are being found.
 /// Frames of hold that a calibration is made of at least, s.
 constexpr double kMinHold_s = 0.6;
@@ -21,18 +21,18 @@ constexpr double kMaxHold_s = 10;
 
 // Gestures: a head that turns faster than this has begun one, and one that is slow and back where it was for
 // a moment has ended it.
-constexpr double kOnset = 8 * kDeg;  // rad/s.
-constexpr double kBack = 8 * kDeg;   // From where the hold ended, rad.
+constexpr double kOnset = 8 * kRadPerDeg;  // rad/s.
+constexpr double kBack = 8 * kRadPerDeg;   // From where the hold ended, rad.
 constexpr double kCalm_s = 0.25;
 constexpr double kMinGesture_s = 0.7;
 constexpr double kMaxGesture_s = 12;
 constexpr double kWaitForShake_s = 4;
-constexpr double kNod = 10 * kDeg;  // Smaller is none.
+constexpr double kNod = 10 * kRadPerDeg;  // Smaller is none.
 constexpr double kVerticalShare = 0.8;
 /// A heading as unsure as this is still better than none: the trackers go on from it, and its score says so.
 /// Boards without a time of their own reach 4 to 12 degrees in their first seconds; a face that talks through
 /// the nod, 20 and more.
-constexpr double kUsefulHeading = 15 * kDeg;
+constexpr double kUsefulHeading = 15 * kRadPerDeg;
 
 bool turns_about_vertical(const Prologue::Frame& frame) {
   const Vec3 rate = frame.q_world_ear * frame.ear_rate_rad_s;

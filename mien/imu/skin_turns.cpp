@@ -4,14 +4,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "mien/core/units.h"
 
 namespace mien::imu {
 namespace {
 
 using Eigen::Index;
 
-constexpr double kRadPerDeg = std::numbers::pi / 180;
 /// What a component of a rotation is off besides the heading, rad (0.7 deg): inclination, slip, mounting.
 constexpr double kOffRad = 0.012;
 /// How far skin of which nothing is known turns, rad (10 deg).

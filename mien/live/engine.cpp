@@ -15,12 +15,12 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 
-#include "mien/live/command.h"
 #include "mien/live/intake.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/recorder.h"
 #include "mien/live/tracker_loop.h"
 #include "mien/model/linear.h"
+#include "mien/session/command.h"
 #include "mien/sink/address.h"
 #include "mien/tracker/causal_tracker.h"
 
@@ -88,7 +88,7 @@ std::string text_of(const json& command, const char* key) {
 }  // namespace
 
 struct Engine::State {
-  State(EngineSettings s, std::unique_ptr<Session> made)
+  State(EngineSettings s, std::unique_ptr<session::Session> made)
       : settings(std::move(s)),
         session(std::move(made)),
         begun(std::chrono::steady_clock::now()),
@@ -134,7 +134,7 @@ struct Engine::State {
   void tell(const std::string& kind, const std::string& text);
 
   EngineSettings settings;
-  std::unique_ptr<Session> session;
+  std::unique_ptr<session::Session> session;
   std::chrono::steady_clock::time_point begun;
   asio::io_context network;
   Intake intake;
@@ -288,7 +288,7 @@ void Engine::State::on_beat() {
                                   "sensors and docs/links.md say why");
   }
   if (!told_uncalibrated) {
-    const Report report = loop.report();
+    const session::Report report = loop.report();
     told_uncalibrated = report.frames > kUncalibratedFrames;
     if (told_uncalibrated && report.calibration.state == "watching")
       tell("not_calibrated",
@@ -377,7 +377,7 @@ void Engine::State::answer(std::uint64_t client, std::string_view text) {
   }
   const std::int64_t number =
       command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
-  if (is_session_command(command["command"].get<std::string>())) {
+  if (session::is_session_command(command["command"].get<std::string>())) {
     if (!intake.command(client, number, text))
       page->send(client, reply_json(number, "the session is busy; try again"));
     return;
@@ -480,7 +480,8 @@ Engine::~Engine() {
   state_->loop.stop();
 }
 
-Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings, std::unique_ptr<Session> session) {
+Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
+                                             std::unique_ptr<session::Session> session) {
   auto made = std::make_unique<State>(std::move(settings), std::move(session));
   State* state = made.get();
   for (const std::string& address : state->settings.listen) {
@@ -518,7 +519,8 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   State& s = *state_;
   s.stop = &stop;
   s.listener = listener;
-  for (const Prompt& prompt : s.settings.prompts) MIEN_TRY(s.loop.obey(write_command(AddPrompt{prompt})));
+  for (const session::Prompt& prompt : s.settings.prompts)
+    MIEN_TRY(s.loop.obey(session::write_command(session::AddPrompt{prompt})));
   s.begun = std::chrono::steady_clock::now();
   s.wake.assign(s.loop.signal().descriptor());
   s.wait_for_answers();

@@ -14,9 +14,9 @@
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
 #include "mien/live/player.h"
-#include "mien/live/prompt.h"
 #include "mien/live/serial_port.h"
-#include "mien/live/session.h"
+#include "mien/session/prompt.h"
+#include "mien/session/session.h"
 #include "mien/sink/sink.h"
 #include "mien/take/take.h"
 
@@ -32,8 +32,8 @@ struct EngineSettings {
   /// it runs, in a file without a name.
   std::filesystem::path takes = ".";
   std::optional<PageSettings> page;
-  std::optional<double> seconds;  ///< Ends by itself after this time.
-  std::vector<Prompt> prompts;    ///< Poses to ask for, from the beginning on.
+  std::optional<double> seconds;         ///< Ends by itself after this time.
+  std::vector<session::Prompt> prompts;  ///< Poses to ask for, from the beginning on.
   /// The session is there for `record` alone: it ends when its prompts are over, or its recording is.
   bool ends_with_recording = false;
   take::Header header;               ///< Of takes; rig and time are filled in by whoever fills the rest.
@@ -55,7 +55,7 @@ struct EngineSummary {
   std::vector<SerialPort::Status> lines;  ///< Serial ones.
   std::optional<std::filesystem::path> take;
   std::string recording_error;
-  Report report;  ///< The last.
+  session::Report report;  ///< The last.
 };
 
 /// Who is told how a session goes, on the thread that runs it; each may be empty.
@@ -72,7 +72,7 @@ class Engine {
  public:
   /// Opens every port, sink and take. Errors: theirs.
   [[nodiscard]] static Result<std::unique_ptr<Engine>> open(EngineSettings settings,
-                                                            std::unique_ptr<Session> session);
+                                                            std::unique_ptr<session::Session> session);
   ~Engine();
 
   /// The addresses that devices may send to, with their ports.

@@ -20,7 +20,7 @@ double milliseconds(Duration duration) {
   return std::round(1e6 * to_seconds(duration)) / 1e3;
 }
 
-json link_json(const Report::Link& link, const std::string& sensor) {
+json link_json(const session::Report::Link& link, const std::string& sensor) {
   const sensor::LinkReport& health = link.health;
   json out = {{"sensor", sensor},
               {"device", link.device},
@@ -57,7 +57,7 @@ json target_object(const face::BlendshapeWeights& target) {
   return out;
 }
 
-json prompts_json(const Report::Prompts& prompts) {
+json prompts_json(const session::Report::Prompts& prompts) {
   if (prompts.state == "none" || prompts.state.empty()) return nullptr;
   const bool over = prompts.state == "over";
   return {{"state", prompts.state},
@@ -74,9 +74,9 @@ json prompts_json(const Report::Prompts& prompts) {
           {"left_s", rounded(prompts.left_s)}};
 }
 
-json calibration_json(const Report::Calibration& calibration) {
+json calibration_json(const session::Report::Calibration& calibration) {
   json versions = json::array();
-  for (const CalibrationVersion& version : calibration.versions) {
+  for (const session::CalibrationVersion& version : calibration.versions) {
     json scores = json::array();
     for (const sensor::Score& score : version.scores)
       scores.push_back({{"name", score.name},
@@ -129,7 +129,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
   for (std::size_t i = 0; i < status.report.links.size(); ++i)
     links.push_back(link_json(status.report.links[i], rig.sensors[i].name));
   json unbound = json::array();
-  for (const Report::Unbound& device : status.report.unbound)
+  for (const session::Report::Unbound& device : status.report.unbound)
     unbound.push_back({{"device", device.device},
                        {"announces", device.announces},
                        {"age_ms", milliseconds(device.age)},

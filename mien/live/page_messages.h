@@ -8,9 +8,9 @@
 
 #include "mien/live/latency.h"
 #include "mien/live/recorder.h"
-#include "mien/live/report.h"
 #include "mien/live/serial_port.h"
 #include "mien/sensor/rig.h"
+#include "mien/session/report.h"
 #include "mien/sink/json_frame.h"
 #include "mien/sink/sink.h"
 #include "mien/take/take.h"
@@ -36,7 +36,7 @@ struct ReplayState {
 };
 
 struct Status {
-  Report report;
+  session::Report report;
   std::uint64_t missed = 0;
   Duration p50{}, p99{}, largest{};
   std::vector<SinkState> sinks;

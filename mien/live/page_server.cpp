@@ -32,7 +32,7 @@ constexpr std::size_t kMaxRequestBytes = std::size_t{1} << 14U;
 constexpr std::size_t kMaxMessageBytes = std::size_t{1} << 16U;
 /// Replies and states that a client may be behind.
 constexpr std::size_t kMaxQueue = 256;
-constexpr auto kPatience = std::chrono::seconds(15);
+constexpr auto kIdleTimeout = std::chrono::seconds(15);
 /// How often a request looks whether what it waits for is made.
 constexpr auto kLookAgain = std::chrono::milliseconds(20);
 
@@ -80,7 +80,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   void read() {
     parser_.emplace();
     parser_->header_limit(kMaxRequestBytes);
-    stream_.expires_after(kPatience);
+    stream_.expires_after(kIdleTimeout);
     http::async_read_header(stream_, buffer_, *parser_,
                             [self = shared_from_this()](beast::error_code code, std::size_t) {
                               if (!code) self->answer();
@@ -160,7 +160,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
                   "frame-ancestors 'none'; base-uri 'none'");
     response->content_length(bytes.size());
     response->keep_alive(request.keep_alive());
-    stream_.expires_after(4 * kPatience);
+    stream_.expires_after(4 * kIdleTimeout);
     http::async_write(stream_, *response,
                       [self = shared_from_this(), response](beast::error_code code, std::size_t) {
                         if (code || response->need_eof())
@@ -176,7 +176,7 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
     response->body() = fmt::format("{}\n", why);
     response->prepare_payload();
     response->keep_alive(false);
-    stream_.expires_after(kPatience);
+    stream_.expires_after(kIdleTimeout);
     http::async_write(
         stream_, *response,
         [self = shared_from_this(), response](beast::error_code, std::size_t) { self->stream_.close(); });

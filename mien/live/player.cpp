@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "mien/live/replay.h"
+#include "mien/session/replay.h"
 #include "mien/take/take.h"
 
 namespace mien::live {
@@ -32,12 +32,12 @@ struct Player::Job {
       return fail(ErrorCode::out_of_range, "the take is longer than half an hour", path.string(),
                   "solve it with mien solve, and look at that");
     if (cancelled) return {};
-    MIEN_TRY_ASSIGN(const std::unique_ptr<Session> session, make_session(take.rig()));
+    MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session, make_session(take.rig()));
     MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> known, take.truth());
     std::map<DeviceTime, const face::BlendshapeWeights*> by_time;
     for (const take::TruthFrame& one : known)
       if (one.has_face) by_time.emplace(one.time, &one.weights);
-    MIEN_TRY(replay(take, *session, [&](const take::Tick& tick, const face::OutputFrame& frame) {
+    MIEN_TRY(session::replay(take, *session, [&](const take::Tick& tick, const face::OutputFrame& frame) {
       frames.push_back(frame);
       if (!by_time.empty()) {
         const auto found = by_time.find(tick.frame);

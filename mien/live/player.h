@@ -12,7 +12,7 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/face/output_frame.h"
-#include "mien/live/session.h"
+#include "mien/session/session.h"
 
 namespace mien::live {
 
@@ -20,7 +20,7 @@ namespace mien::live {
 /// will. Truth beside it where the take has one. All calls from one thread.
 class Player {
  public:
-  using MakeSession = std::function<Result<std::unique_ptr<Session>>(const sensor::Rig&)>;
+  using MakeSession = std::function<Result<std::unique_ptr<session::Session>>(const sensor::Rig&)>;
   explicit Player(MakeSession make_session) : make_session_(std::move(make_session)) {}
   ~Player();
 

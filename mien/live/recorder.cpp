@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "mien/live/command.h"
+#include "mien/core/bytes.h"
+#include "mien/session/command.h"
 
 namespace mien::live {
 namespace {
@@ -24,7 +25,7 @@ constexpr std::size_t kRingBytes = std::size_t{1} << 23U;
 /// sensors.
 constexpr std::uint64_t kMaxSpoolBytes = std::uint64_t{4} << 30U;
 constexpr std::size_t kSliceBytes = std::size_t{1} << 22U;
-constexpr Duration kPatience = std::chrono::milliseconds(100);
+constexpr Duration kPollInterval = std::chrono::milliseconds(100);
 
 template <class T>
 void put(std::span<std::byte>& to, const T& value) {
@@ -42,10 +43,6 @@ T get(std::span<const std::byte>& from) {
   from = from.subspan(sizeof(T));
   return value;
 }
-std::string text(std::span<const std::byte> bytes) {
-  return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-}
-
 struct EntryHead {
   HostTime arrival;
   sensor::Peer peer;
@@ -167,7 +164,7 @@ void Recorder::calibration(std::int64_t id, DeviceTime made, std::string_view mo
 
 void Recorder::run() {
   while (!stopping_) {
-    signal_.wait(kPatience);
+    signal_.wait(kPollInterval);
     try {
       turn();
     } catch (const std::exception& error) {
@@ -303,7 +300,7 @@ void Recorder::write(std::span<const std::byte> record) {
     }
     case Kind::command: {
       const auto arrival = get<HostTime>(record);
-      w.entry = w.writer.add_entry(arrival, kPageSource, record);
+      w.entry = w.writer.add_entry(arrival, session::kPageSource, record);
       return;
     }
     case Kind::tick: {
@@ -314,14 +311,14 @@ void Recorder::write(std::span<const std::byte> record) {
     }
     case Kind::event: {
       const auto head = get<EventHead>(record);
-      w.writer.add_event(
-          {text(record.first(head.kind_bytes)), head.begin, head.end, text(record.subspan(head.kind_bytes))});
+      w.writer.add_event({std::string(as_text(record.first(head.kind_bytes))), head.begin, head.end,
+                          std::string(as_text(record.subspan(head.kind_bytes)))});
       return;
     }
     case Kind::calibration: {
       const auto head = get<CalibrationHead>(record);
-      w.writer.add_calibration({head.id, head.made, text(record.first(head.modality_bytes)),
-                                text(record.subspan(head.modality_bytes))});
+      w.writer.add_calibration({head.id, head.made, std::string(as_text(record.first(head.modality_bytes))),
+                                std::string(as_text(record.subspan(head.modality_bytes)))});
       return;
     }
   }

@@ -29,7 +29,7 @@ std::span<const std::byte> bytes_of(std::string_view text) {
 
 }  // namespace
 
-TrackerLoop::TrackerLoop(Session& session, Intake& intake, Recorder& recorder, Clock clock)
+TrackerLoop::TrackerLoop(session::Session& session, Intake& intake, Recorder& recorder, Clock clock)
     : session_(session),
       intake_(intake),
       recorder_(recorder),
@@ -107,7 +107,7 @@ void TrackerLoop::take(const Arrived& arrived) {
     hand_over_news(arrived.arrival);
     return;
   }
-  const Session::Received received = session_.receive(arrived.arrival, arrived.peer, arrived.bytes);
+  const session::Session::Received received = session_.receive(arrived.arrival, arrived.peer, arrived.bytes);
   if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
     intake_.vouch(arrived.peer);
     recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples);
@@ -148,7 +148,7 @@ void TrackerLoop::hand_over_news(HostTime now) {
   for (const LinkNews::Sentence& news : link_news_.tell(now, events)) say_event(news.kind, news.text);
   const auto& versions = session_.versions();
   for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {
-    const CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
+    const session::CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
     if (!version.json.empty())
       recorder_.calibration(version.id, version.made, session_.modality(), version.json);
   }
@@ -168,7 +168,7 @@ void TrackerLoop::look_around(HostTime now) {
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);
 }
 
-Report TrackerLoop::report() const {
+session::Report TrackerLoop::report() const {
   const std::lock_guard lock(report_mutex_);
   return report_;
 }

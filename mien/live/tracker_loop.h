@@ -11,10 +11,10 @@
 #include "mien/live/intake.h"
 #include "mien/live/link_news.h"
 #include "mien/live/recorder.h"
-#include "mien/live/report.h"
 #include "mien/live/ring.h"
-#include "mien/live/session.h"
 #include "mien/live/signal.h"
+#include "mien/session/report.h"
+#include "mien/session/session.h"
 
 namespace mien::live {
 
@@ -40,7 +40,7 @@ struct Said {
 class TrackerLoop {
  public:
   using Clock = std::function<HostTime()>;
-  TrackerLoop(Session& session, Intake& intake, Recorder& recorder, Clock clock);
+  TrackerLoop(session::Session& session, Intake& intake, Recorder& recorder, Clock clock);
   ~TrackerLoop();  ///< As stop().
 
   /// Before start(): the session's first commands, logged as the page's. Errors: the session's.
@@ -57,7 +57,7 @@ class TrackerLoop {
   /// There is something to take.
   [[nodiscard]] Signal& signal() { return out_; }
   /// The newest report, at most a quarter of a second old. Copies it.
-  [[nodiscard]] Report report() const;
+  [[nodiscard]] session::Report report() const;
 
   /// Frames that found no room, since the network's thread stood still.
   [[nodiscard]] std::uint64_t missed() const { return missed_; }
@@ -71,7 +71,7 @@ class TrackerLoop {
   void say_event(std::string_view kind, std::string_view text);
   void look_around(HostTime now);
 
-  Session& session_;
+  session::Session& session_;
   Intake& intake_;
   Recorder& recorder_;
   Clock clock_;
@@ -86,9 +86,9 @@ class TrackerLoop {
   std::int64_t versions_ = 0;  // Handed over.
   LinkNews link_news_;
   std::vector<sensor::Protocol::Outgoing> outgoing_;
-  Report draft_;
+  session::Report draft_;
   mutable std::mutex report_mutex_;
-  Report report_;
+  session::Report report_;
   std::thread thread_;
 };
 

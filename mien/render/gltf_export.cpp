@@ -21,12 +21,10 @@ namespace {
 
 using face::Material;
 using nlohmann::json;
-using Triangle = std::array<std::uint32_t, 3>;
+using TriangleIndices = std::array<std::uint32_t, 3>;
 
 constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
 constexpr int kVertexData = 34962, kIndexData = 34963;
-/// How far an eyeball turns at weight 1; as face::turn_eyes.
-constexpr double kEyeRadPerUnit = 0.611;
 
 /// The asset while it grows: JSON and the one buffer that it speaks of.
 class Asset {
@@ -103,7 +101,7 @@ class Asset {
                              {"count", values.size()}});
   }
 
-  std::size_t indices(std::span<const Triangle> triangles) {
+  std::size_t indices(std::span<const TriangleIndices> triangles) {
     return add("accessors", {{"bufferView", view(triangles, kIndexData)},
                              {"componentType", kUnsignedInt},
                              {"type", "SCALAR"},
@@ -171,7 +169,7 @@ json material_entry(Material material, float roughness) {
 /// Part of the face that becomes one glTF mesh.
 struct Piece {
   std::string name;
-  std::map<Material, std::vector<Triangle>> triangles;  // Of the face's vertices.
+  std::map<Material, std::vector<TriangleIndices>> triangles;  // Of the face's vertices.
   bool with_shapes = false;
   Vec3f origin_m = Vec3f::Zero();
 };
@@ -183,7 +181,7 @@ bool turns_alone(const face::Face& face, const face::Eyeball& ball) {
   const auto of_ball = [&](std::uint32_t i) {
     return i >= ball.first_vertex && i < ball.first_vertex + ball.vertex_count;
   };
-  for (const Triangle& t : face.triangles)
+  for (const TriangleIndices& t : face.triangles)
     if (const auto count = std::ranges::count_if(t, of_ball); count != 0 && count != 3) return false;
   return std::ranges::none_of(face.shapes,
                               [&](const face::Shape& s) { return std::ranges::any_of(s.vertex, of_ball); });
@@ -196,7 +194,7 @@ Result<void> check(const face::Face& face) {
     return bad(ErrorCode::bad_usage, "a face without triangles cannot be exported");
   for (const Vec3f& p : face.neutral_m)
     if (!p.allFinite()) return bad(ErrorCode::out_of_range, "a vertex is not finite");
-  for (const Triangle& t : face.triangles)
+  for (const TriangleIndices& t : face.triangles)
     if (std::ranges::max(t) >= n)
       return bad(ErrorCode::malformed, "a triangle names a vertex that is not there");
   for (const face::Shape& s : face.shapes) {
@@ -220,7 +218,7 @@ std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& p
   std::vector<std::uint32_t> place(face.neutral_m.size(), kNone);
   std::vector<Material> material_of(face.neutral_m.size(), Material::skin);
   for (const auto& [material, triangles] : piece.triangles)
-    for (const Triangle& t : triangles)
+    for (const TriangleIndices& t : triangles)
       for (const std::uint32_t i : t) {
         place[i] = 0;
         material_of[i] = material;
@@ -267,8 +265,8 @@ std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& p
 
   json primitives = json::array();
   for (const auto& [material, triangles] : piece.triangles) {
-    std::vector<Triangle> local;
-    for (const Triangle& t : triangles) local.push_back({place[t[0]], place[t[1]], place[t[2]]});
+    std::vector<TriangleIndices> local;
+    for (const TriangleIndices& t : triangles) local.push_back({place[t[0]], place[t[1]], place[t[2]]});
     if (!materials.contains(material)) {
       const float roughness = paint.at(Vec3f::Zero(), material, nullptr).roughness;
       materials[material] = asset.add("materials", material_entry(material, roughness));
@@ -302,8 +300,8 @@ Quat eye_rotation(const face::BlendshapeWeights& w, bool left) {
                           : w[shape("eyeLookIn_R")] - w[shape("eyeLookOut_R")];
   const double pitch = left ? w[shape("eyeLookUp_L")] - w[shape("eyeLookDown_L")]
                             : w[shape("eyeLookUp_R")] - w[shape("eyeLookDown_R")];
-  return Eigen::AngleAxisd(kEyeRadPerUnit * yaw, Vec3::UnitY()) *
-         Eigen::AngleAxisd(-kEyeRadPerUnit * pitch, Vec3::UnitX());
+  return Eigen::AngleAxisd(face::kEyeTurnRadPerUnit * yaw, Vec3::UnitY()) *
+         Eigen::AngleAxisd(-face::kEyeTurnRadPerUnit * pitch, Vec3::UnitX());
 }
 
 struct NodeNames {

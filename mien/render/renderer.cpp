@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "mien/core/smoothstep.h"
 #include "mien/render/error_colours.h"
 #include "mien/render/parallel.h"
 #include "mien/render/ray_scene.h"
@@ -41,15 +42,6 @@ constexpr float kAmbientReach_m = 0.07F;
 const Vec3f kScatter_m(3.4e-3F, 1.5e-3F, 0.9e-3F);
 /// How far light wraps around the edge to the dark side, by channel.
 const Vec3f kWrap(0.28F, 0.13F, 0.08F);
-
-float smooth_step(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0F, 1.0F);
-  return t * t * (3 - 2 * t);
-}
-
-Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
-  return a + t * (b - a);
-}
 
 /// `count` directions spread evenly over the sphere (Fibonacci lattice).
 std::vector<Vec3f> sphere_directions(int count) {
@@ -103,7 +95,7 @@ struct Studio {
 
   /// Light that comes from a direction where nothing stands in the way.
   [[nodiscard]] Vec3f around(const Vec3f& direction) const {
-    return mix(ground, sky, smooth_step(-0.9F, 0.9F, direction.y()));
+    return mix(ground, sky, smoothstep(-0.9F, 0.9F, direction.y()));
   }
 };
 
@@ -398,7 +390,7 @@ Vec3f Renderer::State::mirrored(const Studio& studio, const Vec3f& p, const Vec3
   for (const Look::Light& l : studio.light) {
     const float angle = std::acos(std::clamp(out.dot(l.direction), -1.0F, 1.0F));
     const float inside =
-        1 - smooth_step((1 - sharpness) * l.radius_rad, (1 + sharpness) * l.radius_rad, angle);
+        1 - smoothstep((1 - sharpness) * l.radius_rad, (1 + sharpness) * l.radius_rad, angle);
     // A disc of this radius that lights a wall to `radiance` is brighter the smaller it is.
     if (inside > 0)
       light += inside * l.radiance / std::max(0.02F, std::sin(l.radius_rad) * std::sin(l.radius_rad));
@@ -438,7 +430,7 @@ Vec3f Renderer::State::shade_eye(const Studio& studio, const Vec3f& p, Vec3f n, 
       if (ball.vertex_count == 0 || (neutral - ball.centre_m).norm() > 0.03F) continue;
       const Vec3f axis = eye_turn[static_cast<std::size_t>(e)] * paint.eye_axis(e);
       const float angle = std::acos(std::clamp(n.dot(axis), -1.0F, 1.0F));
-      const float bulge = 1 - smooth_step(0.85F, 1.15F, angle / paint.iris_angle_rad(e));
+      const float bulge = 1 - smoothstep(0.85F, 1.15F, angle / paint.iris_angle_rad(e));
       wet = (n - 0.40F * bulge * axis).normalized();
     }
   }
@@ -470,7 +462,7 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
   if (n.dot(to_camera) < 0) n = (n - 1.02F * n.dot(to_camera) * to_camera).normalized();
   const Vec3f neutral = between(face.neutral_m);
   // A bust ends softly instead of with a cut.
-  *cover = smooth_step(lowest_m + 0.002F, lowest_m + 0.05F, neutral.y());
+  *cover = smoothstep(lowest_m + 0.002F, lowest_m + 0.05F, neutral.y());
 
   Vec3f own_colour = Vec3f::Zero();
   const bool has_colour = !face.colour.empty();
@@ -498,7 +490,7 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
     }
     // Pores, where a pixel is small enough to show them.
     Vec3f rough_n = n;
-    const float pores = surface.bump * (1 - smooth_step(0.5e-3F, 1.1e-3F, footprint_m));
+    const float pores = surface.bump * (1 - smoothstep(0.5e-3F, 1.1e-3F, footprint_m));
     if (pores > 0) {
       const Vec3f q = neutral * 900.0F;
       const Vec3f tilt(solid_noise(q), solid_noise(q + Vec3f(31, 7, 3)), solid_noise(q + Vec3f(5, 47, 19)));
@@ -606,7 +598,7 @@ Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, c
 
   const auto background = [&](float x, float y) {
     const float u = x / static_cast<float>(camera.width) - 0.5F, v = y / static_cast<float>(camera.height);
-    return Vec3f(mix(top, bottom, smooth_step(0, 1, v)) * (1 - 0.5F * u * u));
+    return Vec3f(mix(top, bottom, smoothstep(0, 1, v)) * (1 - 0.5F * u * u));
   };
   // What a pixel shows is averaged after the tone curve, so that bright edges stay smooth.
   const auto sample = [&](float x, float y) {

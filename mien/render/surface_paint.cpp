@@ -5,7 +5,9 @@
 #include <limits>
 #include <numbers>
 
+#include "mien/core/smoothstep.h"
 #include "mien/render/solid_noise.h"
+#include "mien/render/tone.h"
 
 namespace mien::render {
 namespace {
@@ -18,15 +20,6 @@ const Vec3f kSkin(0.60F, 0.365F, 0.265F);
 const Vec3f kLips(0.47F, 0.165F, 0.145F);
 const Vec3f kHair(0.055F, 0.035F, 0.025F);
 const Vec3f kSclera(0.74F, 0.69F, 0.66F);
-
-float smooth_step(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0F, 1.0F);
-  return t * t * (3 - 2 * t);
-}
-
-Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
-  return a + t * (b - a);
-}
 
 /// A smooth curve through `points` (Catmull-Rom), eight pieces between two.
 std::vector<Vector2f> smooth_curve(const std::vector<Vector2f>& points, bool closed) {
@@ -165,7 +158,7 @@ float SurfacePaint::lip_amount(const Vec3f& p) const {
   if (p.z() < lips_back_m_ || !lips_box_.contains(q)) return 0;
   const float distance = nearest_on(lips_m_, q, true).distance;
   const float signed_m = inside(lips_m_, q) ? distance : -distance;
-  return smooth_step(-0.0012F, 0.0016F, signed_m);
+  return smoothstep(-0.0012F, 0.0016F, signed_m);
 }
 
 float SurfacePaint::brow_amount(const Vec3f& p) const {
@@ -174,7 +167,7 @@ float SurfacePaint::brow_amount(const Vec3f& p) const {
   if (!paints_brows_ || p.z() < brows_back_m_ || !brows_box_[side].contains(q)) return 0;
   const auto& brow = brows_m_[side];
   const Nearest near = nearest_on(brow, q, false);
-  const float half_m = 0.0048F * (1 - 0.72F * smooth_step(0.35F, 1.05F, near.along));
+  const float half_m = 0.0048F * (1 - 0.72F * smoothstep(0.35F, 1.05F, near.along));
   if (near.distance > 2 * half_m) return 0;
   // Hairs run outwards and up: stretched noise, finer across than along.
   const float outward = p.x() > 0 ? 1.0F : -1.0F;
@@ -184,8 +177,8 @@ float SurfacePaint::brow_amount(const Vec3f& p) const {
   const float hairs = 0.80F + 0.60F * solid_noise(Vec3f(q.dot(along) * 260, q.dot(across) * 1500, 7.0F));
   const float ragged =
       near.distance + 0.0009F * solid_noise(Vec3f(q.dot(across) * 900, q.dot(along) * 120, 3.0F));
-  return std::clamp(hairs, 0.0F, 1.0F) * (1 - smooth_step(0.35F * half_m, 1.15F * half_m, ragged)) * 0.92F *
-         smooth_step(-0.02F, 0.10F, near.along + 0.06F);
+  return std::clamp(hairs, 0.0F, 1.0F) * (1 - smoothstep(0.35F * half_m, 1.15F * half_m, ragged)) * 0.92F *
+         smoothstep(-0.02F, 0.10F, near.along + 0.06F);
 }
 
 Surface SurfacePaint::eye(const Vec3f& p, int index) const {
@@ -195,7 +188,7 @@ Surface SurfacePaint::eye(const Vec3f& p, int index) const {
   const float radius = angle / iris_angle_rad(index);  // 1 at the limbus.
 
   // White, with a little blood towards the corners.
-  const float far_out = smooth_step(1.3F, 2.6F, radius);
+  const float far_out = smoothstep(1.3F, 2.6F, radius);
   const float veins = std::max(0.0F, solid_noise(d * 700.0F)) * far_out;
   Vec3f colour = mix(kSclera, Vec3f(0.66F, 0.44F, 0.40F), 0.45F * far_out + 0.35F * veins);
 
@@ -203,10 +196,10 @@ Surface SurfacePaint::eye(const Vec3f& p, int index) const {
   const float fibres = 0.6F * solid_noise(Vec3f(11 * std::cos(turn), 11 * std::sin(turn), 1.6F * radius)) +
                        0.4F * solid_noise(Vec3f(26 * std::cos(turn), 26 * std::sin(turn), 3 * radius));
   const Vec3f outer(0.085F, 0.13F, 0.155F), inner(0.26F, 0.20F, 0.105F);
-  Vec3f iris = mix(inner, outer, smooth_step(0.36F, 0.70F, radius + 0.10F * fibres)) * (1 + 0.75F * fibres);
-  iris *= 1 - 0.78F * smooth_step(0.80F, 1.0F, radius);
-  iris *= smooth_step(0.30F, 0.37F, radius);
-  colour = mix(iris, colour, smooth_step(0.94F, 1.09F, radius));
+  Vec3f iris = mix(inner, outer, smoothstep(0.36F, 0.70F, radius + 0.10F * fibres)) * (1 + 0.75F * fibres);
+  iris *= 1 - 0.78F * smoothstep(0.80F, 1.0F, radius);
+  iris *= smoothstep(0.30F, 0.37F, radius);
+  colour = mix(iris, colour, smoothstep(0.94F, 1.09F, radius));
   return {
       .albedo = colour.cwiseMax(0.004F), .roughness = 0.08F, .reflectance = 0.03F, .scatter = 0, .bump = 0};
 }
@@ -309,8 +302,8 @@ float SurfacePaint::lash_cover(const Vec3f& p, float length_m) const {
   const float along = length_m / longest_m;
   const float hair = 0.5F + solid_noise(Vec3f(turn * (lower ? 34.0F : 46.0F), along * 0.8F, lower ? 5 : 3));
   const float thick = (lower ? 0.52F : 0.66F) * (1 - along);
-  return (lower ? 0.6F : 0.9F) * (1 - smooth_step(thick - 0.12F, thick + 0.12F, hair)) *
-         (1 - smooth_step(0.8F, 1.0F, along));
+  return (lower ? 0.6F : 0.9F) * (1 - smoothstep(thick - 0.12F, thick + 0.12F, hair)) *
+         (1 - smoothstep(0.8F, 1.0F, along));
 }
 
 }  // namespace mien::render

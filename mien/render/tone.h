@@ -9,6 +9,11 @@
 
 namespace mien::render {
 
+/// From a to b as t goes from 0 to 1.
+[[nodiscard]] inline Vec3f mix(const Vec3f& a, const Vec3f& b, float t) {
+  return a + t * (b - a);
+}
+
 /// Linear 0 to 1 to sRGB's curve (IEC 61966-2-1).
 [[nodiscard]] inline float srgb_curve(float linear) {
   return linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1 / 2.4F) - 0.055F;

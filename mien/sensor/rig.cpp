@@ -320,7 +320,7 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
 }
 
 Result<Rig> read_rig(const std::filesystem::path& path) {
-  MIEN_TRY_ASSIGN(const std::string content, read_text(path, kMaxRigBytes));
+  MIEN_TRY_ASSIGN(const std::string content, mien::read_text(path, kMaxRigBytes));
   return parse_rig(content, path.string());
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
 #include "mien/face/output_frame.h"
+#include "mien/face/profile.h"
 
 namespace mien::shaping {
 
-/// Eye direction per unit of an eyeLook shape, rad: 35 degrees, as Live Link Face's recordings have it.
-inline constexpr float kEyeTurnRad = 0.611f;
+/// face::kEyeTurnRadPerUnit in single precision, as eye directions are.
+inline constexpr auto kEyeTurnRad = static_cast<float>(face::kEyeTurnRadPerUnit);
 /// Skin sensors hardly feel where the eyes look.
 inline constexpr float kGazeConfidence = 0.2f;
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mien/shaping/ease.h"
+#include "mien/core/smoothstep.h"
 #include "mien/shaping/frame_parts.h"
 
 namespace mien::shaping {
@@ -10,7 +10,7 @@ namespace mien::shaping {
 using face::Provenance;
 
 Fading::Fading(double age_s, const FallbackSettings& settings)
-    : gone_(ease((age_s - settings.hold_s) / settings.neutral_s)),
+    : gone_(smoothstep((age_s - settings.hold_s) / settings.neutral_s)),
       left_(static_cast<float>(1 - gone_)),
       sure_(static_cast<float>(std::clamp(1 - age_s / (settings.hold_s + settings.neutral_s), 0.0, 1.0))),
       held_(age_s <= settings.hold_s) {}

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mien/shaping/ease.h"
+#include "mien/core/smoothstep.h"
 
 namespace mien::shaping {
 namespace {
@@ -87,7 +87,7 @@ void Recentre::ease_on(DeviceTime time) {
     if (state_ == State::easing) state_ = State::done;
     return;
   }
-  const double s = ease(u);
+  const double s = smoothstep(u);
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
     present_.rest[i] = static_cast<float>(from_.rest[i] + s * (target_.rest[i] - from_.rest[i]));
   present_.yaw_rad = wrapped(from_.yaw_rad + s * wrapped(target_.yaw_rad - from_.yaw_rad));

@@ -4,16 +4,14 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <string_view>
 
+#include "mien/core/units.h"
 #include "mien/face/livelink_csv.h"
 
 namespace mien::sink {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// "eyeBlinkLeft" is "eyeBlink_L" here; jawLeft, jawRight, mouthLeft and mouthRight keep their names.
 std::string short_name(std::string_view name) {
@@ -41,8 +39,8 @@ void put(Datagrams& out, fmt::format_string<Value...> format, Value&&... values)
 }
 
 void put_eye(Datagrams& out, const char* name, const Eigen::Vector2f& yaw_left_pitch_up) {
-  put(out, "{}#{:.4f},{:.4f},0|", name, 0.0 - kDegrees * static_cast<double>(yaw_left_pitch_up.y()),
-      0.0 + kDegrees * static_cast<double>(yaw_left_pitch_up.x()));
+  put(out, "{}#{:.4f},{:.4f},0|", name, 0.0 - kDegPerRad * static_cast<double>(yaw_left_pitch_up.y()),
+      0.0 + kDegPerRad * static_cast<double>(yaw_left_pitch_up.x()));
 }
 
 }  // namespace
@@ -79,7 +77,7 @@ void encode_ifacialmocap(const ArkitFrame& frame, IFacialMocapVersion version, D
   for (std::size_t i = 0; i < short_names().size(); ++i)
     put(out, "{}{}{}|", short_names()[i], separator, std::lround(100 * frame.weights.values[i]));
   // Yaw to the right, pitch down and roll to the right are turns about -Y, +X and +Z.
-  const Vec3 head = face::livelink_from_head(frame.head) * kDegrees;
+  const Vec3 head = face::livelink_from_head(frame.head) * kDegPerRad;
   put(out, "=head#{:.4f},{:.4f},{:.4f},0,0,0|", head.y() + 0.0, 0.0 - head.x(), head.z() + 0.0);
   put_eye(out, "rightEye", frame.eyes_rad[1]);
   put_eye(out, "leftEye", frame.eyes_rad[0]);

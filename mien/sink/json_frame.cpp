@@ -12,9 +12,9 @@
 namespace mien::sink {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-void put(std::string& out, double value) {
+void put_number(std::string& out, double value) {
   // Zero in one letter, and never -0: half of a face at rest is zero.
   if (!std::isfinite(value) || value == 0)
     out += '0';
@@ -26,14 +26,14 @@ void put_list(std::string& out, std::string_view name, std::span<const float> va
   fmt::format_to(std::back_inserter(out), ",\"{}\":[", name);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i > 0) out += ',';
-    put(out, static_cast<double>(values[i]));
+    put_number(out, static_cast<double>(values[i]));
   }
   out += ']';
 }
 
 void put_sureness(std::string& out, std::string_view name, float confidence, face::Provenance provenance) {
   fmt::format_to(std::back_inserter(out), ",\"{}_confidence\":", name);
-  put(out, static_cast<double>(confidence));
+  put_number(out, static_cast<double>(confidence));
   fmt::format_to(std::back_inserter(out), ",\"{}_provenance\":\"{}\"", name, provenance_letter(provenance));
 }
 
@@ -58,12 +58,12 @@ char provenance_letter(face::Provenance provenance) {
 }
 
 std::string hello_json(const Hello& hello) {
-  Json json = {{"type", "hello"}, {"software", hello.software}, {"shapes", face::kShapeNames}};
+  OrderedJson json = {{"type", "hello"}, {"software", hello.software}, {"shapes", face::kShapeNames}};
   if (hello.rig) {
-    Json sensors = Json::array();
+    OrderedJson sensors = OrderedJson::array();
     for (const Hello::Sensor& sensor : hello.rig->sensors) {
-      Json one = {{"name", sensor.name}, {"kind", sensor.kind}, {"site", sensor.site},
-                  {"side", sensor.side}, {"role", sensor.role}, {"position_m", nullptr}};
+      OrderedJson one = {{"name", sensor.name}, {"kind", sensor.kind}, {"site", sensor.site},
+                         {"side", sensor.side}, {"role", sensor.role}, {"position_m", nullptr}};
       if (const auto& p = sensor.position_m) one["position_m"] = {p->x(), p->y(), p->z()};
       if (const auto& a = sensor.aim) one["aim"] = {a->x(), a->y(), a->z()};
       sensors.push_back(std::move(one));
@@ -74,7 +74,7 @@ std::string hello_json(const Hello& hello) {
   if (hello.model) json["model"] = *hello.model;
   if (hello.mode) json["mode"] = *hello.mode;
   if (hello.listening) json["listening"] = *hello.listening;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 void write_frame_json(const face::OutputFrame& frame, std::int64_t frame_index,
@@ -90,13 +90,13 @@ void write_frame_json(const face::OutputFrame& frame, std::int64_t frame_index,
   out += ",\"provenance\":\"";
   for (const face::Provenance provenance : frame.provenance) out += provenance_letter(provenance);
   out += "\",\"tongue_out\":";
-  put(out, static_cast<double>(frame.tongue_out));
+  put_number(out, static_cast<double>(frame.tongue_out));
   const Quat head = sendable_rotation(frame.head);
   out += ",\"head\":[";
-  put(out, head.w());
+  put_number(out, head.w());
   for (const double value : {head.x(), head.y(), head.z()}) {
     out += ',';
-    put(out, value);
+    put_number(out, value);
   }
   out += ']';
   put_sureness(out, "head", frame.head_confidence, frame.head_provenance);

@@ -207,7 +207,7 @@ constexpr auto kDerived = std::to_array<UnifiedParameter>({
      [](const Frame& f) { return f.shapes[shape("TongueFlat")] - f.shapes[shape("TongueSquish")]; }},
 });
 
-constexpr auto kParameters = [] {
+constexpr auto kUnifiedParameters = [] {
   std::array<UnifiedParameter, kUnifiedCount + kDerived.size()> all;
   for (std::size_t i = 0; i < kUnifiedCount; ++i) all[i] = {kUnifiedNames[i], nullptr, i};
   std::ranges::copy(kDerived, all.begin() + kUnifiedCount);
@@ -272,7 +272,7 @@ UnifiedFrame unified_frame(const ArkitFrame& frame) {
 }
 
 std::span<const UnifiedParameter> unified_parameters() {
-  return kParameters;
+  return kUnifiedParameters;
 }
 
 }  // namespace mien::sink

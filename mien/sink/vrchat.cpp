@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kThreshold = 0.001F;
 constexpr std::int64_t kFullEvery = 60;  // Frames: a second.
-constexpr std::string_view kParameters = "/avatar/parameters/";
+constexpr std::string_view kParameterPath = "/avatar/parameters/";
 constexpr std::string_view kVersion = "v2/";
 
 std::optional<std::size_t> parameter_index(std::string_view name) {
@@ -77,7 +77,7 @@ Result<VrchatEncoder> VrchatEncoder::make(const VrchatOptions& options) {
     return fail(ErrorCode::malformed, fmt::format("'{}' is no part of an OSC address", options.prefix),
                 "vrchat", "write prefix=FT/");
   VrchatEncoder encoder;
-  const std::string front = std::string(kParameters) + options.prefix;
+  const std::string front = std::string(kParameterPath) + options.prefix;
   const auto all = unified_parameters();
   encoder.values_.resize(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {

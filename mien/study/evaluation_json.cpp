@@ -7,14 +7,14 @@
 namespace mien::study {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json to_json(const MeanStd& value) {
+OrderedJson to_json(const MeanStd& value) {
   return {{"mean", value.mean}, {"std", value.std}};
 }
 
 template <class T>
-Json or_null(const std::optional<T>& value) {
+OrderedJson or_null(const std::optional<T>& value) {
   if (!value) return nullptr;
   if constexpr (std::is_same_v<T, MeanStd>)
     return to_json(*value);
@@ -22,8 +22,8 @@ Json or_null(const std::optional<T>& value) {
     return *value;
 }
 
-Json to_json(const Metrics& metrics) {
-  Json out;
+OrderedJson to_json(const Metrics& metrics) {
+  OrderedJson out;
   out["mse"] = metrics.mse;
   out["mse_felt"] = metrics.mse_felt;
   out["pve_mm"] = to_json(metrics.pve_mm);
@@ -31,7 +31,7 @@ Json to_json(const Metrics& metrics) {
   out["lmk_mm"] = or_null(metrics.lmk_mm);
   out["jitter_ratio"] = or_null(metrics.jitter_ratio);
   out["blink_f1"] = or_null(metrics.blink_f1);
-  Json shapes = Json::object();
+  OrderedJson shapes = OrderedJson::object();
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     shapes[std::string(face::kShapeNames[k])] = {{"mae", metrics.per_shape[k].mae},
                                                  {"pearson", or_null(metrics.per_shape[k].pearson)}};
@@ -47,21 +47,21 @@ std::string asked_how(const EvaluationContext& context) {
 }
 
 std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context) {
-  Json out;
+  OrderedJson out;
   out["frames"] = evaluation.frames;
   out["takes"] = evaluation.takes;
   out["face"] = context.face;
   out["devices"] = context.devices;
   out["model_file"] = context.model;
-  out["steps"] = context.steps > 0 ? Json(context.steps) : Json(nullptr);
+  out["steps"] = context.steps > 0 ? OrderedJson(context.steps) : OrderedJson(nullptr);
   out["adapted"] = context.adapted;
   out["adapt_s"] = context.adapt_s;
   out["model"] = to_json(evaluation.model);
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
-  out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : Json(nullptr);
+  out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : OrderedJson(nullptr);
   // A path may be any bytes: what is no UTF-8 is replaced.
-  return out.dump(2, ' ', false, Json::error_handler_t::replace);
+  return out.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
 }  // namespace mien::study

@@ -2,28 +2,28 @@
 
 #include <utility>
 
-#include "mien/face/builtin.h"
-#include "mien/virtual/head_motion.h"
-#include "mien/virtual/performer.h"
-#include "mien/virtual/performer_prologue.h"
-#include "mien/virtual/script.h"
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/performer/head_motion.h"
+#include "mien/performer/performer.h"
+#include "mien/performer/prologue.h"
+#include "mien/performer/script.h"
 
 namespace mien::study {
 
 VirtualPerson draw_person(const Random& root) {
   Random identity = root.fork("identity"), style = root.fork("style");
-  return {face::make_builtin(face::random_identity(identity)), virt::draw_style(style)};
+  return {builtin_face::make_builtin(builtin_face::random_identity(identity)), performer::draw_style(style)};
 }
 
-face::Motion draw_motion(double seconds, const virt::Style& style, const Random& root) {
+face::Motion draw_motion(double seconds, const performer::Style& style, const Random& root) {
   Random script = root.fork("script");
-  return virt::perform(virt::random_script(seconds, script), style, root.fork("motion"));
+  return performer::perform(performer::random_script(seconds, script), style, root.fork("motion"));
 }
 
 Result<Performance> perform_with(const Wearing& wearing, const face::Face& face, face::Motion motion,
                                  const sensor::Rig& rig, const Random& random) {
   if (motion.frames.empty()) return fail(ErrorCode::bad_usage, "the motion has no frames", motion.name);
-  if (!motion.has_head && !wearing.lab) motion = virt::with_head_motion(motion, random.fork("head"));
+  if (!motion.has_head && !wearing.lab) motion = performer::with_head_motion(motion, random.fork("head"));
   const double placement_mm = wearing.lab ? 0 : wearing.faults.mount_position_mm;
   const std::vector<Vec3> placement_m =
       virt::draw_placement(rig, 1e-3 * placement_mm, random.fork("placement"));
@@ -32,8 +32,8 @@ Result<Performance> perform_with(const Wearing& wearing, const face::Face& face,
   if (wearing.turn_rad > 0) out.sites = virt::draw_turns(out.sites, wearing.turn_rad, random.fork("turns"));
   if (wearing.kinematics)
     out.sites = virt::draw_kinematics(out.sites, *wearing.kinematics, random.fork("kinematics"));
-  const virt::PrologueMotion begun = virt::with_prologue(motion, virt::PrologueKind::brief,
-                                                         random.fork("prologue"), {.gestures = !wearing.lab});
+  const performer::PrologueMotion begun = performer::with_prologue(
+      motion, performer::PrologueKind::brief, random.fork("prologue"), {.gestures = !wearing.lab});
   if (wearing.lab) {
     MIEN_TRY_ASSIGN(out.session, virt::play_lab(begun, out.sites, rig, random.fork("devices")));
   } else {

@@ -7,25 +7,25 @@
 #include "mien/core/random.h"
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
+#include "mien/performer/style.h"
 #include "mien/sensor/rig.h"
-#include "mien/virtual/device_faults.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/skin_site.h"
 #include "mien/virtual/session.h"
-#include "mien/virtual/skin_site.h"
-#include "mien/virtual/style.h"
 
 namespace mien::study {
 
 /// A face, and who moves it.
 struct VirtualPerson {
   face::Face face;
-  virt::Style style;
+  performer::Style style;
 };
 
 /// A person of the built-in family, from the streams "identity" and "style".
 [[nodiscard]] VirtualPerson draw_person(const Random& root);
 
 /// `seconds` of a random script, from the streams "script" and "motion".
-[[nodiscard]] face::Motion draw_motion(double seconds, const virt::Style& style, const Random& root);
+[[nodiscard]] face::Motion draw_motion(double seconds, const performer::Style& style, const Random& root);
 
 /// A recorded performance, and the face that it is played on.
 struct GivenMotion {

@@ -6,8 +6,8 @@
 #include <map>
 
 #include "mien/face/frame_hash.h"
-#include "mien/imu/packet.h"
-#include "mien/study/trace_features.h"
+#include "mien/imu/packets/packet.h"
+#include "mien/study/imu/trace_features.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::study {

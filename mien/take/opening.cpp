@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A recorder's commit holds the file for this long at most, on a slow disk.
-constexpr int kBusyTimeoutMs = 10'000;
+constexpr int kReaderBusyTimeoutMs = 10'000;
 /// SQLite's file header (https://www.sqlite.org/fileformat2.html, section 1.3).
 constexpr std::size_t kHeaderBytes = 100;
 constexpr std::string_view kMagic("SQLite format 3\0", 16);
@@ -101,7 +101,7 @@ Result<void> protect(Database& database) {
         std::pair{SQLITE_LIMIT_VARIABLE_NUMBER, 16}, std::pair{SQLITE_LIMIT_TRIGGER_DEPTH, 1},
         std::pair{SQLITE_LIMIT_WORKER_THREADS, 0}})
     sqlite3_limit(handle, limit, value);
-  sqlite3_busy_timeout(handle, kBusyTimeoutMs);
+  sqlite3_busy_timeout(handle, kReaderBusyTimeoutMs);
   return database.run(
       "PRAGMA cell_size_check=ON;PRAGMA mmap_size=0;PRAGMA temp_store=MEMORY;PRAGMA query_only=ON");
 }

@@ -32,7 +32,7 @@ constexpr std::size_t kCommitBytes = std::size_t{4} << 20U;
 /// The caller waits when this much is under way.
 constexpr std::size_t kQueueBytes = std::size_t{16} << 20U;
 /// A reader may hold the file this long before the writer gives up.
-constexpr int kBusyTimeoutMs = 60'000;
+constexpr int kWriterBusyTimeoutMs = 60'000;
 
 /// Makes a new take at `path` in one piece: it is filled under another name and then renamed, so at any
 /// moment there is no take, the old one, or the new one.
@@ -106,7 +106,7 @@ class NewFile {
 Result<Database> open_for_writing(const std::string& file, const std::string& where) {
   MIEN_TRY_ASSIGN(Database database,
                   Database::open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_PRIVATECACHE, where));
-  sqlite3_busy_timeout(database.handle(), kBusyTimeoutMs);
+  sqlite3_busy_timeout(database.handle(), kWriterBusyTimeoutMs);
   // A rollback journal that is deleted at each commit: between commits the file alone is the whole take.
   // EXTRA waits for the disk also after the journal's deletion, so a committed row survives a power cut. The
   // cache holds a whole batch, so nothing is written to the file before its commit.

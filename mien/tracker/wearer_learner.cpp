@@ -14,9 +14,9 @@ std::string why_not(const Error& error) {
   return error.what;
 }
 
-WearerLearner::Learnt learn(const std::vector<model::FeatureFrame>& seen,
-                            const std::vector<PromptedExpression>& asked,
-                            const std::vector<std::string>& rig_sensors, model::ModelFile file) {
+WearerLearner::Learnt learn_wearer(const std::vector<model::FeatureFrame>& seen,
+                                   const std::vector<PromptedExpression>& asked,
+                                   const std::vector<std::string>& rig_sensors, model::ModelFile file) {
   WearerLearner::Learnt out;
   out.score = {.name = "wearer", .value = 0, .unit = "nats", .pass = false, .sentence = {}};
   const Result<Personalisation> learnt = personalise(seen, asked, rig_sensors, file);
@@ -67,8 +67,8 @@ std::optional<WearerLearner::Learnt> WearerLearner::add(const model::FeatureFram
   known.features = file.features;
   known.shapes = file.shapes;
   known.skin = file.skin;
-  running_ =
-      std::async(std::launch::async, learn, std::exchange(seen_, {}), asked_, rig_sensors_, std::move(known));
+  running_ = std::async(std::launch::async, learn_wearer, std::exchange(seen_, {}), asked_, rig_sensors_,
+                        std::move(known));
   return std::nullopt;
 }
 

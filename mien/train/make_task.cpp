@@ -5,8 +5,8 @@
 #include "mien/core/files.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/study/eyewear_dataset.h"
-#include "mien/study/make_dataset.h"
+#include "mien/study/eyewear/eyewear_dataset.h"
+#include "mien/study/imu/make_dataset.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/marker_task.h"
 
@@ -26,7 +26,7 @@ Result<std::unique_ptr<Task>> make_task(Recipe recipe, const std::string& where,
     MIEN_TRY_ASSIGN(const study::EyewearDataRecipe data_recipe,
                     study::parse_eyewear_data_recipe(recipe.data, data_place));
     MIEN_TRY_ASSIGN(const std::filesystem::path markers_path, find_resource("rigs/markers.toml"));
-    MIEN_TRY_ASSIGN(const eyewear::MarkerSet markers, eyewear::read_markers(markers_path));
+    MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(markers_path));
     MIEN_TRY_ASSIGN(study::EyewearData data,
                     study::make_eyewear_dataset(data_recipe, rig, markers, progress));
     return MarkerTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),

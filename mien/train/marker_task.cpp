@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "mien/core/sha256.h"
+#include "mien/core/units.h"
 #include "mien/model/ridge.h"
 
 namespace mien::train {
@@ -19,7 +20,6 @@ using study::LightDataset;
 using study::LightSequence;
 
 constexpr double kRidgePenalty = 1e-3;
-constexpr double kMmPerM = 1000;
 
 Result<void> check(const LightDataset& dataset) {
   const std::size_t n = dataset.sensors.size(), v = dataset.markers.size();

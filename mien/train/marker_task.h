@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "mien/eyewear/marker_network.h"
-#include "mien/study/eyewear_dataset.h"
+#include "mien/study/eyewear/eyewear_dataset.h"
 #include "mien/train/task.h"
 
 namespace mien::train {

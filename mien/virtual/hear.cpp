@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "mien/imu/packet.h"
+#include "mien/imu/packets/packet.h"
 #include "mien/sensor/ticks.h"
-#include "mien/virtual/device_packet.h"
+#include "mien/virtual/imu/device_packet.h"
 
 namespace mien::virt {
 

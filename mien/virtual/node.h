@@ -7,7 +7,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
-#include "mien/virtual/imu_simulator.h"
+#include "mien/virtual/imu/imu_simulator.h"
 
 namespace mien::virt {
 

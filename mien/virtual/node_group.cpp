@@ -5,12 +5,12 @@
 #include <limits>
 #include <utility>
 
-#include "mien/virtual/eyewear_boards.h"
-#include "mien/virtual/eyewear_node.h"
-#include "mien/virtual/imu_simulator.h"
-#include "mien/virtual/mien_node.h"
-#include "mien/virtual/skin_trajectory.h"
-#include "mien/virtual/slimevr_node.h"
+#include "mien/virtual/eyewear/eyewear_boards.h"
+#include "mien/virtual/eyewear/eyewear_node.h"
+#include "mien/virtual/imu/imu_simulator.h"
+#include "mien/virtual/imu/mien_node.h"
+#include "mien/virtual/imu/skin_trajectory.h"
+#include "mien/virtual/imu/slimevr_node.h"
 
 namespace mien::virt {
 namespace {
@@ -94,7 +94,7 @@ class NodeGroup::Eyewear final : public Devices {
  private:
   EyewearBoards boards_;
   std::vector<EyewearNode> nodes_;
-  const std::optional<Encore>& encore_;
+  const std::optional<performer::Encore>& encore_;
   const face::MotionCurve& curve_;
   double end_s_;
   std::vector<Datagram> sent_;
@@ -102,7 +102,7 @@ class NodeGroup::Eyewear final : public Devices {
 
 NodeGroup::NodeGroup(Stage stage, bool again)
     : stage_(std::move(stage)),
-      encore_(again ? std::optional(add_encore(stage_.motion)) : std::nullopt),
+      encore_(again ? std::optional(performer::add_encore(stage_.motion)) : std::nullopt),
       curve_(stage_.motion.motion) {}
 
 NodeGroup::~NodeGroup() = default;

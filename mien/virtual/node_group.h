@@ -7,7 +7,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
-#include "mien/virtual/encore.h"
+#include "mien/performer/encore.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/stage.h"
 
@@ -60,7 +60,7 @@ class NodeGroup {
   NodeGroup(Stage stage, bool again);
 
   Stage stage_;
-  std::optional<Encore> encore_;
+  std::optional<performer::Encore> encore_;
   face::MotionCurve curve_;
   std::unique_ptr<Devices> devices_;
   std::vector<Node*> nodes_;  // Of the devices.

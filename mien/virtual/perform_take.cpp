@@ -15,15 +15,15 @@
 namespace mien::virt {
 namespace {
 
-std::string_view prologue_name(PrologueKind kind) {
+std::string_view prologue_name(performer::PrologueKind kind) {
   switch (kind) {
-    case PrologueKind::none:
+    case performer::PrologueKind::none:
       return "none";
-    case PrologueKind::brief:
+    case performer::PrologueKind::brief:
       return "short";
-    case PrologueKind::full:
+    case performer::PrologueKind::full:
       return "full";
-    case PrologueKind::guided:
+    case performer::PrologueKind::guided:
       return "guided";
   }
   return "none";

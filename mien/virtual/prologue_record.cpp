@@ -6,7 +6,8 @@
 
 namespace mien::virt {
 
-std::vector<take::Event> prologue_events(const PrologueTimes& times, const VirtualClock& reference) {
+std::vector<take::Event> prologue_events(const performer::PrologueTimes& times,
+                                         const VirtualClock& reference) {
   std::vector<take::Event> events;
   const auto add = [&](const char* kind, double begin_s, double end_s, std::string json = {}) {
     if (end_s > begin_s)
@@ -16,7 +17,7 @@ std::vector<take::Event> prologue_events(const PrologueTimes& times, const Virtu
   add("nod", times.nod.begin_s, times.nod.end_s);
   add("shake", times.shake.begin_s, times.shake.end_s);
   if (!times.prompts.empty()) add("range", times.prompts.front().begin_s, times.range_of_motion.end_s);
-  for (const Prompt& prompt : times.prompts) {
+  for (const performer::Prompt& prompt : times.prompts) {
     std::string target;
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
       if (prompt.target[k] != 0)

@@ -3,16 +3,16 @@
 #include <vector>
 
 #include "mien/face/motion.h"
+#include "mien/performer/prologue.h"
 #include "mien/take/take.h"
-#include "mien/virtual/imu_simulator.h"
-#include "mien/virtual/performer_prologue.h"
+#include "mien/virtual/imu/imu_simulator.h"
 
 // What a take of a virtual performer says of the performance itself, whatever its sensors are.
 namespace mien::virt {
 
 /// The prologue as a take's events, on the reference's clock: "neutral", "nod", "shake", "range" (all of
 /// the prompts), "prompt", "ease"; steps that were left out have none.
-[[nodiscard]] std::vector<take::Event> prologue_events(const PrologueTimes& times,
+[[nodiscard]] std::vector<take::Event> prologue_events(const performer::PrologueTimes& times,
                                                        const VirtualClock& reference);
 
 /// The performance at a frame's true time; evaluated from the motion's own start to its end.

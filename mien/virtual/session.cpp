@@ -4,15 +4,16 @@
 #include <cmath>
 #include <utility>
 
-#include "mien/imu/packet.h"
-#include "mien/virtual/device_packet.h"
+#include "mien/imu/packets/packet.h"
 #include "mien/virtual/hear.h"
-#include "mien/virtual/imu_simulator.h"
+#include "mien/virtual/imu/device_packet.h"
+#include "mien/virtual/imu/imu_simulator.h"
 #include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
-Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
-                                    const sensor::Rig& rig, const DeviceFaults& faults, const Random& random,
+Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
+                                    const std::vector<SkinSite>& sites, const sensor::Rig& rig,
+                                    const DeviceFaults& faults, const Random& random,
                                     const Progress& progress) {
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
@@ -48,7 +49,7 @@ Result<VirtualSession> play_devices(const PrologueMotion& motion, const std::vec
   return session;
 }
 
-Result<VirtualSession> play_lab(const PrologueMotion& motion, const std::vector<SkinSite>& sites,
+Result<VirtualSession> play_lab(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
                                 const sensor::Rig& rig, const Random& random, double noise_rad) {
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);

@@ -4,14 +4,14 @@
 
 #include <utility>
 
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
-#include "mien/face/load.h"
+#include "mien/performer/head_motion.h"
+#include "mien/performer/performer.h"
+#include "mien/performer/style.h"
 #include "mien/sensor/rig_part.h"
-#include "mien/virtual/eyewear_boards.h"
-#include "mien/virtual/eyewear_session.h"
-#include "mien/virtual/head_motion.h"
-#include "mien/virtual/performer.h"
-#include "mien/virtual/style.h"
+#include "mien/virtual/eyewear/eyewear_boards.h"
+#include "mien/virtual/eyewear/eyewear_session.h"
 
 namespace mien::virt {
 namespace {
@@ -19,10 +19,10 @@ namespace {
 face::Motion motion_of(const StageRequest& request, const Random& root) {
   if (request.motion) return *request.motion;
   Random style_random = root.fork("style");
-  const Style style = draw_style(style_random);
-  Script script = request.script;
+  const performer::Style style = performer::draw_style(style_random);
+  performer::Script script = request.script;
   script.moves_head = request.devices != "lab";
-  return perform(script, style, root.fork("motion"));
+  return performer::perform(script, style, root.fork("motion"));
 }
 
 /// The [faults] table that the request's devices are of, and where it stands; not for *lab*.
@@ -83,7 +83,7 @@ Result<Stage> set_stage(const StageRequest& request) {
     return fail(ErrorCode::unsupported, "no virtual performer wears sensors of several kinds at once",
                 request.rig.string(), "perform each kind with a rig of its own, to one session that has all");
   stage.lab = request.devices == "lab";
-  MIEN_TRY_ASSIGN(face::Face face, face::load_face(request.face));
+  MIEN_TRY_ASSIGN(face::Face face, builtin_face::load_face(request.face));
   const Random root(request.seed);
   if (is_eyewear(stage.rig))
     MIEN_TRY(put_on_glasses(request, std::move(face), root, stage));
@@ -99,9 +99,10 @@ Result<Stage> set_stage(const StageRequest& request) {
   face::Motion motion = motion_of(request, root);
   if (motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", request.script_name);
-  if (!motion.has_head && !stage.lab) motion = with_head_motion(motion, root.fork("head"));
-  const PrologueNeeds needs = stage.eyewear ? kEyewearPrologue : PrologueNeeds{.gestures = !stage.lab};
-  stage.motion = with_prologue(motion, request.prologue, root.fork("prologue"), needs);
+  if (!motion.has_head && !stage.lab) motion = performer::with_head_motion(motion, root.fork("head"));
+  const performer::PrologueNeeds needs =
+      stage.eyewear ? performer::kEyewearPrologue : performer::PrologueNeeds{.gestures = !stage.lab};
+  stage.motion = performer::with_prologue(motion, request.prologue, root.fork("prologue"), needs);
   stage.devices = root.fork("devices");
   return stage;
 }

@@ -10,14 +10,14 @@
 #include "mien/core/random.h"
 #include "mien/core/wav.h"
 #include "mien/face/motion.h"
+#include "mien/performer/prologue.h"
+#include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
-#include "mien/virtual/device_faults.h"
-#include "mien/virtual/eyewear_faults.h"
-#include "mien/virtual/eyewear_wearer.h"
-#include "mien/virtual/performer_prologue.h"
-#include "mien/virtual/script.h"
+#include "mien/virtual/eyewear/eyewear_faults.h"
+#include "mien/virtual/eyewear/eyewear_wearer.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/skin_site.h"
 #include "mien/virtual/session.h"
-#include "mien/virtual/skin_site.h"
 
 namespace mien::virt {
 
@@ -26,7 +26,7 @@ inline constexpr double kLongestPerformanceS = 7200;
 
 /// What is performed, on whose skin and through which devices, wherever it goes.
 struct StageRequest {
-  Script script;                       ///< What a virtual performer plays, ...
+  performer::Script script;            ///< What a virtual performer plays, ...
   std::optional<face::Motion> motion;  ///< ... unless this is performed instead.
   std::string script_name;             ///< The block, or the motion's file; for people.
   std::optional<Sound> sound;          ///< What is heard with it, from its start; goes into a take.
@@ -37,7 +37,7 @@ struct StageRequest {
   /// KinematicsSpread's 30 % and 15 degrees off, 0 leaves it as the face has it.
   double unlike = 0;
   std::uint64_t seed = 1;
-  PrologueKind prologue = PrologueKind::brief;
+  performer::PrologueKind prologue = performer::PrologueKind::brief;
 };
 
 /// Smart eyewear, and who wears it.
@@ -54,7 +54,7 @@ struct Stage {
   DeviceFaults faults;
   std::vector<SkinSite> sites;         ///< Of the rig's sensors, in its order, where these are on the skin.
   std::optional<WornEyewear> eyewear;  ///< Where they are photo-reflective ones instead.
-  PrologueMotion motion;
+  performer::PrologueMotion motion;
   Random devices = Random(0);  ///< What the devices' faults are drawn from.
 };
 

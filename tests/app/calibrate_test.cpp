@@ -67,7 +67,7 @@ TEST(Calibrate, ATalkingFaceFailsWithTheReasonAndChangesNothing) {
   ASSERT_EQ(session.report().calibration.in_force, 1);
   const Outcome outcome = calibrate(session, {"--json"});
   EXPECT_EQ(outcome.status, 1);
-  const live::Report::Calibration after = session.report().calibration;
+  const session::Report::Calibration after = session.report().calibration;
   EXPECT_EQ(after.state, "failed");
   EXPECT_THAT(outcome.err, HasSubstr("mien: calibration: " + after.prompt));
   const json said = json::parse(outcome.out);
@@ -100,7 +100,7 @@ TEST(Calibrate, CtrlCCancelsOnTheSessionAndChangesNothing) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 1);
   EXPECT_THAT(content(folder / "err"), HasSubstr("cancelled; nothing was changed"));
-  const live::Report::Calibration after = session.report().calibration;
+  const session::Report::Calibration after = session.report().calibration;
   EXPECT_EQ(after.state, "done");
   EXPECT_EQ(after.versions.size(), 1U);
 }
@@ -128,7 +128,7 @@ TEST(Calibrate, AfterAWhileItSaysWhatItWaitsFor) {
 TEST(Calibrate, WhereEverySensorIsLostItIsRefusedAtOnce) {
   std::vector<take::LogEntry> entries = live::test::performance(4).entries;  // They fall silent after 16.5 s.
   StagedSession session(std::move(entries), 18, 10);
-  const live::Report::Calibration before = session.report().calibration;
+  const session::Report::Calibration before = session.report().calibration;
   const Outcome outcome = calibrate(session, {});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.err, HasSubstr("no sensor is heard any more (lost: "));

@@ -16,8 +16,8 @@
 #include <thread>
 
 #include "mien/core/random.h"
+#include "mien/performer/prologue.h"
 #include "mien/take/take.h"
-#include "mien/virtual/performer_prologue.h"
 #include "mien/virtual/session.h"
 #include "tests/app/program.h"
 #include "tests/virtual/three_sensors.h"
@@ -32,8 +32,8 @@ using std::chrono::milliseconds;
 class Sender {
  public:
   Sender(std::uint16_t port, double seconds) {
-    const virt::PrologueMotion motion = virt::with_prologue(
-        virt::test::talking(static_cast<int>(60 * seconds)), virt::PrologueKind::brief, Random(3));
+    const performer::PrologueMotion motion = performer::with_prologue(
+        virt::test::talking(static_cast<int>(60 * seconds)), performer::PrologueKind::brief, Random(3));
     performed_ = virt::play_devices(motion, virt::test::three_sites(), virt::test::three_sensors(),
                                     virt::test::mild_faults(), Random(11))
                      .value();

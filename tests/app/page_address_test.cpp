@@ -1,4 +1,4 @@
-#include "app/page_address.h"
+#include "app/live/page_address.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -14,10 +14,10 @@
 #include <set>
 #include <thread>
 
-#include "mien/imu/node_protocol.h"
-#include "mien/imu/packet.h"
-#include "mien/imu/slimevr.h"
-#include "mien/imu/slimevr_protocol.h"
+#include "mien/imu/packets/node_protocol.h"
+#include "mien/imu/packets/packet.h"
+#include "mien/imu/packets/slimevr.h"
+#include "mien/imu/packets/slimevr_protocol.h"
 #include "mien/take/take.h"
 #include "tests/app/program.h"
 #include "tests/virtual/three_sensors.h"

@@ -1,4 +1,4 @@
-#include "app/session_message.h"
+#include "app/live/session_message.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ live::Status status() {
   out.report.links.resize(3);
   out.report.links[0].health.state = sensor::LinkState::good;
   out.report.links[1].health.state = sensor::LinkState::lost;
-  live::Report::Calibration& calibration = out.report.calibration;
+  session::Report::Calibration& calibration = out.report.calibration;
   calibration.state = "running";
   calibration.step = "nod";
   calibration.prompt = "Nod";
@@ -43,7 +43,7 @@ json status_object() {
 }
 
 TEST(SessionMessage, AStatusComesBackAsTheSessionWroteIt) {
-  const live::Report written = status().report;
+  const session::Report written = status().report;
   const auto message = parse_session_message(live::status_json(status(), virt::test::three_sensors()));
   ASSERT_TRUE(message) << message.error().message();
   const auto* read = std::get_if<SessionStatus>(&*message);
@@ -56,7 +56,7 @@ TEST(SessionMessage, AStatusComesBackAsTheSessionWroteIt) {
   EXPECT_TRUE(read->links[0].heard());
   EXPECT_FALSE(read->links[1].heard());
   EXPECT_FALSE(read->links[2].heard());  // Silent.
-  const live::Report::Calibration& calibration = read->calibration;
+  const session::Report::Calibration& calibration = read->calibration;
   EXPECT_EQ(calibration.state, "running");
   EXPECT_EQ(calibration.step, "nod");
   EXPECT_EQ(calibration.prompt, "Nod");
@@ -65,8 +65,8 @@ TEST(SessionMessage, AStatusComesBackAsTheSessionWroteIt) {
   EXPECT_EQ(calibration.in_force, 2);
   ASSERT_EQ(calibration.versions.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
-    const live::CalibrationVersion& is = calibration.versions[i];
-    const live::CalibrationVersion& was = written.calibration.versions[i];
+    const session::CalibrationVersion& is = calibration.versions[i];
+    const session::CalibrationVersion& was = written.calibration.versions[i];
     EXPECT_EQ(is.id, was.id);
     EXPECT_EQ(is.made, was.made);
     EXPECT_EQ(is.origin, was.origin);

@@ -16,7 +16,7 @@
 
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
-#include "tests/live/live_run.h"
+#include "tests/session/session_run.h"
 
 namespace mien::app::test {
 
@@ -24,8 +24,8 @@ namespace mien::app::test {
 /// calibration begins half a second in, they do what it asks.
 inline std::vector<take::LogEntry> obedient(double seconds) {
   constexpr int kFrames = 120;
-  virt::PrologueMotion motion = virt::with_prologue(virt::test::talking(static_cast<int>(60 * seconds)),
-                                                    virt::PrologueKind::brief, Random(3));
+  performer::PrologueMotion motion = performer::with_prologue(
+      virt::test::talking(static_cast<int>(60 * seconds)), performer::PrologueKind::brief, Random(3));
   const double shift_s = kFrames / kFrameRateHz;
   for (face::MotionFrame& frame : motion.motion.frames) frame.time_s += shift_s;
   std::vector<face::MotionFrame> ahead(kFrames, motion.motion.frames.front());
@@ -75,8 +75,8 @@ class StagedSession {
     return address.substr(0, address.find('/'));
   }
   /// How the session is at this moment.
-  [[nodiscard]] live::Report report() {
-    std::promise<live::Report> promise;
+  [[nodiscard]] session::Report report() {
+    std::promise<session::Report> promise;
     boost::asio::post(network_, [&] { promise.set_value(report_now()); });
     return promise.get_future().get();
   }
@@ -125,8 +125,8 @@ class StagedSession {
     now_ = until;
   }
 
-  [[nodiscard]] live::Report report_now() const {
-    live::Report report;
+  [[nodiscard]] session::Report report_now() const {
+    session::Report report;
     session_->report(now_, report);
     return report;
   }
@@ -137,7 +137,7 @@ class StagedSession {
   std::size_t next_ = 0;
   std::map<std::string, sensor::Peer> peers_;
   HostTime now_;
-  std::unique_ptr<live::Session> session_;
+  std::unique_ptr<session::Session> session_;
   boost::asio::io_context network_{1};
   boost::asio::steady_timer timer_;
   std::unique_ptr<live::PageServer> page_;

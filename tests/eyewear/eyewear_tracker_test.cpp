@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "mien/face/builtin.h"
+#include "mien/builtin_face/builtin_face.h"
 #include "tests/eyewear/glasses.h"
 
 namespace mien::eyewear {
@@ -24,7 +24,8 @@ constexpr double kJawLight = -1.2;
 /// nothing that moves.
 Eigen::MatrixXd gain_m() {
   static const Eigen::MatrixXd gain = [] {
-    const PlacedMarkers placed = PlacedMarkers::place(face::make_builtin(), test::mouth_markers()).value();
+    const builtin_face::PlacedMarkers placed =
+        builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), test::mouth_markers()).value();
     face::BlendshapeWeights open;
     open[kJaw] = 1;
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(placed.at({}).size(), kSensors);

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "mien/builtin_face/markers.h"
 #include "mien/core/random.h"
 #include "mien/core/time.h"
 #include "mien/eyewear/marker_regressor.h"
-#include "mien/eyewear/markers.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
 
@@ -83,10 +83,10 @@ class Glasses {
 };
 
 /// Markers of lips and jaw, which tell how far a jaw is open and a mouth smiles.
-inline MarkerSet mouth_markers() {
-  MarkerSet set = read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
-  const std::vector<std::size_t> mouth = set.of(MarkerRegion::mouth);
-  MarkerSet kept;
+inline builtin_face::MarkerSet mouth_markers() {
+  builtin_face::MarkerSet set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+  const std::vector<std::size_t> mouth = set.of(builtin_face::MarkerRegion::mouth);
+  builtin_face::MarkerSet kept;
   kept.name = "mouth";
   for (const std::size_t i : mouth) kept.markers.push_back(set.markers[i]);
   return kept;

@@ -7,7 +7,7 @@
 
 #include "mien/core/cobs.h"
 #include "mien/core/random.h"
-#include "tests/imu/hex.h"
+#include "tests/hex.h"
 
 namespace mien::eyewear {
 namespace {

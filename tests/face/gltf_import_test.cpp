@@ -11,9 +11,9 @@
 #include <functional>
 #include <limits>
 
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
-#include "mien/face/load.h"
 #include "tests/folder.h"
 
 namespace mien::face {
@@ -418,7 +418,7 @@ TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
     ASSERT_TRUE(write_file(folder / "inside" / "head.gltf", text));
     const auto head = import_gltf(folder / "inside" / "head.gltf");
     EXPECT_EQ(head.has_value(), works) << uri;
-    EXPECT_EQ(load_face((folder / "inside" / "head.gltf").string()).has_value(), works) << uri;
+    EXPECT_EQ(builtin_face::load_face((folder / "inside" / "head.gltf").string()).has_value(), works) << uri;
   }
   EXPECT_EQ(import_gltf(folder / "nothing.glb").error().code, ErrorCode::not_found);
 }

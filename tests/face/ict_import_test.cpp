@@ -12,9 +12,9 @@
 #include <map>
 #include <optional>
 
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/ict_cache.h"
-#include "mien/face/load.h"
 
 namespace mien::face {
 namespace {
@@ -208,18 +208,18 @@ TEST_F(IctFolder, StopsWhenAskedAndSaysWhatIsMissing) {
 TEST_F(IctFolder, IsFoundByLoadFace) {
   ASSERT_EQ(::setenv("XDG_CACHE_HOME", folder().c_str(), 1), 0);
   for (const fs::path& path : {folder(), model()}) {
-    const auto face = load_face(path.string());
+    const auto face = builtin_face::load_face(path.string());
     ASSERT_TRUE(face) << face.error().message();
     EXPECT_EQ(face->name, "ict");
   }
   EXPECT_TRUE(fs::exists(folder() / "mien")) << "the cache is in XDG_CACHE_HOME/mien";
-  EXPECT_EQ(load_face((folder() / "cache").string()).error().code, ErrorCode::not_found);
-  EXPECT_EQ(load_face((folder() / "nobody").string()).error().code, ErrorCode::not_found);
-  EXPECT_EQ(load_face((model() / "jawOpen.obj").string()).error().code, ErrorCode::unsupported);
+  EXPECT_EQ(builtin_face::load_face((folder() / "cache").string()).error().code, ErrorCode::not_found);
+  EXPECT_EQ(builtin_face::load_face((folder() / "nobody").string()).error().code, ErrorCode::not_found);
+  EXPECT_EQ(builtin_face::load_face((model() / "jawOpen.obj").string()).error().code, ErrorCode::unsupported);
 }
 
 TEST(LoadFace, KnowsTheBuiltInFaceByName) {
-  const auto face = load_face("builtin");
+  const auto face = builtin_face::load_face("builtin");
   ASSERT_TRUE(face) << face.error().message();
   EXPECT_EQ(face->shapes.size(), kShapeCount + 1);
   EXPECT_TRUE(face->has_landmarks);

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <limits>
 
-#include "mien/face/builtin.h"
+#include "mien/builtin_face/builtin_face.h"
 
 namespace mien::face {
 namespace {
 
 /// A marker on each of the built-in face's landmarks of brows, nose and lips.
 struct Marked {
-  Face face = make_builtin({});
+  Face face = builtin_face::make_builtin({});
   Eigen::VectorXd at_m;
   std::vector<std::uint32_t> vertices;
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mien/face/builtin.h"
+#include "mien/builtin_face/builtin_face.h"
 
 namespace mien::face {
 namespace {
@@ -38,7 +38,7 @@ TEST(SurfacePoint, GoesWithItsTriangle) {
 }
 
 TEST(SurfacePoint, LandmarksAlignAFaceWithItself) {
-  const Face face = make_builtin();
+  const Face face = builtin_face::make_builtin();
   EXPECT_LT((align_landmarks(face, face).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-9);
 }
 

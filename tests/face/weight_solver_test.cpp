@@ -6,9 +6,9 @@
 #include <limits>
 #include <string>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/core/random.h"
 #include "mien/core/time.h"
-#include "mien/face/builtin.h"
 
 namespace mien::face {
 namespace {
@@ -19,7 +19,7 @@ struct Points {
   Eigen::MatrixXd shapes_m = Eigen::MatrixXd::Zero(3 * 68, static_cast<Eigen::Index>(kShapeCount));
 
   Points() {
-    const Face face = make_builtin({});
+    const Face face = builtin_face::make_builtin({});
     std::vector<Vec3f> moved(face.neutral_m.size());
     for (std::size_t k = 0; k < kShapeCount; ++k) {
       BlendshapeWeights one;

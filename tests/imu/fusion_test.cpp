@@ -6,18 +6,15 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "mien/core/random.h"
+#include "mien/core/units.h"
 
 namespace mien::imu {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180;
-constexpr double kGravity = 9.80665;
 
 /// Angle between where the filter thinks up is and where it is, in the sensor's frame.
 double inclination_error(const Quat& estimate, const Quat& truth, const Vec3& truth_up) {
@@ -43,7 +40,7 @@ struct Motion {
     return rate(t) + bias + gyro_noise * Vec3{random.normal(), random.normal(), random.normal()};
   }
   [[nodiscard]] Vec3 accel(double t, Random& random) const {
-    return at(t).conjugate() * Vec3(0, kGravity, 0) +
+    return at(t).conjugate() * Vec3(0, kStandardGravity_m_s2, 0) +
            accel_noise * Vec3{random.normal(), random.normal(), random.normal()};
   }
 };
@@ -60,7 +57,7 @@ TEST(Fusion, FollowsPureRotation) {
     if (i == 0) offset = motion.at(0) * fusion.orientation().conjugate();
     worst = std::max(worst, angle_between(offset * fusion.orientation(), motion.at(t)));
   }
-  EXPECT_LT(worst, 0.05 * kDeg);
+  EXPECT_LT(worst, 0.05 * kRadPerDeg);
 }
 
 TEST(Fusion, FindsUpFromAnyStart) {
@@ -69,11 +66,11 @@ TEST(Fusion, FindsUpFromAnyStart) {
     const Quat truth = random.rotation();
     Fusion fusion;
     for (int k = 0; k < 10; ++k)
-      fusion.add(1 / 240.0, Vec3::Zero(), truth.conjugate() * Vec3(0, kGravity, 0));
+      fusion.add(1 / 240.0, Vec3::Zero(), truth.conjugate() * Vec3(0, kStandardGravity_m_s2, 0));
     EXPECT_LT(inclination_error(fusion.orientation(), truth, Vec3::UnitY()), 1e-6);
   }
   Fusion upside_down;
-  upside_down.add(1 / 240.0, Vec3::Zero(), Vec3(0, -kGravity, 0));
+  upside_down.add(1 / 240.0, Vec3::Zero(), Vec3(0, -kStandardGravity_m_s2, 0));
   EXPECT_LT((upside_down.orientation() * Vec3(0, -1, 0) - Vec3::UnitY()).norm(), 1e-9);
 }
 
@@ -81,54 +78,57 @@ TEST(Fusion, LearnsTheBiasAtRest) {
   Random random(3);
   Motion motion;
   motion.amplitude_rad = 0;
-  motion.bias = Vec3(1.7, -2.2, 0.9) * kDeg;
-  motion.gyro_noise = 0.16 * kDeg;
+  motion.bias = Vec3(1.7, -2.2, 0.9) * kRadPerDeg;
+  motion.gyro_noise = 0.16 * kRadPerDeg;
   motion.accel_noise = 0.02;
   Fusion fusion;
   for (int i = 0; i < 240 * 4; ++i)
     fusion.add(1 / 240.0, motion.gyro(i / 240.0, random), motion.accel(i / 240.0, random));
   EXPECT_TRUE(fusion.at_rest());
-  EXPECT_LT((fusion.bias_rad_s() - motion.bias).cwiseAbs().maxCoeff(), 0.06 * kDeg);
-  EXPECT_LT(fusion.bias_sigma_rad_s(), 0.2 * kDeg);
+  EXPECT_LT((fusion.bias_rad_s() - motion.bias).cwiseAbs().maxCoeff(), 0.06 * kRadPerDeg);
+  EXPECT_LT(fusion.bias_sigma_rad_s(), 0.2 * kRadPerDeg);
 }
 
 /// A cheap chip that nobody has calibrated, in glue that creeps: nine degrees a second of bias under readings
 /// that scatter by four.
 TEST(Fusion, LearnsALargeBiasUnderNoiseAtRest) {
   Random random(3);
-  const Motion still{
-      .amplitude_rad = 0, .bias = Vec3(9, -6, 3) * kDeg, .gyro_noise = 4 * kDeg, .accel_noise = 0.2};
+  const Motion still{.amplitude_rad = 0,
+                     .bias = Vec3(9, -6, 3) * kRadPerDeg,
+                     .gyro_noise = 4 * kRadPerDeg,
+                     .accel_noise = 0.2};
   Fusion fusion;
   fusion.expect_rest(true);
   for (int i = 0; i < 240 * 3; ++i) fusion.add(1 / 240.0, still.gyro(0, random), still.accel(0, random));
-  EXPECT_LT((fusion.bias_rad_s() - still.bias).norm(), 0.7 * kDeg);
+  EXPECT_LT((fusion.bias_rad_s() - still.bias).norm(), 0.7 * kRadPerDeg);
 }
 
 TEST(Fusion, LearnsTheBiasInMotion) {
   // Rolls over slowly besides, so that no axis stays vertical: a vertical one's bias cannot be seen.
   Random random(4);
   const Motion motion;
-  const Vec3 bias = Vec3(0.8, -0.5, 0.4) * kDeg;
+  const Vec3 bias = Vec3(0.8, -0.5, 0.4) * kRadPerDeg;
   const auto at = [&motion](double t) { return exp_rotation(0.5 * t * Vec3(0.8, 0, 0.6)) * motion.at(t); };
   Fusion fusion;
   for (int i = 0; i < 240 * 120; ++i) {
     const double t = i / 240.0;
     const Vec3 rate = log_rotation(at(t - 5e-5).conjugate() * at(t + 5e-5)) / 1e-4;
     const Vec3 noise{random.normal(), random.normal(), random.normal()};
-    fusion.add(1 / 240.0, rate + bias + 0.16 * kDeg * noise, at(t).conjugate() * Vec3(0, kGravity, 0));
+    fusion.add(1 / 240.0, rate + bias + 0.16 * kRadPerDeg * noise,
+               at(t).conjugate() * Vec3(0, kStandardGravity_m_s2, 0));
     EXPECT_FALSE(fusion.at_rest());
   }
-  EXPECT_LT((fusion.bias_rad_s() - bias).cwiseAbs().maxCoeff(), 0.2 * kDeg);
-  EXPECT_LT(fusion.bias_sigma_rad_s(), 0.25 * kDeg);
+  EXPECT_LT((fusion.bias_rad_s() - bias).cwiseAbs().maxCoeff(), 0.2 * kRadPerDeg);
+  EXPECT_LT(fusion.bias_sigma_rad_s(), 0.25 * kRadPerDeg);
 }
 
 TEST(Fusion, DoesNotTakeSlowMotionForABias) {
   Fusion fusion;
-  const Vec3 still(0, kGravity, 0);
+  const Vec3 still(0, kStandardGravity_m_s2, 0);
   for (int i = 0; i < 240 * 4; ++i) fusion.add(1 / 240.0, Vec3::Zero(), still);
   // A slow turn about the vertical at 1.5 deg/s, which no accelerometer sees.
-  for (int i = 0; i < 240 * 20; ++i) fusion.add(1 / 240.0, Vec3(0, 1.5 * kDeg, 0), still);
-  EXPECT_LT(fusion.bias_rad_s().norm(), 0.3 * kDeg);
+  for (int i = 0; i < 240 * 20; ++i) fusion.add(1 / 240.0, Vec3(0, 1.5 * kRadPerDeg, 0), still);
+  EXPECT_LT(fusion.bias_rad_s().norm(), 0.3 * kRadPerDeg);
 }
 
 TEST(Fusion, TakesUnevenSteps) {
@@ -146,7 +146,7 @@ TEST(Fusion, TakesUnevenSteps) {
     last = t;
     t += random.uniform(0.0076, 0.0302);
   }
-  EXPECT_LT(worst, 1.0 * kDeg);
+  EXPECT_LT(worst, 1.0 * kRadPerDeg);
 }
 
 TEST(Fusion, BridgesLostPackets) {
@@ -165,7 +165,7 @@ TEST(Fusion, BridgesLostPackets) {
     worst = std::max(worst, angle_between(offset * fusion.orientation(), motion.at(t)));
     last = t;
   }
-  EXPECT_LT(worst, 0.6 * kDeg);
+  EXPECT_LT(worst, 0.6 * kRadPerDeg);
   EXPECT_GT(fusion.gap_sigma_rad(), 0.0);
 }
 
@@ -179,8 +179,9 @@ TEST(Fusion, ComesBackUprightAfterALongGap) {
     const double dt = i == 240 * 14 ? 4.0 : 1 / 240.0;
     fusion.add(dt, motion.gyro(i / 240.0, random), motion.accel(i / 240.0, random));
   }
-  EXPECT_LT(inclination_error(fusion.orientation(), motion.at(20 - 1 / 240.0), Vec3::UnitY()), 1.0 * kDeg);
-  EXPECT_GT(fusion.gap_sigma_rad(), 10 * kDeg);
+  EXPECT_LT(inclination_error(fusion.orientation(), motion.at(20 - 1 / 240.0), Vec3::UnitY()),
+            1.0 * kRadPerDeg);
+  EXPECT_GT(fusion.gap_sigma_rad(), 10 * kRadPerDeg);
 }
 
 TEST(Fusion, ARateIsForgottenInALongGap) {
@@ -206,7 +207,7 @@ TEST(Fusion, TurnsToMagneticNorthAndHoldsItAgainstAMagnet) {
     if (t > 40 && t < 50) mag += Vec3(30e-6, 10e-6, 0);
     fusion.fuse_mag(mag);
     if (t > 30) {
-      EXPECT_LT(angle_between(fusion.orientation(), motion.at(t)), 1.5 * kDeg) << t;
+      EXPECT_LT(angle_between(fusion.orientation(), motion.at(t)), 1.5 * kRadPerDeg) << t;
     }
     if (t > 41 && t < 50) {
       EXPECT_TRUE(fusion.mag_disturbed());
@@ -266,7 +267,7 @@ TEST_P(Broad, InclinationBeatsAPlainMahonyFilter) {
     ++count;
   }
   ASSERT_GT(count, 1000u);
-  const double rmse_deg = std::sqrt(sum / static_cast<double>(count)) / kDeg;
+  const double rmse_deg = std::sqrt(sum / static_cast<double>(count)) / kRadPerDeg;
   RecordProperty("rmse_deg", std::to_string(rmse_deg));
   std::cout << GetParam().file << ": inclination RMSE while moving " << rmse_deg << " deg, Mahony "
             << GetParam().mahony_deg << " deg\n";
@@ -280,8 +281,8 @@ INSTANTIATE_TEST_SUITE_P(Fusion, Broad,
                                          Trial{"24_disturbed_tapping_A.csv", 1.09}));
 
 TEST(Fusion, ARateAtTheEndOfItsRangeMakesTheOrientationUnsure) {
-  const Vec3 still(0, kGravity, 0);
-  const double end = 1024 * kDeg * 32767 / 32768;  // What a register of 16 bits shows at most.
+  const Vec3 still(0, kStandardGravity_m_s2, 0);
+  const double end = 1024 * kRadPerDeg * 32767 / 32768;  // What a register of 16 bits shows at most.
   const auto sigma_after = [&](double rate_rad_s, int clipped) {
     Fusion fusion;
     for (int i = 0; i < 100; ++i) {
@@ -292,7 +293,7 @@ TEST(Fusion, ARateAtTheEndOfItsRangeMakesTheOrientationUnsure) {
   };
   EXPECT_EQ(sigma_after(0.99 * end, 10), 0);
   const double one = sigma_after(end, 1), ten = sigma_after(end, 10);
-  EXPECT_NEAR(one, 0.5 * 1024 * kDeg / 240, 1e-3);
+  EXPECT_NEAR(one, 0.5 * 1024 * kRadPerDeg / 240, 1e-3);
   EXPECT_NEAR(ten, 10 * one, 1e-6) << "what samples in a row hide adds up";
   EXPECT_NEAR(sigma_after(-end, 1), one, 1e-9);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mien/core/random.h"
+#include "mien/core/units.h"
 #include "mien/imu/pipeline.h"
 #include "mien/sensor/ticks.h"
 
@@ -14,9 +15,6 @@
 // faults. It shares nothing with the one that takes are made by, so that a mistake of sign in one is not
 // excused by the other.
 namespace mien::imu::testing_head {
-
-inline constexpr double kDeg = std::numbers::pi / 180;
-inline constexpr double kGravity = 9.80665;
 
 struct Faults {
   double scale = 1;  // Of all of them but mounting, heading, clock offset.
@@ -43,9 +41,9 @@ inline double ease(double u) {
 /// a pause, then a minute of nodding and turning at once.
 struct Script {
   double nod_begin = 3.2, nod_end = 6.2, shake_begin = 6.4, shake_end = 9.4, move_begin = 10.0, end = 70.0;
-  double nod_rad = 20 * kDeg, turn_rad = 40 * kDeg;
+  double nod_rad = 20 * kRadPerDeg, turn_rad = 40 * kRadPerDeg;
   double first_nod = 1;  // -1 begins upwards.
-  double sway_rad = 0.1 * kDeg;
+  double sway_rad = 0.1 * kRadPerDeg;
 
   [[nodiscard]] Vec3 angles(double t) const {
     Vec3 a = sway_rad * Vec3(std::sin(1.3 * t), std::sin(0.9 * t + 1), std::sin(1.1 * t + 2));
@@ -54,8 +52,8 @@ struct Script {
       const double u = (t - begin) / (stop - begin);
       return std::sin(2 * std::numbers::pi * cycles * u) * ease(6 * u) * ease(6 * (1 - u));
     };
-    a.x() += first_nod * 18 * kDeg * swing(nod_begin, nod_end, 2);
-    a.y() += 25 * kDeg * swing(shake_begin, shake_end, 2);
+    a.x() += first_nod * 18 * kRadPerDeg * swing(nod_begin, nod_end, 2);
+    a.y() += 25 * kRadPerDeg * swing(shake_begin, shake_end, 2);
     const double s = ease((t - move_begin) / 1.0);
     a.x() += s * nod_rad * std::sin(std::numbers::pi * (t - move_begin));
     a.y() += s * turn_rad * std::sin(std::numbers::pi * (t - move_begin) + 0.9);
@@ -116,9 +114,9 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
       const double x = random.normal(), y = random.normal(), z = random.normal();
       return Vec3(sigma * Vec3(x, y, z));
     };
-    Vec3 bias = draw(k * faults.gyro_bias_dps * kDeg);
+    Vec3 bias = draw(k * faults.gyro_bias_dps * kRadPerDeg);
     const Vec3 gyro_scale = Vec3::Ones() + draw(k * faults.gyro_scale);
-    const Vec3 accel_bias = draw(k * faults.accel_bias_mg * 1e-3 * kGravity);
+    const Vec3 accel_bias = draw(k * faults.accel_bias_mg * 1e-3 * kStandardGravity_m_s2);
     const Vec3 accel_scale = Vec3::Ones() + draw(k * faults.accel_scale);
     // From the neck.
     const Vec3 arm =
@@ -126,10 +124,11 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
         (ear ? Vec3(0.08, 0.11, 0.02) : Vec3{random.uniform(-0.06, 0.06), random.uniform(0.04, 0.18), 0.13});
     if (positions) site.position_m = arm;
     out.rig.sensors.push_back(site);
-    const double gyro_sigma = k * faults.gyro_noise_dps_sqrt_hz * kDeg * std::sqrt(120.0);
-    const double accel_sigma = k * faults.accel_noise_ug_sqrt_hz * 1e-6 * kGravity * std::sqrt(120.0);
-    const double walk = k * faults.gyro_bias_walk_dps_sqrt_min * kDeg / std::sqrt(240.0 * 60);
-    const double slip_step = k * faults.slip_deg_per_sqrt_min * kDeg / std::sqrt(240.0 * 60);
+    const double gyro_sigma = k * faults.gyro_noise_dps_sqrt_hz * kRadPerDeg * std::sqrt(120.0);
+    const double accel_sigma =
+        k * faults.accel_noise_ug_sqrt_hz * 1e-6 * kStandardGravity_m_s2 * std::sqrt(120.0);
+    const double walk = k * faults.gyro_bias_walk_dps_sqrt_min * kRadPerDeg / std::sqrt(240.0 * 60);
+    const double slip_step = k * faults.slip_deg_per_sqrt_min * kRadPerDeg / std::sqrt(240.0 * 60);
     Vec3 slip = Vec3::Zero();
     constexpr double kStep = 1e-3;
     const auto orientation = [&](double t) {
@@ -147,7 +146,7 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
         const Vec3 gyro =
             log_rotation(orientation(t - kStep).conjugate() * orientation(t + kStep)) / (2 * kStep);
         const Vec3 accel = (position(t + kStep) - 2 * position(t) + position(t - kStep)) / (kStep * kStep);
-        const Vec3 force = q.conjugate() * (accel + Vec3(0, kGravity, 0));
+        const Vec3 force = q.conjugate() * (accel + Vec3(0, kStandardGravity_m_s2, 0));
         const Vec3 g = gyro_scale.cwiseProduct(gyro) + bias + draw(gyro_sigma);
         const Vec3 f = accel_scale.cwiseProduct(force) + accel_bias + draw(accel_sigma);
         sensor::Sample sample;

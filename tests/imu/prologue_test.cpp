@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "mien/core/units.h"
+
 namespace mien::imu {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
 constexpr double kFrame_s = 1 / 60.0;
 constexpr double kAhead_m = 0.09;
 
@@ -52,8 +53,8 @@ Calibration nod(double cycles_a_second, Change&& change) {
   prologue.begin_nod();
   const double w = 2 * std::numbers::pi * cycles_a_second;
   for (double t = 0; t < 2 / cycles_a_second; t += kFrame_s) {
-    const double pitch = 18 * kDeg * std::sin(w * t), turn = -w * w * pitch;
-    set(pitch, 18 * kDeg * w * std::cos(w * t), turn);
+    const double pitch = 18 * kRadPerDeg * std::sin(w * t), turn = -w * w * pitch;
+    set(pitch, 18 * kRadPerDeg * w * std::cos(w * t), turn);
     change(frame, pitch, turn);
     prologue.add_nod(frame);
   }
@@ -66,12 +67,12 @@ double turned_round(const Calibration& calibration) {
 }
 
 TEST(Prologue, ANodsSwingTellsWhichWayIsAhead) {
-  EXPECT_LT(turned_round(nod(0.6, [](Prologue::Frame&, double, double) {})), 1 * kDeg);
+  EXPECT_LT(turned_round(nod(0.6, [](Prologue::Frame&, double, double) {})), 1 * kRadPerDeg);
   // As of a face behind the ear: that is a head that looks the other way.
   const Calibration other = nod(0.6, [](Prologue::Frame& frame, double, double turn) {
     frame.face[0].force_world_m_s2.y() = 9.81 + kAhead_m * turn;
   });
-  EXPECT_NEAR(turned_round(other), std::numbers::pi, 1 * kDeg);
+  EXPECT_NEAR(turned_round(other), std::numbers::pi, 1 * kRadPerDeg);
 }
 
 TEST(Prologue, WhatWasHeldOverAGapTellsNothingOfTheSwing) {
@@ -83,7 +84,7 @@ TEST(Prologue, WhatWasHeldOverAGapTellsNothingOfTheSwing) {
       (ear ? frame.ear_fresh : frame.face[0].fresh) = !held;
       if (held) frame.face[0].force_world_m_s2.y() = 9.81 + 6 * kAhead_m * turn;
     });
-    EXPECT_LT(turned_round(found), 1 * kDeg) << (ear ? "ear" : "face");
+    EXPECT_LT(turned_round(found), 1 * kRadPerDeg) << (ear ? "ear" : "face");
   }
 }
 
@@ -91,8 +92,8 @@ TEST(Prologue, OfASlowNodAccelerometersFaultsAreNotTakenForItsSwing) {
   const auto faulty = [](Prologue::Frame& frame, double pitch, double) {
     frame.face[0].force_world_m_s2.y() -= 0.3 * pitch;
   };
-  EXPECT_LT(turned_round(nod(0.1, faulty)), 1 * kDeg);
-  EXPECT_LT(turned_round(nod(0.6, faulty)), 1 * kDeg);
+  EXPECT_LT(turned_round(nod(0.1, faulty)), 1 * kRadPerDeg);
+  EXPECT_LT(turned_round(nod(0.6, faulty)), 1 * kRadPerDeg);
 }
 
 }  // namespace

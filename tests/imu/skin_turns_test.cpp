@@ -5,16 +5,15 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include "mien/core/random.h"
+#include "mien/core/units.h"
 
 namespace mien::imu {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180;
 constexpr int kSensors = 4;
 const std::vector<std::string> kNames = {"a", "b", "c", "d"};
 
@@ -37,7 +36,7 @@ struct Skin {
   [[nodiscard]] Eigen::VectorXd draw(Random& random) const {
     Eigen::VectorXd deg(3 * kSensors);
     for (double& entry : deg) entry = random.normal();
-    return kDeg * (motion.mean_deg + motion.factor_deg * deg);
+    return kRadPerDeg * (motion.mean_deg + motion.factor_deg * deg);
   }
 };
 
@@ -69,11 +68,11 @@ TEST(SkinTurns, TellsHeadingsByWhatGravityHolds) {
       const Eigen::VectorXd rotations = skin.draw(random);
       turns.clear();
       for (std::size_t i = 0; i < kSensors; ++i)
-        see(turns, rotations, i, vertical, 4 * kDeg * static_cast<double>(i));
+        see(turns, rotations, i, vertical, 4 * kRadPerDeg * static_cast<double>(i));
       turns.solve(vertical);
       for (std::size_t i = 0; i < kSensors; ++i) {
         const Told heading = told(turns[i]);
-        const double strayed = heading.error_rad - 4 * kDeg * static_cast<double>(i);
+        const double strayed = heading.error_rad - 4 * kRadPerDeg * static_cast<double>(i);
         squares += strayed * strayed / (heading.sigma_rad * heading.sigma_rad);
         const double turn = rotations.segment<3>(static_cast<Eigen::Index>(3 * i)).dot(vertical);
         plain += turn * turn / (heading.sigma_rad * heading.sigma_rad);
@@ -104,7 +103,7 @@ TEST(SkinTurns, TellsHowStronglyAFaceMoves) {
   const double usual = strength(1, 0);
   EXPECT_NEAR(usual, 0.9, 0.2);
   EXPECT_NEAR(strength(0.4, 0) / usual, 0.4, 0.03);
-  EXPECT_NEAR(strength(1, 10 * kDeg) / usual, 1, 0.05) << "headings have no say in it";
+  EXPECT_NEAR(strength(1, 10 * kRadPerDeg) / usual, 1, 0.05) << "headings have no say in it";
   EXPECT_GT(strength(0, 0), 0);
 }
 
@@ -160,7 +159,7 @@ TEST(SkinTurns, OfASensorThatNobodyMeasuredNothingIsForetold) {
   for (std::size_t i = 0; i < kSensors; ++i)
     EXPECT_LT((turns[i].beyond_rad - known[i].beyond_rad).norm(), 1e-8);
   EXPECT_NEAR(told(turns[4]).error_rad, 0.2, 1e-8);
-  EXPECT_GT(told(turns[4]).sigma_rad, 9 * kDeg);
+  EXPECT_GT(told(turns[4]).sigma_rad, 9 * kRadPerDeg);
 }
 
 TEST(SkinTurns, ReadsTheSameHoweverItWasAskedBefore) {

@@ -14,9 +14,9 @@
 #include <stop_token>
 #include <thread>
 
-#include "mien/live/replay.h"
+#include "mien/session/replay.h"
 #include "tests/folder.h"
-#include "tests/live/live_run.h"
+#include "tests/session/session_run.h"
 #include "tests/sink/loopback.h"
 
 namespace mien::live {
@@ -106,7 +106,7 @@ EngineSettings settings(const mien::test::Folder& folder) {
   settings.header.software = "test";
   settings.header.rig_toml = virt::test::kRig;
   settings.model = "two shapes";
-  settings.make_session = [](const sensor::Rig& rig) -> Result<std::unique_ptr<Session>> {
+  settings.make_session = [](const sensor::Rig& rig) -> Result<std::unique_ptr<session::Session>> {
     return test::session(rig);
   };
   return settings;
@@ -227,7 +227,8 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
   const auto take = take::Take::open(folder / "whole.mien");
   ASSERT_TRUE(take) << take.error().message();
   const auto session = test::session();
-  ASSERT_TRUE(replay(*take, *session, [](const take::Tick&, const face::OutputFrame&) { return true; }));
+  ASSERT_TRUE(
+      session::replay(*take, *session, [](const take::Tick&, const face::OutputFrame&) { return true; }));
   EXPECT_EQ(session->frames(), summary.frames);
   EXPECT_EQ(session->hash(), summary.hash);
   EXPECT_EQ(take->note("live.hash").value(), summary.hash);
@@ -240,7 +241,7 @@ TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   asked.ends_with_recording = true;
   asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
   for (const char* name : {"rest", "open", "shut"}) {
-    Prompt& prompt = asked.prompts.emplace_back();
+    session::Prompt& prompt = asked.prompts.emplace_back();
     prompt.name = name;
     prompt.seconds = 1;
     if (prompt.name == "open") prompt.target[face::shape("jawOpen")] = 0.5F;
@@ -275,7 +276,7 @@ TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   // What is asked for is in the log: a replay comes to the same events.
   const auto session = test::session();
   std::vector<take::Event> again;
-  ASSERT_TRUE(replay(*take, *session, [&](const take::Tick&, const face::OutputFrame&) {
+  ASSERT_TRUE(session::replay(*take, *session, [&](const take::Tick&, const face::OutputFrame&) {
     for (take::Event& event : session->take_events()) again.push_back(std::move(event));
     return true;
   }));

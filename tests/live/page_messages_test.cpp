@@ -49,7 +49,7 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
   EXPECT_TRUE(said["prompts"].is_null());
   EXPECT_TRUE(said["recording"]["ends_s"].is_null());
 
-  Report::Prompts& prompts = now.report.prompts;
+  session::Report::Prompts& prompts = now.report.prompts;
   prompts.state = "running";
   prompts.name = "smile";
   prompts.say = "Smile";

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "tests/folder.h"
-#include "tests/live/live_run.h"
+#include "tests/session/session_run.h"
 
 namespace mien::live {
 namespace {
@@ -22,7 +22,9 @@ class PlayerTest : public ::testing::Test {
   static std::vector<test::Played::Frame> record(const std::filesystem::path& path, bool truth);
 
   using Played = test::Played;
-  static Result<std::unique_ptr<Session>> make_session(const sensor::Rig& rig) { return test::session(rig); }
+  static Result<std::unique_ptr<session::Session>> modalities::make_session(const sensor::Rig& rig) {
+    return test::session(rig);
+  }
   /// Until it was read; a minute at most.
   static std::optional<Player::Moment> first(Player& player, HostTime now) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -125,7 +127,7 @@ TEST_F(PlayerTest, SaysWhyATakeCannotBeShown) {
   player.seek(3, at(1));
   EXPECT_FALSE(player.next(at(2)));
 
-  Player strict([](const sensor::Rig&) -> Result<std::unique_ptr<Session>> {
+  Player strict([](const sensor::Rig&) -> Result<std::unique_ptr<session::Session>> {
     throw std::runtime_error("no such thing");
   });
   record(folder / "a.mien", false);

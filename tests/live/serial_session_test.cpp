@@ -12,12 +12,12 @@
 #include <stop_token>
 #include <thread>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/core/cobs.h"
 #include "mien/core/files.h"
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/eyewear/eyewear_tracker.h"
-#include "mien/face/builtin.h"
-#include "mien/live/replay.h"
+#include "mien/session/replay.h"
 #include "tests/eyewear/glasses.h"
 #include "tests/folder.h"
 #include "tests/live/pseudo_terminal.h"
@@ -43,21 +43,21 @@ std::string rig_toml() {
 }
 
 /// The first sensor's light opens the jaw.
-std::unique_ptr<Session> session() {
-  const eyewear::MarkerSet markers = eyewear::test::mouth_markers();
-  const auto placed = eyewear::PlacedMarkers::place(face::make_builtin(), markers).value();
+std::unique_ptr<session::Session> session() {
+  const builtin_face::MarkerSet markers = eyewear::test::mouth_markers();
+  const auto placed = builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), markers).value();
   face::BlendshapeWeights open;
   open[face::shape("jawOpen")] = 1;
   Eigen::MatrixXd gain_m = Eigen::MatrixXd::Zero(placed.at({}).size(), kChannels);
   gain_m.col(0) = placed.at(open) - placed.at({});
-  Session::Parts parts;
+  session::Session::Parts parts;
   parts.rig = sensor::parse_rig(rig_toml(), "glasses").value();
   parts.tracker = eyewear::EyewearTracker::create(
                       parts.rig, markers, std::make_unique<eyewear::test::LinearRegressor>(std::move(gain_m)))
                       .value();
   parts.protocols.push_back(
       std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
-  return Session::create(std::move(parts)).value();
+  return session::Session::create(std::move(parts)).value();
 }
 
 /// Steps of light that the board sees: steady at first, then the first sensor's comes and goes.
@@ -177,7 +177,7 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
   ASSERT_TRUE(summary) << summary.error().message();
   EXPECT_THAT(summary->recording_error, IsEmpty());
   EXPECT_GT(summary->malformed, 10u);
-  for (const Report::Link& link : summary->report.links) {
+  for (const session::Report::Link& link : summary->report.links) {
     EXPECT_GT(link.health.doubled, 10u);
     EXPECT_GT(link.health.lost, 10u);
     EXPECT_GT(link.health.malformed, 10u);
@@ -197,7 +197,8 @@ TEST(SerialSession, RunsAtFullRateThroughDamageAndUnpluggingAndReplaysToItsBits)
   const std::vector<take::LogEntry> entries = take->entries().value();
   for (const take::LogEntry& entry : entries) ASSERT_EQ(entry.source, glasses.address());
   const auto again = session();
-  ASSERT_TRUE(replay(*take, *again, [](const take::Tick&, const face::OutputFrame&) { return true; }));
+  ASSERT_TRUE(
+      session::replay(*take, *again, [](const take::Tick&, const face::OutputFrame&) { return true; }));
   EXPECT_EQ(again->frames(), summary->frames);
   EXPECT_EQ(again->hash(), summary->hash);
 }

@@ -1,10 +1,10 @@
 #include "mien/shaping/fallback.h"
+#include "mien/core/smoothstep.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "mien/shaping/ease.h"
 #include "tests/shaping/frames.h"
 
 namespace mien::shaping {
@@ -13,14 +13,14 @@ namespace {
 using face::Provenance;
 
 TEST(Ease, BeginsAndEndsAtRestWithinItsEnds) {
-  EXPECT_EQ(ease(-1), 0);
-  EXPECT_EQ(ease(0), 0);
-  EXPECT_EQ(ease(0.5), 0.5);
-  EXPECT_EQ(ease(1), 1);
-  EXPECT_EQ(ease(std::numeric_limits<double>::infinity()), 1);
+  EXPECT_EQ(smoothstep(-1), 0);
+  EXPECT_EQ(smoothstep(0), 0);
+  EXPECT_EQ(smoothstep(0.5), 0.5);
+  EXPECT_EQ(smoothstep(1), 1);
+  EXPECT_EQ(smoothstep(std::numeric_limits<double>::infinity()), 1);
   for (int i = 0; i < 100; ++i) {
-    EXPECT_GT(ease((i + 1) / 100.0), ease(i / 100.0));
-    EXPECT_LE(ease((i + 1) / 100.0) - ease(i / 100.0), 0.015 + 1e-12);
+    EXPECT_GT(smoothstep((i + 1) / 100.0), ease(i / 100.0));
+    EXPECT_LE(smoothstep((i + 1) / 100.0) - ease(i / 100.0), 0.015 + 1e-12);
   }
 }
 
@@ -62,7 +62,7 @@ TEST(Fallback, HoldsThenEasesToNeutral) {
     face::OutputFrame out = measured(i, 0.1f);  // What the tracker makes up is not shown.
     fallback.apply(out, 0);
     const double age = i / 60.0;
-    const double expected = 0.8 * (1 - ease((age - 0.3) / 0.5));
+    const double expected = 0.8 * (1 - smoothstep((age - 0.3) / 0.5));
     ASSERT_NEAR(out.weights[7], expected, 1e-6) << i;
     if (i != 18) {
       ASSERT_EQ(out.provenance[7], i < 18 ? Provenance::held : Provenance::neutral) << i;

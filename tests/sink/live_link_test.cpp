@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mien/core/bytes.h"
-#include "tests/sink/hex.h"
+#include "tests/hex.h"
 
 namespace mien::sink {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/sink/hex.h"
+#include "tests/hex.h"
 #include "tests/sink/osc_reading.h"
 
 namespace mien::sink {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mien/face/builtin.h"
+#include "mien/builtin_face/builtin_face.h"
 
 namespace mien::study {
 namespace {
@@ -30,7 +30,7 @@ TEST(HoldLast, IsTheTruthOfASecondAgoOrTheLastOneSeen) {
 }
 
 TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
-  const Meter meter(face::make_builtin());
+  const Meter meter(builtin_face::make_builtin());
   TakeEstimates take{.take = "one", .truth = opening(120, 10, 60), .model = {}, .ridge = {}};
   for (const take::TruthFrame& frame : take.truth) {
     take.model.push_back(frame.weights);

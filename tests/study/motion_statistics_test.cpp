@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "mien/face/load_motion.h"
-#include "mien/virtual/performer.h"
+#include "mien/performer/performer.h"
 
 namespace mien::study {
 namespace {
@@ -81,15 +81,15 @@ TEST(MotionStatistics, MeanOfPeopleDoesNotCountTheirDifferencesAsMotion) {
 }
 
 TEST(MotionStatistics, AMotionAgreesWithItselfMoreThanWithAnother) {
-  const auto play = [](virt::Block block) {
+  const auto play = [](performer::Block block) {
     Random random(1);
     const std::array motions = {
-        virt::perform(virt::default_script(block, 60), virt::draw_style(random), Random(2))};
+        performer::perform(performer::default_script(block, 60), performer::draw_style(random), Random(2))};
     return motion_statistics(motions, "");
   };
-  const auto reading = play(virt::Block::reading);
+  const auto reading = play(performer::Block::reading);
   EXPECT_NEAR(correlation_agreement(reading, reading), 1, 1e-9);
-  EXPECT_LT(correlation_agreement(reading, play(virt::Block::free)), 0.9);
+  EXPECT_LT(correlation_agreement(reading, play(performer::Block::free)), 0.9);
 }
 
 /// Real performances are only compared with, so the bounds are wide: the same order of range, speed and
@@ -103,9 +103,9 @@ TEST(MotionStatistics, VirtualRangeOfMotionIsOfTheSameOrderAsARealOne) {
   std::vector<MotionStatistics> people;
   Random random(1);
   for (std::uint64_t person = 0; person < 8; ++person) {
-    const virt::Style style = virt::draw_style(random);
-    const std::array motions = {virt::perform(virt::default_script(virt::Block::range_of_motion, 120), style,
-                                              random.fork("p", person))};
+    const performer::Style style = performer::draw_style(random);
+    const std::array motions = {performer::perform(
+        performer::default_script(performer::Block::range_of_motion, 120), style, random.fork("p", person))};
     people.push_back(motion_statistics(motions, ""));
   }
   const auto made = mean_statistics(people, "virtual");

@@ -18,15 +18,15 @@ struct Folder : mien::test::Folder {
 
 /// A second of a nodding, talking performer on hand-made sites, after a short prologue.
 inline virt::VirtualSession device_session() {
-  const virt::PrologueMotion motion =
-      virt::with_prologue(virt::test::talking(60), virt::PrologueKind::brief, Random(3));
+  const performer::PrologueMotion motion =
+      performer::with_prologue(virt::test::talking(60), performer::PrologueKind::brief, Random(3));
   return virt::play_devices(motion, virt::test::three_sites(), virt::test::three_sensors(),
                             virt::test::mild_faults(), Random(11))
       .value();
 }
 inline virt::VirtualSession lab_session(double noise_rad = virt::kLabNoiseRad) {
-  const virt::PrologueMotion motion = virt::with_prologue(
-      virt::test::talking(60, false), virt::PrologueKind::brief, Random(3), {.gestures = false});
+  const performer::PrologueMotion motion = performer::with_prologue(
+      virt::test::talking(60, false), performer::PrologueKind::brief, Random(3), {.gestures = false});
   return virt::play_lab(motion, virt::test::three_sites(), virt::test::three_sensors(), Random(11), noise_rad)
       .value();
 }

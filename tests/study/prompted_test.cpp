@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "mien/performer/prologue.h"
 #include "mien/study/solve.h"
-#include "mien/virtual/performer_prologue.h"
 #include "tests/study/performed_take.h"
 #include "tests/tracker/tiny_model.h"
 
@@ -38,8 +38,8 @@ TEST(Prompted, ReadsWhatWasAskedForAndPassesOverTheRest) {
 /// A virtual performer with a full prologue, whose chin turns by 0.3 and whose cheek by 0.5.
 TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
   const test::Folder folder;
-  const virt::PrologueMotion motion = virt::with_prologue(
-      virt::test::talking(60, false), virt::PrologueKind::full, Random(3), {.gestures = false});
+  const performer::PrologueMotion motion = performer::with_prologue(
+      virt::test::talking(60, false), performer::PrologueKind::full, Random(3), {.gestures = false});
   const take::Take take = test::stored(
       virt::play_lab(motion, virt::test::three_sites(), virt::test::three_sensors(), Random(11)).value(),
       folder / "minute.mien", "lab");

@@ -1,9 +1,9 @@
 // Takes of sensors that only their tracker knows: smart eyewear.
 #include <gtest/gtest.h>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/eyewear/eyewear_tracker.h"
-#include "mien/face/builtin.h"
 #include "mien/study/solve.h"
 #include "mien/virtual/perform_take.h"
 #include "tests/eyewear/glasses.h"
@@ -33,8 +33,8 @@ const take::Take& worn_take() {
 
 /// The jaw opens as the hooks' light falls.
 std::unique_ptr<tracker::Tracker> tracker_of(const sensor::Rig& rig) {
-  const eyewear::MarkerSet markers = eyewear::test::mouth_markers();
-  const auto placed = eyewear::PlacedMarkers::place(face::make_builtin(), markers).value();
+  const builtin_face::MarkerSet markers = eyewear::test::mouth_markers();
+  const auto placed = builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), markers).value();
   face::BlendshapeWeights open;
   open[kJaw] = 1;
   Eigen::MatrixXd gain_m = Eigen::MatrixXd::Zero(placed.at({}).size(), std::ssize(rig.sensors));

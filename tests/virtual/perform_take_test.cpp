@@ -105,7 +105,7 @@ TEST_F(PerformTake, TheSeedDecidesEverythingButTheDate) {
 
 TEST_F(PerformTake, AFileOfFaultsIsAProfile) {
   ASSERT_TRUE(write_file(folder_ / "lossy.toml", "packet_loss = 0.5\n"));
-  request_.prologue = PrologueKind::none;
+  request_.prologue = performer::PrologueKind::none;
   request_.devices = "device";
   const auto all = perform_take(request_, no_progress).value().packets;
   request_.replace = true;

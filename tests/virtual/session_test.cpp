@@ -1,18 +1,18 @@
 // What a live session would have seen of a virtual performer: its log, its ticks and its truth.
 #include "mien/virtual/session.h"
+#include "mien/core/units.h"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <functional>
-#include <numbers>
 
-#include "mien/face/builtin.h"
-#include "mien/imu/packet.h"
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/imu/packets/packet.h"
 #include "mien/imu/pipeline.h"
+#include "mien/performer/performer.h"
+#include "mien/performer/style.h"
 #include "mien/take/session_log.h"
-#include "mien/virtual/performer.h"
-#include "mien/virtual/style.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::virt {
@@ -21,20 +21,19 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr double kDeg = std::numbers::pi / 180;
-
-PrologueMotion bare(const face::Motion& motion) {
-  return with_prologue(motion, PrologueKind::none, Random(3));
+performer::PrologueMotion bare(const face::Motion& motion) {
+  return performer::with_prologue(motion, performer::PrologueKind::none, Random(3));
 }
-PrologueMotion brief(const face::Motion& motion, bool gestures = true) {
-  return with_prologue(motion, PrologueKind::brief, Random(3), {.gestures = gestures});
+performer::PrologueMotion brief(const face::Motion& motion, bool gestures = true) {
+  return performer::with_prologue(motion, performer::PrologueKind::brief, Random(3), {.gestures = gestures});
 }
 
-VirtualSession devices(const PrologueMotion& motion, std::uint64_t seed = 11,
+VirtualSession devices(const performer::PrologueMotion& motion, std::uint64_t seed = 11,
                        const DeviceFaults& faults = test::mild_faults()) {
   return play_devices(motion, test::three_sites(), test::three_sensors(), faults, Random(seed)).value();
 }
-VirtualSession lab(const PrologueMotion& motion, std::uint64_t seed = 11, double noise_rad = kLabNoiseRad) {
+VirtualSession lab(const performer::PrologueMotion& motion, std::uint64_t seed = 11,
+                   double noise_rad = kLabNoiseRad) {
   return play_lab(motion, test::three_sites(), test::three_sensors(), Random(seed), noise_rad).value();
 }
 
@@ -121,7 +120,7 @@ TEST(DeviceSession, LateAndLostPacketsLeaveItSound) {
 }
 
 TEST(DeviceSession, TheSeedDecidesEveryByte) {
-  const PrologueMotion motion = bare(test::talking(60));
+  const performer::PrologueMotion motion = bare(test::talking(60));
   const VirtualSession one = devices(motion, 11);
   const VirtualSession same = devices(motion, 11);
   const VirtualSession other = devices(motion, 12);
@@ -139,7 +138,7 @@ TEST(DeviceSession, TheSeedDecidesEveryByte) {
 }
 
 TEST(LabSession, TheSeedDecidesEveryByte) {
-  const PrologueMotion motion = bare(test::talking(60, false));
+  const performer::PrologueMotion motion = bare(test::talking(60, false));
   const VirtualSession one = lab(motion, 11);
   const VirtualSession same = lab(motion, 11);
   const VirtualSession other = lab(motion, 12);
@@ -161,8 +160,8 @@ TEST(LabSession, HasNoGesturesAmongItsEvents) {
 }
 
 TEST(DeviceSession, PromptsTellWhatWasAskedFor) {
-  const VirtualSession session =
-      lab(with_prologue(test::talking(30, false), PrologueKind::full, Random(3), {.gestures = false}));
+  const VirtualSession session = lab(performer::with_prologue(
+      test::talking(30, false), performer::PrologueKind::full, Random(3), {.gestures = false}));
   std::size_t prompts = 0;
   for (const take::Event& event : session.events) {
     if (event.kind != "prompt") continue;
@@ -231,8 +230,8 @@ TEST(LabSession, CarriesOneNoisyRotationASensorAndFrame) {
     ASSERT_EQ(stored.sample.count, 3);
     for (const float value : stored.sample.used()) square += value * value;
   }
-  EXPECT_NEAR(std::sqrt(square / (3.0 * static_cast<double>(session.samples.size()))), 1.0 * kDeg,
-              0.08 * kDeg);
+  EXPECT_NEAR(std::sqrt(square / (3.0 * static_cast<double>(session.samples.size()))), 1.0 * kRadPerDeg,
+              0.08 * kRadPerDeg);
 }
 
 TEST(LabSession, WithoutNoiseItIsTheSkinsOwnTurn) {
@@ -247,7 +246,7 @@ TEST(LabSession, WithoutNoiseItIsTheSkinsOwnTurn) {
 }
 
 TEST(Sessions, RefuseAMotionWithoutFrames) {
-  PrologueMotion empty;
+  performer::PrologueMotion empty;
   empty.motion.name = "nothing.csv";
   for (const auto& session :
        {play_devices(empty, test::three_sites(), test::three_sensors(), DeviceFaults{}, Random(1)),
@@ -280,13 +279,14 @@ TEST(DeviceSession, SensorsFallSilentForSecondsWhenTheFaultsSayTheyDo) {
 struct Performance {
   sensor::Rig rig = sensor::read_rig(std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml").value();
   DeviceFaults faults = parse_faults(rig.faults_toml, "default rig").value();
-  std::vector<SkinSite> sites = skin_sites(face::make_builtin(), rig).value();
-  PrologueMotion motion;
+  std::vector<SkinSite> sites = skin_sites(builtin_face::make_builtin(), rig).value();
+  performer::PrologueMotion motion;
 
   Performance() {
     Random style_random(71);
-    const Style style = draw_style(style_random);
-    motion = brief(perform(default_script(Block::mixed, 10), style, Random(72)));
+    const performer::Style style = performer::draw_style(style_random);
+    motion =
+        brief(performer::perform(performer::default_script(performer::Block::mixed, 10), style, Random(72)));
   }
   static const Performance& get() {
     static const Performance performance;
@@ -339,7 +339,7 @@ Error skin_error(const VirtualSession& session, const HeardTest& heard) {
       square += angle * angle;
     }
   });
-  return {std::sqrt(square / std::max(1.0, there)) / kDeg, 1 - there / all};
+  return {std::sqrt(square / std::max(1.0, there)) / kRadPerDeg, 1 - there / all};
 }
 
 bool hear_all(const take::StoredSample&) {

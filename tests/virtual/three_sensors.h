@@ -7,9 +7,9 @@
 
 #include "mien/face/motion.h"
 #include "mien/sensor/rig.h"
-#include "mien/virtual/device_faults.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/skin_site.h"
 #include "mien/virtual/session.h"
-#include "mien/virtual/skin_site.h"
 
 namespace mien::virt::test {
 

@@ -1,0 +1,198 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "app/bench/bench_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <ranges>
+#include <thread>
+#include <vector>
+
+#include "app/child_program.h"
+#include "app/json_output.h"
+#include "app/bench/loopback.h"
+#include "app/live/perform_network.h"
+#include "mien/core/files.h"
+
+namespace mien::app {
+namespace {
+
+namespace asio = boost::asio;
+namespace fs = std::filesystem;
+using asio::ip::udp;
+using Clock = std::chrono::steady_clock;
+using nlohmann::ordered_json;
+
+struct StartBench {
+  int times = 10;
+  bool json = false;
+};
+
+double seconds(Clock::duration duration) {
+  return std::chrono::duration<double>(duration).count();
+}
+
+/// A virtual performer who performs all the while, to one port, whoever listens there.
+class Performer {
+ public:
+  /// Begins, and returns when the first packet has come. Errors: the performance's; not_found (the rig).
+  static Result<std::unique_ptr<Performer>> begin() {
+    MIEN_TRY_ASSIGN(const fs::path rig, find_resource("rigs/default.toml"));
+    asio::io_context io;
+    udp::socket heard = loopback(io);
+    auto performer = std::unique_ptr<Performer>(new Performer(rig, heard.local_endpoint().port()));
+    std::array<std::byte, 2048> packet{};
+    heard.non_blocking(true);
+    boost::system::error_code code;
+    while (!performer->over_ && heard.receive(asio::buffer(packet), 0, code) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (performer->over_) return std::unexpected(performer->performed_.error());
+    return performer;
+  }
+
+  [[nodiscard]] const std::string& address() const { return address_; }
+
+ private:
+  Performer(const fs::path& rig, std::uint16_t port) : address_(fmt::format("udp://127.0.0.1:{}", port)) {
+    performing_ = std::jthread([this, rig](const std::stop_token& stop) {
+      virt::StageRequest performance;
+      performance.script = performer::default_script(performer::Block::mixed, 60);
+      performance.script_name = "mixed";
+      performance.rig = rig;
+      NetworkOptions network;
+      network.to = address_;
+      network.wait_s = 0;
+      network.loop = true;
+      network.title = "";
+      network.enough = [&stop](std::size_t) { return stop.stop_requested(); };
+      performed_ = perform_to_network(performance, network);
+      over_ = true;
+    });
+  }
+
+  std::string address_;
+  Result<NetworkSummary> performed_ = fail(ErrorCode::internal, "the performance ended early", "bench start");
+  std::atomic<bool> over_ = false;
+  std::jthread performing_;
+};
+
+/// One start of a session.
+struct Start {
+  double took_s = 0;
+  double peak_memory_mb = 0;
+};
+
+/// Starts a session as a process of its own and waits for the first packet that it sends.
+Result<Start> start_session(std::vector<std::string> command) {
+  asio::io_context io;
+  udp::socket face = loopback(io);
+  command.insert(command.end(),
+                 {"--out", fmt::format("livelink://127.0.0.1:{}", face.local_endpoint().port())});
+  std::optional<Clock::time_point> first;
+  face.non_blocking(true);
+  const auto from = Clock::now();
+  std::jthread watching([&](const std::stop_token& stop) {
+    std::array<std::byte, 2048> packet{};
+    boost::system::error_code code;
+    while (!stop.stop_requested() && face.receive(asio::buffer(packet), 0, code) == 0)
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    if (!stop.stop_requested()) first = Clock::now();
+  });
+  const auto said = run_child(command);
+  watching.request_stop();
+  watching.join();
+  if (!said) return std::unexpected(said.error());
+  if (!said->succeeded || !first)
+    return fail(ErrorCode::internal,
+                said->complaints.empty() ? "the session sent no frame" : said->complaints, "bench start");
+  const ordered_json summary = ordered_json::parse(said->out, nullptr, false);
+  return Start{seconds(*first - from), summary.value("peak_memory_mb", 0.0)};
+}
+
+ordered_json times_ms(std::vector<double> took_s) {
+  std::ranges::sort(took_s);
+  return {{"median_ms", 1e3 * took_s[took_s.size() / 2]}, {"worst_ms", 1e3 * took_s.back()}};
+}
+
+ordered_json figures(const std::vector<Start>& starts) {
+  std::vector<double> took_s;
+  for (const Start& start : starts) took_s.push_back(start.took_s);
+  ordered_json all = times_ms(took_s);
+  all["peak_memory_mb"] = std::ranges::max(starts | std::views::transform(&Start::peak_memory_mb));
+  return all;
+}
+
+Result<void> run_start_bench(const StartBench& options) {
+  MIEN_TRY_ASSIGN(const fs::path program, running_program());
+  MIEN_TRY_ASSIGN(const auto performer, Performer::begin());
+  const auto session = [&](const char* page) {
+    return start_session(
+        {program.string(), "live", "--listen", performer->address(), "--page", page, "--for", "1", "--json"});
+  };
+  std::vector<Start> with_page, without_page;
+  std::vector<double> nothing_s;
+  const Progress progress = terminal_progress("bench start");
+  // They take turns. The first of each is not counted: after it the program is in memory.
+  for (int round = 0; round <= options.times; ++round) {
+    const auto from = Clock::now();
+    MIEN_TRY(run_child({program.string(), "--version"}));
+    const double loaded_s = seconds(Clock::now() - from);
+    MIEN_TRY_ASSIGN(const Start without, session("off"));
+    MIEN_TRY_ASSIGN(const Start with, session("127.0.0.1:0"));
+    if (round > 0) {
+      nothing_s.push_back(loaded_s);
+      without_page.push_back(without);
+      with_page.push_back(with);
+    }
+    if (!progress(static_cast<double>(round) / options.times, fmt::format("start {}", round)))
+      return fail(ErrorCode::cancelled, "stopped", "bench start");
+  }
+  clear_progress();
+  const ordered_json measured = {{"without_page", figures(without_page)},
+                                 {"with_page", figures(with_page)},
+                                 {"program_alone", times_ms(nothing_s)},
+                                 {"starts", options.times}};
+  if (options.json) {
+    print_json(measured);
+    return {};
+  }
+  const auto line = [&](const char* what, const ordered_json& f) {
+    fmt::print("{:<36} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
+    fmt::print("{}\n", f.contains("peak_memory_mb")
+                           ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>())
+                           : "");
+  };
+  fmt::print("{:<36} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst",
+             "MB");
+  line("mien live, to its first frame", measured["with_page"]);
+  line("the same with --page off", measured["without_page"]);
+  line("mien --version, to its end", measured["program_alone"]);
+  return {};
+}
+
+}  // namespace
+
+void add_start_bench(Commands& commands, CLI::App* bench) {
+  auto options = std::make_shared<StartBench>();
+  CLI::App* start = commands.add_under(
+      bench, "start",
+      "How long `mien live` takes from its start to the first frame that it sends, and how much memory, as a "
+      "process of its own while a performer performs; beside it what loading the program takes",
+      "mien bench start --times 20 --json", [options] { return run_start_bench(*options); });
+  start->add_option("--times", options->times, "How often each is started")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  start->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "app/live/session_message.h"
+#include "mien/session/report.h"
+
+// How a session's calibrations are told on a terminal, and to programs.
+namespace mien::app {
+
+/// A table on stdout: each score with its verdict and its sentence.
+void print_scores(const session::CalibrationVersion& version);
+
+/// A table on stdout: each version with its age, its origin, whether it is in force, and its worst score.
+void print_versions(const SessionStatus& status);
+
+/// A table on stdout: the scores of two versions beside each other, those that only one has too.
+void print_comparison(const session::CalibrationVersion& a, const session::CalibrationVersion& b);
+
+/// {"version", "origin", "made_s", "scores": [{"name", "value", "unit", "pass", "sentence"}], "passed"};
+/// `passed` is null where nothing was judged.
+[[nodiscard]] nlohmann::ordered_json version_json(const session::CalibrationVersion& version);
+
+/// {"state", "in_force": id or null, "versions": [version_json's, "in_force"]}.
+[[nodiscard]] nlohmann::ordered_json versions_json(const SessionStatus& status);
+
+/// {"versions": [a, b], "scores": [{"name", "unit", "values": [a, b], "pass": [a, b]}]}; null where one has
+/// no such score.
+[[nodiscard]] nlohmann::ordered_json comparison_json(const session::CalibrationVersion& a,
+                                                     const session::CalibrationVersion& b);
+
+}  // namespace mien::app

@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "app/command.h"
+#include "app/film.h"
+#include "app/json_output.h"
+#include "app/live/live_session.h"
+#include "app/media_helper.h"
+#include "app/live/page_address.h"
+#include "app/live/perform_network.h"
+#include "app/performance.h"
+#include "app/read_aloud.h"
+#include "app/live/running_session.h"
+#include "app/seed_option.h"
+#include "app/write_motion.h"
+#include "mien/core/files.h"
+#include "mien/face/livelink_csv.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/modalities/modalities.h"
+#include "mien/session/replay.h"
+#include "mien/model/linear.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/evaluation_report.h"
+#include "mien/study/solve.h"
+#include "mien/tracker/causal_tracker.h"
+#include "mien/virtual/perform_take.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  std::filesystem::path out = "out/demo";
+  std::uint64_t seed = 2026;
+  double seconds = 8;
+  std::string page = "127.0.0.1:8740";
+  std::string model;
+  bool json = false;
+};
+
+/// The live half: a performer's nodes send through real sockets to a session that tracks, records and shows.
+struct Captured {
+  live::EngineSummary summary;
+  NetworkSummary performed;
+};
+
+Result<Captured> capture_live(const Options& options, const virt::PerformRequest& performance,
+                              const std::filesystem::path& take) {
+  LiveRequest request;
+  request.model = options.model;
+  request.listen = {"udp://127.0.0.1:0"};
+  request.record = take;
+  request.force = true;
+  request.takes = options.out;
+  request.face = performance.face;
+  request.performer = fmt::format("virtual:{}", options.seed);
+  request.page = options.page;
+  auto opened = open_live(request);
+  if (!opened && options.page != "off" && opened.error().code == ErrorCode::bad_usage) {
+    request.page = "127.0.0.1:0";  // Somebody else has the port, another session perhaps.
+    opened = open_live(request);
+  }
+  if (!opened) return std::unexpected(opened.error());
+  live::Engine& engine = *opened->engine;
+  if (!engine.page().empty()) {
+    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n",
+               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
+    std::fflush(stderr);
+  }
+
+  RunningSession session(engine);
+  NetworkOptions network;
+  network.to = engine.listening().front();
+  network.loop = true;
+  network.title = "2/5 capturing live, in real time";
+  // Once, when nobody watches; else until the page is closed.
+  network.enough = [&](std::size_t round) { return round > 1 && engine.watchers() == 0; };
+  auto performed = perform_to_network(performance, network);
+  auto summary = session.finish();
+  if (!performed) return std::unexpected(performed.error());
+  if (!summary) return std::unexpected(summary.error());
+  if (performed->stopped) return fail(ErrorCode::cancelled, "stopped", options.out.string());
+  if (!summary->recording_error.empty()) return fail(ErrorCode::io, summary->recording_error, take.string());
+  return Captured{std::move(*summary), std::move(*performed)};
+}
+
+/// The frames that count, as motions that begin together.
+struct Pair {
+  face::Motion truth, capture;
+};
+Pair motions_of(const study::TakeEstimates& estimates, std::span<const face::OutputFrame> frames) {
+  Pair out;
+  out.truth.name = "truth";
+  std::vector<face::OutputFrame> counted;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!estimates.truth[i].evaluated) continue;
+    face::MotionFrame truth;
+    truth.time_s = counted.empty() ? 0 : to_seconds(frames[i].time - counted.front().time);
+    truth.weights = estimates.truth[i].weights;
+    truth.tongue_out = estimates.truth[i].tongue_out;
+    out.truth.frames.push_back(truth);
+    counted.push_back(frames[i]);
+  }
+  out.capture = motion_of(counted);
+  return out;
+}
+
+Result<void> run(Options options) {
+  // What it needs at its end is looked for before its beginning.
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig, find_resource("rigs/default.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig sensors, sensor::read_rig(rig));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model_path, modalities::live_model(sensors, options.model));
+  MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(model_path));
+  MIEN_TRY(find_helper("mien-media"));
+  std::error_code code;
+  std::filesystem::create_directories(options.out, code);
+  if (code)
+    return fail(ErrorCode::io, code.message(), options.out.string(),
+                "choose a folder that can be written with --out");
+
+  // A person whom the model has never met: identity, style and placement come from a seed that training did
+  // not use.
+  virt::PerformRequest request;
+  request.face = fmt::format("builtin:{}", options.seed);
+  request.seed = options.seed;
+  constexpr performer::Block kSaid =
+      performer::Block::acted;  // A face that speaks and feels says more than one that exercises.
+  request.script = performer::default_script(kSaid, options.seconds);
+  request.script_name = performer::block_name(kSaid);
+  MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, no_progress));
+  request.take = options.out / "performance.mien";
+  request.replace = true;
+  request.software = "mien " MIEN_VERSION;
+  request.rig = rig;
+  MIEN_TRY(virt::perform_take(request, terminal_progress("1/5 performing")));
+
+  const std::filesystem::path live_path = options.out / "live.mien";
+  MIEN_TRY_ASSIGN(const Captured captured, capture_live(options, request, live_path));
+
+  // The take that was recorded gives the session's frames again, to the bit.
+  MIEN_TRY_ASSIGN(const take::Take live_take, take::Take::open(live_path));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session,
+                  modalities::make_session(live_take.rig(), model_path));
+  study::Solution solution;
+  const Progress replaying = terminal_progress("3/5 replaying the take");
+  MIEN_TRY(session::replay(live_take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
+    solution.frames.push_back(frame);
+    const auto done = static_cast<double>(solution.frames.size());
+    return replaying(std::min(0.999, done / static_cast<double>(captured.summary.frames)),
+                     "to the same bits");
+  }));
+  replaying(1, "to the same bits");
+  const bool same_bits = session->hash() == captured.summary.hash;
+
+  MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
+  MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(truth_take, solution));
+  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(request.face));
+  face::BlendshapeWeights mean_pose;
+  std::ranges::copy(model.mean_pose, mean_pose.values.begin());
+  const Progress writing = terminal_progress("4/5 measuring and writing");
+  writing(0.1, "the capture beside the truth");
+  MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
+                  study::evaluate(study::Meter(face), {estimates}, mean_pose));
+
+  const Pair motions = motions_of(estimates, solution.frames);
+  MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.csv"));
+  writing(0.7, "capture.glb");
+  MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.glb"));
+  writing(1, "capture.csv, capture.glb");
+
+  FilmOptions film;
+  film.width = 272;
+  film.height = 304;
+  film.rate_hz = 15;
+  film.sound = request.sound;
+  const std::filesystem::path film_path = options.out / "capture.mp4";
+  MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, motions.truth, motions.capture, 0, film,
+                                                       film_path, terminal_progress("5/5 filming")));
+
+  const study::EvaluationContext context{
+      .face = request.face, .model = model_path.string(), .devices = request.devices, .steps = 0};
+  study::Report report = study::evaluation_report(evaluation, context);
+  report.heading("Truth, live capture, and the capture's error as colour");
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> mp4, read_file(film_path));
+  report.film(mp4,
+              "A virtual performer whom the model has never met, captured live by twelve simulated IMUs");
+  MIEN_TRY(report.write(options.out / "report.html"));
+
+  const double p50_ms = 1e3 * to_seconds(captured.summary.latency.percentile(0.5));
+  const double p99_ms = 1e3 * to_seconds(captured.summary.latency.percentile(0.99));
+  if (options.json) {
+    print_json({{"report", (options.out / "report.html").string()},
+                {"film", film_path.string()},
+                {"csv", (options.out / "capture.csv").string()},
+                {"gltf", (options.out / "capture.glb").string()},
+                {"take", live_path.string()},
+                {"frames", captured.summary.frames},
+                {"missed", captured.summary.missed},
+                {"kernels", model::kernel_name(tracker::kLivePrecision)},
+                {"hash", captured.summary.hash},
+                {"same_bits", same_bits},
+                {"latency_ms", {{"p50", p50_ms}, {"p99", p99_ms}}},
+                {"packets", captured.performed.packets},
+                {"pve_mm", evaluation.model.pve_mm.mean},
+                {"film_frames", made.frames}});
+  } else {
+    fmt::print(
+        "Captured {:.0f} s live of a face that the model had never met: vertices within {:.2f} mm on "
+        "average; "
+        "{:.1f} ms from the last packet to the frame (99 of 100 within {:.1f} ms), {} frames missed.\n",
+        static_cast<double>(evaluation.frames) / kFrameRateHz, evaluation.model.pve_mm.mean, p50_ms, p99_ms,
+        captured.summary.missed);
+    fmt::print("{}\nIn {}: report.html, capture.mp4, capture.csv, capture.glb, live.mien, performance.mien\n",
+               same_bits ? "The take replays to the same bits."
+                         : "The take does not replay to the same bits: please report this.",
+               options.out.string());
+  }
+  if (!same_bits)
+    return fail(ErrorCode::internal, "the take does not replay to the same bits", live_path.string());
+  return {};
+}
+
+}  // namespace
+
+void add_demo_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      commands.add("demo",
+                   "The main job with no hardware: a virtual performer streams through "
+                   "real sockets into a live session; page, report, film, CSV and glTF come out",
+                   "mien demo --out out/demo", [options] { return run(*options); });
+  command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
+  add_seed_option(command, options->seed, "Who performs");
+  command->add_option("--seconds", options->seconds, "How long")
+      ->check(number_between(2.0, 600.0))
+      ->capture_default_str();
+  command->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  command->add_option("--page", options->page, "Where the page is served: HOST:PORT, or off")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,141 @@
+#include "app/live/live_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/live/page_address.h"
+#include "mien/model/linear.h"
+#include "mien/tracker/causal_tracker.h"
+
+namespace mien::app {
+namespace {
+
+/// The most memory that this process ever had resident, in MiB; null where the system does not tell.
+nlohmann::ordered_json peak_memory_mb() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (double kb = 0; word == "VmHWM:" && status >> kb) return kb / 1024;
+  return nullptr;
+}
+
+nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
+  const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
+  nlohmann::ordered_json sinks = nlohmann::ordered_json::array();
+  for (const sink::Status& sink : summary.sinks)
+    sinks.push_back({{"address", sink.address}, {"sent", sink.sent}, {"failed", sink.failed}});
+  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  for (const live::SerialPort::Status& line : summary.lines)
+    lines.push_back({{"address", line.address},
+                     {"open", line.open},
+                     {"unplugged", line.unplugged},
+                     {"bytes", line.bytes},
+                     {"overlong", line.overlong}});
+  nlohmann::ordered_json links = nlohmann::ordered_json::array();
+  for (const session::Report::Link& link : summary.report.links)
+    links.push_back({{"device", link.device},
+                     {"state", sensor::link_state_name(link.health.state)},
+                     {"lost", link.health.lost},
+                     {"late", link.health.late},
+                     {"reordered", link.health.reordered},
+                     {"doubled", link.health.doubled}});
+  return {{"frames", summary.frames},
+          {"missed", summary.missed},
+          {"kernels", model::kernel_name(tracker::kLivePrecision)},
+          {"hash", summary.hash},
+          {"latency_ms",
+           {{"p50", ms(summary.latency.percentile(0.5))},
+            {"p99", ms(summary.latency.percentile(0.99))},
+            {"max", ms(summary.latency.largest())}}},
+          {"peak_memory_mb", peak_memory_mb()},
+          {"datagrams", summary.datagrams},
+          {"dropped", summary.dropped},
+          {"malformed", summary.malformed},
+          {"evicted", summary.evicted},
+          {"calibrations", summary.report.calibration.versions.size()},
+          {"calibration", summary.report.calibration.state},
+          {"prompt", summary.report.calibration.prompt},
+          {"take", summary.take ? nlohmann::ordered_json(summary.take->string()) : nlohmann::ordered_json()},
+          {"recording_error", summary.recording_error},
+          {"sinks", std::move(sinks)},
+          {"lines", std::move(lines)},
+          {"links", std::move(links)}};
+}
+
+}  // namespace
+
+CLI::Option* add_session_options(CLI::App* command, LiveRequest& request) {
+  CLI::Option* listen = command->add_option(
+      "--listen", request.listen,
+      "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; may be "
+      "given often. Devices' languages are told apart by what they say (default: udp://0.0.0.0:5005 and "
+      "udp://0.0.0.0:6969)");
+  command->add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
+  command->add_option("--model", request.model,
+                      "The live model (default: the one in models/ for the rig's sensors); a folder of "
+                      "models where the rig has sensors of several kinds");
+  command->add_flag("--force", request.force, "Replace an existing take");
+  command
+      ->add_option(
+          "--page", request.page,
+          "Where the page is served: HOST[:PORT], or off; 0.0.0.0 lets other machines see it. Another host "
+          "than this machine asks for a token")
+      ->capture_default_str();
+  command->add_option("--token", request.token,
+                      "What the page's visitors must know (default: drawn anew where one is needed)");
+  command
+      ->add_option(
+          "--face", request.face,
+          "The face that the page shows: builtin, builtin:SEED, an ICT-FaceKit folder, a .glb or .vrm")
+      ->capture_default_str();
+  command->add_option("--performer", request.performer, "Who is captured: goes into takes");
+  command->add_option("--key", request.key,
+                      "A file with the key that devices were paired with; others are then not heard");
+  command->add_option("--for", request.seconds, "End by itself after so many seconds")
+      ->check(number_between(0.1, 1e6));
+  return listen;
+}
+
+void print_opening(std::FILE* out, const LiveSession& session) {
+  const live::Engine& engine = *session.engine;
+  for (const std::string& address : engine.listening()) fmt::print(out, "Listening on {}\n", address);
+  for (const std::string& address : session.out) fmt::print(out, "Sending to {}\n", address);
+  if (!engine.page().empty())
+    fmt::print(out, "The page is at {}\n",
+               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
+  fmt::print(out, "Ctrl-C ends it\n");
+  std::fflush(out);
+}
+
+Result<void> print_closing(const live::EngineSummary& summary, bool json) {
+  if (json) {
+    print_json(summary_json(summary));
+  } else {
+    fmt::print("{} frames, {} missed; latency p50 {:.2f} ms, p99 {:.2f} ms, at most {:.2f} ms\n",
+               summary.frames, summary.missed, 1e3 * to_seconds(summary.latency.percentile(0.5)),
+               1e3 * to_seconds(summary.latency.percentile(0.99)),
+               1e3 * to_seconds(summary.latency.largest()));
+    if (summary.frames == 0)
+      fmt::print("No frame came: {}\n", summary.datagrams == 0
+                                            ? "nothing was heard"
+                                            : "packets did, but none of the rig's reference sensor");
+    else if (summary.report.calibration.state == "watching")
+      fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
+                 summary.report.calibration.prompt);
+    for (const sink::Status& sink : summary.sinks)
+      fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
+                 sink.note.empty() ? "" : "; ", sink.note);
+    if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
+    fmt::print("kernels {}, hash {}\n", model::kernel_name(tracker::kLivePrecision), summary.hash);
+  }
+  if (!summary.recording_error.empty())
+    return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
+  return {};
+}
+
+}  // namespace mien::app

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "app/live/live_session.h"
+#include "mien/core/error.h"
+#include "mien/live/engine.h"
+
+// What `mien live` and `mien record` share: options, and what is said of a session.
+namespace mien::app {
+
+/// The options of every command that opens a session. Returns --listen, for what excludes it.
+CLI::Option* add_session_options(CLI::App* command, LiveRequest& request);
+
+/// Where it listens and sends, where its page is, and how it ends.
+void print_opening(std::FILE* out, const LiveSession& session);
+
+/// Prints how it went, in words or as one JSON object. Errors: io (the take is not whole).
+[[nodiscard]] Result<void> print_closing(const live::EngineSummary& summary, bool json);
+
+}  // namespace mien::app

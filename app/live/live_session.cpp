@@ -1,0 +1,168 @@
+#include "app/live/live_session.h"
+
+#include <utility>  // Before Asio 1.74, which forgets it.
+//
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/ip/address.hpp>
+#include <charconv>
+#include <chrono>
+#include <ctime>
+#include <future>
+#include <optional>
+
+#include "app/command.h"
+#include "app/live/page_files.h"
+#include "mien/core/files.h"
+#include "mien/core/host_port.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/modalities/modalities.h"
+#include "mien/render/gltf_export.h"
+#include "mien/sink/ws_admission.h"
+
+namespace mien::app {
+namespace {
+
+std::string now_utc() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+}
+
+/// An error of an output says the option too: there may be several, and other addresses beside them.
+Error with_option(Error error, const std::vector<std::string>& outputs) {
+  if (std::ranges::find(outputs, error.where) != outputs.end()) error.where = "--out " + error.where;
+  return error;
+}
+
+/// A key file holds a number of 0 to 255 and 64 hexadecimal digits.
+Result<std::vector<modalities::PairingKey>> read_key(const std::string& path) {
+  if (path.empty()) return std::vector<modalities::PairingKey>();
+  MIEN_TRY_ASSIGN(const std::string text, read_text(path, 4096));
+  modalities::PairingKey key;
+  unsigned id = 0;
+  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), id);
+  std::size_t length = 0;
+  const char* rest = nullptr;
+  const bool good = wrong == std::errc{} && id < 256 &&
+                    sodium_hex2bin(reinterpret_cast<unsigned char*>(key.secret.data()), key.secret.size(),
+                                   end, static_cast<std::size_t>(text.data() + text.size() - end), " \t\r\n",
+                                   &length, &rest) == 0 &&
+                    length == key.secret.size() && rest == text.data() + text.size();
+  if (!good)
+    return fail(ErrorCode::malformed, "not a key file", path,
+                "write a number from 0 to 255, a space and 64 hexadecimal digits into it");
+  key.id = static_cast<std::uint8_t>(id);
+  return std::vector{key};
+}
+
+/// A face as the page loads it. The built-in one takes longer than all else at the beginning of a session and
+/// cannot fail: it is made when somebody looks. What is wrong with others is known before the session begins.
+Result<live::Asset> face_file(const std::string& name) {
+  const auto make = [name]() -> Result<std::vector<std::byte>> {
+    MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(name));
+    return render::encode_gltf(face, nullptr, render::GltfKind::binary);
+  };
+  std::shared_future<Result<std::vector<std::byte>>> made;
+  if (name != "builtin") {
+    made = std::async(std::launch::deferred, make).share();
+    MIEN_TRY(made.get());
+  }
+  live::Asset file{.path = "/face.glb", .type = "model/gltf-binary", .bytes = {}, .open = false};
+  file.make = [make, made]() mutable {
+    if (!made.valid()) made = std::async(std::launch::async, make).share();
+    return made;
+  };
+  return file;
+}
+
+Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request) {
+  if (request.page == "off") return std::optional<live::PageSettings>();
+  const auto wrong = [&request] {
+    return fail(ErrorCode::bad_usage, "not an address for the page", "--page " + request.page,
+                "write it as 127.0.0.1:8740, or off");
+  };
+  live::PageSettings page;
+  const auto address = parse_host_port(request.page);
+  boost::system::error_code no_number;
+  if (address) static_cast<void>(boost::asio::ip::make_address(address->host, no_number));
+  if (!address || (no_number && address->host != "localhost")) return wrong();
+  page.host = address->host;
+  page.port = address->port.value_or(page.port);
+  page.token = request.token;
+  if (!page.token.empty() && !sink::is_token(page.token))
+    return fail(ErrorCode::bad_usage, "a token has 8 to 128 letters, digits, or - . _ ~", "--token",
+                "leave it out, and one is drawn");
+  if (!is_loopback(page.host) && page.token.empty()) {
+    // Whoever opens the page to a network gets a token, whether they thought of one or not.
+    std::array<unsigned char, 16> bytes{};
+    randombytes_buf(bytes.data(), bytes.size());
+    for (const unsigned char byte : bytes) page.token += fmt::format("{:02x}", byte);
+  }
+  page.assets = page_files();
+  if (page.assets.empty())
+    return fail(ErrorCode::not_found, "this program was built without its page", request.page,
+                "run with --page off, or build it with npm installed");
+  MIEN_TRY_ASSIGN(live::Asset face, face_file(request.face));
+  page.assets.push_back(std::move(face));
+  return std::optional(std::move(page));
+}
+
+}  // namespace
+
+Result<LiveSession> open_live(LiveRequest request) {
+  live::EngineSettings settings;
+  if (request.rig.empty()) {
+    MIEN_TRY_ASSIGN(const std::filesystem::path rig, find_resource("rigs/default.toml"));
+    request.rig = rig.string();
+  }
+  MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));
+  MIEN_TRY_ASSIGN(const std::vector<modalities::PairingKey> keys, read_key(request.key));
+  if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
+
+  MIEN_TRY_ASSIGN(settings.page, page_settings(request));
+
+  const auto serial = [](const std::string& address) { return address.starts_with("serial:"); };
+  if (!keys.empty() && std::ranges::any_of(request.listen, serial))
+    return fail(ErrorCode::bad_usage, "with a key only sealed packets are heard, and none come by cable",
+                "--listen serial:", "leave out --key or the serial line");
+  settings.listen = request.listen;
+  if (settings.listen.empty()) settings.listen = {"udp://0.0.0.0:5005", "udp://0.0.0.0:6969"};
+  settings.out = request.out;
+  if (!request.record.empty()) settings.record = request.record;
+  settings.replace = request.force;
+  if (request.takes.empty()) request.takes = request.record.parent_path();
+  settings.takes = request.takes.empty() ? "." : request.takes;
+  if (request.seconds > 0) settings.seconds = request.seconds;
+  settings.prompts = std::move(request.prompts);
+  settings.ends_with_recording = request.only_record;
+  settings.model = model.filename().string();
+  settings.header.software = "mien " MIEN_VERSION;
+  settings.header.performer = request.performer;
+  settings.header.script = request.script;
+  settings.header.devices = "live";
+  settings.header.face = request.face;
+  settings.header.prologue = "none";
+  settings.header.rig_toml = rig_toml;
+  settings.header.created_utc = now_utc();
+  settings.make_session =
+      [named = request.model](const sensor::Rig& taken) -> Result<std::unique_ptr<session::Session>> {
+    MIEN_TRY_ASSIGN(const std::filesystem::path its_model, modalities::live_model(taken, named));
+    return modalities::make_session(taken, its_model);
+  };
+
+  MIEN_TRY_ASSIGN(std::unique_ptr<session::Session> session, modalities::make_session(rig, model, {}, keys));
+  auto engine = live::Engine::open(std::move(settings), std::move(session));
+  if (!engine) return std::unexpected(with_option(std::move(engine).error(), request.out));
+  LiveSession out;
+  out.engine = *std::move(engine);
+  out.out = std::move(request.out);
+  return out;
+}
+
+}  // namespace mien::app

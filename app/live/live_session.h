@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/live/engine.h"
+
+namespace mien::app {
+
+/// What a live session is asked for on the command line.
+struct LiveRequest {
+  std::string rig;                  ///< Empty: the default one.
+  std::string model;                ///< Empty: the default live one of the rig's sensors.
+  std::vector<std::string> listen;  ///< Empty: our port and SlimeVR's, from everywhere.
+  std::vector<std::string> out;
+  std::filesystem::path record;  ///< Empty: the page's visitors may record.
+  bool force = false;
+  std::filesystem::path takes;          ///< Empty: the folder of `record`, or the present one.
+  std::string page = "127.0.0.1:8740";  ///< Or "off"; without a port 8740.
+  std::string token;
+  std::string face = "builtin";
+  std::string performer;
+  std::string script = "live";        ///< What is performed: goes into takes.
+  std::string key;                    ///< A file; empty: everybody is heard.
+  double seconds = 0;                 ///< 0: until it is stopped.
+  std::vector<session::Prompt> prompts;  ///< Poses to ask for.
+  bool only_record = false;           ///< It ends when its prompts or its recording do.
+};
+
+/// A session that is open, and what it shows.
+struct LiveSession {
+  std::vector<std::string> out;  ///< Addresses of the sinks that were asked for.
+  std::unique_ptr<live::Engine> engine;
+};
+
+/// Reads what the request names and opens every port, sink, take and page. The built-in face that the page
+/// shows is made on a thread of its own meanwhile: frames do not wait for it. Errors: theirs.
+[[nodiscard]] Result<LiveSession> open_live(LiveRequest request);
+
+}  // namespace mien::app

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/live/perform_network.h"
+#include "app/performance.h"
+#include "app/read_aloud.h"
+#include "app/seed_option.h"
+#include "mien/core/files.h"
+#include "mien/virtual/perform_take.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  virt::PerformRequest request;
+  NetworkOptions network;
+  std::string motion;
+  std::string block = "mixed";
+  double seconds = 60;
+  std::string voice;
+  std::string rig;
+  std::string prologue = "short";
+  std::string pace = "fast";
+  bool json = false;
+};
+
+/// Performs into a take.
+Result<void> run_take(const Options& options) {
+  MIEN_TRY_ASSIGN(const virt::PerformSummary summary,
+                  virt::perform_take(options.request, terminal_progress("perform")));
+  const std::string take = options.request.take.string();
+  if (options.json)
+    print_json({{"take", take},
+                {"duration_s", summary.duration_s},
+                {"frames", summary.frames},
+                {"packets", summary.packets},
+                {"samples", summary.samples}});
+  else
+    fmt::print("{}: {:.1f} s, {} frames, {} packets, {} samples\n", take, summary.duration_s, summary.frames,
+               summary.packets, summary.samples);
+  return {};
+}
+
+/// Performs to a receiver.
+Result<void> run_network(const Options& options) {
+  MIEN_TRY_ASSIGN(const NetworkSummary summary, perform_to_network(options.request, options.network));
+  clear_progress();
+  if (options.json)
+    print_json({{"to", options.network.to},
+                {"duration_s", summary.performed_s},
+                {"rounds", summary.rounds},
+                {"nodes", summary.nodes},
+                {"answered", summary.answered},
+                {"packets", summary.packets},
+                {"refused", summary.refused},
+                {"latest_ms", summary.latest_ms},
+                {"stopped", summary.stopped}});
+  else
+    fmt::print("{}: {:.1f} s{}, {} packets, {} refused{}; the latest went out {:.1f} ms late\n",
+               options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.packets,
+               summary.refused,
+               summary.listening == 0
+                   ? std::string()
+                   : fmt::format(", {} of {} nodes answered", summary.answered, summary.listening),
+               summary.latest_ms);
+  return {};
+}
+
+Result<void> run(Options options) {
+  virt::PerformRequest& request = options.request;
+  const bool to_network = !options.network.to.empty();
+  if (!to_network && request.take.empty())
+    return fail(ErrorCode::bad_usage, "it was not said where to", "perform",
+                "give --take FILE or --to udp://HOST:PORT");
+  if (to_network) {
+    MIEN_TRY(parse_target(options.network.to));
+    if (request.devices == "lab")
+      return fail(ErrorCode::bad_usage, "the devices of --devices lab are on no network", options.network.to,
+                  "perform them with --take, or use --devices device");
+  } else {
+    MIEN_TRY(check_output(request.take, {".mien"}));
+    MIEN_TRY(virt::check_take_is_new(request));
+  }
+  MIEN_TRY_ASSIGN(const performer::Block block, performer::parse_block(options.block));
+  if (!options.motion.empty()) {
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motion));
+    request.motion = std::move(performance.motion);
+    request.sound = std::move(performance.sound);
+    request.script_name = std::filesystem::path(options.motion).filename().string();
+  } else {
+    request.script = performer::default_script(block, options.seconds);
+    request.script_name = options.block;
+    if (options.voice.empty()) options.voice = block == performer::Block::reading ? "espeak" : "babble";
+    if (options.voice == "espeak") {
+      MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, terminal_progress("reading aloud")));
+    }
+  }
+  if (options.prologue == "none") request.prologue = performer::PrologueKind::none;
+  if (options.prologue == "full") request.prologue = performer::PrologueKind::full;
+  if (options.prologue == "guided") request.prologue = performer::PrologueKind::guided;
+  request.real_time = options.pace == "real";
+  request.software = "mien " MIEN_VERSION;
+  if (options.rig.empty()) {
+    MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
+  } else {
+    request.rig = options.rig;
+  }
+  std::error_code code;
+  if (!request.face.starts_with("builtin") && std::filesystem::exists(request.face, code)) {
+    const auto whole = std::filesystem::weakly_canonical(request.face, code);
+    if (!code) request.face = whole.string();  // A take must find it again from elsewhere.
+  }
+  return to_network ? run_network(options) : run_take(options);
+}
+
+}  // namespace
+
+void add_perform_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  virt::PerformRequest& request = options->request;
+  CLI::App* command = commands.add("perform",
+                                   "A virtual performer plays a script or a recorded motion through virtual "
+                                   "sensors, to the network in real "
+                                   "time or into a take",
+                                   "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
+                                   "reading --to udp://127.0.0.1:5005",
+                                   [options] { return run(*options); });
+  CLI::Option* take = command->add_option("--take", request.take, "The take to write, with the truth in it");
+  CLI::Option* to =
+      command
+          ->add_option("--to", options->network.to,
+                       "Who receives it in real time: udp://HOST:PORT (mien live) or slimevr://HOST:PORT")
+          ->excludes(take);
+  command
+      ->add_option("--wait", options->network.wait_s,
+                   "Seconds that a receiver has to answer before the performance begins without it")
+      ->needs(to)
+      ->check(number_between(0.0, 3600.0))
+      ->capture_default_str();
+  command
+      ->add_flag(
+          "--loop", options->network.loop,
+          "Play the motion again and again, until Ctrl-C; the calibration comes once, at the beginning")
+      ->needs(to);
+  CLI::Option* motion = command->add_option(
+      "--motion", options->motion,
+      "A Live Link Face CSV, or a take whose truth to perform; without it a script is played");
+  command->add_option("--script", options->block, "What a virtual performer plays")
+      ->excludes(motion)
+      ->check(CLI::IsMember(
+          {"mixed", "reading", "expressions", "acted", "range_of_motion", "free", "eating", "rapid"}))
+      ->capture_default_str();
+  command->add_option("--seconds", options->seconds, "Length of the script")
+      ->excludes(motion)
+      ->check(number_between(1.0, virt::kLongestPerformanceS))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--voice", options->voice,
+          "Who speaks the script's lines: espeak (espeak-ng: its phonemes, timing and sound, in four "
+          "languages) or babble (the sounds of six languages, unheard). Default: espeak when reading")
+      ->excludes(motion)
+      ->check(CLI::IsMember({"espeak", "babble"}));
+  command
+      ->add_option(
+          "--face", request.face,
+          "Whose skin: builtin, builtin:SEED (another person), an ICT-FaceKit folder, a .glb or .vrm")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--unlike", request.unlike,
+          "How unlike the face's own the wearer's skin turns under the sensors, drawn from the seed: 0 "
+          "not at all, 1 as people may differ (30 %, 15 degrees)")
+      ->check(number_between(0.0, 3.0))
+      ->capture_default_str();
+  command->add_option("--rig", options->rig, "Which sensors sit where (default: rigs/default.toml)");
+  command
+      ->add_option("--devices", request.devices,
+                   "device: real sensors' faults, as the rig states them; lab: skin rotations with 1 degree "
+                   "of noise; or a "
+                   "TOML file of faults")
+      ->capture_default_str();
+  add_seed_option(command, request.seed, "Everything that is drawn comes from it");
+  command
+      ->add_option(
+          "--prologue", options->prologue,
+          "The calibration that the performance begins with: short (still, nod, shake), none, full (then "
+          "expressions) or guided (full, in the time of a mien calibrate that waits for the sensors)")
+      ->check(CLI::IsMember({"short", "none", "full", "guided"}))
+      ->capture_default_str();
+  command->add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
+      ->needs(take)
+      ->check(CLI::IsMember({"fast", "real"}))
+      ->capture_default_str();
+  command->add_flag("--force", request.replace, "Replace an existing take")->needs(take);
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,257 @@
+#include "app/live/perform_network.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+// Asio 1.74 needs <utility> before itself.
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "app/command.h"
+#include "mien/core/host_port.h"
+
+namespace mien::app {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using Code = boost::system::error_code;
+
+/// The simulation runs this far ahead, so that no hiccup of the machine makes a packet late.
+constexpr double kAheadS = 0.5;
+/// When one node was answered the others get this long.
+constexpr Duration kOthersAnswer = std::chrono::seconds(1);
+/// How often a stop is asked for.
+constexpr Duration kLookUp = std::chrono::milliseconds(20);
+
+/// One node's way to the receiver.
+struct Line {
+  explicit Line(asio::io_context& io) : socket(io) {}
+  udp::socket socket;
+  std::array<std::byte, 2048> heard{};
+};
+
+/// Nodes, sockets and the one clock: what happens when.
+class Broadcast {
+ public:
+  Broadcast(virt::NodeGroup& nodes, const NetworkOptions& options)
+      : nodes_(nodes), options_(options), timer_(io_) {}
+
+  Result<void> open(const NetworkTarget& target);
+  Result<NetworkSummary> run();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  [[nodiscard]] HostTime now() const { return HostTime(Clock::now() - opened_); }
+  [[nodiscard]] std::size_t answered();
+  void listen(std::size_t node);
+  void refused();
+  Result<void> say_what_is_due();
+  Result<bool> wait_for_an_answer(const Progress& progress);
+  Result<void> simulate_ahead(HostTime at);
+  void sleep_until(HostTime time);
+
+  virt::NodeGroup& nodes_;
+  const NetworkOptions& options_;
+  Clock::time_point opened_ = Clock::now();
+  asio::io_context io_;
+  asio::steady_timer timer_;
+  std::vector<std::unique_ptr<Line>> lines_;
+  std::optional<HostTime> start_;
+  NetworkSummary summary_;
+};
+
+Result<void> Broadcast::open(const NetworkTarget& target) {
+  Code code;
+  udp::resolver resolver(io_);
+  const auto found = resolver.resolve(target.host, std::to_string(target.port), code);
+  if (code || found.empty())
+    return fail(ErrorCode::not_found, code ? code.message() : "no such host", options_.to,
+                "name a host that this machine can reach");
+  const udp::endpoint endpoint = found.begin()->endpoint();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    lines_.push_back(std::make_unique<Line>(io_));
+    udp::socket& socket = lines_.back()->socket;
+    socket.open(endpoint.protocol(), code);
+    // Connected, so that only the receiver is heard, and so that its machine may say that nobody listens.
+    if (!code) socket.connect(endpoint, code);
+    if (code) return fail(ErrorCode::io, code.message(), options_.to);
+    listen(n);
+  }
+  return {};
+}
+
+std::size_t Broadcast::answered() {
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) count += nodes_[n].answered() ? 1 : 0;
+  return count;
+}
+
+void Broadcast::listen(std::size_t node) {
+  Line& line = *lines_[node];
+  line.socket.async_receive(asio::buffer(line.heard),
+                            [this, node, &line](const Code& code, std::size_t size) {
+                              if (code == asio::error::operation_aborted) return;
+                              if (code == asio::error::connection_refused) refused();
+                              if (!code) nodes_[node].receive(now(), std::span(line.heard).first(size));
+                              listen(node);
+                            });
+}
+
+void Broadcast::refused() {
+  if (summary_.refused++ > 0 || options_.title.empty()) return;
+  clear_progress();
+  fmt::print(stderr,
+             "mien: {}: nobody listens there; performing all the same (the calibration comes once, at the "
+             "beginning: start mien live first)\n",
+             options_.to);
+}
+
+Result<void> Broadcast::say_what_is_due() {
+  const HostTime at = now();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    for (;;) {
+      const HostTime due = nodes_[n].due();
+      const auto datagram = nodes_[n].say(at);
+      if (!datagram) break;
+      Code code;
+      udp::socket& socket = lines_[n]->socket;
+      socket.send(asio::buffer(*datagram), 0, code);
+      if (code == asio::error::connection_refused) {
+        // That was said of an earlier one; this one has not left yet.
+        refused();
+        socket.send(asio::buffer(*datagram), 0, code);
+      }
+      if (code && code != asio::error::connection_refused)
+        return fail(ErrorCode::io, code.message(), options_.to);
+      ++summary_.packets;
+      if (start_) summary_.latest_ms = std::max(summary_.latest_ms, 1e3 * to_seconds(now() - due));
+    }
+  }
+  return {};
+}
+
+void Broadcast::sleep_until(HostTime time) {
+  timer_.expires_at(opened_ + time.time_since_epoch());
+  timer_.async_wait([](const Code&) {});
+  io_.restart();
+  io_.run_one();
+  io_.poll();
+}
+
+/// False when its user would not wait.
+Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
+  const Duration patience = from_seconds(options_.wait_s);
+  std::optional<HostTime> first_answer;
+  bool said = false;
+  for (;;) {
+    MIEN_TRY(say_what_is_due());
+    const HostTime at = now();
+    const std::size_t count = answered();
+    if (count > 0 && !first_answer) first_answer = at;
+    if (count == summary_.listening || at.time_since_epoch() >= patience ||
+        (first_answer && at - *first_answer >= kOthersAnswer))
+      return true;
+    if (!said && at.time_since_epoch() > std::chrono::milliseconds(200)) {
+      said = true;
+      clear_progress();
+      fmt::print(stderr, "mien: {}: waiting {:.0f} s for an answer (--wait)\n", options_.to, options_.wait_s);
+    }
+    if (!progress(0, "waiting")) return false;
+    sleep_until(std::min(at + kLookUp, HostTime(patience)));
+  }
+}
+
+Result<void> Broadcast::simulate_ahead(HostTime at) {
+  const double performed_s = to_seconds(at - *start_);
+  // One stretch at a time where it is ahead: it takes less than what a packet may be late.
+  if (nodes_.simulated_s() < performed_s + kAheadS) MIEN_TRY(nodes_.simulate());
+  while (nodes_.simulated_s() < performed_s) MIEN_TRY(nodes_.simulate());
+  return {};
+}
+
+Result<NetworkSummary> Broadcast::run() {
+  summary_.nodes = nodes_.size();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) summary_.listening += nodes_[n].listens() ? 1 : 0;
+  const auto shown = [this](const std::string& title) -> Progress {
+    if (options_.title.empty()) return [](double, std::string_view) { return !stop_asked(); };
+    return terminal_progress(title);
+  };
+  Progress progress = shown(options_.title);
+  MIEN_TRY_ASSIGN(const bool waited, wait_for_an_answer(progress));
+  summary_.stopped = !waited;
+  // Devices are on a little before the performance begins.
+  if (waited) {
+    while (nodes_.simulated_s() < kAheadS) MIEN_TRY(nodes_.simulate());
+    start_ = now() + from_seconds(virt::kTrajectoryMarginS);
+    nodes_.begin(*start_);
+  }
+  while (!summary_.stopped && !nodes_.finished()) {
+    const HostTime at = now();
+    MIEN_TRY(simulate_ahead(at));
+    MIEN_TRY(say_what_is_due());
+
+    summary_.performed_s = std::max(0.0, to_seconds(at - *start_));
+    const auto [round, share] = nodes_.round_at(summary_.performed_s);
+    if (round > summary_.rounds && round > 1)
+      progress = shown(fmt::format("{}, round {}", options_.title, round));
+    summary_.rounds = round;
+    if (options_.enough && options_.enough(round)) {
+      summary_.answered = answered();
+      return summary_;
+    }
+    summary_.stopped = !progress(
+        std::min(0.999, share), summary_.listening == 0
+                                    ? fmt::format("{} nodes", nodes_.size())
+                                    : fmt::format("{} of {} nodes answered", answered(), summary_.listening));
+
+    HostTime next = at + kLookUp;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) next = std::min(next, nodes_[n].due());
+    sleep_until(next);
+  }
+  if (!summary_.stopped) progress(1, "performed");
+  summary_.answered = answered();
+  return summary_;
+}
+
+}  // namespace
+
+Result<NetworkTarget> parse_target(const std::string& text) {
+  const auto bad = [&] {
+    return fail(ErrorCode::bad_usage, "no address of a receiver", text,
+                "write udp://HOST:PORT or slimevr://HOST:PORT");
+  };
+  NetworkTarget target;
+  std::string_view rest = text;
+  if (rest.starts_with("slimevr://"))
+    target.language = virt::NodeLanguage::slimevr;
+  else if (!rest.starts_with("udp://"))
+    return bad();
+  rest.remove_prefix(rest.find("//") + 2);
+  const auto address = parse_host_port(rest);
+  if (!address || address->host.empty() || address->port.value_or(0) == 0) return bad();
+  target.host = address->host;
+  target.port = *address->port;
+  return target;
+}
+
+Result<NetworkSummary> perform_to_network(const virt::StageRequest& request, const NetworkOptions& options) {
+  MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
+  MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<virt::NodeGroup> nodes,
+                  virt::NodeGroup::create(std::move(stage), target.language, options.loop));
+  Broadcast broadcast(*nodes, options);
+  MIEN_TRY(broadcast.open(target));
+  return broadcast.run();
+}
+
+}  // namespace mien::app

@@ -1,0 +1,118 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "app/command.h"
+#include "app/live/live_command.h"
+#include "app/live/live_session.h"
+#include "app/live/prompt_source.h"
+
+namespace mien::app {
+namespace {
+
+using Prompts = session::Report::Prompts;
+
+struct Options {
+  LiveRequest request;
+  std::string prompts;
+  bool json = false;
+};
+
+std::string clock_text(double seconds) {
+  const int s = static_cast<int>(std::ceil(seconds));
+  return fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+/// Shows how far a recording is: one line that is drawn anew, or a line a pose where nobody looks at a
+/// terminal.
+class RecordingLine {
+ public:
+  void show(const live::Status& status) {
+    const Prompts& prompts = status.report.prompts;
+    if (terminal_) {
+      draw_line(text(status));
+    } else if (prompts.state == "running" && prompts.number != shown_) {
+      shown_ = prompts.number;
+      fmt::print(stderr, "{}/{} {}, {:g} s\n", prompts.number, prompts.of, prompts.name,
+                 std::round(10 * prompts.remaining_s) / 10);
+      std::fflush(stderr);
+    }
+  }
+
+ private:
+  static std::string text(const live::Status& status) {
+    if (status.report.frames == 0) return "waiting for the first sensor";
+    const std::string recorded = "recording " + clock_text(std::floor(status.recording.seconds));
+    const Prompts& prompts = status.report.prompts;
+    if (prompts.state == "none" || prompts.state == "over")
+      return status.recording_ends_s ? fmt::format("{} of {}", recorded, clock_text(*status.recording_ends_s))
+                                     : recorded;
+    const std::string next = prompts.next.empty() ? "" : fmt::format("  (next: {})", prompts.next);
+    const std::string place =
+        fmt::format("{}  {}/{}  {} left", recorded, prompts.number, prompts.of, clock_text(prompts.left_s));
+    if (prompts.state == "paused") return fmt::format("{}  paused before: {}", place, prompts.name);
+    if (prompts.state == "ready")
+      return fmt::format("{}  get ready, {:.0f}: {}", place, std::ceil(prompts.remaining_s), prompts.name);
+    return fmt::format("{}  {:.0f}: {}{}{}{}", place, std::ceil(prompts.remaining_s), prompts.name,
+                       prompts.say.empty() ? "" : " - ", prompts.say, next);
+  }
+
+  bool terminal_ = ::isatty(STDERR_FILENO) == 1;
+  std::size_t shown_ = 0;
+};
+
+Result<void> run(Options options) {
+  LiveRequest& request = options.request;
+  std::FILE* const out = options.json ? stderr : stdout;
+  request.only_record = true;
+  request.script = "recording";
+  std::string asked;
+  if (!options.prompts.empty()) {
+    MIEN_TRY_ASSIGN(session::PromptScript script, load_prompts(options.prompts));
+    asked = fmt::format("{} poses, {} and a little{}", script.prompts.size(), clock_text(script.seconds()),
+                        request.page == "off" ? "; without the page they are shown by name only" : "");
+    request.script = options.prompts;
+    request.prompts = std::move(script.prompts);
+  }
+  MIEN_TRY_ASSIGN(const LiveSession session, open_live(std::move(request)));
+  print_opening(out, session);
+  if (!asked.empty()) fmt::print(out, "{}\n", asked);
+  std::fflush(out);
+  RecordingLine line;
+  live::EngineListener listener;
+  listener.told = [out](const std::string& news) {
+    clear_progress();
+    fmt::print(out, "{}\n", news);
+    std::fflush(out);
+  };
+  listener.seen = [&line](const live::Status& status) { line.show(status); };
+  MIEN_TRY_ASSIGN(const live::EngineSummary summary, session.engine->run(stop_asked(), listener));
+  clear_progress();
+  return print_closing(summary, options.json);
+}
+
+}  // namespace
+
+void add_record_command(Commands& commands) {
+  const auto options = std::make_shared<Options>();
+  LiveRequest& request = options->request;
+  CLI::App* command =
+      commands.add("record", "Records devices into a take, and asks for poses meanwhile if told to",
+                   "mien record --prompts one_minute --out me.mien\n  mien record --for 60 --out minute.mien",
+                   [options] { return run(*options); });
+  add_session_options(command, request);
+  command->add_option("--out", request.record, "The take to write, from the first packet on")->required();
+  command->add_option(
+      "--prompts", options->prompts,
+      "Poses to show on the page, one after the other; the recording ends with them. A TOML file, "
+      "one_minute, "
+      "or components:N[:SEED], N poses of three seconds drawn as the published eyewear study draws its own");
+  command->add_flag("--json", options->json, "Print one JSON object at the end");
+}
+
+}  // namespace mien::app

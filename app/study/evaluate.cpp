@@ -1,0 +1,147 @@
+#include <fmt/format.h>
+
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/study/model_option.h"
+#include "mien/core/files.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/modalities/modalities.h"
+#include "mien/study/evaluation_json.h"
+#include "mien/study/evaluation_report.h"
+#include "mien/study/solve.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  std::vector<std::string> takes;
+  ModelOption model;
+  std::string face;
+  std::string report;
+  bool no_adapt = false;
+  bool json = false;
+};
+
+void print_row(const char* name, const study::Metrics& m) {
+  const auto mean = [](const std::optional<study::MeanStd>& value) {
+    return value ? fmt::format("{:.3f}", value->mean) : "-";
+  };
+  const auto ratio = [](const std::optional<double>& value) {
+    return value ? fmt::format("{:.2f}", *value) : "-";
+  };
+  fmt::print("{:<10} {:7.3f} {:>7} {:>7} {:8.4f} {:8.4f} {:>7} {:>7}\n", name, m.pve_mm.mean,
+             mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_felt, ratio(m.jitter_ratio),
+             ratio(m.blink_f1));
+}
+
+/// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
+/// the built-in one where that is not on this machine. `name` becomes the one that it is.
+Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on, std::string& name) {
+  if (!name.empty()) return builtin_face::load_face(name);
+  if (performed_on.size() > 1)
+    return fail(
+        ErrorCode::bad_usage,
+        fmt::format("the takes were performed on different faces ({})", fmt::join(performed_on, ", ")),
+        "evaluate", "evaluate them apart, or name one face for all with --face");
+  name = *performed_on.begin();
+  auto face = builtin_face::load_face(name);
+  if (face || face.error().code != ErrorCode::not_found) return face;
+  fmt::print(stderr,
+             "mien: the take's face {} is not here: measured on the built-in one; --face names another\n",
+             name);
+  name = "builtin";
+  return builtin_face::load_face(name);
+}
+
+Result<void> run(Options options) {
+  if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
+  std::vector<take::Take> takes;
+  std::set<std::string> devices;
+  std::set<std::string> performed_on;
+  for (const std::string& path : options.takes) {
+    MIEN_TRY_ASSIGN(take::Take take, take::Take::open(path));
+    MIEN_TRY(study::check_has_truth(take));
+    devices.insert(take.header().devices);
+    performed_on.insert(take.header().face);
+    takes.push_back(std::move(take));
+  }
+  for (const take::Take& take : takes)
+    if (modalities::has_window_models(take.rig()) != modalities::has_window_models(takes.front().rig()))
+      return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
+                  take.path().string(), "evaluate them apart");
+  options.model.adapt = !options.no_adapt;
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
+  std::string face_name = options.face;
+  MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
+  std::vector<study::TakeEstimates> estimates;
+  std::size_t adapted = 0;
+  double adapt_s = 0;
+  for (const take::Take& take : takes) {
+    MIEN_TRY_ASSIGN(const study::Solution solution,
+                    model.solve(take, study::SolveFrom::samples, take.path().string()));
+    if (solution.personalised && solution.personalised->taken) ++adapted;
+    adapt_s += solution.personalise_s;
+    MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
+  }
+  MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
+                  study::evaluate(study::Meter(face), estimates, model.mean_pose()));
+  if (adapted > 0 && adapted < takes.size())
+    fmt::print(stderr,
+               "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
+               adapted, takes.size());
+  const study::EvaluationContext context{
+      .face = face_name,
+      .model = options.model.path,
+      .devices = devices.size() == 1 ? *devices.begin() : "mixed",
+      .steps = model.steps(),
+      .adapted = adapted == takes.size(),
+      .adapt_s = adapt_s,
+  };
+  if (!options.report.empty()) MIEN_TRY(study::evaluation_report(evaluation, context).write(options.report));
+  if (options.json) {
+    const std::string text = study::evaluation_json(evaluation, context) + "\n";
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return {};
+  }
+  fmt::print("{} frames of {} take{} on {}, {} profile, {}\n\n", evaluation.frames, evaluation.takes,
+             evaluation.takes == 1 ? "" : "s", face_name, context.devices, study::asked_how(context));
+  fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>7} {:>7}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
+             "MSE felt", "jitter", "blink F1");
+  print_row("model", evaluation.model);
+  if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
+  print_row("hold last", evaluation.hold_last);
+  print_row("mean pose", evaluation.mean_pose);
+  if (evaluation.model.mse > evaluation.mean_pose.mse &&
+      evaluation.model.mse_felt < evaluation.mean_pose.mse_felt)
+    fmt::print(
+        "\nMSE is above the mean pose's in shapes that these sensors do not feel (MSE felt leaves them out); "
+        "in millimetres they weigh little.\n");
+  fmt::print("\nhold last is the truth of a second ago, which no tracker has (docs/metrics.md)\n");
+  if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);
+  return {};
+}
+
+}  // namespace
+
+void add_evaluate_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      commands.add("evaluate", "Measures a model on takes with truth, beside its baselines",
+                   "mien evaluate take.mien --report take.html", [options] { return run(*options); });
+  command->add_option("takes", options->takes, "Takes with a truth track")->required();
+  options->model.add_to(command);
+  command->add_option("--face", options->face,
+                      "Face to measure on (default: the take's own where it is found, else builtin)");
+  command->add_option("--report", options->report, "Write a self-contained HTML page with plots");
+  command
+      ->add_flag("--no-adapt", options->no_adapt,
+                 "Do not personalise the live model on a take's full prologue first")
+      ->needs(command->get_option("--live"));
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,158 @@
+#include "app/study/model_option.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "app/command.h"
+#include "mien/core/files.h"
+#include "mien/modalities/modalities.h"
+#include "mien/model/linear.h"
+#include "mien/model/model_file.h"
+#include "mien/study/prompted.h"
+#include "mien/tracker/causal_tracker.h"
+
+namespace mien::app {
+namespace {
+
+/// A wearer's model, and what it took to learn; says on stderr where a take with prompts could not be learnt
+/// from.
+struct Adapted {
+  std::optional<tracker::Personalisation> personalised;
+  double seconds = 0;
+};
+Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFrame> features,
+                      model::ModelFile& file) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const std::optional<DeviceTime> until, study::first_evaluated(take));
+  Adapted out;
+  // What is measured is not learnt from.
+  if (std::ranges::count_if(study::prompted_expressions(events), [&](const auto& prompt) {
+        return !until || prompt.end <= *until;
+      }) < static_cast<std::ptrdiff_t>(tracker::kLeastPrompts))
+    return out;
+  const auto start = std::chrono::steady_clock::now();
+  auto learnt = study::personalise_on(take, features, file, until);
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (learnt)
+    out.personalised = *learnt;
+  else if (learnt.error().code == ErrorCode::not_found)
+    fmt::print(stderr, "mien: {}: the wearer was not learnt: {}\n", take.path().string(),
+               learnt.error().what);
+  else
+    return std::unexpected(learnt.error());
+  return out;
+}
+
+}  // namespace
+
+OpenModel::OpenModel(tracker::WindowSolver solver, int steps) : model_(std::move(solver)) {
+  settings_ =
+      study::sampler_of(std::get<tracker::WindowSolver>(model_).file(), static_cast<std::size_t>(steps));
+}
+
+face::BlendshapeWeights OpenModel::mean_pose() const {
+  face::BlendshapeWeights pose;
+  if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_))
+    std::ranges::copy(solver->file().mean_pose, pose.values.begin());
+  else if (const auto* causal = std::get_if<model::ModelFile>(&model_))
+    std::ranges::copy(causal->mean_pose, pose.values.begin());
+  return pose;
+}
+
+int OpenModel::steps() const {
+  return std::holds_alternative<tracker::WindowSolver>(model_) ? static_cast<int>(settings_.steps) : 0;
+}
+
+std::string OpenModel::kernels() const {
+  return model::kernel_name(std::holds_alternative<model::ModelFile>(model_) ? tracker::kLivePrecision
+                                                                             : model::Precision::fp32);
+}
+
+Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFrom from,
+                                         const std::string& title) const {
+  constexpr double kFew = 0.5;
+  study::Solution solution;
+  const Progress progress = terminal_progress(title);
+  if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
+  } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
+    MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take, from));
+    model::ModelFile file = *causal;
+    Adapted adapted;
+    if (adapt_ && file.skin && file.skin->wearer.empty()) {
+      progress(0, "learning the wearer");
+      MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
+    }
+    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
+                    tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, features, tracker, progress));
+    solution.personalised = adapted.personalised;
+    solution.personalise_s = adapted.seconds;
+  } else {
+    MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
+                    modalities::make_tracker(take.rig(), std::get<std::filesystem::path>(model_)));
+    MIEN_TRY_ASSIGN(const auto protocols, modalities::make_protocols());
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *tracker, protocols, from, progress));
+  }
+  if (solution.felt == 0)
+    fmt::print(
+        stderr,
+        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (a neutral "
+        "face, and a nod and a shake where the sensors ask for them) to be calibrated by\n",
+        take.path().string());
+  else if (solution.felt < kFew)
+    fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
+               take.path().string(), 100 * solution.felt);
+  return solution;
+}
+
+void ModelOption::add_to(CLI::App* command) {
+  command->add_option("--model", path,
+                      "Model file (default: the one in models/ for the take's sensors); a live one, or a "
+                      "wearer's own, goes frame by frame by itself");
+  CLI::Option* counted =
+      command
+          ->add_option("--steps", steps,
+                       "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
+          ->check(CLI::Range(1, 1000));
+  command->add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
+      ->excludes(counted);
+}
+
+Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
+  if (!modalities::has_window_models(rig)) {
+    MIEN_TRY_ASSIGN(std::filesystem::path file, modalities::live_model(rig, path));
+    path = file.string();
+    if (steps > 0)
+      return fail(ErrorCode::bad_usage,
+                  "this rig's sensors are solved frame by frame, without denoising steps", path,
+                  "leave --steps out");
+    return OpenModel(std::move(file));
+  }
+  if (path.empty()) {
+    MIEN_TRY_ASSIGN(path, find_resource(live ? "models/live.safetensors" : "models/default.safetensors"));
+  }
+  MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
+  if (file.architecture.kind == model::NetworkKind::causal) {
+    if (steps > 0)
+      return fail(ErrorCode::bad_usage, "a causal model answers at once, without denoising steps", path,
+                  "leave --steps out");
+    return OpenModel(std::move(file), adapt);
+  }
+  if (live)
+    return fail(ErrorCode::bad_usage, "this is a window network, which sees what comes later", path,
+                "leave --live out, or name a live model");
+  auto solver = tracker::WindowSolver::create(std::move(file));
+  if (!solver) {
+    solver.error().where = path;
+    return std::unexpected(std::move(solver).error());
+  }
+  return OpenModel(*std::move(solver), steps);
+}
+
+}  // namespace mien::app

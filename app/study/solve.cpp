@@ -1,0 +1,69 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/study/model_option.h"
+#include "app/write_motion.h"
+#include "mien/study/solve.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  std::string take;
+  ModelOption model;
+  bool from_log = false;
+  std::string out;
+  std::string face;
+  bool json = false;
+};
+
+Result<void> run(Options options) {
+  if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
+  MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(take.rig()));
+  const auto start = std::chrono::steady_clock::now();
+  MIEN_TRY_ASSIGN(
+      const study::Solution solution,
+      model.solve(take, options.from_log ? study::SolveFrom::log : study::SolveFrom::samples, "solve"));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!options.out.empty())
+    MIEN_TRY(write_motion(motion_of(solution.frames),
+                          options.face.empty() ? take.header().face : options.face, options.out));
+  if (options.json) {
+    print_json({{"take", options.take},
+                {"model", options.model.path},
+                {"frames", solution.frames.size()},
+                {"felt", solution.felt},
+                {"kernels", model.kernels()},
+                {"hash", solution.hash},
+                {"seconds", seconds},
+                {"out", options.out}});
+  } else {
+    fmt::print("{} frames in {:.1f} s\nkernels {}\nhash    {}\n", solution.frames.size(), seconds,
+               model.kernels(), solution.hash);
+    if (!options.out.empty()) fmt::print("wrote   {}\n", options.out);
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_solve_command(Commands& commands) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      commands.add("solve", "Turns a take's sensors into blendshape weights",
+                   "mien solve take.mien --out take.csv", [options] { return run(*options); });
+  command->add_option("take", options->take, "The take")->required();
+  options->model.add_to(command);
+  command->add_flag("--from-log", options->from_log,
+                    "Decode the raw packets again; the answer is the same to the bit");
+  command->add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
+  command->add_option("--face", options->face, "Face of a .glb or .gltf (default: the take's own)");
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,216 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <numbers>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/seed_option.h"
+#include "app/study/study_live.h"
+#include "app/study/study_loss.h"
+#include "app/study/study_sensors.h"
+#include "mien/core/files.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/drift.h"
+#include "mien/study/imu/sensor_bound.h"
+#include "mien/study/imu/skin_motion.h"
+
+namespace mien::app {
+namespace {
+
+Result<sensor::Rig> read_rig_or_default(const std::string& path) {
+  if (!path.empty()) return sensor::read_rig(path);
+  MIEN_TRY_ASSIGN(const std::filesystem::path standard, find_resource("rigs/default.toml"));
+  return sensor::read_rig(standard);
+}
+
+struct BoundOptions {
+  std::string face = "builtin";
+  std::string rig;
+  std::vector<double> prior = {0.10, 0.15};
+  std::vector<double> noise_deg = {0.3, 0.5, 1, 2, 3};
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+/// What a face without regions or landmarks does not have is shown as missing, not as zero.
+std::string shown(const std::optional<study::MeanStd>& value) {
+  return value ? fmt::format("{:.2f}", value->mean) : "-";
+}
+nlohmann::ordered_json mean_or_null(const std::optional<study::MeanStd>& value) {
+  return value ? nlohmann::ordered_json(value->mean) : nlohmann::ordered_json();
+}
+
+Result<void> run_bound(const BoundOptions& options) {
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, read_rig_or_default(options.rig));
+  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face, rig));
+  std::vector<virt::SkinSite> sites;
+  for (const std::uint16_t s : rig.face_sensors()) sites.push_back(all[s]);
+  const study::Meter meter(face);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  if (!options.json)
+    fmt::print(
+        "What {} sensors can see at best on {}: one frame of orientations, linear, independent "
+        "shapes\n\n{:>6} {:>8} {:>8} "
+        "{:>8} {:>8} {:>8}\n",
+        sites.size(), options.face, "prior", "noise", "MSE", "PVE mm", "face mm", "LMK mm");
+  for (const double prior : options.prior)
+    for (const double noise_deg : options.noise_deg) {
+      const study::SensorBound bound =
+          study::sensor_bound(meter, sites, prior, noise_deg * std::numbers::pi / 180, Random(options.seed));
+      if (!options.json)
+        fmt::print("{:6.2f} {:6.1f}° {:8.4f} {:8.2f} {:>8} {:>8}\n", prior, noise_deg, bound.mse,
+                   bound.pve_mm.mean, shown(bound.pve_face_mm), shown(bound.lmk_mm));
+      nlohmann::ordered_json left;
+      for (std::size_t k = 0; k < face::kShapeCount; ++k)
+        left[std::string(face::kShapeNames[k])] = bound.left[k];
+      rows.push_back({{"prior", prior},
+                      {"noise_deg", noise_deg},
+                      {"mse", bound.mse},
+                      {"pve_mm", bound.pve_mm.mean},
+                      {"pve_face_mm", mean_or_null(bound.pve_face_mm)},
+                      {"lmk_mm", mean_or_null(bound.lmk_mm)},
+                      {"left", left}});
+    }
+  if (options.json) print_json({{"face", options.face}, {"rig", rig.name}, {"rows", rows}});
+  return {};
+}
+
+struct DriftOptions {
+  study::DriftRequest request;
+  std::string rig;
+  bool unknown_skin = false;
+  std::vector<double> sigma_deg = {0, 2, 4, 8};
+  std::vector<double> every_s = {1, 2, 4, 8};
+  bool json = false;
+};
+
+Result<void> run_drift(const DriftOptions& options) {
+  MIEN_TRY_ASSIGN(sensor::Rig rig, read_rig_or_default(options.rig));
+  if (options.unknown_skin) rig.skin.reset();
+  std::vector<imu::HeadingSettings> settings;
+  for (const double sigma_deg : options.sigma_deg)
+    for (const double every_s : sigma_deg > 0 ? options.every_s : std::vector<double>{1}) {
+      imu::HeadingSettings one;
+      one.neutral_sigma_rad = sigma_deg * std::numbers::pi / 180;
+      one.neutral_every_s = every_s;
+      settings.push_back(one);
+    }
+  MIEN_TRY_ASSIGN(const std::vector<study::Drift> drifts,
+                  study::study_drift(options.request, rig, settings, terminal_progress("drift")));
+  if (!options.json)
+    fmt::print(
+        "Skin rotation's error, {} virtual performers of {} s\n\n{:>10} {:>8} {:>8} {:>10} {:>8} {:>8} "
+        "{:>8}\n",
+        options.request.performers, options.request.seconds, "re-centre", "every", "RMS", "vertical",
+        "median", "worst", "missing");
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const study::Drift& drift : drifts) {
+    const double sigma_deg = drift.settings.neutral_sigma_rad * 180 / std::numbers::pi;
+    if (!options.json)
+      fmt::print("{:>10} {:6.1f} s {:7.2f}° {:9.2f}° {:7.2f}° {:7.2f}° {:6.1f} %\n",
+                 sigma_deg > 0 ? fmt::format("{:.1f}°", sigma_deg) : "off", drift.settings.neutral_every_s,
+                 drift.rms_deg, drift.vertical_rms_deg,
+                 drift.performer_rms_deg[drift.performer_rms_deg.size() / 2], drift.performer_rms_deg.back(),
+                 100 * drift.missing);
+    rows.push_back({{"neutral_sigma_deg", sigma_deg},
+                    {"neutral_every_s", drift.settings.neutral_every_s},
+                    {"rms_deg", drift.rms_deg},
+                    {"vertical_rms_deg", drift.vertical_rms_deg},
+                    {"performer_rms_deg", drift.performer_rms_deg},
+                    {"missing", drift.missing}});
+  }
+  if (options.json)
+    print_json({{"rig", rig.name},
+                {"performers", options.request.performers},
+                {"seconds", options.request.seconds},
+                {"seed", options.request.seed},
+                {"rows", rows}});
+  return {};
+}
+
+void add_drift(Commands& commands, CLI::App* study) {
+  auto drift = std::make_shared<DriftOptions>();
+  CLI::App* command = commands.add_under(
+      study, "drift", "How far skin rotations drift from the truth, and what slow re-centring mends",
+      "mien study drift --performers 24 --sigma 0 2 --every 1", [drift] { return run_drift(*drift); });
+  command->add_option("--performers", drift->request.performers, "Virtual performers")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command->add_option("--seconds", drift->request.seconds, "Length of each performance after the prologue")
+      ->check(number_between(1.0, 3600.0))
+      ->capture_default_str();
+  command->add_option("--rig", drift->rig, "Rig file (default: rigs/default.toml)");
+  command->add_flag("--unknown-skin", drift->unknown_skin, "As if the rig had no [skin] table");
+  command
+      ->add_option(
+          "--sigma", drift->sigma_deg,
+          "Re-centring's standard deviation, degrees; 0 is off. With a [skin] table all others are alike")
+      ->check(number_between(0.0, 90.0))
+      ->capture_default_str();
+  command->add_option("--every", drift->every_s, "Seconds between its readings")
+      ->check(number_between(0.02, 600.0))
+      ->capture_default_str();
+  add_seed_option(command, drift->request.seed, "Of the performers and their devices");
+  command->add_flag("--json", drift->json, "Print one JSON object");
+}
+
+struct SkinOptions {
+  study::SkinMotionRequest request;
+  std::string rig;
+};
+
+Result<void> run_skin(const SkinOptions& options) {
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, read_rig_or_default(options.rig));
+  MIEN_TRY_ASSIGN(const sensor::SkinMotion skin,
+                  study::study_skin_motion(options.request, rig, terminal_progress("skin")));
+  fmt::print("{}", sensor::write_skin(skin));
+  return {};
+}
+
+void add_skin(Commands& commands, CLI::App* study) {
+  auto skin = std::make_shared<SkinOptions>();
+  CLI::App* command =
+      commands.add_under(study, "skin", "How skin turns under a rig's sensors: the [skin] table of its file",
+                         "mien study skin --rig my_rig.toml > skin.toml", [skin] { return run_skin(*skin); });
+  command->add_option("--rig", skin->rig, "Rig file (default: rigs/default.toml)");
+  command->add_option("--performers", skin->request.performers, "Virtual performers")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--seconds", skin->request.seconds, "Length of each performance")
+      ->check(number_between(1.0, 3600.0))
+      ->capture_default_str();
+  add_seed_option(command, skin->request.seed, "Of the performers");
+}
+
+}  // namespace
+
+void add_study_command(Commands& commands) {
+  CLI::App* study =
+      commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
+  study->require_subcommand(0, 1);
+  add_drift(commands, study);
+  add_skin(commands, study);
+  add_study_live(commands, study);
+  add_study_loss(commands, study);
+  add_study_sensors(commands, study);
+  auto bound = std::make_shared<BoundOptions>();
+  CLI::App* command = commands.add_under(study, "bound", "What a rig can see at best on a face, by theory",
+                                         "mien study bound --face FaceXModel --noise 1",
+                                         [bound] { return run_bound(*bound); });
+  command->add_option("--face", bound->face, "As mien face takes it")->capture_default_str();
+  command->add_option("--rig", bound->rig, "Rig file (default: rigs/default.toml)");
+  command->add_option("--prior", bound->prior, "Standard deviation of each weight beforehand")
+      ->check(number_between(1e-3, 10.0))
+      ->capture_default_str();
+  command->add_option("--noise", bound->noise_deg, "Noise of each orientation, degrees an axis")
+      ->check(number_between(1e-3, 90.0))
+      ->capture_default_str();
+  add_seed_option(command, bound->seed, "Of the draws that turn weight errors into millimetres");
+  command->add_flag("--json", bound->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,183 @@
+#include "app/study/study_loss.h"
+#include "app/seed_option.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "app/json_output.h"
+#include "app/performance.h"
+#include "mien/core/files.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/loss_report.h"
+
+namespace mien::app {
+namespace {
+
+struct Options {
+  study::LossRequest request;
+  std::string model;
+  std::string rig;
+  std::vector<std::string> motions;
+  std::vector<std::string> faces;
+  std::string out;
+  bool json = false;
+};
+
+/// Reads the motions, and every face once.
+Result<void> load_motions(Options& options) {
+  if (options.faces.empty()) options.faces = {"builtin"};
+  if (options.faces.size() > 1 && options.faces.size() != options.motions.size())
+    return fail(ErrorCode::bad_usage,
+                fmt::format("{} faces for {} motions", options.faces.size(), options.motions.size()), "loss",
+                "give one --face for all, or one for each --motion");
+  std::vector<std::string> read;
+  for (std::size_t m = 0; m < options.motions.size(); ++m) {
+    const std::string& face = options.faces[std::min(m, options.faces.size() - 1)];
+    const auto known = std::ranges::find(read, face);
+    const auto place = static_cast<std::size_t>(known - read.begin());
+    if (known == read.end()) {
+      MIEN_TRY_ASSIGN(options.request.faces.emplace_back(), builtin_face::load_face(face));
+      read.push_back(face);
+    }
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motions[m]));
+    options.request.motions.push_back({std::move(performance.motion), place});
+  }
+  return {};
+}
+
+std::string performed_by(const Options& options) {
+  if (options.motions.empty())
+    return fmt::format("{} virtual performers of {:g} s, seed {}", options.request.performers,
+                       options.request.seconds, options.request.seed);
+  return fmt::format("{} recorded performance{}, seed {}", options.motions.size(),
+                     options.motions.size() == 1 ? "" : "s", options.request.seed);
+}
+
+void print_table(const study::LossStudy& study) {
+  fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
+             "given up", "felt MSE", "PVE mm", "felt", "rotation", "step", "truth's", "unsound", "mistold");
+  for (const study::LossRow& row : study.rows)
+    fmt::print(
+        "{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:8.5f} {:7.3f} {:5.1f} % {:7.1f}° {:6.3f} {:7.3f} {:7} {:7}\n",
+        row.condition.name(), row.mse, 100 * row.rise, 100 * row.given_up, row.mse_felt, row.pve_mm,
+        100 * row.felt, row.rotation_rms_deg, row.largest_step, row.truth_step, row.unsound, row.mistold);
+  fmt::print("\nmean pose {:.5f}\n", study.mean_pose_mse);
+  if (const study::LossRow* tenth = study.find(study::Fault::loss, 10))
+    fmt::print("10 % lost: {:+.1f} %, allowed {:+.0f} %\n", 100 * tenth->rise,
+               100 * study::kRiseAllowedAt10Percent);
+  if (const study::LossRow* worst = study.worst_sensor())
+    fmt::print("worst sensor to lose: {}, {:+.1f} %, allowed {:+.0f} %\n", worst->condition.sensor,
+               100 * worst->rise, 100 * study::kRiseAllowedWithoutASensor);
+  fmt::print("promises {}\n", study.kept() ? "kept" : "not kept");
+}
+
+nlohmann::ordered_json to_json(const study::LossRow& row) {
+  return {{"condition", row.condition.name()},
+          {"frames", row.frames},
+          {"mse", row.mse},
+          {"rise", row.rise},
+          {"given_up", row.given_up},
+          {"mse_felt", row.mse_felt},
+          {"pve_mm", row.pve_mm},
+          {"felt", row.felt},
+          {"rotation_rms_deg", row.rotation_rms_deg},
+          {"largest_step", row.largest_step},
+          {"truth_step", row.truth_step},
+          {"unsound_frames", row.unsound},
+          {"mistold_frames", row.mistold},
+          {"performance_mse", row.performance_mse}};
+}
+
+void print_study(const study::LossStudy& study, const Options& options, const sensor::Rig& rig) {
+  nlohmann::ordered_json out = {{"model", options.model}, {"rig", rig.name}, {"seed", options.request.seed}};
+  if (options.motions.empty()) {
+    out["performers"] = options.request.performers;
+    out["seconds"] = options.request.seconds;
+  } else {
+    out["motions"] = options.motions;
+    out["faces"] = options.faces;
+  }
+  const study::LossRow* tenth = study.find(study::Fault::loss, 10);
+  const study::LossRow* worst = study.worst_sensor();
+  using Json = nlohmann::ordered_json;
+  out["rise_at_10_percent"] = tenth != nullptr ? Json(tenth->rise) : Json();
+  out["rise_allowed_at_10_percent"] = study::kRiseAllowedAt10Percent;
+  out["worst_sensor"] = worst != nullptr ? Json(worst->condition.sensor) : Json();
+  out["worst_sensor_rise"] = worst != nullptr ? Json(worst->rise) : Json();
+  out["worst_sensor_rise_allowed"] = study::kRiseAllowedWithoutASensor;
+  out["unsound_frames"] = study.unsound();
+  out["mistold_frames"] = study.mistold();
+  out["kept"] = study.kept();
+  out["mean_pose_mse"] = study.mean_pose_mse;
+  out["rows"] = Json::array();
+  for (const study::LossRow& row : study.rows) out["rows"].push_back(to_json(row));
+  print_json(out);
+}
+
+Result<void> run(Options options) {
+  if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
+  if (options.rig.empty()) {
+    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
+  }
+  if (options.model.empty()) {
+    MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
+  }
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(options.model));
+  if (!options.motions.empty()) MIEN_TRY(load_motions(options));
+  MIEN_TRY_ASSIGN(
+      const study::LossStudy study,
+      study::study_loss(options.request, rig, model, study::loss_conditions(rig), terminal_progress("loss")));
+  clear_progress();
+  const std::string subtitle = fmt::format("{}, model {}", performed_by(options),
+                                           std::filesystem::path(options.model).filename().string());
+  if (!options.out.empty()) MIEN_TRY(study::loss_report(study, subtitle).write(options.out));
+  if (options.json) {
+    print_study(study, options, rig);
+    return {};
+  }
+  fmt::print("Accuracy against loss: {}\n\n", subtitle);
+  print_table(study);
+  if (!options.out.empty()) fmt::print("report: {}\n", options.out);
+  return {};
+}
+
+}  // namespace
+
+void add_study_loss(Commands& commands, CLI::App* study) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = commands.add_under(
+      study, "loss", "How accurate the live model stays with lost packets, bad networks and silent sensors",
+      "mien study loss --performers 24 --out loss.html", [options] { return run(*options); });
+  command->add_option("--model", options->model, "Live model (default: models/live.safetensors)");
+  command->add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  CLI::Option* performers =
+      command->add_option("--performers", options->request.performers, "Virtual performers")
+          ->check(CLI::Range(1, 10000))
+          ->capture_default_str();
+  CLI::Option* seconds = command
+                             ->add_option("--seconds", options->request.seconds,
+                                          "Length of each virtual performance after the prologue")
+                             ->check(number_between(1.0, 3600.0))
+                             ->capture_default_str();
+  CLI::Option* motions = command
+                             ->add_option("--motion", options->motions,
+                                          "Perform these instead: Live Link Face CSVs, or takes with truth")
+                             ->excludes(performers)
+                             ->excludes(seconds);
+  command
+      ->add_option("--face", options->faces,
+                   "Face of each --motion, or one for all, as mien face takes it (default: builtin)")
+      ->needs(motions);
+  add_seed_option(command, options->request.seed, "Of the performers, their devices and the networks");
+  command->add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
+  command->add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

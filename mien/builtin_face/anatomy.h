@@ -1,0 +1,69 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/core/rotation.h"
+#include "mien/core/smoothstep.h"
+
+/// Measures of the default built-in head. Everything inside the sculptor is in millimetres, as anatomy is
+/// written; make_builtin turns it into metres once, at its end. Frame H. Left half (x >= 0); the right is its
+/// mirror.
+namespace mien::builtin_face {
+
+inline const Vec3 kEyeCentre{32, 36, 84.5};
+inline constexpr double kEyeRadius = 12.5;
+inline constexpr double kLidRadius = 14.0;  ///< Outside of the lids, about the eyeball's centre.
+
+/// Corners of the eye, in x and y.
+inline constexpr double kInnerCanthusX = 18.0, kInnerCanthusY = 33.4;
+inline constexpr double kOuterCanthusX = 46.0, kOuterCanthusY = 35.6;
+
+inline constexpr double kMouthCornerX = 25.0, kMouthCornerY = -33.6;
+
+inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joints.
+
+[[nodiscard]] inline double gauss(double x) {
+  return std::exp(-x * x);
+}
+[[nodiscard]] inline double mix(double a, double b, double t) {
+  return a + (b - a) * t;
+}
+
+/// Where x stands between the corners of the eye: 0 inner, 1 outer.
+[[nodiscard]] inline double lid_fraction(double x) {
+  return std::clamp((x - kInnerCanthusX) / (kOuterCanthusX - kInnerCanthusX), 0.0, 1.0);
+}
+/// Height of the lids' margins at x, eyes open.
+[[nodiscard]] inline double upper_lid_y(double x) {
+  const double s = lid_fraction(x);
+  return mix(kInnerCanthusY, kOuterCanthusY, s) + 6.7 * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.75);
+}
+[[nodiscard]] inline double lower_lid_y(double x) {
+  const double s = lid_fraction(x);
+  return mix(kInnerCanthusY, kOuterCanthusY, s) - 4.0 * std::pow(std::sin(M_PI * std::pow(s, 1.2)), 0.85);
+}
+
+/// The line where the lips meet, and the borders of their red, at |x|.
+[[nodiscard]] inline double lip_line_y(double x) {
+  const double s = std::min(std::abs(x) / kMouthCornerX, 1.3);
+  return -33.2 - 0.3 * gauss(s / 0.26) + 0.8 * gauss((s - 0.42) / 0.3) - 0.3 * s * s;
+}
+[[nodiscard]] inline double upper_lip_border_y(double x) {
+  const double s = std::min(std::abs(x) / kMouthCornerX, 1.0);
+  const double height =
+      7.6 * std::pow(1 - s, 0.8) * (1 + 0.55 * s) + 0.9 * gauss((s - 0.22) / 0.16) - 0.7 * gauss(s / 0.12);
+  return lip_line_y(x) + std::max(height, 0.0);
+}
+[[nodiscard]] inline double lower_lip_border_y(double x) {
+  const double s = std::min(std::abs(x) / kMouthCornerX, 1.0);
+  return lip_line_y(x) - 9.3 * std::pow(1 - s * s, 0.72);
+}
+
+/// Height of the brow's middle at x.
+[[nodiscard]] inline double brow_y(double x) {
+  return 54.0 + 5.6 * std::sin(M_PI * std::clamp((x - 8) / 66, 0.0, 1.0)) -
+         0.0042 * std::max(0.0, x - 34) * (x - 34) * 2.6;
+}
+
+}  // namespace mien::builtin_face

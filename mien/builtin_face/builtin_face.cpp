@@ -1,0 +1,149 @@
+#include "mien/builtin_face/builtin_face.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/builtin_face/anatomy.h"
+#include "mien/builtin_face/expression.h"
+#include "mien/builtin_face/identity.h"
+#include "mien/builtin_face/landmarks.h"
+#include "mien/builtin_face/mesh.h"
+
+namespace mien::builtin_face {
+namespace {
+
+struct PieceInfo {
+  const char* name;
+  face::Material material;
+};
+constexpr PieceInfo kPieces[kPieceCount] = {
+    {"skin", face::Material::skin},       {"ears", face::Material::skin},
+    {"lips", face::Material::lips},       {"mouth", face::Material::mouth_inside},
+    {"lids", face::Material::skin},       {"sclera_L", face::Material::sclera},
+    {"iris_L", face::Material::iris},     {"pupil_L", face::Material::pupil},
+    {"sclera_R", face::Material::sclera}, {"iris_R", face::Material::iris},
+    {"pupil_R", face::Material::pupil},   {"teeth_upper", face::Material::teeth},
+    {"gums_upper", face::Material::gums}, {"teeth_lower", face::Material::teeth},
+    {"gums_lower", face::Material::gums}, {"tongue", face::Material::tongue},
+    {"lashes", face::Material::lash},     {"brows", face::Material::hair},
+    {"hair", face::Material::hair},
+};
+
+/// The default head, sculpted once.
+struct DefaultHead {
+  Sculpt sculpt;
+  std::vector<std::vector<Vec3>> displacements;  // mm, by shape and vertex
+  std::array<std::uint32_t, 68> landmarks{};
+  std::vector<face::Region> regions;
+};
+
+const DefaultHead& default_head() {
+  static const DefaultHead head = [] {
+    DefaultHead h;
+    Sculpt half;
+    add_skin(half);
+    add_ear(half);
+    add_mouth_parts(half);
+    add_hairs(half);
+    h.sculpt = mirrored(half);
+    add_eyeballs(h.sculpt);
+    h.displacements = shape_displacements(h.sculpt);
+    tune_kinematics(h.sculpt, h.displacements);
+    h.landmarks = find_landmarks(h.sculpt);
+    h.regions = find_regions(h.sculpt);
+    return h;
+  }();
+  return head;
+}
+
+}  // namespace
+
+BuiltinParameters random_identity(Random& random) {
+  BuiltinParameters p;
+  for (double* value :
+       {&p.head_width, &p.face_length, &p.jaw_width, &p.chin_size, &p.nose_length, &p.nose_width,
+        &p.nose_bridge, &p.eye_spacing, &p.eye_size, &p.mouth_width, &p.lip_fullness, &p.cheekbones,
+        &p.cheek_fullness, &p.brow_ridge, &p.brow_height, &p.forehead_height, &p.ear_size, &p.neck_width})
+    *value = std::clamp(random.normal(), -2.5, 2.5);
+  p.asymmetry = random.uniform(0.4, 1.6);
+  p.asymmetry_seed = random.bits() | 1U;
+  p.skin_tone = random.uniform(0, 1);
+  // Deep skin seldom goes with fair hair.
+  p.hair_tone = mix(0.85, 1.0, smoothstep(0.15, 0.6, p.skin_tone)) *
+                std::pow(random.uniform(), 1 - 0.9 * smoothstep(0.1, 0.7, p.skin_tone));
+  p.hair = random.chance(0.85);
+  return p;
+}
+
+face::Face make_builtin(const BuiltinParameters& parameters) {
+  const DefaultHead& head = default_head();
+  Sculpt sculpt = head.sculpt;
+  paint(sculpt, parameters.skin_tone, parameters.hair_tone);
+  face::Face face;
+  face.name = "builtin";
+  face.origin = face::Origin::builtin;
+  const std::size_t n = sculpt.vertices.size();
+  face.neutral_m.reserve(n);
+  face.colour.reserve(n);
+  const IdentityWarp warp(parameters);
+  std::vector<Vec3> neutral_mm;
+  neutral_mm.reserve(n);
+  for (const SculptVertex& v : sculpt.vertices) {
+    neutral_mm.push_back(v.tissue == Tissue::ear ? warp.ear(v.p) : warp(v.p));
+    face.neutral_m.push_back((neutral_mm.back() / 1000).cast<float>());
+    face.colour.push_back(v.colour);
+  }
+  for (std::size_t k = 0; k < kPieceCount; ++k) {
+    if (!parameters.hair && k == static_cast<std::size_t>(Piece::hair)) continue;
+    face.parts.push_back({kPieces[k].name, kPieces[k].material,
+                          static_cast<std::uint32_t>(face.triangles.size()),
+                          static_cast<std::uint32_t>(sculpt.triangles[k].size())});
+    face.triangles.insert(face.triangles.end(), sculpt.triangles[k].begin(), sculpt.triangles[k].end());
+  }
+  for (std::size_t k = 0; k <= face::kShapeCount; ++k) {
+    face::Shape shape;
+    shape.name = k < face::kShapeCount ? std::string(face::kShapeNames[k]) : "tongueOut";
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const Vec3& d = head.displacements[k][i];
+      if (d.squaredNorm() < 1e-6) continue;  // under a micrometre
+      shape.vertex.push_back(i);
+      shape.delta_m.push_back(((warp(sculpt.vertices[i].p + d) - neutral_mm[i]) / 1000).cast<float>());
+    }
+    face.shapes.push_back(std::move(shape));
+  }
+  face.landmarks = head.landmarks;
+  face.has_landmarks = true;
+  face.regions = head.regions;
+  face.eyes = sculpt.eyes;
+  for (face::Eyeball& eye : face.eyes)
+    eye.centre_m = (warp(eye.centre_m.cast<double>()) / 1000).cast<float>();
+  return face;
+}
+
+std::array<BuiltinSite, 12> builtin_sites() {
+  // Where the same muscles lie on this head, measured on it once.
+  constexpr double kMm = 1e-3;
+  const Vec3 frontalis(34.6, 71.5, 93.4), orbicularis(50.9, 23.5, 86.9), upper(43, 7, 96.5),
+      lower(34.3, -19, 96.3), buccinator(39.3, -36.3, 90.2), mentalis(0, -68.4, 108.7),
+      mastoid(60, -7.6, -16.4);
+  const auto right = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
+  return {{{"frontalis_R", right(frontalis) * kMm},
+           {"frontalis_L", frontalis * kMm},
+           {"orbicularis_R", right(orbicularis) * kMm},
+           {"orbicularis_L", orbicularis * kMm},
+           {"zygomaticus_upper_R", right(upper) * kMm},
+           {"zygomaticus_upper_L", upper * kMm},
+           {"zygomaticus_lower_R", right(lower) * kMm},
+           {"zygomaticus_lower_L", lower * kMm},
+           {"buccinator_R", right(buccinator) * kMm},
+           {"buccinator_L", buccinator * kMm},
+           {"mentalis", mentalis * kMm},
+           {"mastoid_L", mastoid * kMm}}};
+}
+
+const face::Face& default_builtin() {
+  static const face::Face face = make_builtin();
+  return face;
+}
+
+}  // namespace mien::builtin_face

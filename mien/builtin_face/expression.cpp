@@ -1,0 +1,270 @@
+#include "mien/builtin_face/expression.h"
+
+#include <cmath>
+
+#include "mien/builtin_face/anatomy.h"
+#include "mien/core/units.h"
+#include "mien/face/profile.h"
+
+namespace mien::builtin_face {
+namespace {
+
+using V = SculptVertex;
+
+/// 1 at `centre`, 0 beyond the ellipsoid of radii `r`, smooth between.
+double bell(const Vec3& p, const Vec3& centre, const Vec3& r) {
+  const double q = (p - centre).cwiseQuotient(r).squaredNorm();
+  return q < 1 ? (1 - q) * (1 - q) * (1 + 0.5 * q) : 0;
+}
+double upper(const V& v) {
+  return 0.5 + 0.5 * v.lip_side;
+}
+double lower(const V& v) {
+  return 0.5 - 0.5 * v.lip_side;
+}
+bool is_fixed(const V& v) {
+  return v.tissue == Tissue::ear || v.tissue == Tissue::eyeball || v.tissue == Tissue::hair ||
+         v.tissue == Tissue::teeth_upper || v.tissue == Tissue::gums_upper;
+}
+bool follows_jaw_rigidly(const V& v) {
+  return v.tissue == Tissue::teeth_lower || v.tissue == Tissue::gums_lower || v.tissue == Tissue::tongue;
+}
+/// Skin, and what grows on it or lines the mouth.
+bool is_soft(const V& v) {
+  return !is_fixed(v) && !follows_jaw_rigidly(v);
+}
+/// Lids keep to the eyeball: other muscles' pull fades out on them.
+double off_lids(const V& v) {
+  return 1 - smoothstep(0.15, 0.85, std::abs(v.lid));
+}
+
+/// How far a vertex goes with the lower jaw: 1 on chin and lower lip, 0 above the mouth and at the neck's
+/// foot.
+double jaw_share(const V& v) {
+  if (is_fixed(v)) return 0;
+  if (follows_jaw_rigidly(v)) return 1;
+  const Vec3& p = v.anchor;
+  if (v.tissue == Tissue::mouth) return lower(v) * smoothstep(18, 70, p.z());
+  const double share = smoothstep(0, 1, lower(v));
+  const double back = smoothstep(-5, 55, p.z() + 0.25 * (p.y() + 60));
+  const double neck = smoothstep(-150, -78, p.y() - 0.25 * (p.z() - 60));
+  return share * back * neck;
+}
+Vec3 jaw_turn(const V& v, double angle) {
+  const double share = jaw_share(v);
+  if (share == 0) return Vec3::Zero();
+  const Vec3 arm = v.p - kJawHinge;
+  return Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm - arm;
+}
+
+enum class Lips { both, upper, lower };
+
+/// Skin about `centre` goes by `d`.
+Vec3 push(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips lips = Lips::both) {
+  if (!is_soft(v)) return Vec3::Zero();
+  double w = bell(v.anchor, centre, r);
+  if (w == 0) return Vec3::Zero();
+  if (lips == Lips::upper) w *= upper(v);
+  if (lips == Lips::lower) w *= lower(v);
+  return w * off_lids(v) * d;
+}
+
+/// The same on both sides.
+Vec3 push_both(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips which = Lips::both) {
+  const auto flip = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
+  return push(v, centre, r, d, which) + push(v, flip(centre), r, flip(d), which);
+}
+
+/// Elevation of a point about the left eye's lateral axis.
+double lid_elevation(double x, double y) {
+  const double dx = x - kEyeCentre.x(), dy = y - kEyeCentre.y();
+  return std::atan2(dy, std::sqrt(std::max(4.0, kLidRadius * kLidRadius - dx * dx - dy * dy)));
+}
+
+/// Lids of the left eye turn about the eyeball: by the share `up_close` of the way from open to closed for
+/// the upper lid, `low_close` for the lower (negative opens); `sideways` turns both about the vertical, rad.
+Vec3 lids(const V& v, double up_close, double low_close, double sideways = 0) {
+  if (v.lid == 0 || v.anchor.x() < 0 || !(is_soft(v))) return Vec3::Zero();
+  const double x = std::clamp(v.anchor.x(), kInnerCanthusX, kOuterCanthusX);
+  const double open_u = lid_elevation(x, upper_lid_y(x)), open_l = lid_elevation(x, lower_lid_y(x));
+  const double meet = mix(open_l, open_u, 0.16);
+  const double share = smoothstep(0.04, 0.94, std::abs(v.lid));
+  // Away from the margin the fold of the lid unrolls less toward its corners.
+  const double s = lid_fraction(v.anchor.x());
+  const double middle = mix(smoothstep(-0.02, 0.42, s) * smoothstep(1.04, 0.7, s), 1.0,
+                            smoothstep(0.55, 0.95, std::abs(v.lid)));
+  const double angle = middle * (v.lid > 0 ? (open_u - meet) * up_close : (open_l - meet) * low_close);
+  const Vec3 arm = v.p - kEyeCentre;
+  const double side = sideways * smoothstep(0.3, 1.0, std::abs(v.lid)) *
+                      smoothstep(0, 6, std::min(x - kInnerCanthusX, kOuterCanthusX - x));
+  Vec3 turned =
+      Eigen::AngleAxisd(side, Vec3::UnitY()) * (Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm);
+  return turned - arm;
+}
+
+const Vec3 kCorner{kMouthCornerX, kMouthCornerY, 103};
+constexpr double kJawOpen = 21.5 * kRadPerDeg;
+
+Vec3 close_lips(const V& v) {
+  if (!is_soft(v)) return Vec3::Zero();
+  const Vec3 open = jaw_turn(v, kJawOpen);
+  // The lips come back all the way, the skin below less and less down to the chin.
+  double keep = smoothstep(-76, -42, v.anchor.y());
+  if (v.tissue == Tissue::lip || v.tissue == Tissue::mouth) keep = 1;
+  keep *= smoothstep(70, 30, std::abs(v.anchor.x()));
+  const Vec3 down = Vec3(0, -4.0, -1.0) * bell(v.anchor, {0, -33, 108}, {34, 30, 45});
+  return -keep * open + down;
+}
+
+/// Draws the red of one lip in between the teeth; the skin beside it follows to the line where the lips meet.
+Vec3 roll(const V& v, bool up) {
+  if (!is_soft(v)) return Vec3::Zero();
+  const Vec3& p = v.anchor;
+  const double x = std::abs(p.x());
+  const double s = std::min(1.0, x / (kMouthCornerX + 1));
+  const double side = up ? upper(v) : lower(v);
+  const double line = lip_line_y(x);
+  const double border = up ? upper_lip_border_y(x) : lower_lip_border_y(x);
+  const double from_line = std::abs(p.y() - line), red = std::abs(border - line);
+  const double across = side * (1 - s * s) * (1 - smoothstep(red + 1, red + 13, from_line));
+  if (across <= 0) return Vec3::Zero();
+  const double inward = 1 - smoothstep(0.6 * red, red + 6, from_line);
+  const double deep = smoothstep(92, 104, p.z());  // the gums' side of the lip stays
+  // Everything on the red comes to the line; beyond it the skin is drawn after it by as much as the border
+  // moves.
+  const double slide = -(up ? 1 : -1) * std::min(from_line, red) * (up ? 0.85 : 0.95);
+  return deep * across * Vec3(0, slide + (up ? -0.8 : 0.9), -(up ? 8.5 : 9.0) * inward);
+}
+
+/// Left shapes and shapes of the midline, by name without side.
+Vec3 displacement(std::string_view name, const V& v) {
+  const auto is = [&](std::string_view n) { return name == n; };
+  // Brow.
+  if (is("browDown"))
+    return push(v, {20, 57, 101}, {32, 30, 45}, {-2.8, -5.2, 0.6}) +
+           push(v, {40, 59, 90}, {26, 26, 40}, {-0.6, -2.4, 0});
+  if (is("browInnerUp")) return push(v, {13, 60, 104}, {42, 40, 50}, {0.6, 6.2, 0.2});
+  if (is("browOuterUp")) return push(v, {42, 59, 88}, {32, 36, 45}, {1.2, 8.0, -1.2});
+  // Lids.
+  if (is("eyeBlink")) return lids(v, 1, 1) + push(v, {34, 22, 92}, {24, 16, 30}, {-0.4, 0.6, 0});
+  if (is("eyeLookDown")) return lids(v, 0.62, -0.65);
+  if (is("eyeLookUp")) return lids(v, -0.29, 0.62);
+  if (is("eyeLookIn")) return lids(v, 0.03, 0.0, -0.13);
+  if (is("eyeLookOut")) return lids(v, 0.03, 0.0, 0.13);
+  if (is("eyeSquint")) return lids(v, 0.14, 1.5) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.6, 2.2, 0.8});
+  if (is("eyeWide")) return lids(v, -0.24, -0.40) + push(v, {30, 52, 96}, {24, 16, 30}, {0, 0.7, 0});
+  // Cheeks.
+  if (is("cheekPuff"))
+    return push(v, {42, -26, 88}, {36, 38, 60}, {10.5, -0.5, 9.5}) +
+           push(v, {14, -20, 110}, {22, 14, 30}, {0.5, 0, 3.0}) +
+           push(v, {14, -46, 106}, {22, 14, 30}, {0.5, 0, 2.5});
+  if (is("cheekSquint")) return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 6.0, 2.4}) + lids(v, 0.0, 0.55);
+  if (is("noseSneer"))
+    return push(v, {29, -9, 101}, {30, 38, 50}, {1.8, 10.0, 1.0}) +
+           push(v, {12, 24, 104}, {16, 22, 30}, {-0.5, 2.2, 1.0}) +
+           push(v, {14, 54, 102}, {20, 16, 30}, {-0.5, -1.5, 0});
+  // Jaw.
+  if (is("jawForward"))
+    return jaw_share(v) * Vec3(0, 0.3, 11.2) + push(v, {0, -27, 112}, {28, 13, 40}, {0, 0, 1.6}, Lips::upper);
+  if (is("jawLeft"))
+    return jaw_share(v) * Vec3(9.0, 0.5, 0.0) +
+           push(v, {0, -28, 112}, {30, 16, 40}, {2.4, 0, 0}, Lips::upper);
+  if (is("jawOpen")) return jaw_turn(v, kJawOpen);
+  if (is("mouthClose")) return close_lips(v);
+  // Mouth.
+  if (is("mouthDimple"))
+    return push(v, kCorner, {22, 20, 40}, {6.8, 1.4, -6.0}) +
+           push(v, {42, -30, 92}, {14, 18, 30}, {-0.5, 0, 1.0});
+  if (is("mouthFrown"))
+    return push(v, kCorner, {26, 26, 45}, {1.2, -6.6, -1.2}) +
+           push(v, {10, -52, 104}, {20, 16, 30}, {0, 1.5, 0.8});
+  if (is("mouthFunnel"))
+    return push(v, {0, -27, 113}, {28, 16, 40}, {0, 4.0, 9.4}, Lips::upper) +
+           push(v, {0, -40, 112}, {28, 18, 40}, {0, -5.4, 9.0}, Lips::lower) +
+           push_both(v, kCorner, {23, 25, 40}, {-9.0, 0, 5.5});
+  if (is("mouthLeft"))
+    return push(v, {2, -34, 108}, {52, 34, 60}, {17, 1.0, 0.0}) +
+           push(v, kCorner, {26, 24, 45}, {1.5, 2.5, -6.0});
+  if (is("mouthLowerDown")) return push(v, {11, -40, 110}, {24, 22, 40}, {0.6, -4.9, -0.4}, Lips::lower);
+  if (is("mouthPress"))
+    return push(v, {13, -28, 111}, {20, 9, 40}, {0.3, -1.5, -3.4}, Lips::upper) +
+           push(v, {13, -39, 110}, {20, 10, 40}, {0.3, 1.8, -3.4}, Lips::lower) +
+           push(v, kCorner, {18, 18, 40}, {1.4, -0.3, -2.0});
+  if (is("mouthPucker"))
+    return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 7.5}) +
+           push_both(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5});
+  if (is("mouthRollLower")) return roll(v, false);
+  if (is("mouthRollUpper")) return roll(v, true);
+  if (is("mouthShrugLower"))
+    return push(v, {0, -60, 106}, {32, 30, 50}, {0, 10.6, 1.5}, Lips::lower) +
+           push(v, {0, -32, 112}, {32, 18, 40}, {0, 5.4, 3.4});
+  if (is("mouthShrugUpper")) return push(v, {0, -30, 112}, {30, 21, 40}, {0, 5.7, 2.4});
+  if (is("mouthSmile"))
+    return push(v, kCorner, {35, 31, 55}, {9.6, 9.2, -4.0}) +
+           push(v, {42, -1, 90}, {28, 26, 40}, {1.0, 3.6, 3.6}) +
+           push(v, {0, -31, 112}, {22, 14, 40}, {0, 0.3, -0.9}) + lids(v, 0, 0.25);
+  if (is("mouthStretch"))
+    return push(v, kCorner, {30, 28, 50}, {9.0, -3.6, -5.0}) +
+           push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});
+  if (is("mouthUpperUp"))
+    return push(v, {12, -26, 111}, {24, 22, 40}, {1.0, 7.0, 0.6}, Lips::upper) +
+           push(v, {25, -14, 102}, {22, 24, 40}, {0.6, 4.4, 0.4}) +
+           push(v, {37, -5, 94}, {22, 20, 36}, {0.8, 3.6, 3.4});
+  return Vec3::Zero();
+}
+
+Vec3 tongue_out(const V& v) {
+  // The jaw drops a little, the lips part, the tongue comes out over the lower lip.
+  Vec3 d = jaw_turn(v, 7.5 * kRadPerDeg);
+  if (v.tissue == Tissue::tongue) {
+    // Up over the teeth, out over the lip, the tip hanging a little.
+    const double s = std::clamp((v.p.z() - 44) / 48, 0.0, 1.0);
+    d += Vec3(0, 10.5 * smoothstep(0.2, 0.65, s) - 8.0 * smoothstep(0.8, 1.0, s), 37 * s * (0.4 + 0.6 * s));
+    d.x() -= 0.12 * v.p.x() * s;
+  }
+  d += push(v, {0, -27, 113}, {24, 12, 40}, {0, 1.4, 0.6}, Lips::upper) +
+       push(v, {0, -40, 112}, {26, 16, 40}, {0, -3.2, 0.4}, Lips::lower);
+  return d;
+}
+
+/// Lids never sink into the eyeball when a shape is full on.
+void keep_off_eyeballs(const Sculpt& whole, std::vector<Vec3>& d) {
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    const V& v = whole.vertices[i];
+    if (v.tissue != Tissue::skin || std::abs(v.lid) < 0.05 || d[i].squaredNorm() == 0) continue;
+    const Vec3 centre(v.p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
+    const Vec3 arm = v.p + d[i] - centre;
+    const double least = kLidRadius - 0.25;
+    if (arm.norm() < least) d[i] += arm.normalized() * (least - arm.norm());
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole) {
+  const std::size_t n = whole.vertices.size();
+  std::vector<std::vector<Vec3>> all(face::kShapeCount + 1, std::vector<Vec3>(n, Vec3::Zero()));
+  const auto mirror_into = [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3& d = all[from][i];
+      all[to][whole.mirror[i]] = {-d.x(), d.y(), d.z()};
+    }
+  };
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    std::string_view name = face::kShapeNames[k];
+    if (name.ends_with("_R") || name == "jawRight" || name == "mouthRight") continue;
+    if (name.ends_with("_L")) name.remove_suffix(2);
+    for (std::size_t i = 0; i < n; ++i) all[k][i] = displacement(name, whole.vertices[i]);
+    keep_off_eyeballs(whole, all[k]);
+  }
+  for (std::size_t i = 0; i < n; ++i) all[face::kShapeCount][i] = tongue_out(whole.vertices[i]);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    const std::string_view name = face::kShapeNames[k];
+    if (name.ends_with("_R")) mirror_into(k - 1, k);
+  }
+  mirror_into(face::shape("jawLeft"), face::shape("jawRight"));
+  mirror_into(face::shape("mouthLeft"), face::shape("mouthRight"));
+  return all;
+}
+
+}  // namespace mien::builtin_face

@@ -1,0 +1,73 @@
+#include <cmath>
+
+#include "mien/builtin_face/anatomy.h"
+#include "mien/builtin_face/mesh.h"
+
+namespace mien::builtin_face {
+
+void add_eyeballs(Sculpt& whole) {
+  constexpr int kAround = 20;
+  constexpr double kPupil = 0.17, kIris = 0.50;  // polar angles, rad
+  struct Circle {
+    double angle;
+    int band;  // 0 pupil, 1 iris, 2 sclera
+  };
+  std::vector<Circle> circles = {{kPupil, 0}, {kPupil, 1}, {0.27, 1}, {0.42, 1},
+                                 {kIris, 1},  {kIris, 2},  {0.56, 2}};
+  for (int i = 1; i <= 8; ++i) circles.push_back({mix(0.56, M_PI - 0.15, i / 8.0), 2});
+  for (int e = 0; e < 2; ++e) {
+    const double sign = e == 0 ? 1 : -1;
+    const Vec3 centre(sign * kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
+    face::Eyeball& eye = whole.eyes[static_cast<std::size_t>(e)];
+    eye.first_vertex = static_cast<std::uint32_t>(whole.vertices.size());
+    eye.centre_m = centre.cast<float>();
+    const auto place = [&](double angle, double phi) {
+      const double bulge = 0.55 * (1 - smoothstep(0.2, 0.62, angle));
+      return Vec3(centre + (kEyeRadius + bulge) * Vec3(std::sin(angle) * std::cos(phi),
+                                                       std::sin(angle) * std::sin(phi), std::cos(angle)));
+    };
+    const auto add = [&](const Vec3& p, int band, double angle) {
+      SculptVertex v = vertex(p, Tissue::eyeball);
+      // The band and the place in it, for paint.
+      v.lid = band + std::clamp((angle - kPupil) / (kIris - kPupil), 0.0, 0.99);
+      return whole.add(v);
+    };
+    const std::array<Piece, 3> pieces = e == 0 ? std::array{Piece::pupil_l, Piece::iris_l, Piece::sclera_l}
+                                               : std::array{Piece::pupil_r, Piece::iris_r, Piece::sclera_r};
+    const std::uint32_t front = add(place(0, 0), 0, 0);
+    Ring ring;
+    int band = 0;
+    for (const Circle& circle : circles) {
+      Ring next;
+      for (int i = 0; i < kAround; ++i)
+        next.push_back(add(place(circle.angle, 2 * M_PI * i / kAround), circle.band, circle.angle));
+      for (int i = 0; i < kAround; ++i) {
+        const int j = (i + 1) % kAround;
+        if (ring.empty())
+          whole.triangle(pieces[0], front, next[i], next[j]);
+        else if (band == circle.band)
+          whole.quad(pieces[static_cast<std::size_t>(band)], next[i], next[j], ring[j], ring[i]);
+      }
+      ring = std::move(next);
+      band = circle.band;
+    }
+    const std::uint32_t back = add(centre - Vec3(0, 0, kEyeRadius), 2, M_PI);
+    for (int i = 0; i < kAround; ++i) whole.triangle(pieces[2], ring[i], back, ring[(i + 1) % kAround]);
+    eye.vertex_count = static_cast<std::uint32_t>(whole.vertices.size()) - eye.first_vertex;
+  }
+  // One eye's mirror image is the other; the circles run the other way round.
+  const std::uint32_t first_l = whole.eyes[0].first_vertex, first_r = whole.eyes[1].first_vertex;
+  const std::uint32_t count = whole.eyes[0].vertex_count;
+  whole.mirror.resize(whole.vertices.size());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t partner = i;
+    if (i > 0 && i + 1 < count) {
+      const std::uint32_t circle = (i - 1) / kAround, k = (i - 1) % kAround;
+      partner = 1 + circle * kAround + (kAround / 2 + kAround - k) % kAround;
+    }
+    whole.mirror[first_l + i] = first_r + partner;
+    whole.mirror[first_r + i] = first_l + partner;
+  }
+}
+
+}  // namespace mien::builtin_face

@@ -1,0 +1,135 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mien/core/rotation.h"
+#include "mien/face/face.h"
+
+namespace mien::builtin_face {
+
+/// What a vertex belongs to: decides how it follows the face and how it is painted.
+enum class Tissue : std::uint8_t {
+  skin,        ///< Outer skin, lids' outside included.
+  lip,         ///< The red of the lips.
+  mouth,       ///< Inside of lips and cheeks.
+  lid_inside,  ///< Margin and inside of a lid.
+  ear,
+  eyeball,
+  teeth_upper,
+  teeth_lower,
+  gums_upper,
+  gums_lower,
+  tongue,
+  lash,
+  brow,
+  hair,
+};
+
+struct SculptVertex {
+  Vec3 p = Vec3::Zero();       ///< mm, frame H.
+  Vec3 anchor = Vec3::Zero();  ///< Where on the skin it grows (hair, lashes); else p.
+  Tissue tissue = Tissue::skin;
+  double lip_side = 0;  ///< 1 goes with the upper lip, -1 with the lower.
+  double lid = 0;       ///< 1 at the upper lid's margin to 0 at the socket's rim; negative on the lower lid.
+  Vec3f colour = Vec3f::Ones();
+};
+
+/// Groups of triangles, in the order in which Face::parts has them.
+enum class Piece : std::uint8_t {
+  skin,
+  ears,
+  lips,
+  mouth,
+  lids,
+  sclera_l,
+  iris_l,
+  pupil_l,
+  sclera_r,
+  iris_r,
+  pupil_r,
+  teeth_upper,
+  gums_upper,
+  teeth_lower,
+  gums_lower,
+  tongue,
+  lashes,
+  brows,
+  hair,
+  count
+};
+inline constexpr std::size_t kPieceCount = static_cast<std::size_t>(Piece::count);
+
+/// A head while it is being made.
+struct Sculpt {
+  std::vector<SculptVertex> vertices;
+  std::vector<std::uint32_t> mirror;  ///< The vertex at (-x, y, z); itself on the midline.
+  std::array<std::vector<std::array<std::uint32_t, 3>>, kPieceCount> triangles;
+  std::array<face::Eyeball, 2> eyes;  ///< Left, right; centres in mm.
+
+  std::uint32_t add(const SculptVertex& v) {
+    vertices.push_back(v);
+    return static_cast<std::uint32_t>(vertices.size() - 1);
+  }
+  void triangle(Piece piece, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    if (a != b && b != c && c != a) triangles[static_cast<std::size_t>(piece)].push_back({a, b, c});
+  }
+  /// Corners counter-clockwise from outside; split along the shorter diagonal.
+  void quad(Piece piece, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    const bool ac =
+        (vertices[a].p - vertices[c].p).squaredNorm() <= (vertices[b].p - vertices[d].p).squaredNorm();
+    if (ac) {
+      triangle(piece, a, b, c);
+      triangle(piece, a, c, d);
+    } else {
+      triangle(piece, b, c, d);
+      triangle(piece, b, d, a);
+    }
+  }
+};
+
+using Ring = std::vector<std::uint32_t>;
+
+/// A vertex that grows where it stands.
+[[nodiscard]] inline SculptVertex vertex(const Vec3& p, Tissue tissue, double lip_side = 0) {
+  SculptVertex v;
+  v.p = v.anchor = p;
+  v.tissue = tissue;
+  v.lip_side = lip_side;
+  return v;
+}
+
+/// Sews two rings of equal size; seen from outside, `a` to `b` goes up while the index goes right. `closed`
+/// joins last to first.
+inline void sew(Sculpt& half, Piece piece, const Ring& a, const Ring& b, bool closed) {
+  for (std::size_t i = 0; i + (closed ? 0 : 1) < a.size(); ++i) {
+    const std::size_t j = (i + 1) % a.size();
+    half.quad(piece, a[i], a[j], b[j], b[i]);
+  }
+}
+
+/// The left half of the outer skin with lids and mouth: a grid of columns and rows, and rings of edges about
+/// eye and mouth.
+void add_skin(Sculpt& half);
+
+/// An outer ear on its own plane, turned out from the head: rim, ridge, bowl, tragus and lobe as relief on a
+/// disc.
+void add_ear(Sculpt& half);
+
+/// Teeth, gums and tongue.
+void add_mouth_parts(Sculpt& half);
+
+/// Lashes, brow, and a cap of short hair.
+void add_hairs(Sculpt& half);
+
+/// Both halves from the left one; vertices on the midline are shared. Eyeballs come last and whole.
+[[nodiscard]] Sculpt mirrored(const Sculpt& half);
+
+/// Two eyeballs at their places, each a contiguous run of vertices.
+void add_eyeballs(Sculpt& whole);
+
+/// Colours by place and tissue, skin tone and hair tone as in BuiltinParameters.
+void paint(Sculpt& whole, double skin_tone, double hair_tone);
+
+}  // namespace mien::builtin_face

@@ -1,0 +1,160 @@
+#include "mien/builtin_face/surface.h"
+
+#include <cmath>
+
+#include "mien/builtin_face/anatomy.h"
+
+namespace mien::builtin_face {
+namespace {
+
+double ellipsoid(const Vec3& p, const Vec3& centre, const Vec3& radii) {
+  const Vec3 q = p - centre;
+  const double k0 = q.cwiseQuotient(radii).norm();
+  const double k1 = q.cwiseQuotient(radii.cwiseProduct(radii)).norm();
+  return k1 > 0 ? k0 * (k0 - 1) / k1 : -radii.minCoeff();
+}
+
+/// A capsule whose radius goes evenly from ra to rb.
+double capsule(const Vec3& p, const Vec3& a, double ra, const Vec3& b, double rb) {
+  const Vec3 ab = b - a;
+  const double t = std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0);
+  return (p - a - t * ab).norm() - mix(ra, rb, t);
+}
+
+/// Union with a fillet of about k.
+double join(double a, double b, double k) {
+  const double h = std::max(k - std::abs(a - b), 0.0) / k;
+  return std::min(a, b) - h * h * k * 0.25;
+}
+double carve(double a, double b, double k) {
+  return -join(-a, b, k);
+}
+
+constexpr double kAxisZ = 10, kNeckAxisZ = -20;
+
+/// Forms finer than bones: how far (mm) the skin stands out from head_distance's surface at a place of the
+/// face.
+double relief(const Vec3& p) {
+  const double x = std::abs(p.x());
+  const double y = p.y();
+  if (p.z() < 40) return 0;
+  double h = 0;
+  // Lips: two cushions with a furrow where they meet.
+  const double line = lip_line_y(x);
+  const double s = std::min(x / kMouthCornerX, 1.0);
+  const double body = std::pow(1 - s * s, 0.6);
+  if (y > line) {
+    const double top = upper_lip_border_y(x) - line + 0.4;
+    const double u = (y - line) / top;
+    if (u < 1) h += body * 2.7 * std::pow(std::sin(M_PI * std::pow(u, 0.75)), 0.8);
+    h += body * 0.9 * gauss((y - line - top) / 3.5);
+  } else {
+    const double bottom = line - lower_lip_border_y(x) + 0.4;
+    const double u = (line - y) / bottom;
+    if (u < 1) h += body * 4.0 * std::pow(std::sin(M_PI * std::pow(u, 0.8)), 0.8);
+  }
+  h -= (1.0 * body + 1.3 * smoothstep(0.55, 1.0, s)) * gauss((y - line) / (1.6 + 1.5 * s)) *
+       smoothstep(33, 26, x);
+  // Philtrum between its two ridges.
+  const double philtrum = smoothstep(-28, -23, y) * smoothstep(-10, -15, y);
+  h += philtrum * (0.7 * gauss((x - 5.0) / 2.4) - 1.0 * gauss(x / 2.6));
+  // Furrow between lip and chin, and the fold from nose to mouth corner.
+  h -= 2.6 * gauss((y + 50 - 0.006 * x * x) / 5.0) * gauss(x / 19);
+  const double along = std::clamp((-6 - y) / 28, 0.0, 1.0);
+  const double fold_x = mix(18.5, 33.5, along);
+  h -= 1.0 * gauss((x - fold_x) / 4.2) * smoothstep(-4, -12, y) * smoothstep(-42, -30, y);
+  return h;
+}
+
+}  // namespace
+
+double head_distance(const Vec3& p) {
+  // Paired parts are written once, on the left; the rounded corner keeps them smooth across the midline.
+  const Vec3 q(std::sqrt(p.x() * p.x() + 25) - 1.5, p.y(), p.z());
+  // Braincase and forehead.
+  double d = ellipsoid(p, {0, 58, 0}, {75, 86, 93});
+  d = join(d, ellipsoid(p, {0, 66, 40}, {62, 50, 62}), 14);
+  // Middle face, cheekbones, flesh of the cheeks, upper jaw.
+  d = join(d, ellipsoid(p, {0, 8, 36}, {65, 64, 66}), 22);
+  d = join(d, capsule(q, {37, 9, 83}, 11, {56, 17, 52}, 11), 22);
+  d = join(d, ellipsoid(q, {36, -22, 66}, {21, 30, 27}), 18);
+  d = join(d, ellipsoid(p, {0, -26, 72}, {30, 34, 36}), 18);
+  // Lower jaw and chin.
+  d = join(d, capsule(q, {48, 6, 18}, 14, {41, -36, 26}, 13), 30);
+  const Vec3 other(-p.x(), p.y(), p.z());
+  const double mandible = join(capsule(p, {41, -37, 28}, 13, {9, -66, 86}, 11.5),
+                               capsule(other, {41, -37, 28}, 13, {9, -66, 86}, 11.5), 12);
+  d = join(d, mandible, 28);
+  d = join(d, ellipsoid(p, {0, -66, 93}, {18, 14.5, 14.5}), 16);
+  d = join(d, ellipsoid(p, {0, -58, 56}, {34, 22, 36}), 18);
+  // Neck, widening to the shoulders.
+  double neck = capsule(p, {0, -10, -22}, 51, {0, -240, -30}, 54);
+  neck = join(neck, capsule(q, {24, -150, -42}, 40, {84, -240, -46}, 38), 40);
+  neck = join(neck, capsule(q, {50, -20, -14}, 7, {12, -190, 20}, 8), 28);
+  d = join(d, neck, 14);
+  // Brow, eye socket, and the lids' bulge in it.
+  double brow = capsule(q, {11, 50, 96}, 9, {40, 55, 86}, 9.5);
+  brow = join(brow, capsule(q, {40, 55, 86}, 9.5, {55, 44, 66}, 7), 6);
+  d = join(d, brow, 16);
+  d = carve(d, ellipsoid(q, {31, 35, 106}, {20, 12, 17}), 10);
+  d = join(d, (q - kEyeCentre).norm() - kLidRadius, 3.5);
+  d = join(d, ellipsoid(q, {33, 29, 84}, {16, 11, 11}), 8);
+  // Nose.
+  double nose = capsule(p, {0, 40, 98}, 7.2, {0, 8, 116}, 7.6);
+  nose = join(nose, ellipsoid(p, {0, 3.5, 117}, {9.6, 9.0, 12.5}), 8);
+  nose = join(nose, ellipsoid(p, {0, 14, 100}, {12.5, 26, 12}), 10);
+  nose = join(nose, ellipsoid(q, {12.2, -2.0, 107.5}, {6.2, 7.4, 9.5}), 4);
+  nose = join(nose, capsule(p, {0, -2, 118}, 5, {0, -11, 108}, 3.6), 5);
+  nose = carve(nose, ellipsoid(q, {7.6, -11.0, 114.5}, {3.9, 8.5, 7.5}), 2.0);
+  return join(d, nose, 7);
+}
+
+Vec3 head_point(double azimuth_rad, double row) {
+  double elevation = 0, origin_y = row, origin_z = kAxisZ;
+  if (row > kCrownRow) {
+    elevation = (row - kCrownRow) / 85;
+    origin_y = kCrownRow;
+  } else if (row < kChinRow) {
+    constexpr double kSteepest = -50 * M_PI / 180;
+    origin_y = kChinRow;
+    if (row > kThroatRow) {
+      elevation = kSteepest * (row - kChinRow) / (kThroatRow - kChinRow);
+    } else {
+      const double s = (row - kThroatRow) / (kNeckRow - kThroatRow);
+      elevation = kSteepest * (1 - s);
+      origin_y = mix(kChinRow, -195, s);
+      origin_z = mix(kAxisZ, kNeckAxisZ, std::sqrt(s));
+    }
+  }
+  const Vec3 direction(std::sin(azimuth_rad) * std::cos(elevation), std::sin(elevation),
+                       std::cos(azimuth_rad) * std::cos(elevation));
+  const Vec3 origin(0, origin_y, origin_z);
+  double r = 175;
+  double outside = r;
+  for (int i = 0; i < 200; ++i) {
+    const double d = head_distance(origin + r * direction);
+    if (d < 0.01) break;
+    outside = r;
+    r -= std::max(0.75 * d, 0.02);
+    if (r <= 0) return origin;
+  }
+  double inside = r;
+  for (int i = 0; i < 12; ++i) {
+    const double middle = 0.5 * (inside + outside);
+    (head_distance(origin + middle * direction) < 0 ? inside : outside) = middle;
+  }
+  const Vec3 hit = origin + 0.5 * (inside + outside) * direction;
+  return row > kCrownRow || row < kChinRow - 15 ? hit : Vec3(hit + relief(hit) * direction);
+}
+
+Vec3 head_point_at(double x, double y) {
+  double z = 100;
+  Vec3 p;
+  for (int i = 0; i < 8; ++i) {
+    p = head_point(std::atan2(x, z - kAxisZ), y);
+    z = mix(z, p.z(), i < 3 ? 1.0 : 0.6);
+  }
+  return p;
+}
+
+}  // namespace mien::builtin_face

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "mien/core/rotation.h"
+
+namespace mien::builtin_face {
+
+/// The signed distance (mm, about) to the smooth union of skull, flesh and neck; negative inside.
+[[nodiscard]] double head_distance(const Vec3& p);
+
+/// Where a ray of the sculptor's family leaves the head. The rays start on the head's axis: level ones over
+/// the face, fanned over the crown and under the chin, level again on the neck. `azimuth_rad` 0 is forward,
+/// positive to the left; `row` is the height (mm) over the face, an arc above kCrownRow and below kChinRow,
+/// and ends at kNeckRow.
+[[nodiscard]] Vec3 head_point(double azimuth_rad, double row);
+
+inline constexpr double kCrownRow = 60, kTopRow = kCrownRow + 85 * 1.5707963267948966;
+inline constexpr double kChinRow = -60, kThroatRow = -108, kNeckRow = -220;
+
+/// The same for a wanted x and y of the face (kChinRow <= y <= kCrownRow).
+[[nodiscard]] Vec3 head_point_at(double x, double y);
+
+}  // namespace mien::builtin_face

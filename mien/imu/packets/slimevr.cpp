@@ -1,0 +1,527 @@
+#include "mien/imu/packets/slimevr.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+namespace mien::imu::slimevr {
+namespace {
+
+// The numbers of the messages on the wire, tracker to server.
+constexpr std::uint32_t kHeartbeat = 0;
+constexpr std::uint32_t kRotationOf0 = 1;
+constexpr std::uint32_t kHandshake = 3;
+constexpr std::uint32_t kAcceleration = 4;
+constexpr std::uint32_t kPong = 10;
+constexpr std::uint32_t kBattery = 12;
+constexpr std::uint32_t kTap = 13;
+constexpr std::uint32_t kError = 14;
+constexpr std::uint32_t kSensorInfo = 15;
+constexpr std::uint32_t kRotationOf1 = 16;
+constexpr std::uint32_t kRotation = 17;
+constexpr std::uint32_t kMagnetometerAccuracy = 18;
+constexpr std::uint32_t kSignalStrength = 19;
+constexpr std::uint32_t kTemperature = 20;
+constexpr std::uint32_t kUserAction = 21;
+constexpr std::uint32_t kFeatureFlags = 22;
+constexpr std::uint32_t kRotationAndAcceleration = 23;
+constexpr std::uint32_t kConfigAck = 24;
+constexpr std::uint32_t kBundle = 100;
+constexpr std::uint32_t kCompactBundle = 101;
+// Server to tracker.
+constexpr std::uint32_t kServerHeartbeat = 1;
+constexpr std::uint32_t kPing = 10;
+
+constexpr std::size_t kSlimeVrHeaderBytes = 12;
+constexpr std::size_t kGreetingBytes = 64;
+constexpr std::size_t kAckBytes = 6;
+constexpr std::string_view kGreeting = "Hey OVR =D 5";
+constexpr std::size_t kMacBytes = 6;
+constexpr double kSlimeVrUnitTolerance = 0.01;
+constexpr float kMaxAcceleration = 1000.0F;    // m/s^2, as of our own packets.
+constexpr float kRotationStep = 1.0F / 32768;  // Of RotationAndAcceleration.
+constexpr float kAccelerationStep = 1.0F / 128;
+
+const char* const kSlimeVrPacket = "SlimeVR packet";
+
+Result<float> finite(float value) {
+  if (!std::isfinite(value))
+    return fail(ErrorCode::out_of_range, "a number that is not finite", kSlimeVrPacket);
+  return value;
+}
+
+Result<std::array<float, 4>> unit(const std::array<float, 4>& xyzw) {
+  double norm2 = 0;
+  for (const float v : xyzw) {
+    MIEN_TRY(finite(v));
+    norm2 += static_cast<double>(v) * static_cast<double>(v);
+  }
+  if (!(std::abs(std::sqrt(norm2) - 1.0) <= kSlimeVrUnitTolerance))
+    return fail(ErrorCode::malformed, "an orientation that is no unit quaternion", kSlimeVrPacket);
+  return xyzw;
+}
+
+Result<std::array<float, 3>> bounded(const std::array<float, 3>& m_s2) {
+  for (const float v : m_s2)
+    if (!(std::abs(v) <= kMaxAcceleration))
+      return fail(ErrorCode::out_of_range, "an acceleration out of range", kSlimeVrPacket);
+  return m_s2;
+}
+
+template <std::size_t N>
+std::array<float, N> floats(ByteReader& reader) {
+  std::array<float, N> values;
+  for (float& v : values) v = reader.big<float>();
+  return values;
+}
+
+template <std::size_t N>
+std::array<float, N> steps(ByteReader& reader, float step) {
+  std::array<float, N> values;
+  for (float& v : values) v = static_cast<float>(reader.big<std::int16_t>()) * step;
+  return values;
+}
+
+/// Truncation is for the caller to see: what is missing reads as zeros, which are no unit quaternion.
+Result<TrackerMessage> read_rotation(Rotation rotation, ByteReader& reader) {
+  const auto xyzw = floats<4>(reader);
+  if (!reader.ok()) return fail(ErrorCode::truncated, "a rotation is cut short", kSlimeVrPacket);
+  MIEN_TRY_ASSIGN(rotation.xyzw, unit(xyzw));
+  return rotation;
+}
+
+/// The next field, or its zero when an older firmware has left it away.
+template <class T>
+T optional_big(ByteReader& reader) {
+  return reader.left() >= sizeof(T) ? reader.big<T>() : T{};
+}
+
+Handshake read_handshake(ByteReader& reader) {
+  Handshake handshake;
+  handshake.board = optional_big<std::uint32_t>(reader);
+  handshake.imu = optional_big<std::uint32_t>(reader);
+  handshake.mcu = optional_big<std::uint32_t>(reader);
+  for (int i = 0; i < 3; ++i) optional_big<std::uint32_t>(reader);
+  handshake.protocol = optional_big<std::uint32_t>(reader);
+  const std::size_t length = std::min<std::size_t>(optional_big<std::uint8_t>(reader), reader.left());
+  for (const std::byte b : reader.take(length)) {
+    const auto c = static_cast<char>(std::to_integer<unsigned char>(b));
+    if (c == '\0') break;  // Old firmware counts its end mark.
+    handshake.firmware += c >= ' ' && c <= '~' ? c : '?';
+  }
+  if (reader.left() >= kMacBytes)
+    for (const std::byte octet : reader.take(kMacBytes))
+      handshake.mac = handshake.mac << 8U | std::to_integer<std::uint64_t>(octet);
+  handshake.tracker_type = optional_big<std::uint8_t>(reader);
+  return handshake;
+}
+
+SensorInfo read_sensor_info(ByteReader& reader) {
+  SensorInfo info;
+  info.sensor = reader.big<std::uint8_t>();
+  info.state = reader.big<std::uint8_t>();
+  info.imu = optional_big<std::uint8_t>(reader);
+  info.config = optional_big<std::uint16_t>(reader);
+  info.calibrated = optional_big<std::uint8_t>(reader);
+  info.position = optional_big<std::uint8_t>(reader);
+  info.data_type = optional_big<std::uint8_t>(reader);
+  return info;
+}
+
+FeatureFlags read_flags(ByteReader& reader) {
+  FeatureFlags flags;
+  for (unsigned i = 0; i < 4; ++i)
+    flags.bits |= static_cast<std::uint32_t>(optional_big<std::uint8_t>(reader)) << (8 * i);
+  return flags;
+}
+
+/// A message whose fields the caller will find cut short, if they are.
+Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
+  switch (type) {
+    case kHeartbeat:
+      return Heartbeat{};
+    case kHandshake:
+      return read_handshake(reader);
+    case kAcceleration: {
+      Acceleration a;
+      MIEN_TRY_ASSIGN(a.m_s2, bounded(floats<3>(reader)));
+      a.sensor = optional_big<std::uint8_t>(reader);  // Phones leave it away.
+      return a;
+    }
+    case kPong:
+      return Pong{reader.big<std::uint32_t>()};
+    case kBattery: {
+      Battery b;
+      MIEN_TRY_ASSIGN(b.volts, finite(reader.big<float>()));
+      if (reader.left() == 0) {  // Old firmware tells the level alone.
+        b.level = std::exchange(b.volts, 0.0F);
+      } else {
+        MIEN_TRY_ASSIGN(b.level, finite(reader.big<float>()));
+      }
+      return b;
+    }
+    case kTap: {
+      Tap t{.sensor = reader.big<std::uint8_t>()};
+      t.value = reader.big<std::uint8_t>();
+      return t;
+    }
+    case kError: {
+      SensorError e{.sensor = reader.big<std::uint8_t>()};
+      e.code = reader.big<std::uint8_t>();
+      return e;
+    }
+    case kSensorInfo:
+      return read_sensor_info(reader);
+    case kRotationOf0:
+      return read_rotation({.sensor = 0}, reader);
+    case kRotationOf1:
+      return read_rotation({.sensor = 1}, reader);
+    case kRotation: {
+      Rotation r{.sensor = reader.big<std::uint8_t>()};
+      r.data_type = reader.big<std::uint8_t>();
+      MIEN_TRY_ASSIGN(TrackerMessage message, read_rotation(r, reader));
+      std::get<Rotation>(message).accuracy = optional_big<std::uint8_t>(reader);
+      return message;
+    }
+    case kMagnetometerAccuracy: {
+      MagnetometerAccuracy m{.sensor = reader.big<std::uint8_t>()};
+      MIEN_TRY_ASSIGN(m.accuracy, finite(reader.big<float>()));
+      return m;
+    }
+    case kSignalStrength: {
+      SignalStrength s{.sensor = reader.big<std::uint8_t>()};
+      s.dbm = reader.big<std::int8_t>();
+      return s;
+    }
+    case kTemperature: {
+      Temperature t{.sensor = reader.big<std::uint8_t>()};
+      MIEN_TRY_ASSIGN(t.celsius, finite(reader.big<float>()));
+      return t;
+    }
+    case kUserAction:
+      return UserAction{reader.big<std::uint8_t>()};
+    case kFeatureFlags:
+      return read_flags(reader);
+    case kRotationAndAcceleration: {
+      RotationAndAcceleration r{.sensor = reader.big<std::uint8_t>()};
+      const auto xyzw = steps<4>(reader, kRotationStep);
+      r.m_s2 = steps<3>(reader, kAccelerationStep);
+      if (!reader.ok()) return fail(ErrorCode::truncated, "a rotation is cut short", kSlimeVrPacket);
+      MIEN_TRY_ASSIGN(r.xyzw, unit(xyzw));
+      return r;
+    }
+    case kConfigAck: {
+      ConfigAck a{.sensor = reader.big<std::uint8_t>()};
+      a.what = reader.big<std::uint16_t>();
+      return a;
+    }
+    default:
+      return Unknown{type};
+  }
+}
+
+Result<TrackerMessage> read_message(std::uint32_t type, std::span<const std::byte> payload) {
+  ByteReader reader(payload);
+  MIEN_TRY_ASSIGN(TrackerMessage message, read_fields(type, reader));
+  if (!reader.ok())
+    return fail(ErrorCode::truncated, fmt::format("type {} is cut short", type), kSlimeVrPacket);
+  return message;
+}
+
+/// Messages with their lengths before them; their numbers are left away.
+template <class Length, class Type>
+Result<void> read_bundle(std::span<const std::byte> payload, std::vector<TrackerMessage>& out) {
+  ByteReader reader(payload);
+  while (reader.left() > 0) {
+    const auto length = static_cast<std::size_t>(reader.big<Length>());
+    const auto inner = reader.take(length);
+    if (!reader.ok()) return fail(ErrorCode::truncated, "a bundle is cut short", kSlimeVrPacket);
+    if (length < sizeof(Type))
+      return fail(ErrorCode::malformed, "a bundle with an empty message", kSlimeVrPacket);
+    const auto type = static_cast<std::uint32_t>(ByteReader(inner).big<Type>());
+    if (type == kBundle || type == kCompactBundle)
+      return fail(ErrorCode::malformed, "a bundle inside a bundle", kSlimeVrPacket);
+    MIEN_TRY_ASSIGN(TrackerMessage message, read_message(type, inner.subspan(sizeof(Type))));
+    out.push_back(std::move(message));
+  }
+  return {};
+}
+
+/// The bytes that a message of this type has at least, after the header.
+std::size_t least_payload(std::uint32_t type) {
+  switch (type) {
+    case kRotationOf0:
+    case kRotationOf1:
+      return 16;
+    case kAcceleration:
+      return 12;
+    case kPong:
+    case kBattery:
+      return 4;
+    case kTap:
+    case kError:
+    case kSensorInfo:
+    case kSignalStrength:
+      return 2;
+    case kRotation:
+      return 18;
+    case kMagnetometerAccuracy:
+    case kTemperature:
+      return 5;
+    case kUserAction:
+      return 1;
+    case kRotationAndAcceleration:
+      return 15;
+    case kConfigAck:
+      return 3;
+    default:
+      return 0;
+  }
+}
+
+void put(std::span<const float> values, ByteWriter& out) {
+  for (const float v : values) out.big(v);
+}
+
+void put_steps(std::span<const float> values, float step, ByteWriter& out) {
+  for (const float v : values)
+    out.big(static_cast<std::int16_t>(std::clamp(std::round(v / step), -32768.0F, 32767.0F)));
+}
+
+void put_text(std::string_view text, ByteWriter& out) {
+  out.big(static_cast<std::uint8_t>(text.size()));
+  out.append(text);
+}
+
+// A message's number on the wire, and its fields.
+
+struct Fields {
+  ByteWriter& out;
+
+  void operator()(const Unknown&) const {}
+  void operator()(const Heartbeat&) const {}
+  void operator()(const Handshake& m) const {
+    out.big(m.board);
+    out.big(m.imu);
+    out.big(m.mcu);
+    for (int i = 0; i < 3; ++i) out.big(std::uint32_t{0});
+    out.big(m.protocol);
+    put_text(m.firmware, out);
+    for (unsigned octet = kMacBytes; octet-- > 0;) out.big(static_cast<std::uint8_t>(m.mac >> (8 * octet)));
+    out.big(m.tracker_type);
+    for (int i = 0; i < 5; ++i)
+      put_text("", out);  // Vendor, its address, product, updates' address and name.
+  }
+  void operator()(const Acceleration& m) const {
+    put(m.m_s2, out);
+    out.big(m.sensor);
+  }
+  void operator()(const Pong& m) const { out.big(m.id); }
+  void operator()(const Battery& m) const {
+    out.big(m.volts);
+    out.big(m.level);
+  }
+  void operator()(const Tap& m) const {
+    out.big(m.sensor);
+    out.big(m.value);
+  }
+  void operator()(const SensorError& m) const {
+    out.big(m.sensor);
+    out.big(m.code);
+  }
+  void operator()(const SensorInfo& m) const {
+    out.big(m.sensor);
+    out.big(m.state);
+    out.big(m.imu);
+    out.big(m.config);
+    out.big(m.calibrated);
+    out.big(m.position);
+    out.big(m.data_type);
+  }
+  void operator()(const Rotation& m) const {
+    out.big(m.sensor);
+    out.big(m.data_type);
+    put(m.xyzw, out);
+    out.big(m.accuracy);
+  }
+  void operator()(const MagnetometerAccuracy& m) const {
+    out.big(m.sensor);
+    out.big(m.accuracy);
+  }
+  void operator()(const SignalStrength& m) const {
+    out.big(m.sensor);
+    out.big(m.dbm);
+  }
+  void operator()(const Temperature& m) const {
+    out.big(m.sensor);
+    out.big(m.celsius);
+  }
+  void operator()(const UserAction& m) const { out.big(m.action); }
+  void operator()(const FeatureFlags& m) const {
+    for (unsigned i = 0; i < 4; ++i) out.big(static_cast<std::uint8_t>(m.bits >> (8 * i)));
+  }
+  void operator()(const RotationAndAcceleration& m) const {
+    out.big(m.sensor);
+    put_steps(m.xyzw, kRotationStep, out);
+    put_steps(m.m_s2, kAccelerationStep, out);
+  }
+  void operator()(const ConfigAck& m) const {
+    out.big(m.sensor);
+    out.big(m.what);
+  }
+};
+
+std::uint32_t type_of(const TrackerMessage& message) {
+  // In the variant's order.
+  static constexpr std::array<std::uint32_t, std::variant_size_v<TrackerMessage>> kTypes = {
+      0,
+      kHeartbeat,
+      kHandshake,
+      kAcceleration,
+      kPong,
+      kBattery,
+      kTap,
+      kError,
+      kSensorInfo,
+      kRotation,
+      kMagnetometerAccuracy,
+      kSignalStrength,
+      kTemperature,
+      kUserAction,
+      kFeatureFlags,
+      kRotationAndAcceleration,
+      kConfigAck};
+  return kTypes[message.index()];
+}
+
+Result<void> check_writable(const TrackerMessage& message) {
+  if (std::holds_alternative<Unknown>(message))
+    return fail(ErrorCode::bad_usage, "a message of no known type", kSlimeVrPacket);
+  if (const auto* handshake = std::get_if<Handshake>(&message); handshake && handshake->firmware.size() > 255)
+    return fail(ErrorCode::bad_usage, "a firmware's name that is too long", kSlimeVrPacket);
+  return {};
+}
+
+bool is_uncounted(const TrackerMessage& message) {
+  return std::holds_alternative<Handshake>(message) || std::holds_alternative<Pong>(message);
+}
+
+void put_header(std::uint32_t type, std::uint64_t number, ByteWriter& out) {
+  out.big(type);
+  out.big(number);
+}
+
+}  // namespace
+
+bool is_tracker_datagram(std::span<const std::byte> bytes) {
+  if (bytes.size() < kSlimeVrHeaderBytes || bytes.size() > kMaxDatagram) return false;
+  ByteReader reader(bytes);
+  const auto type = reader.big<std::uint32_t>();
+  const auto number = reader.big<std::uint64_t>();
+  return type < 256 && reader.left() >= least_payload(type) && (type != kHandshake || number == 0);
+}
+
+Result<Header> parse_tracker_datagram(std::span<const std::byte> bytes, std::vector<TrackerMessage>& out) {
+  if (bytes.size() > kMaxDatagram) return fail(ErrorCode::malformed, "too long", kSlimeVrPacket);
+  ByteReader reader(bytes);
+  Header header;
+  header.type = reader.big<std::uint32_t>();
+  header.number = reader.big<std::uint64_t>();
+  if (!reader.ok()) return fail(ErrorCode::truncated, "the header is cut short", kSlimeVrPacket);
+  const auto payload = bytes.subspan(kSlimeVrHeaderBytes);
+  const std::size_t before = out.size();
+  if (header.type == kBundle || header.type == kCompactBundle) {
+    const auto done = header.type == kBundle ? read_bundle<std::uint16_t, std::uint32_t>(payload, out)
+                                             : read_bundle<std::uint8_t, std::uint8_t>(payload, out);
+    if (!done) {
+      out.resize(before);
+      return std::unexpected(done.error());
+    }
+  } else {
+    MIEN_TRY_ASSIGN(TrackerMessage message, read_message(header.type, payload));
+    out.push_back(std::move(message));
+  }
+  return header;
+}
+
+Result<void> encode_tracker_message(std::uint64_t number, const TrackerMessage& message, ByteWriter& out) {
+  MIEN_TRY(check_writable(message));
+  put_header(type_of(message), is_uncounted(message) ? 0 : number, out);
+  std::visit(Fields{out}, message);
+  return {};
+}
+
+Result<void> encode_tracker_bundle(std::uint64_t number, std::span<const TrackerMessage> messages,
+                                   ByteWriter& out) {
+  if (messages.empty()) return fail(ErrorCode::bad_usage, "a bundle of nothing", kSlimeVrPacket);
+  ByteWriter inner;
+  std::size_t size = kSlimeVrHeaderBytes;
+  for (const TrackerMessage& message : messages) {
+    MIEN_TRY(check_writable(message));
+    if (is_uncounted(message))
+      return fail(ErrorCode::bad_usage, "this does not go into bundles", kSlimeVrPacket);
+    inner.clear();
+    std::visit(Fields{inner}, message);
+    size += sizeof(std::uint16_t) + sizeof(std::uint32_t) + inner.bytes().size();
+  }
+  if (size > kMaxDatagram) return fail(ErrorCode::bad_usage, "a bundle of too much", kSlimeVrPacket);
+  put_header(kBundle, number, out);
+  for (const TrackerMessage& message : messages) {
+    inner.clear();
+    std::visit(Fields{inner}, message);
+    out.big(static_cast<std::uint16_t>(sizeof(std::uint32_t) + inner.bytes().size()));
+    out.big(type_of(message));
+    out.append(inner.bytes());
+  }
+  return {};
+}
+
+void encode_server_message(const ServerMessage& message, ByteWriter& out) {
+  if (std::holds_alternative<Greeting>(message)) {
+    out.big(static_cast<std::uint8_t>(kHandshake));
+    out.append(kGreeting);
+    for (std::size_t i = 1 + kGreeting.size(); i < kGreetingBytes; ++i) out.big(std::uint8_t{0});
+  } else if (std::holds_alternative<ServerHeartbeat>(message)) {
+    put_header(kServerHeartbeat, 0, out);
+  } else if (const auto* ping = std::get_if<Ping>(&message)) {
+    put_header(kPing, 0, out);
+    out.big(ping->id);
+  } else if (const auto* flags = std::get_if<ServerFlags>(&message)) {
+    put_header(kFeatureFlags, 0, out);
+    out.big(flags->bits);
+  } else if (const auto* ack = std::get_if<SensorInfoAck>(&message)) {
+    out.big(kSensorInfo);
+    out.big(ack->sensor);
+    out.big(ack->state);
+  }
+}
+
+Result<ServerMessage> parse_server_message(std::span<const std::byte> bytes) {
+  if (!bytes.empty() && bytes.front() == std::byte{kHandshake}) {
+    if (bytes.size() < 1 + kGreeting.size())
+      return fail(ErrorCode::truncated, "a greeting is cut short", kSlimeVrPacket);
+    const auto words = std::as_bytes(std::span(kGreeting));
+    if (!std::equal(words.begin(), words.end(), bytes.begin() + 1))
+      return fail(ErrorCode::malformed, "a greeting of other words", kSlimeVrPacket);
+    return Greeting{};
+  }
+  ByteReader reader(bytes);
+  const auto type = reader.big<std::uint32_t>();
+  if (type == kSensorInfo && bytes.size() == kAckBytes) {
+    SensorInfoAck ack{.sensor = reader.big<std::uint8_t>()};
+    ack.state = reader.big<std::uint8_t>();
+    return ack;
+  }
+  reader.big<std::uint64_t>();
+  ServerMessage message = Unknown{type};
+  if (type == kServerHeartbeat) message = ServerHeartbeat{};
+  if (type == kPing) message = Ping{reader.big<std::uint32_t>()};
+  if (type == kFeatureFlags) message = ServerFlags{reader.big<std::uint8_t>()};
+  if (!reader.ok()) return fail(ErrorCode::truncated, "cut short", kSlimeVrPacket);
+  return message;
+}
+
+}  // namespace mien::imu::slimevr

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/sensor/protocol.h"
+#include "mien/sensor/rig.h"
+#include "mien/session/session.h"
+#include "mien/shaping/settings.h"
+#include "mien/tracker/tracker.h"
+
+// The one place of this room that knows which modalities there are.
+namespace mien::modalities {
+
+/// What devices and a host share, so that nobody else is heard; the program reads it from the file of --key.
+struct PairingKey {
+  std::uint8_t id = 0;
+  std::array<std::byte, 32> secret{};
+};
+
+/// The live model for a rig's sensors: the file `named`, or where that is empty the default one of such
+/// sensors. A rig with sensors of several kinds takes a folder instead, in which the model of each kind has
+/// its default name. Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
+[[nodiscard]] Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named);
+
+/// Whether there are models that see a whole window of such sensors, past and future; else only the live
+/// model solves their takes, frame by frame.
+[[nodiscard]] bool has_window_models(const sensor::Rig& rig);
+
+/// The tracker for a rig's sensors, with the live model of live_model(); for sensors of several kinds one
+/// that merges those of each (shaping::CombinedTracker), by default settings: a take whose session changed
+/// these is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported
+/// (sensors of a kind that is unknown), the model's (mismatch: another rig's).
+[[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
+                                                                     const std::filesystem::path& model);
+
+/// Every language that sensors speak; with keys those in which they can be sealed. Errors: internal
+/// (libsodium), the keys'.
+[[nodiscard]] Result<std::vector<std::unique_ptr<sensor::Protocol>>> make_protocols(
+    const std::vector<PairingKey>& keys = {});
+
+/// A session for a rig: its sensors' tracker with this live model, and every language that sensors speak.
+/// With keys only what is sealed by one of them is heard, so nothing on serial lines. Errors: those of
+/// make_tracker and make_protocols, the session's.
+[[nodiscard]] Result<std::unique_ptr<session::Session>> make_session(
+    const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& shaping = {},
+    const std::vector<PairingKey>& keys = {});
+
+}  // namespace mien::modalities

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/random.h"
+#include "mien/performer/head_motion.h"
+#include "mien/performer/speech.h"
+
+namespace mien::performer {
+
+/// What kind of performance.
+enum class Block : std::uint8_t {
+  reading,          ///< Text read calmly.
+  expressions,      ///< Classified expressions: neutral, ramp, hold, ramp.
+  acted,            ///< Lines acted with one emotion.
+  range_of_motion,  ///< Every group of shapes through its range, slowly and fast.
+  free,             ///< Crude random motion of all shapes: a broad prior for training.
+  eating,           ///< A meal: bites, chewing, sips from a cup.
+  rapid,            ///< As fast as faces and heads move.
+  mixed,            ///< Those from reading to free in turn.
+};
+/// "reading", "range_of_motion", ...
+[[nodiscard]] std::string_view block_name(Block block);
+/// Errors: not_found, with the names that there are.
+[[nodiscard]] Result<Block> parse_block(std::string_view name);
+
+/// The basic emotions (Ekman) and contempt.
+enum class Emotion : std::uint8_t { neutral, joy, sadness, anger, fear, disgust, surprise, contempt };
+inline constexpr std::size_t kEmotionCount = 8;
+[[nodiscard]] std::string_view emotion_name(Emotion emotion);
+[[nodiscard]] Result<Emotion> parse_emotion(std::string_view name);
+
+/// One piece of a script.
+struct Segment {
+  Block block = Block::free;  ///< Not mixed.
+  double duration_s = 10;
+  Emotion emotion = Emotion::neutral;  ///< Of acted lines.
+  double intensity = 0.7;              ///< Of the emotion, 0 to 1.
+  std::string language = "en";         ///< Of reading and acted lines: one of languages().
+  /// What is said; drawn at random in `language` where there is none. May be shorter than the segment:
+  /// silence follows; what is longer is cut.
+  std::optional<Utterance> utterance;
+};
+
+/// What is performed, from its start to its end.
+struct Script {
+  std::string name;
+  std::vector<Segment> segments;
+  /// False leaves the head upright and the motion's has_head false.
+  bool moves_head = true;
+  /// Empty: what suits the blocks. Otherwise these, in order of begin_s.
+  std::vector<HeadEpisode> head;
+
+  [[nodiscard]] double duration_s() const;
+};
+
+/// A script of one kind, `seconds` long (at least 1/60). Reading goes through all languages, acted lines
+/// through all emotions, mixed through all blocks.
+[[nodiscard]] Script default_script(Block kind, double seconds);
+
+/// A script for training: segments of 5 to 20 s of the blocks from reading to free, nearly half of them free.
+[[nodiscard]] Script random_script(double seconds, Random& random);
+
+}  // namespace mien::performer

@@ -1,0 +1,179 @@
+#include "mien/session/command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+namespace mien::session {
+namespace {
+
+using nlohmann::json;
+
+const char* const kCommand = "command";
+/// No command is deeper; what is would be copied level by level.
+constexpr int kMaxDepth = 8;
+
+Result<std::string> text_of(const json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_string())
+    return fail(ErrorCode::malformed, fmt::format("\"{}\" is missing or no text", key), kCommand,
+                "docs/page_protocol.md lists the fields");
+  return found->get<std::string>();
+}
+
+/// The words of `Prompting::Do`, in its order.
+constexpr std::array<std::string_view, 4> kPromptingWords = {"skip", "pause", "resume", "stop"};
+
+Result<Prompt> prompt_of(const json& object) {
+  Prompt prompt;
+  MIEN_TRY_ASSIGN(prompt.name, text_of(object, "name"));
+  if (object.contains("say")) {
+    MIEN_TRY_ASSIGN(prompt.say, text_of(object, "say"));
+  }
+  if (const auto seconds = object.find("seconds"); seconds != object.end()) {
+    if (!seconds->is_number()) return fail(ErrorCode::malformed, "\"seconds\" is not a number", kCommand);
+    prompt.seconds = seconds->get<double>();
+  }
+  if (const auto target = object.find("target"); target != object.end()) {
+    if (!target->is_object()) return fail(ErrorCode::malformed, "\"target\" is not an object", kCommand);
+    for (const auto& [name, weight] : target->items()) {
+      const std::size_t shape = face::shape_index(name);
+      if (shape == face::kShapeCount || !weight.is_number())
+        return fail(ErrorCode::malformed,
+                    fmt::format("\"{}\" is no shape or has no number", name.substr(0, 40)), kCommand,
+                    "name ICT-FaceKit's shapes, each with a weight from 0 to 1");
+      prompt.target[shape] = weight.get<float>();
+    }
+  }
+  MIEN_TRY(check_prompt(prompt, kCommand));
+  return prompt;
+}
+
+/// The keys of `object` that are among `names`, as JSON of their own.
+std::string part_of(const json& object, std::initializer_list<const char*> names) {
+  json part = json::object();
+  for (const char* name : names)
+    if (object.contains(name)) part[name] = object[name];
+  return part.dump();
+}
+
+/// By the numbers of Calibrate::Kind.
+constexpr std::array<std::string_view, 3> kCalibrationKinds = {"short", "full", "wearer"};
+
+struct Writer {
+  json operator()(const Calibrate& c) const {
+    return {{"command", "calibrate"}, {"kind", kCalibrationKinds.at(static_cast<std::size_t>(c.kind))}};
+  }
+  json operator()(const CancelCalibration&) const { return {{"command", "cancel_calibration"}}; }
+  json operator()(const UseCalibration& c) const {
+    return {{"command", "use_calibration"}, {"version", c.version}};
+  }
+  json operator()(const RestoreCalibration& c) const {
+    return {{"command", "restore_calibration"}, {"calibration", c.json}};
+  }
+  json operator()(const Recentre&) const { return {{"command", "recentre"}}; }
+  json operator()(const Bind& c) const {
+    return {{"command", "bind"}, {"sensor", c.sensor}, {"device", sensor::format_device(c.device)}};
+  }
+  json operator()(const Tap& c) const { return {{"command", "tap"}, {"sensor", c.sensor}}; }
+  json operator()(const Shape& c) const {
+    json out = json::parse(c.json);
+    out["command"] = "shape";
+    return out;
+  }
+  json operator()(const AddPrompt& c) const {
+    return {{"command", "prompt"},
+            {"name", c.prompt.name},
+            {"say", c.prompt.say},
+            {"seconds", c.prompt.seconds},
+            {"target", json::parse(target_json(c.prompt.target))}};
+  }
+  json operator()(const Prompting& c) const {
+    return {{"command", "prompts"}, {"do", kPromptingWords.at(static_cast<std::size_t>(c.what))}};
+  }
+};
+
+}  // namespace
+
+bool is_session_command(std::string_view name) {
+  static constexpr std::array<std::string_view, 10> kNames = {"calibrate",
+                                                              "cancel_calibration",
+                                                              "use_calibration",
+                                                              "restore_calibration",
+                                                              "recentre",
+                                                              "bind",
+                                                              "tap",
+                                                              "shape",
+                                                              "prompt",
+                                                              "prompts"};
+  return std::ranges::find(kNames, name) != kNames.end();
+}
+
+Result<Command> parse_command(std::string_view text) {
+  if (text.size() > kMaxCommandBytes)
+    return fail(ErrorCode::out_of_range, "a command of more than 64 KB", kCommand, "make it shorter");
+  bool deep = false;
+  const auto shallow = [&deep](int depth, json::parse_event_t, json&) {
+    deep = deep || depth > kMaxDepth;
+    return !deep;
+  };
+  const json object = json::parse(text, shallow, false);
+  if (deep || !object.is_object())
+    return fail(ErrorCode::malformed, "not a JSON object of a command", kCommand,
+                "docs/page_protocol.md lists the commands");
+  MIEN_TRY_ASSIGN(const std::string name, text_of(object, "command"));
+  if (name == "calibrate") {
+    MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
+    const auto found = std::ranges::find(kCalibrationKinds, kind);
+    if (found == kCalibrationKinds.end())
+      return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", kind), kCommand,
+                  "short, full or wearer");
+    return Calibrate{static_cast<Calibrate::Kind>(found - kCalibrationKinds.begin())};
+  }
+  if (name == "cancel_calibration") return CancelCalibration{};
+  if (name == "use_calibration") {
+    const auto version = object.find("version");
+    if (version == object.end() || !version->is_number_integer())
+      return fail(ErrorCode::malformed, "\"version\" is missing or no whole number", kCommand);
+    return UseCalibration{version->get<std::int64_t>()};
+  }
+  if (name == "restore_calibration") {
+    MIEN_TRY_ASSIGN(std::string calibration, text_of(object, "calibration"));
+    return RestoreCalibration{std::move(calibration)};
+  }
+  if (name == "recentre") return Recentre{};
+  if (name == "bind") {
+    MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
+    MIEN_TRY_ASSIGN(const std::string device, text_of(object, "device"));
+    MIEN_TRY_ASSIGN(const sensor::DeviceKey key, sensor::parse_device(device));
+    return Bind{std::move(sensor), key};
+  }
+  if (name == "tap") {
+    MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
+    return Tap{std::move(sensor)};
+  }
+  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits", "merge"})};
+  if (name == "prompt") {
+    MIEN_TRY_ASSIGN(Prompt prompt, prompt_of(object));
+    return AddPrompt{std::move(prompt)};
+  }
+  if (name == "prompts") {
+    MIEN_TRY_ASSIGN(const std::string word, text_of(object, "do"));
+    const auto* const found = std::ranges::find(kPromptingWords, word);
+    if (found == kPromptingWords.end())
+      return fail(ErrorCode::malformed, fmt::format("\"do\": \"{}\" is nothing to do", word.substr(0, 40)),
+                  kCommand, fmt::format("{}", fmt::join(kPromptingWords, ", ")));
+    return Prompting{static_cast<Prompting::Do>(found - kPromptingWords.begin())};
+  }
+  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), kCommand,
+              "docs/page_protocol.md lists them");
+}
+
+std::string write_command(const Command& command) {
+  return std::visit(Writer{}, command).dump();
+}
+
+}  // namespace mien::session

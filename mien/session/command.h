@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "mien/core/error.h"
+#include "mien/sensor/protocol.h"
+#include "mien/session/prompt.h"
+
+namespace mien::session {
+
+// What a person may ask of a session while it runs: those commands of docs/page_protocol.md that change
+// weights or a take's events. They go into the session log as they came, and a replay obeys them again.
+
+struct Calibrate {
+  enum class Kind : std::uint8_t {
+    brief,   ///< "short": neutral, nod and shake, as the sensors need them.
+    full,    ///< "full": then the anchor expressions.
+    wearer,  ///< "wearer": then a range of motion as well, and the wearer is learnt from all of them.
+  };
+  Kind kind = Kind::brief;
+};
+struct CancelCalibration {};
+/// Puts a version in force that the session made before.
+struct UseCalibration {
+  std::int64_t version = 0;
+};
+/// Puts a calibration in force that came from elsewhere: its JSON.
+struct RestoreCalibration {
+  std::string json;
+};
+struct Recentre {};
+struct Bind {
+  std::string sensor;  ///< Of the rig.
+  sensor::DeviceKey device;
+};
+/// The next device that is tapped is bound to this sensor; empty: none any more.
+struct Tap {
+  std::string sensor;
+};
+/// Shaping settings, each optional, as JSON: {"smoothing", "gains", "limits", "merge"}.
+struct Shape {
+  std::string json;
+};
+
+/// One more pose to ask the performer for, after those before.
+struct AddPrompt {
+  Prompt prompt;
+};
+/// What becomes of the poses that are asked for.
+struct Prompting {
+  enum class Do : std::uint8_t { skip, pause, resume, stop };
+  Do what = Do::skip;
+};
+
+using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
+                             Tap, Shape, AddPrompt, Prompting>;
+
+/// Where commands come from, in a session log.
+inline constexpr std::string_view kPageSource = "page";
+/// Longer ones are refused.
+inline constexpr std::size_t kMaxCommandBytes = std::size_t{1} << 16U;
+
+/// Whether a command of this name is the session's; others are the page's own business.
+[[nodiscard]] bool is_session_command(std::string_view name);
+
+/// From JSON, {"command": NAME, ...}. Errors: malformed, out_of_range (too long), unsupported (another name).
+[[nodiscard]] Result<Command> parse_command(std::string_view json);
+/// JSON that parse_command takes back.
+[[nodiscard]] std::string write_command(const Command& command);
+
+}  // namespace mien::session

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mien/core/time.h"
+#include "mien/face/profile.h"
+#include "mien/sensor/calibration.h"
+#include "mien/sensor/link_health.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::session {
+
+/// One of a session's calibrations.
+struct CalibrationVersion {
+  std::int64_t id = 0;
+  DeviceTime made;
+  std::string origin;  ///< "self", "guided", "recentre", "restored".
+  std::string json;    ///< The tracker's.
+  std::string centre;  ///< The shaper's re-centring, JSON.
+  std::vector<sensor::Score> scores;
+};
+
+/// How a session is, for people: what `status` messages carry (docs/page_protocol.md).
+struct Report {
+  struct Link {
+    std::string device;  ///< Empty while unbound.
+    sensor::LinkReport health;
+    std::optional<double> heading_sigma_rad;
+    std::optional<double> level;  ///< As sensor::level() has it, of the newest sample.
+  };
+  struct Unbound {
+    std::string device;
+    std::string announces;
+    std::string protocol;
+    Duration age{};
+  };
+  struct Calibration {
+    std::string state;  ///< "watching", "running", "done", "failed".
+    std::string step;
+    std::string prompt;
+    std::optional<face::BlendshapeWeights> target;
+    std::size_t step_number = 0;  ///< From 1; 0 when none runs.
+    std::size_t steps = 0;
+    double progress = 0;  ///< Of the step, 0 to 1.
+    double remaining_s = 0;
+    std::int64_t in_force = 0;
+    std::vector<CalibrationVersion> versions;  ///< Without their JSON.
+  };
+
+  /// The poses that are asked for, of a recording with prompts.
+  struct Prompts {
+    std::string state;  ///< "none", "ready", "running", "paused", "over".
+    std::string name;   ///< Of the present one, or of the first to come.
+    std::string say;
+    face::BlendshapeWeights target;
+    std::string next;  ///< Name of the one after it; empty when there is none.
+    face::BlendshapeWeights next_target;
+    std::size_t number = 0;  ///< From 1.
+    std::size_t of = 0;
+    double progress = 0;     ///< Of the present one, 0 to 1.
+    double remaining_s = 0;  ///< Of the present one; when ready, until it begins.
+    double left_s = 0;       ///< Until all are over.
+  };
+
+  DeviceTime time;
+  std::uint64_t frames = 0;
+  std::vector<Link> links;  ///< One a sensor of the rig.
+  std::vector<Unbound> unbound;
+  Calibration calibration;
+  Prompts prompts;
+  std::string shaping;  ///< JSON: {"smoothing", "gains", "limits"}.
+  std::string tap;      ///< The sensor that waits for a tap; empty: none.
+  std::uint64_t malformed = 0;
+  std::uint64_t refused = 0;
+};
+
+}  // namespace mien::session

@@ -1,0 +1,66 @@
+#include "mien/study/eyewear/error_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/core/units.h"
+#include "mien/render/camera.h"
+#include "mien/render/lettering.h"
+#include "mien/render/renderer.h"
+
+namespace mien::study {
+namespace {
+
+constexpr double kReachM = 0.03;   // Skin farther than this from every marker keeps pale ...
+constexpr double kFadeM = 0.015;   // ... and this far before it begins to.
+constexpr double kSharpM = 0.004;  // Nearer than this a marker is all that counts.
+constexpr render::Rgb kInk = {40, 42, 48};
+
+/// Error of each vertex, metres: the markers' by the fourth power of how near they are.
+std::vector<float> spread(const face::Face& face, const std::vector<Vec3>& markers_m,
+                          const std::vector<MarkerError>& errors) {
+  std::vector<float> error_m;
+  error_m.reserve(face.neutral_m.size());
+  for (const Vec3f& vertex : face.neutral_m) {
+    double sum = 0, weights = 0, nearest_m = kReachM;
+    for (std::size_t m = 0; m < markers_m.size(); ++m) {
+      const double square = (vertex.cast<double>() - markers_m[m]).squaredNorm();
+      const double weight = 1 / std::pow(square + kSharpM * kSharpM, 2);
+      sum += weight * errors[m].mean_mm / kMmPerM;
+      weights += weight;
+      nearest_m = std::min(nearest_m, std::sqrt(square));
+    }
+    const double fade = std::clamp((kReachM - nearest_m) / kFadeM, 0.0, 1.0);
+    error_m.push_back(static_cast<float>(fade * sum / weights));
+  }
+  return error_m;
+}
+
+}  // namespace
+
+Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
+                                    std::span<const SensorsMethod* const> methods, double full_scale_mm,
+                                    int height) {
+  const face::Face face = builtin_face::make_builtin();
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
+                  builtin_face::PlacedMarkers::place(face, markers));
+  const render::Look look = render::Look::light();
+  const render::Camera camera =
+      render::portrait_camera(face, render::View::three_quarter, height, height, 1.3F);
+  render::Renderer renderer(face);
+  render::Image picture(static_cast<int>(methods.size()) * height, height);
+  const float size = 0.04F * static_cast<float>(height);
+  for (std::size_t i = 0; i < methods.size(); ++i) {
+    if (methods[i]->markers.size() != placed.count())
+      return fail(ErrorCode::mismatch, "a method has errors of other markers", methods[i]->name);
+    const std::vector<float> error_m = spread(face, placed.neutral_m(), methods[i]->markers);
+    const render::ErrorColours colours{error_m, static_cast<float>(full_scale_mm / kMmPerM)};
+    render::Image one = renderer.still(face.neutral_m, camera, look, &colours);
+    render::draw_text(one, methods[i]->name, 0.6F * size, 1.5F * size, size, kInk);
+    render::paste(picture, one, static_cast<int>(i) * height, 0);
+  }
+  return picture;
+}
+
+}  // namespace mien::study

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mien/core/random.h"
+#include "mien/core/time.h"
+#include "mien/sensor/sample.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/skin_trajectory.h"
+
+namespace mien::virt {
+
+inline constexpr double kImuRateHz = 240.0;
+inline constexpr int kSamplesPerPacket = 4;
+
+/// A device's clock against true time: device = offset + rate * true.
+struct VirtualClock {
+  double offset_s = 0;
+  double rate = 1;  ///< 1 + drift.
+
+  [[nodiscard]] DeviceTime device(double true_s) const {
+    return DeviceTime(from_seconds(offset_s + rate * true_s));
+  }
+  [[nodiscard]] double true_s(DeviceTime device_time) const {
+    return (to_seconds(device_time.time_since_epoch()) - offset_s) / rate;
+  }
+};
+
+/// Samples that travel together, and when the host hears them.
+struct VirtualPacket {
+  HostTime arrival;                     ///< Or when it would have arrived.
+  Duration delay{};                     ///< From its last sample to there.
+  bool lost = false;                    ///< Sampled, and never heard.
+  std::vector<sensor::Sample> samples;  ///< SampleKind::imu_raw, kSamplesPerPacket of them.
+};
+
+/// One IMU on the skin: everything that its faults drew, and what it has sampled so far.
+class ImuSimulator {
+ public:
+  /// `site` indexes the trajectory and is the sample's sensor number. The same random stream gives the same
+  /// device.
+  ImuSimulator(const DeviceFaults& faults, std::uint16_t site, Random random);
+
+  [[nodiscard]] const VirtualClock& clock() const { return clock_; }
+
+  /// The packets that the skin's next stretch completes, also those that are lost, in the order in which they
+  /// are sent. Stretches follow one another without a gap from the trajectory's beginning; in whatever
+  /// lengths they come, the packets are the same.
+  [[nodiscard]] std::vector<VirtualPacket> play(const SkinTrajectory& next);
+
+ private:
+  /// The sensor on the trajectory's grid, as much of it as samples still need.
+  struct Track {
+    std::size_t first = 0;  // Grid points before those that are kept.
+    std::vector<Quat> orientation;
+    std::vector<Vec3> position_m;
+    Quat turned = Quat::Identity();  // The skin as the adhesive passes it on.
+    Vec3 moved = Vec3::Zero();
+    Vec3 slip_rad = Vec3::Zero();
+  };
+  void follow_skin(const SkinTrajectory& next);
+  [[nodiscard]] VirtualPacket sample_packet(double begin_s);
+
+  DeviceFaults faults_;
+  std::uint16_t site_;
+  VirtualClock clock_;
+  Quat mount_;  // q_skin_sensor.
+  double lag_s_ = 0;
+  Vec3 gyro_bias_rad_s_ = Vec3::Zero();
+  Vec3 gyro_scale_ = Vec3::Ones();
+  Vec3 accel_bias_m_s2_ = Vec3::Zero();
+  Vec3 accel_scale_ = Vec3::Ones();
+  Vec3 hard_iron_t_ = Vec3::Zero();
+
+  // Each has a stream of its own, drawn from as time goes on.
+  Random slip_;
+  Random noise_;
+  Random walk_;
+  Random radio_;
+  Random loss_;
+
+  Track track_;
+  std::optional<std::int64_t> next_;  // The next packet's first sample, in periods of the device's clock.
+  std::uint32_t sequence_ = 0;
+  double silent_until_s_ = -1e9;
+};
+
+}  // namespace mien::virt

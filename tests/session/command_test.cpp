@@ -1,0 +1,117 @@
+#include "mien/session/command.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace mien::session {
+namespace {
+
+TEST(Command, AreWrittenAsTheyAreRead) {
+  for (
+      const char* text :
+      {R"({"command":"calibrate","kind":"short"})", R"({"command":"calibrate","kind":"full"})",
+       R"({"command":"calibrate","kind":"wearer"})", R"({"command":"cancel_calibration"})",
+       R"({"command":"use_calibration","version":3})",
+       R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
+       R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
+       R"({"command":"prompt","name":"smile","say":"","seconds":2.5,"target":{"jawOpen":0.1,"mouthSmile_L":1}})",
+       R"({"command":"prompts","do":"pause"})", R"({"command":"prompts","do":"stop"})",
+       R"({"command":"tap","sensor":""})", R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {
+    const auto command = parse_command(text);
+    ASSERT_TRUE(command) << text << ": " << command.error().message();
+    EXPECT_EQ(write_command(*command), text);
+  }
+}
+
+TEST(Command, TakesOnlyWhatItsKindHas) {
+  const auto bind = parse_command(
+      R"({"id": 7, "command": "bind", "sensor": "mentalis", "device": "02:4d:49:45:4e:07", "more": [1]})");
+  ASSERT_TRUE(bind);
+  EXPECT_EQ(std::get<Bind>(*bind).sensor, "mentalis");
+  EXPECT_EQ(std::get<Bind>(*bind).device, (sensor::DeviceKey{0x024D'4945'4E07, 0}));
+  const auto shape = parse_command(R"({"command": "shape", "limits": {}, "id": 3, "command2": 1})");
+  ASSERT_TRUE(shape);
+  EXPECT_EQ(std::get<Shape>(*shape).json, R"({"limits":{}})");
+  const auto merge = parse_command(R"({"command": "shape", "merge": {"order": {"jaw": ["imu"]}}})");
+  ASSERT_TRUE(merge);
+  EXPECT_EQ(std::get<Shape>(*merge).json, R"({"merge":{"order":{"jaw":["imu"]}}})");
+  EXPECT_TRUE(std::get<Calibrate>(*parse_command(R"({"command": "calibrate", "kind": "full"})")).kind ==
+              Calibrate::Kind::full);
+}
+
+TEST(Command, APromptHasThreeSecondsAndNothingToSayUnlessItSaysSo) {
+  const auto command = parse_command(R"({"command": "prompt", "name": "rest"})");
+  ASSERT_TRUE(command) << command.error().message();
+  const Prompt& prompt = std::get<AddPrompt>(*command).prompt;
+  EXPECT_EQ(prompt.name, "rest");
+  EXPECT_EQ(prompt.say, "");
+  EXPECT_EQ(prompt.seconds, 3);
+  EXPECT_EQ(prompt.target, face::BlendshapeWeights());
+}
+
+TEST(Command, RefusesEachMistakeAlone) {
+  const std::pair<const char*, ErrorCode> mistakes[] = {
+      {"", ErrorCode::malformed},
+      {"{", ErrorCode::malformed},
+      {"[]", ErrorCode::malformed},
+      {"null", ErrorCode::malformed},
+      {"{}", ErrorCode::malformed},
+      {R"({"command": 7})", ErrorCode::malformed},
+      {R"({"command": "dance"})", ErrorCode::unsupported},
+      {R"({"command": "record", "on": true})", ErrorCode::unsupported},
+      {R"({"command": "calibrate"})", ErrorCode::malformed},
+      {R"({"command": "calibrate", "kind": "long"})", ErrorCode::malformed},
+      {R"({"command": "use_calibration"})", ErrorCode::malformed},
+      {R"({"command": "use_calibration", "version": 1.5})", ErrorCode::malformed},
+      {R"({"command": "use_calibration", "version": "1"})", ErrorCode::malformed},
+      {R"({"command": "restore_calibration", "calibration": {}})", ErrorCode::malformed},
+      {R"({"command": "bind", "sensor": "mentalis"})", ErrorCode::malformed},
+      {R"({"command": "bind", "device": "02:4D:49:45:4E:07"})", ErrorCode::malformed},
+      {R"({"command": "bind", "sensor": "mentalis", "device": "02:4D:49:45:4E"})", ErrorCode::malformed},
+      {R"({"command": "tap"})", ErrorCode::malformed},
+      {R"({"command": "prompts"})", ErrorCode::malformed},
+      {R"({"command": "prompts", "do": "dance"})", ErrorCode::malformed},
+      {R"({"command": "prompt"})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": ""})", ErrorCode::out_of_range},
+      {R"({"command": "prompt", "name": "a", "say": 1})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "seconds": "3"})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "seconds": 1e9})", ErrorCode::out_of_range},
+      {R"({"command": "prompt", "name": "a", "target": [1]})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "target": {"nose": 1}})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "target": {"jawOpen": "1"}})", ErrorCode::malformed},
+      {R"({"command": "prompt", "name": "a", "target": {"jawOpen": -1}})", ErrorCode::out_of_range},
+      {R"({"command": "tap", "sensor": null})", ErrorCode::malformed},
+      {R"({"command": "shape", "gains": [[[[[[[[[[1]]]]]]]]]]})", ErrorCode::malformed},
+  };
+  for (const auto& [text, code] : mistakes) {
+    const auto command = parse_command(text);
+    ASSERT_FALSE(command) << text;
+    EXPECT_EQ(command.error().code, code) << text << ": " << command.error().message();
+  }
+}
+
+TEST(Command, RefusesWhatIsLongOrDeepBeforeItIsRead) {
+  const auto padded = [](std::size_t size) {
+    std::string text = R"({"command":"recentre"})";
+    return text + std::string(size - text.size(), ' ');
+  };
+  EXPECT_TRUE(parse_command(padded(kMaxCommandBytes)));
+  EXPECT_EQ(parse_command(padded(kMaxCommandBytes + 1)).error().code, ErrorCode::out_of_range);
+  EXPECT_EQ(parse_command(std::string(60'000, '[')).error().code, ErrorCode::malformed);
+}
+
+TEST(Command, KnowsWhichAreTheSessions) {
+  for (const char* name : {"calibrate", "cancel_calibration", "use_calibration", "restore_calibration",
+                           "recentre", "bind", "tap", "shape", "prompt", "prompts"}) {
+    EXPECT_TRUE(is_session_command(name)) << name;
+    // Whatever is wrong with it, its name is known.
+    const auto command = parse_command(std::string(R"({"command": ")") + name + "\"}");
+    EXPECT_TRUE(command || command.error().code != ErrorCode::unsupported) << name;
+  }
+  for (const char* name : {"", "record", "sink", "replay", "takes", "Tap"})
+    EXPECT_FALSE(is_session_command(name)) << name;
+}
+
+}  // namespace
+}  // namespace mien::session

@@ -1,0 +1,224 @@
+#include "mien/study/imu/live_study.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "mien/builtin_face/builtin_face.h"
+#include "tests/tracker/tiny_model.h"
+#include "tests/virtual/three_sensors.h"
+
+namespace mien::study {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
+
+sensor::Rig rig() {
+  sensor::Rig out = virt::test::three_sensors();
+  out.faults_toml =
+      "mount_rotation_deg = 180\nmount_position_mm = 1\nclock_offset_s = [1, 50]\nradio_delay_min_ms = 1\n"
+      "gyro_noise_dps_sqrt_hz = 0.015\n";
+  return out;
+}
+
+const tracker::WindowSolver& window() {
+  static const auto solver = tracker::WindowSolver::create(tracker::test::tiny_model(kSensors)).value();
+  return solver;
+}
+
+LiveModels models() {
+  LiveModels out;
+  out.causal.push_back({"live", tracker::test::tiny_causal_model(kSensors)});
+  out.causal.push_back({"other", tracker::test::tiny_causal_model(kSensors, 2)});
+  out.window = &window();
+  out.window_steps = {2, 1};
+  return out;
+}
+
+LiveRequest brief(std::vector<LiveCondition> conditions = {}, unsigned threads = 1) {
+  LiveRequest request;
+  request.conditions = std::move(conditions);
+  request.performers = 2;
+  request.seconds = 3;
+  request.round_s = 2;
+  request.rounds = 3;
+  request.other_faults = virt::test::mild_faults();
+  request.seed = 3;
+  request.threads = threads;
+  return request;
+}
+
+Result<LiveStudy> study(const LiveRequest& request) {
+  return study_live(request, rig(), models(), no_progress);
+}
+
+/// All conditions that the rig allows, once for all tests.
+const LiveSet& whole() {
+  static const LiveStudy out = study(brief()).value();
+  return out.sets.front();
+}
+
+const LiveRow& row_of(LiveCondition condition) {
+  return *std::ranges::find(whole().rows, condition, &LiveRow::condition);
+}
+
+TEST(LiveConditions, HaveNamesThatComeBack) {
+  std::set<std::string_view> names;
+  for (std::size_t c = 0; c < kLiveConditionCount; ++c) {
+    const auto condition = static_cast<LiveCondition>(c);
+    names.insert(live_condition_name(condition));
+    EXPECT_EQ(parse_live_condition(live_condition_name(condition)).value(), condition);
+  }
+  EXPECT_EQ(names.size(), kLiveConditionCount);
+  const auto wrong = parse_live_condition("flying");
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().code, ErrorCode::not_found);
+  EXPECT_THAT(wrong.error().message(), HasSubstr("other_simulator"));
+}
+
+TEST(StudyLive, MeasuresEveryMethodUnderEveryConditionOfTheRig) {
+  const std::vector<LiveCondition> conditions = live_conditions(rig());
+  EXPECT_EQ(conditions.size(), kLiveConditionCount - 1) << "two face sensors: three cannot be lost";
+  std::vector<LiveCondition> met;
+  std::set<std::string> titles;
+  for (const LiveRow& row : whole().rows) {
+    if (met.empty() || met.back() != row.condition) met.push_back(row.condition);
+    titles.insert(row.title);
+    std::vector<std::string> names;
+    for (const LiveMethod& method : row.methods) names.push_back(method.name);
+    EXPECT_THAT(names, ElementsAre("live", "other", "window, 2 steps", "window, 1 step", "ridge", "hold last",
+                                   "mean pose", "sensor bound"));
+    const double seconds = row.condition == LiveCondition::long_session ? 2 : 3;
+    EXPECT_NEAR(static_cast<double>(row.frames), 2 * seconds * 60, 40) << row.title;
+    EXPECT_GT(row.rotation_rms_deg, 0) << row.title;
+    for (const LiveMethod& method : row.methods) {
+      EXPECT_EQ(method.performers.size(), 2U);
+      for (const Measure measure : {Measure::pve, Measure::pve_face, Measure::landmarks, Measure::mse}) {
+        ASSERT_TRUE(method.over(measure)) << row.title << ", " << method.name;
+        EXPECT_GT(method.over(measure)->mean, 0) << row.title << ", " << method.name;
+      }
+    }
+    EXPECT_FALSE(row.find(kSensorBound)->over(Measure::jitter)) << "of one frame";
+    EXPECT_LT(row.find(kMeanPose)->over(Measure::jitter)->mean, 0.01) << "it does not move";
+    EXPECT_EQ(row.find("nobody"), nullptr);
+  }
+  EXPECT_EQ(met, conditions);
+  EXPECT_EQ(titles.size(), whole().rows.size());
+  EXPECT_EQ(whole().rows.size(), conditions.size() + 1) << "a long session has two rows";
+}
+
+TEST(StudyLive, ConditionsDoWhatTheySay) {
+  const LiveRow& lab = row_of(LiveCondition::lab);
+  EXPECT_NEAR(lab.rotation_rms_deg, std::sqrt(3.0), 0.2) << "a degree an axis";
+  const LiveRow& seen = row_of(LiveCondition::seen);
+  EXPECT_GT(seen.felt, 0.95);
+  EXPECT_NEAR(row_of(LiveCondition::one_lost).felt, 0.5, 0.05);
+  EXPECT_LT(row_of(LiveCondition::bursts).felt, seen.felt);
+  // Who does the same has the same truth, however it is sensed.
+  const auto mean_pose = [](LiveCondition condition) {
+    return row_of(condition).find(kMeanPose)->over(Measure::mse)->mean;
+  };
+  for (const LiveCondition same : {LiveCondition::unseen, LiveCondition::remount, LiveCondition::walking,
+                                   LiveCondition::running, LiveCondition::other_simulator})
+    EXPECT_NEAR(mean_pose(same), mean_pose(LiveCondition::seen), 0.05 * mean_pose(LiveCondition::seen));
+  EXPECT_GT(std::abs(mean_pose(LiveCondition::eating) / mean_pose(LiveCondition::seen) - 1), 0.05);
+  const auto error = [](LiveCondition condition) {
+    return row_of(condition).methods.front().over(Measure::mse)->mean;
+  };
+  for (const LiveCondition other : {LiveCondition::unseen, LiveCondition::remount, LiveCondition::walking,
+                                    LiveCondition::running, LiveCondition::other_simulator})
+    EXPECT_NE(error(other), error(LiveCondition::seen)) << live_condition_name(other);
+}
+
+TEST(StudyLive, ALongSessionRepeatsItself) {
+  std::vector<const LiveRow*> rows;
+  for (const LiveRow& row : whole().rows)
+    if (row.condition == LiveCondition::long_session) rows.push_back(&row);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_THAT(rows[0]->title, HasSubstr("first 2 s"));
+  EXPECT_THAT(rows[1]->title, HasSubstr("after 6 s"));
+  const double first = rows[0]->find(kMeanPose)->over(Measure::mse)->mean;
+  EXPECT_NEAR(rows[1]->find(kMeanPose)->over(Measure::mse)->mean, first, 0.02 * first);
+}
+
+TEST(StudyLive, TheBoundLiesBetweenNothingAndAll) {
+  const LiveRow& lab = row_of(LiveCondition::lab);
+  const double bound = lab.find(kSensorBound)->over(Measure::mse)->mean;
+  EXPECT_LT(bound, lab.find(kMeanPose)->over(Measure::mse)->mean);
+  EXPECT_GT(bound, 0.2 * lab.find(kMeanPose)->over(Measure::mse)->mean) << "two sensors tell little";
+  EXPECT_GT(row_of(LiveCondition::one_lost).find(kSensorBound)->over(Measure::mse)->mean,
+            row_of(LiveCondition::seen).find(kSensorBound)->over(Measure::mse)->mean);
+}
+
+TEST(StudyLive, GivesTheSameOnAnyNumberOfThreadsAndForAnyOtherRows) {
+  const auto some = study(brief({LiveCondition::bursts, LiveCondition::eating}, 2));
+  ASSERT_TRUE(some) << some.error().message();
+  const LiveSet& set = some->sets.front();
+  ASSERT_EQ(set.rows.size(), 2U);
+  for (const LiveRow& row : set.rows)
+    for (std::size_t m = 0; m < row.methods.size(); ++m)
+      EXPECT_EQ(row.methods[m].performers, row_of(row.condition).methods[m].performers) << row.title;
+}
+
+TEST(StudyLive, PlaysGivenMotions) {
+  LiveRequest request =
+      brief({LiveCondition::seen, LiveCondition::eating, LiveCondition::rapid, LiveCondition::long_session});
+  request.performers = 0;
+  request.motions.push_back({virt::test::talking(240, false), 0});
+  request.faces.push_back(builtin_face::make_builtin());
+  request.motions_are = "one who talks";
+  request.given_seconds = 3;
+  const auto played = study(request);
+  ASSERT_TRUE(played) << played.error().message();
+  ASSERT_EQ(played->sets.size(), 1U);
+  EXPECT_EQ(played->sets[0].who, "one who talks");
+  ASSERT_EQ(played->sets[0].rows.size(), 4U) << "nobody makes him eat";
+  EXPECT_NEAR(static_cast<double>(played->sets[0].rows[0].frames), 180, 4) << "its beginning";
+  EXPECT_EQ(played->sets[0].rows[1].condition, LiveCondition::rapid);
+}
+
+TEST(StudyLive, SaysWhatCannotBeStudied) {
+  LiveModels none = models();
+  none.causal.clear();
+  const auto modelless = study_live(brief(), rig(), none, no_progress);
+  ASSERT_FALSE(modelless);
+  EXPECT_EQ(modelless.error().code, ErrorCode::bad_usage);
+
+  LiveModels wrong = models();
+  wrong.causal[1].file = tracker::test::tiny_model(kSensors);
+  const auto window_as_causal = study_live(brief(), rig(), wrong, no_progress);
+  ASSERT_FALSE(window_as_causal);
+  EXPECT_EQ(window_as_causal.error().code, ErrorCode::mismatch);
+
+  LiveRequest nobody = brief();
+  nobody.performers = 0;
+  EXPECT_EQ(study(nobody).error().code, ErrorCode::bad_usage);
+  nobody.motions.push_back({virt::test::talking(60), 0});
+  EXPECT_EQ(study(nobody).error().code, ErrorCode::bad_usage) << "no face";
+
+  EXPECT_EQ(study(brief({LiveCondition::three_lost})).error().code, ErrorCode::not_found);
+
+  const auto stopped = study_live(brief(), rig(), models(), [](double, std::string_view) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+TEST(LiveMethod, SpreadsOverThePerformersThatHaveIt) {
+  LiveMethod method{"m", std::vector<Figures>(3)};
+  EXPECT_FALSE(method.over(Measure::pve));
+  method.performers[0][0] = 1.0;
+  EXPECT_EQ(method.over(Measure::pve)->mean, 1.0);
+  EXPECT_EQ(method.over(Measure::pve)->std, 0.0);
+  method.performers[2][0] = 3.0;
+  EXPECT_EQ(method.over(Measure::pve)->mean, 2.0);
+  EXPECT_DOUBLE_EQ(method.over(Measure::pve)->std, std::sqrt(2.0));
+  EXPECT_FALSE(method.over(Measure::mse));
+}
+
+}  // namespace
+}  // namespace mien::study
