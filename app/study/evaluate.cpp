@@ -7,8 +7,8 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/study/model_option.h"
-#include "mien/core/files.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/files.h"
 #include "mien/modalities/modalities.h"
 #include "mien/study/evaluation_json.h"
 #include "mien/study/evaluation_report.h"
@@ -81,8 +81,7 @@ Result<void> run(Options options) {
   std::size_t adapted = 0;
   double adapt_s = 0;
   for (const take::Take& take : takes) {
-    MIEN_TRY_ASSIGN(const study::Solution solution,
-                    model.solve(take, study::SolveFrom::samples, take.path().string()));
+    MIEN_TRY_ASSIGN(const study::Solution solution, model.solve(take, take.path().string()));
     if (solution.personalised && solution.personalised->taken) ++adapted;
     adapt_s += solution.personalise_s;
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));

@@ -48,6 +48,21 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
   return out;
 }
 
+/// The same; says on stderr where it stands on few of the sensors or on none.
+study::Solution told(const take::Take& take, study::Solution solution) {
+  constexpr double kFew = 0.5;
+  if (solution.felt == 0)
+    fmt::print(
+        stderr,
+        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (a neutral "
+        "face, and a nod and a shake where the sensors ask for them) to be calibrated by\n",
+        take.path().string());
+  else if (solution.felt < kFew)
+    fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
+               take.path().string(), 100 * solution.felt);
+  return solution;
+}
+
 }  // namespace
 
 OpenModel::OpenModel(tracker::WindowSolver solver, int steps) : model_(std::move(solver)) {
@@ -73,42 +88,42 @@ std::string OpenModel::kernels() const {
                                                                              : model::Precision::fp32);
 }
 
-Result<study::Solution> OpenModel::solve(const take::Take& take, study::SolveFrom from,
-                                         const std::string& title) const {
-  constexpr double kFew = 0.5;
+Result<study::Solution> OpenModel::solve(const take::Take& take, const std::string& title) const {
   study::Solution solution;
   const Progress progress = terminal_progress(title);
+  const bool live = study::recorded_live(take);
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
-    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, from, settings_, progress));
-  } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
-    MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take, from));
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, settings_, progress));
+    return told(take, std::move(solution));
+  }
+  Adapted adapted;
+  if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
     model::ModelFile file = *causal;
-    Adapted adapted;
+    std::vector<model::FeatureFrame> features;
+    if (!live || adapt_) {
+      MIEN_TRY_ASSIGN(features, study::take_features(take));
+    }
     if (adapt_ && file.skin && file.skin->wearer.empty()) {
       progress(0, "learning the wearer");
       MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
     }
-    MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                    tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
-    MIEN_TRY_ASSIGN(solution, study::solve_take(take, features, tracker, progress));
-    solution.personalised = adapted.personalised;
-    solution.personalise_s = adapted.seconds;
+    if (!live || adapted.personalised) {
+      MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
+                      tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
+      MIEN_TRY_ASSIGN(solution, study::solve_take(take, features, tracker, progress));
+      solution.personalised = adapted.personalised;
+      solution.personalise_s = adapted.seconds;
+      return told(take, std::move(solution));
+    }
+  }
+  if (live) {
+    MIEN_TRY_ASSIGN(solution, study::replay_take(take, path_, progress));
   } else {
     MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
-                    modalities::make_tracker(take.rig(), std::get<std::filesystem::path>(model_)));
-    MIEN_TRY_ASSIGN(const auto protocols, modalities::make_protocols());
-    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *tracker, protocols, from, progress));
+                    modalities::make_tracker(take.rig(), path_));
+    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *tracker, progress));
   }
-  if (solution.felt == 0)
-    fmt::print(
-        stderr,
-        "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (a neutral "
-        "face, and a nod and a shake where the sensors ask for them) to be calibrated by\n",
-        take.path().string());
-  else if (solution.felt < kFew)
-    fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
-               take.path().string(), 100 * solution.felt);
-  return solution;
+  return told(take, std::move(solution));
 }
 
 void ModelOption::add_to(CLI::App* command) {
@@ -142,7 +157,7 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
     if (steps > 0)
       return fail(ErrorCode::bad_usage, "a causal model answers at once, without denoising steps", path,
                   "leave --steps out");
-    return OpenModel(std::move(file), adapt);
+    return OpenModel(path, std::move(file), adapt);
   }
   if (live)
     return fail(ErrorCode::bad_usage, "this is a window network, which sees what comes later", path,

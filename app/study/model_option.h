@@ -19,9 +19,10 @@ class OpenModel {
   /// `steps`: a window network's denoising steps; 0: as its file says.
   OpenModel(tracker::WindowSolver solver, int steps);
   /// `adapt`: it is personalised on each take that has the prompts for it.
-  explicit OpenModel(model::ModelFile causal, bool adapt) : model_(std::move(causal)), adapt_(adapt) {}
+  OpenModel(std::filesystem::path path, model::ModelFile causal, bool adapt)
+      : model_(std::move(causal)), path_(std::move(path)), adapt_(adapt) {}
   /// Of sensors whose tracker alone reads it.
-  explicit OpenModel(std::filesystem::path tracked) : model_(std::move(tracked)) {}
+  explicit OpenModel(std::filesystem::path tracked) : path_(std::move(tracked)) {}
 
   /// The training set's; the neutral face where the file keeps none.
   [[nodiscard]] face::BlendshapeWeights mean_pose() const;
@@ -29,14 +30,14 @@ class OpenModel {
   [[nodiscard]] int steps() const;
   /// What its network multiplies with on this CPU (model::kernel_name()).
   [[nodiscard]] std::string kernels() const;
-  /// Solves a take, showing progress under `title`; says on stderr where the answer stands on few of the
-  /// sensors or on none.
-  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, study::SolveFrom from,
-                                              const std::string& title) const;
+  /// Solves a take, showing progress under `title`; a live take by a live model is its replay, unless it is
+  /// to be personalised first. Says on stderr where the answer stands on few of the sensors or on none.
+  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, const std::string& title) const;
 
  private:
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
-  std::variant<tracker::WindowSolver, model::ModelFile, std::filesystem::path> model_;
+  std::variant<std::monostate, tracker::WindowSolver, model::ModelFile> model_;
+  std::filesystem::path path_;  ///< Of a model that goes frame by frame.
   model::SamplerSettings settings_;
   bool adapt_ = false;
 };

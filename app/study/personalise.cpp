@@ -33,8 +33,7 @@ Result<void> run(Options options) {
     MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
   }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
-  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
-                  study::take_features(take, study::SolveFrom::samples));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
   auto made = study::personalise_on(take, features, file);
   if (!made) {
     made.error().where = options.take;

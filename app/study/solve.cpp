@@ -26,9 +26,7 @@ Result<void> run(Options options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(take.rig()));
   const auto start = std::chrono::steady_clock::now();
-  MIEN_TRY_ASSIGN(
-      const study::Solution solution,
-      model.solve(take, options.from_log ? study::SolveFrom::log : study::SolveFrom::samples, "solve"));
+  MIEN_TRY_ASSIGN(const study::Solution solution, model.solve(take, "solve"));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.out.empty())
     MIEN_TRY(write_motion(motion_of(solution.frames),
@@ -60,7 +58,7 @@ void add_solve_command(Commands& commands) {
   command->add_option("take", options->take, "The take")->required();
   options->model.add_to(command);
   command->add_flag("--from-log", options->from_log,
-                    "Decode the raw packets again; the answer is the same to the bit");
+                    "What solve always does: the take's raw packets are received again. Kept for scripts");
   command->add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
   command->add_option("--face", options->face, "Face of a .glb or .gltf (default: the take's own)");
   command->add_flag("--json", options->json, "Print one JSON object");

@@ -11,8 +11,8 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "mien/core/files.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/files.h"
 #include "mien/model/model_file.h"
 #include "mien/study/imu/live_report.h"
 

@@ -10,8 +10,8 @@
 
 #include "app/json_output.h"
 #include "app/performance.h"
-#include "mien/core/files.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/files.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/loss_report.h"

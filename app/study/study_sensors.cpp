@@ -10,11 +10,11 @@
 
 #include "app/json_output.h"
 #include "app/performance.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/builtin_face/markers.h"
 #include "mien/core/files.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/marker_network.h"
-#include "mien/builtin_face/markers.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/eyewear/error_picture.h"
 #include "mien/study/eyewear/minute_study.h"

@@ -42,7 +42,6 @@ Calibrator::Calibrator(const sensor::Rig& rig) : names_(photo_sensor_names(rig))
 void Calibrator::guide(const Stretch& stretch) {
   if (stretches_.empty()) {
     before_ = in_force_;
-    count_before_ = count_;
     found_before_ = found_;
     maker_.reset();
   }
@@ -65,25 +64,22 @@ void Calibrator::cancel() {
 void Calibrator::fall_back() {
   stretches_.clear();
   in_force_ = before_;
-  count_ = count_before_;
   found_ = found_before_;
 }
 
 void Calibrator::put_in_force(Normalisation made) {
   in_force_ = std::move(made);
-  ++count_;
   found_.reset();
   steady_.reset();
 }
 
-void Calibrator::add(DeviceTime frame, const GridLight& light) {
-  if (!stretches_.empty())
-    lead(frame, light);
-  else if (!in_force_.complete)
-    watch(frame, light);
+Calibrator::Change Calibrator::add(DeviceTime frame, const GridLight& light) {
+  if (!stretches_.empty()) return lead(frame, light);
+  return in_force_.complete ? Change::none : watch(frame, light);
 }
 
-void Calibrator::lead(DeviceTime frame, const GridLight& light) {
+Calibrator::Change Calibrator::lead(DeviceTime frame, const GridLight& light) {
+  Change change = Change::none;
   // What is over ends before what begins at the same frame; a failure ends all.
   for (std::size_t i = 0; i < stretches_.size();) {
     if (frame < stretches_[i].end) {
@@ -92,7 +88,7 @@ void Calibrator::lead(DeviceTime frame, const GridLight& light) {
     }
     const Stretch over = stretches_[i];
     stretches_.erase(stretches_.begin() + static_cast<std::ptrdiff_t>(i));
-    finish(over);
+    change = finish(over);
   }
   for (Stretch& stretch : stretches_) {
     if (frame < stretch.begin) continue;
@@ -107,25 +103,27 @@ void Calibrator::lead(DeviceTime frame, const GridLight& light) {
     else
       maker_.add_range(light);
   }
+  return change;
 }
 
-void Calibrator::finish(const Stretch& stretch) {
+Calibrator::Change Calibrator::finish(const Stretch& stretch) {
   Normalisation made = maker_.solve(in_force_);
   if (stretch.begun && made.complete) {
     put_in_force(std::move(made));
-    return;
+    return Change::calibrated;
   }
   hint_ = "fewer than half of the sensors were heard through the hold; look after them and calibrate again";
   fall_back();
+  return Change::withdrawn;
 }
 
-void Calibrator::watch(DeviceTime frame, const GridLight& light) {
-  if (!steady_.add(light)) return;
+Calibrator::Change Calibrator::watch(DeviceTime frame, const GridLight& light) {
+  if (!steady_.add(light)) return Change::none;
   maker_.reset();
   maker_.begin_neutral();
   for (std::size_t i = 0; i < SteadyWatch::kFrames; ++i) maker_.add_neutral(steady_.frame(i));
   Normalisation made = maker_.solve(in_force_);
-  if (!made.complete) return;
+  if (!made.complete) return Change::none;
   for (sensor::Score& score : made.scores)
     if (score.name == "neutral face")
       score.sentence =
@@ -133,6 +131,7 @@ void Calibrator::watch(DeviceTime frame, const GridLight& light) {
           "calibration knows better";
   put_in_force(std::move(made));
   found_ = Span{frame - frame_offset(SteadyWatch::kFrames - 1), frame};
+  return Change::calibrated;
 }
 
 void Calibrator::forget(std::size_t sensor) {

@@ -51,8 +51,14 @@ class Calibrator {
   void guide_range(DeviceTime begin, DeviceTime end);
   /// Ends guidance; what was in force before its first stretch is in force again.
   void cancel();
+  /// What became of the calibration at a frame.
+  enum class Change : std::uint8_t {
+    none,
+    calibrated,  ///< Another one is in force.
+    withdrawn,   ///< Guidance failed: what was in force before its first stretch is in force again.
+  };
   /// The next frame, with what the sensors see.
-  void add(DeviceTime frame, const GridLight& light);
+  Change add(DeviceTime frame, const GridLight& light);
   /// Another board's light says nothing about this one's neutral: the sensor, by its place among the
   /// photo-reflective ones, is missing until the next calibration.
   void forget(std::size_t sensor);
@@ -60,8 +66,6 @@ class Calibrator {
   [[nodiscard]] Result<void> restore(const Normalisation& normalisation);
 
   [[nodiscard]] const Normalisation& in_force() const { return in_force_; }
-  /// One more each time in_force() changes.
-  [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] bool guided() const { return !stretches_.empty(); }
   /// A neutral face is waited for, or held.
   [[nodiscard]] bool wants_neutral() const;
@@ -80,10 +84,10 @@ class Calibrator {
     bool begun = false;
   };
   void guide(const Stretch& stretch);
-  void lead(DeviceTime frame, const GridLight& light);
-  void finish(const Stretch& stretch);
+  Change lead(DeviceTime frame, const GridLight& light);
+  Change finish(const Stretch& stretch);
   void fall_back();
-  void watch(DeviceTime frame, const GridLight& light);
+  Change watch(DeviceTime frame, const GridLight& light);
   void put_in_force(Normalisation made);
 
   std::vector<std::string> names_;
@@ -91,9 +95,7 @@ class Calibrator {
   SteadyWatch steady_;
   std::vector<Stretch> stretches_;  // Those that are not over.
   Normalisation in_force_;
-  int count_ = 0;
   Normalisation before_;  // In force when the first stretch was given.
-  int count_before_ = 0;
   std::optional<Span> found_, found_before_;
   std::string_view hint_;
 };

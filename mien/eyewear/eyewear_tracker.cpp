@@ -59,8 +59,8 @@ EyewearTracker::EyewearTracker(const sensor::Rig& rig, std::unique_ptr<MarkerReg
   markers_m_ = neutral_m_;
 }
 
-void EyewearTracker::add(HostTime arrival, const sensor::Sample& sample) {
-  grid_.add(arrival, sample);
+void EyewearTracker::add(HostTime, const sensor::Sample& sample) {
+  grid_.add(sample);
 }
 
 void EyewearTracker::forget(std::uint16_t sensor) {
@@ -69,25 +69,33 @@ void EyewearTracker::forget(std::uint16_t sensor) {
   if (place != sensors_.end()) calibrator_.forget(static_cast<std::size_t>(place - sensors_.begin()));
 }
 
-void EyewearTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
-  grid_.pulse(sensor, index, edge);
-}
-
 std::size_t EyewearTracker::normalise() {
   read_features(calibrator_.in_force(), light_, features_);
   return static_cast<std::size_t>(std::ranges::count(features_.present, std::uint8_t{1}));
 }
 
-std::size_t EyewearTracker::tick(DeviceTime frame, face::OutputFrame& out) {
-  grid_.tick(frame, light_);
-  calibrator_.add(frame, light_);
+tracker::TickResult EyewearTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                         face::OutputFrame& out) {
+  using Event = tracker::CalibrationEvent;
+  tracker::TickResult result;
+  grid_.tick(frame, lines, light_);
+  const Calibrator::Change change = calibrator_.add(frame, light_);
+  if (change != Calibrator::Change::none) {
+    renewed_ = true;
+    Event& event = result.calibration.emplace_back();
+    event.kind = change == Calibrator::Change::calibrated ? Event::Kind::calibrated : Event::Kind::withdrawn;
+    event.modality = modality();
+    if (change == Calibrator::Change::calibrated && calibrator_.found())
+      event.found.push_back({Step::neutral, calibrator_.found()->begin, calibrator_.found()->end});
+  }
   out = {};
   out.time = frame;
   if (!calibrator_.in_force().complete) {
     out.provenance.fill(face::Provenance::neutral);
-    return sensors_.size();  // Nothing is lost: nothing was there yet.
+    result.sensors_present = sensors_.size();  // Nothing is lost: nothing was there yet.
+    return result;
   }
-  if (std::exchange(followed_, calibrator_.count()) != calibrator_.count()) regressor_->reset();
+  if (std::exchange(renewed_, false)) regressor_->reset();
   const std::size_t there = normalise();
   regressor_->step(features_, markers_m_);
   markers_m_ += neutral_m_;
@@ -97,7 +105,8 @@ std::size_t EyewearTracker::tick(DeviceTime frame, face::OutputFrame& out) {
                 out.weights);
   out.provenance.fill(there > 0 ? face::Provenance::measured : face::Provenance::predicted);
   out.confidence.fill(static_cast<float>(there) / static_cast<float>(sensors_.size()));
-  return there;
+  result.sensors_present = there;
+  return result;
 }
 
 tracker::Guidance EyewearTracker::guidance() const {
@@ -114,6 +123,7 @@ void EyewearTracker::guide_range(DeviceTime begin, DeviceTime end) {
 
 void EyewearTracker::cancel_guidance() {
   calibrator_.cancel();
+  renewed_ = true;
 }
 
 tracker::CalibrationState EyewearTracker::calibration_state() const {
@@ -139,14 +149,11 @@ std::vector<sensor::Score> EyewearTracker::scores() const {
   return calibrator_.in_force().scores;
 }
 
-std::vector<tracker::PerformedStep> EyewearTracker::found_steps() const {
-  if (!calibrator_.found()) return {};
-  return {{Step::neutral, calibrator_.found()->begin, calibrator_.found()->end}};
-}
-
 Result<void> EyewearTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Normalisation normalisation, parse_normalisation(json, "calibration"));
-  return calibrator_.restore(normalisation);
+  MIEN_TRY(calibrator_.restore(normalisation));
+  renewed_ = true;
+  return {};
 }
 
 }  // namespace mien::eyewear

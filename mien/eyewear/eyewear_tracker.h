@@ -27,9 +27,8 @@ class EyewearTracker final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
-  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
   /// Confidence of every shape: the share of the sensors that are there and calibrated.
-  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
   /// Five seconds of neutral, since folds and sway come and go in one; heads need not move.
   [[nodiscard]] tracker::Guidance guidance() const override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
@@ -38,8 +37,6 @@ class EyewearTracker final : public tracker::Tracker {
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
-  [[nodiscard]] int calibration_count() const override { return calibrator_.count(); }
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override;
   [[nodiscard]] Result<void> restore(std::string_view json) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
@@ -59,7 +56,7 @@ class EyewearTracker final : public tracker::Tracker {
   GridLight light_;
   LightFrame features_;
   Eigen::VectorXd markers_m_;
-  int followed_ = 0;  // Count of the calibration that the regressor's memory is of.
+  bool renewed_ = false;  // The calibration in force is another than the one of the regressor's memory.
   std::optional<DeviceTime> last_frame_;
 };
 

@@ -62,39 +62,30 @@ std::optional<double> LightGrid::Track::at(DeviceTime time) const {
 }
 
 LightGrid::LightGrid(const sensor::Rig& rig)
-    : lines_(rig.sensors.size(), rig.find(rig.reference)),
-      sensors_(photo_sensors(rig)),
-      tracks_(sensors_.size()),
-      track_of_(rig.sensors.size(), sensors_.size()) {
+    : sensors_(photo_sensors(rig)), tracks_(sensors_.size()), track_of_(rig.sensors.size(), sensors_.size()) {
   for (std::size_t i = 0; i < sensors_.size(); ++i) track_of_[sensors_[i]] = i;
 }
 
-void LightGrid::add(HostTime arrival, const sensor::Sample& sample) {
+void LightGrid::add(const sensor::Sample& sample) {
   if (sample.sensor >= track_of_.size()) return;
-  lines_.add(arrival, sample);
   const std::size_t track = track_of_[sample.sensor];
   if (track < tracks_.size() && sample.kind == sensor::SampleKind::photo_reflective && sample.count >= 2)
     tracks_[track].add(sample);
 }
 
-void LightGrid::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
-  lines_.pulse(sensor, index, edge);
-}
-
 void LightGrid::forget(std::uint16_t sensor) {
-  lines_.forget(sensor);
   if (sensor < track_of_.size() && track_of_[sensor] < tracks_.size()) tracks_[track_of_[sensor]].reset();
 }
 
-void LightGrid::tick(DeviceTime frame, GridLight& out) const {
+void LightGrid::tick(DeviceTime frame, const sensor::TimeLines& lines, GridLight& out) const {
   out.log_light.assign(tracks_.size(), 0.0);
   out.present.assign(tracks_.size(), 0);
   out.saturated.assign(tracks_.size(), 0);
-  if (!lines_.ready()) return;
+  if (!lines.ready()) return;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!lines_.heard(sensors_[i])) continue;
+    if (!lines.heard(sensors_[i])) continue;
     out.saturated[i] = tracks_[i].saturated() ? 1 : 0;
-    const auto light = tracks_[i].at(lines_.from_line(sensors_[i], frame));
+    const auto light = tracks_[i].at(lines.from_line(sensors_[i], frame));
     if (!light) continue;
     out.log_light[i] = *light;
     out.present[i] = 1;

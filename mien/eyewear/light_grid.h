@@ -41,14 +41,12 @@ class LightGrid {
 
   explicit LightGrid(const sensor::Rig& rig);
 
-  /// A decoded sample as it arrives; those of other kinds only carry the reference's clock.
-  void add(HostTime arrival, const sensor::Sample& sample);
-  /// As sensor::TimeLines::pulse.
-  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
+  /// A decoded sample as it arrives; those of other kinds are ignored.
+  void add(const sensor::Sample& sample);
   /// The sensor's next samples are another board's.
   void forget(std::uint16_t sensor);
-  /// At a frame of the grid, on the reference's line.
-  void tick(DeviceTime frame, GridLight& out) const;
+  /// At a frame of the grid. `lines`: every sensor's clock, with all samples that were added.
+  void tick(DeviceTime frame, const sensor::TimeLines& lines, GridLight& out) const;
 
  private:
   /// The newest light of one sensor, on its own clock.
@@ -75,7 +73,6 @@ class LightGrid {
     bool saturated_ = false;
   };
 
-  sensor::TimeLines lines_;
   std::vector<std::uint16_t> sensors_;  // Numbers in the rig.
   std::vector<Track> tracks_;           // Of the same.
   std::vector<std::size_t> track_of_;   // By number in the rig; tracks_.size(): none.

@@ -50,49 +50,59 @@ ImuTracker::ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameMod
   features_.sensors.resize(face_.size());
 }
 
-void ImuTracker::add(HostTime arrival, const sensor::Sample& sample) {
-  pipeline_.add(arrival, sample);
+void ImuTracker::add(HostTime, const sensor::Sample& sample) {
+  pipeline_.add(sample);
 }
 
 void ImuTracker::forget(std::uint16_t sensor) {
   pipeline_.forget(sensor);
 }
 
-void ImuTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
-  pipeline_.pulse(sensor, index, edge);
-}
+tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                     face::OutputFrame& out) {
+  using Event = tracker::CalibrationEvent;
+  tracker::TickResult result;
+  const auto tell = [&](Event::Kind kind) { result.calibration.push_back({kind, modality(), {}}); };
 
-std::size_t ImuTracker::tick(DeviceTime frame, face::OutputFrame& out) {
-  pipeline_.tick(frame, features_);
+  const CalibrationChange change = pipeline_.tick(frame, lines, features_);
+  if (change.kind != CalibrationChange::Kind::none) {
+    tell(change.kind == CalibrationChange::Kind::judged ? Event::Kind::judged : Event::Kind::calibrated);
+    for (const FoundPhase& found : change.found)
+      result.calibration.back().found.push_back({to_step(found.phase), found.begin, found.end});
+  }
   // The nod puts a calibration in force; one that does not hold together is shown by no frame.
-  if (guided_until_ && pipeline_.calibration_count() != judged_ && pipeline_.calibration().complete) {
-    judged_ = pipeline_.calibration_count();
-    if (!holds_together()) {
-      undo();
-      features_.sensors.assign(face_.size(), model::SensorFeature{});
-      features_.has_head = false;
-    }
+  if (guided_until_ && change.kind != CalibrationChange::Kind::none && pipeline_.calibration().complete &&
+      !holds_together()) {
+    undo();
+    tell(Event::Kind::withdrawn);
+    features_.sensors.assign(face_.size(), model::SensorFeature{});
+    features_.has_head = false;
   }
   if (guided_until_ && frame >= *guided_until_) {
     guided_until_.reset();
-    if (!holds_together()) undo();
+    if (!holds_together()) {
+      undo();
+      tell(Event::Kind::withdrawn);
+    }
   }
   if (const model::ModelFile* file = model_->personal())
-    if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file))
-      use({.slopes = std::move(learnt->slopes),
-           .count = wearer_.count + 1,
-           .score = std::move(learnt->score)});
+    if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file)) {
+      use({.slopes = std::move(learnt->slopes), .score = std::move(learnt->score)});
+      tell(Event::Kind::calibrated);
+    }
   if (asked_until_ && frame >= *asked_until_) settle();
-  const auto felt =
+  const auto present =
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
-  if (felt == 0 && !pipeline_.calibration().complete) {
+  if (present == 0 && !pipeline_.calibration().complete) {
     out = {};
     out.time = frame;
     out.provenance.fill(face::Provenance::neutral);
-    return face_.size();  // Nothing is lost: nothing was there yet.
+    result.sensors_present = face_.size();  // Nothing is lost: nothing was there yet.
+    return result;
   }
   model_->step(features_, out);
-  return felt;
+  result.sensors_present = present;
+  return result;
 }
 
 tracker::Guidance ImuTracker::guidance() const {
@@ -103,7 +113,6 @@ void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (step == Step::none) return;
   if (!guided_until_) {
     settle();
-    judged_ = pipeline_.calibration_count();
     wearer_before_ = wearer_;
     wearer_.score.reset();
   }
@@ -189,22 +198,11 @@ std::vector<sensor::Score> ImuTracker::scores() const {
   return scores;
 }
 
-int ImuTracker::calibration_count() const {
-  return pipeline_.calibration_count() + wearer_.count;
-}
-
-std::vector<tracker::PerformedStep> ImuTracker::found_steps() const {
-  std::vector<tracker::PerformedStep> steps;
-  for (const FoundPhase& found : pipeline_.found())
-    steps.push_back({to_step(found.phase), found.begin, found.end});
-  return steps;
-}
-
 Result<void> ImuTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
   MIEN_TRY(pipeline_.restore(calibration));
   settle();
-  Wearer wearer{.slopes = calibration.wearer, .count = wearer_.count, .score = {}};
+  Wearer wearer{.slopes = calibration.wearer, .score = {}};
   const model::ModelFile* file = model_->personal();
   if (!wearer.slopes.empty() && (file == nullptr || file->skin->standard.size() != wearer.slopes.size())) {
     // The rest of the calibration holds all the same.

@@ -24,8 +24,7 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return "imu"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
-  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
-  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   [[nodiscard]] tracker::Guidance guidance() const override;
   void guide_range(DeviceTime begin, DeviceTime end) override;
@@ -34,8 +33,6 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
-  [[nodiscard]] int calibration_count() const override;
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override;
   [[nodiscard]] Result<void> restore(std::string_view json) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
 
@@ -43,7 +40,6 @@ class ImuTracker final : public tracker::Tracker {
   /// The wearer in force.
   struct Wearer {
     std::vector<float> slopes;           // Empty: the model's own.
-    int count = 0;                       // Of those that were learnt.
     std::optional<sensor::Score> score;  // Of the calibration that was guided last.
   };
   /// Of the calibration that guidance made; says in hint_ why not.
@@ -60,7 +56,6 @@ class ImuTracker final : public tracker::Tracker {
   model::FeatureFrame features_;
   std::optional<DeviceTime> guided_until_;  // Its steps' end.
   std::optional<DeviceTime> asked_until_;   // The end of all that it asks for and learns.
-  int judged_ = 0;  // Count of the calibration that was judged last, or that was there before.
   std::string_view hint_;
   tracker::WearerLearner learner_;
   Wearer wearer_, wearer_before_;  // The latter: when guidance began.

@@ -138,7 +138,6 @@ struct Pipeline::State {
       : settings(s),
         face(rig.face_sensors()),
         head(rig.head_sensor()),
-        lines(rig.sensors.size(), rig.find(rig.reference)),
         channels(rig.sensors.size(), Channel(s.fusion)),
         prologue(rig),
         watch(rig),
@@ -159,6 +158,7 @@ struct Pipeline::State {
   void add_fused(Channel& channel, const Sample& sample);
   /// False when the sample is out of order. Sets the step, nothing when the board began anew.
   bool order(Channel& channel, const Sample& sample, double& dt_s);
+  /// At the frame that runs; none where nothing was received lately.
   [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
   void run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear);
   void watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear);
@@ -166,6 +166,10 @@ struct Pipeline::State {
   void see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh);
   [[nodiscard]] bool fresh(std::uint16_t sensor, DeviceTime frame) const;
   void put_in_force(const Calibration& made);
+  /// A shake scores the calibration in force, and changes nothing else.
+  void judge(const Calibration& made);
+  /// Tells of a phase that watching found.
+  void add_found(Phase phase);
   /// What its skin says of every heading, now that all poses of the frame are known.
   void recentre(double dt_s, const Quat& q_world_ear);
   /// P_i of the frame, whose pose is there.
@@ -197,17 +201,17 @@ struct Pipeline::State {
   PipelineSettings settings;
   std::vector<std::uint16_t> face;  // Numbers in the rig.
   std::optional<std::uint16_t> head;
-  sensor::TimeLines lines;
-  std::vector<Channel> channels;  // One a sensor of the rig.
+  const sensor::TimeLines* lines = nullptr;  // During a tick.
+  std::vector<Channel> channels;             // One a sensor of the rig.
   Prologue prologue;
   Prologue::Frame prologue_frame;
   std::vector<PhaseWindow> windows;
   SelfCalibration watch;
   bool watched = false;  // The calibration in force was made by watching.
   Calibration calibration;
-  int calibrations = 0;
-  Calibration before_marks;  // In force when the first mark was given.
-  int count_before_marks = 0;
+  CalibrationChange change;              // At the frame that runs.
+  Calibration before_marks;              // In force when the first mark was given, ...
+  bool changed_by_marks = false;         // ... and whether it is in force no more.
   Quat last_head = Quat::Identity();     // Of the last frame that had one.
   std::vector<HeadingTracker> trackers;  // One a face sensor.
   // By face sensor: what gaps left unsure of its tilt, and gravity has not mended.
@@ -272,15 +276,16 @@ void Pipeline::State::add_fused(Channel& channel, const Sample& sample) {
 
 std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTime frame) const {
   const Channel& channel = channels[sensor];
-  if (channel.track.empty() || !lines.ready() || !lines.heard(sensor)) return std::nullopt;
-  return channel.track.at(lines.from_line(sensor, frame),
+  if (channel.track.empty() || !lines->ready() || !lines->heard(sensor)) return std::nullopt;
+  return channel.track.at(lines->from_line(sensor, frame),
                           channel.may_be_unchanged ? settings.unchanged : settings.silence,
                           settings.prediction);
 }
 
 void Pipeline::State::put_in_force(const Calibration& made) {
   calibration = made;
-  ++calibrations;
+  change.kind = CalibrationChange::Kind::calibrated;
+  changed_by_marks = true;
   watched = false;
   for (std::size_t i = 0; i < face.size(); ++i)
     trackers[i].start(made.sensors[i].heading_rad, made.sensors[i].heading_sigma_rad,
@@ -291,6 +296,17 @@ void Pipeline::State::put_in_force(const Calibration& made) {
     channel.began_anew = false;
     channel.take_gaps();
   }
+}
+
+void Pipeline::State::judge(const Calibration& made) {
+  calibration.scores = made.scores;
+  if (change.kind == CalibrationChange::Kind::none) change.kind = CalibrationChange::Kind::judged;
+  changed_by_marks = true;
+}
+
+void Pipeline::State::add_found(Phase phase) {
+  const SelfCalibration::Span& span = watch.spans()[static_cast<std::size_t>(phase)];
+  if (span.end > span.begin) change.found.push_back({phase, span.begin, span.end});
 }
 
 Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
@@ -324,7 +340,7 @@ void Pipeline::State::recentre(double dt_s, const Quat& q_world_ear) {
 bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {
   const Channel& channel = channels[sensor];
   return channel.may_be_unchanged ||
-         lines.from_line(sensor, frame) - channel.track.newest().time <= settings.prediction;
+         lines->from_line(sensor, frame) - channel.track.newest().time <= settings.prediction;
 }
 
 void Pipeline::State::see_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh) {
@@ -353,10 +369,12 @@ void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optiona
       case SelfCalibration::Outcome::calibrated:
         put_in_force(watch.solution());
         watched = true;
+        add_found(Phase::neutral);
+        add_found(Phase::nod);
         break;
       case SelfCalibration::Outcome::judged:
-        calibration.scores = watch.solution().scores;
-        ++calibrations;
+        judge(watch.solution());
+        add_found(Phase::shake);
         break;
     }
   }
@@ -432,8 +450,7 @@ void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSa
       // The headings that the trackers found since stay: a shake only adds its score.
       const Calibration made = prologue.solve();
       if (window.phase == Phase::shake && calibration.complete) {
-        calibration.scores = made.scores;
-        ++calibrations;
+        judge(made);
       } else if (window.phase == Phase::nod || !calibration.complete) {
         put_in_force(made);
       }
@@ -469,7 +486,7 @@ void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
   if (end <= begin) return;
   if (s.windows.empty()) {
     s.before_marks = calibration_now();
-    s.count_before_marks = s.calibrations;
+    s.changed_by_marks = false;
   }
   s.windows.push_back({phase, begin, end, false});
 }
@@ -477,14 +494,12 @@ void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
 void Pipeline::cancel_marks() {
   State& s = *state_;
   s.windows.clear();
-  if (s.calibrations != s.count_before_marks) {
-    s.put_in_force(s.before_marks);
-    s.calibrations = s.count_before_marks;
-  }
+  if (s.changed_by_marks) s.put_in_force(s.before_marks);
+  s.changed_by_marks = false;
   for (Channel& channel : s.channels) channel.fusion.expect_rest(false);
 }
 
-void Pipeline::add(HostTime arrival, const Sample& sample) {
+void Pipeline::add(const Sample& sample) {
   State& s = *state_;
   if (sample.sensor >= s.channels.size()) return;
   for (const float value : sample.used())
@@ -493,21 +508,17 @@ void Pipeline::add(HostTime arrival, const Sample& sample) {
   switch (sample.kind) {
     case SampleKind::imu_raw:
       if (sample.count < 6) return;
-      s.lines.add(arrival, sample);
       s.add_raw(channel, sample);
       return;
     case SampleKind::imu_fused:
       if (sample.count < 7) return;
-      s.lines.add(arrival, sample);
       s.add_fused(channel, sample);
       return;
     case SampleKind::imu_head_relative:
       if (sample.count < 3) return;
-      s.lines.add(arrival, sample);
       channel.lab.add(sample.time, vec3(sample, 0));
       return;
-    default:  // Another modality's; but the frame grid may stand on its clock.
-      s.lines.add(arrival, sample);
+    default:  // Another modality's.
       return;
   }
 }
@@ -515,7 +526,6 @@ void Pipeline::add(HostTime arrival, const Sample& sample) {
 void Pipeline::forget(std::uint16_t sensor) {
   State& s = *state_;
   if (sensor >= s.channels.size()) return;
-  s.lines.forget(sensor);
   s.channels[sensor] = Channel(s.settings.fusion);
   if (sensor == s.head) {
     s.calibration.complete = s.before_marks.complete = false;
@@ -531,12 +541,10 @@ void Pipeline::forget(std::uint16_t sensor) {
   if (!s.calibration.complete) s.watch.forget();  // A hold that it saw half of is none.
 }
 
-void Pipeline::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
-  state_->lines.pulse(sensor, index, edge);
-}
-
-void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
+CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& lines, model::FeatureFrame& out) {
   State& s = *state_;
+  s.lines = &lines;
+  s.change = {};
   out.time = frame;
   out.head = Quat::Identity();
   out.has_head = false;
@@ -621,13 +629,12 @@ void Pipeline::tick(DeviceTime frame, model::FeatureFrame& out) {
     feature.accel_m_s2 = (accel - calibration.sensors[i].neutral_accel_m_s2).cast<float>();
     feature.has_accel = true;
   }
+  s.lines = nullptr;
+  return std::exchange(s.change, {});
 }
 
 const Calibration& Pipeline::calibration() const {
   return state_->calibration;
-}
-int Pipeline::calibration_count() const {
-  return state_->calibrations;
 }
 
 Calibration Pipeline::calibration_now() const {
@@ -653,17 +660,6 @@ std::string_view Pipeline::hint() const {
   return state_->watches() ? state_->watch.hint() : std::string_view();
 }
 
-std::vector<FoundPhase> Pipeline::found() const {
-  std::vector<FoundPhase> found;
-  if (!state_->watched) return found;
-  constexpr std::array kPhases = {Phase::neutral, Phase::nod, Phase::shake};
-  for (std::size_t i = 0; i < kPhases.size(); ++i) {
-    const SelfCalibration::Span& span = state_->watch.spans()[i];
-    if (span.end > span.begin) found.push_back({kPhases[i], span.begin, span.end});
-  }
-  return found;
-}
-
 Result<void> Pipeline::restore(const Calibration& calibration) {
   if (calibration.sensors.size() != state_->face.size())
     return fail(ErrorCode::mismatch, "the calibration is of another number of sensors");
@@ -677,10 +673,6 @@ SensorStatus Pipeline::status(std::uint16_t sensor) const {
   if (sensor >= s.channels.size()) return status;
   status.dropped = s.channels[sensor].dropped;
   status.lost = s.channels[sensor].lost;
-  Quat lab;
-  if (s.last_frame)
-    status.present = s.pose(sensor, *s.last_frame).has_value() ||
-                     s.channels[sensor].lab.at(*s.last_frame, s.settings.silence, lab);
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     if (s.face[i] != sensor || s.settings.magnetometer) continue;
     status.heading_rad = s.trackers[i].heading_rad();

@@ -12,6 +12,7 @@
 #include "mien/imu/heading.h"
 #include "mien/imu/self_calibration.h"
 #include "mien/model/features.h"
+#include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
 
@@ -32,6 +33,17 @@ struct FoundPhase {
 
 /// The step that a take's event of this kind marks ("neutral", "nod", "shake"); none for any other.
 [[nodiscard]] std::optional<Phase> phase_of(std::string_view event_kind);
+
+/// What became of the calibration at a frame.
+struct CalibrationChange {
+  enum class Kind : std::uint8_t {
+    none,
+    calibrated,  ///< A prologue's phase, or watching, put one in force.
+    judged,      ///< The shake scored the one in force.
+  };
+  Kind kind = Kind::none;
+  std::vector<FoundPhase> found;  ///< The phases by which watching made or judged it.
+};
 
 struct PipelineSettings {
   FusionSettings fusion;
@@ -59,7 +71,6 @@ struct PipelineSettings {
 
 /// How well a sensor's rotation is known now, for people and for trackers.
 struct SensorStatus {
-  bool present = false;          ///< Heard within the silence limit of the last frame.
   double heading_rad = 0;        ///< Z_i in force.
   double heading_sigma_rad = 0;  ///< Its standard deviation; grows while nothing tells it.
   double tilt_sigma_rad = 0;     ///< What gaps left of its tilt, and gravity has not mended.
@@ -83,26 +94,22 @@ class Pipeline {
   /// Forgets the marks; what was in force before the first of them, since none ran, is in force again.
   void cancel_marks();
 
-  /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors are
-  /// ignored; of other modalities' only the clock counts.
-  void add(HostTime arrival, const sensor::Sample& sample);
+  /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors and of
+  /// other modalities are ignored.
+  void add(const sensor::Sample& sample);
   /// The sensor's next samples are another board's: another bias, clock and heading, and fixed in another
   /// way. Without a neutral of its own a face sensor is missing until the next calibration; without the
   /// ear's there is none.
   void forget(std::uint16_t sensor);
-  /// As sensor::TimeLines::pulse.
-  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge);
 
   /// Features of the frame at `frame` (reference sensor's clock): orientations interpolated between fused
   /// samples, or predicted, then held, when nothing newer came; a sensor silent for longer than the limit is
   /// missing, and so is every one before a calibration. `out.sensors` gets one entry a face sensor. Samples
-  /// of the lab profile need no calibration.
-  void tick(DeviceTime frame, model::FeatureFrame& out);
+  /// of the lab profile need no calibration. `lines`: every sensor's clock, with all samples that were added.
+  CalibrationChange tick(DeviceTime frame, const sensor::TimeLines& lines, model::FeatureFrame& out);
 
   /// After the prologue; identity before, and for lab.
   [[nodiscard]] const Calibration& calibration() const;
-  /// Counts calibrations: 0 before the first, one more each time calibration() changes.
-  [[nodiscard]] int calibration_count() const;
   /// The same with the headings as they are followed now, and neutrals with what the adhesive has crept: what
   /// restore() may put in force again.
   [[nodiscard]] Calibration calibration_now() const;
@@ -113,9 +120,6 @@ class Pipeline {
   /// Puts an earlier calibration in force. Headings of six-axis fusions hold only within one session.
   /// Errors: mismatch (another number of sensors).
   [[nodiscard]] Result<void> restore(const Calibration& calibration);
-
-  /// The phases of the calibration that it made of its own accord; empty while it made none.
-  [[nodiscard]] std::vector<FoundPhase> found() const;
 
   /// Of one sensor of the rig, by its number in the rig.
   [[nodiscard]] SensorStatus status(std::uint16_t sensor) const;

@@ -158,7 +158,7 @@ void TrackerLoop::look_around(HostTime now) {
   if (now < next_look_) return;
   next_look_ = now + kLook;
   outgoing_.clear();
-  session_.say(now, outgoing_);
+  session_.heartbeats(now, outgoing_);
   for (const sensor::Protocol::Outgoing& said : outgoing_)
     say({Said::Kind::datagram, said.peer, 0, said.datagram});
   if (++looks_ % 2 == 0) return;

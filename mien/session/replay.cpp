@@ -2,11 +2,38 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "mien/core/bytes.h"
+#include "mien/session/command.h"
 #include "mien/take/session_log.h"
 
 namespace mien::session {
+namespace {
+
+/// Peers get their numbers in the order of their first datagrams, as live.
+class Peers {
+ public:
+  sensor::Peer of(const std::string& source) {
+    return peers_.emplace(source, static_cast<sensor::Peer>(peers_.size())).first->second;
+  }
+
+ private:
+  std::map<std::string, sensor::Peer> peers_;
+};
+
+void bind_as_asked(const take::LogEntry& entry, Receiver& receiver, SampleConsumer& consumer) {
+  const auto command = parse_command(as_text(entry.bytes));
+  if (!command) return;
+  if (const auto* bind = std::get_if<Bind>(&*command)) {
+    if (const auto sensor = receiver.rig().find(bind->sensor)) receiver.bind(*sensor, bind->device, consumer);
+  } else if (const auto* tap = std::get_if<Tap>(&*command)) {
+    if (tap->sensor.empty() || receiver.rig().find(tap->sensor)) receiver.bind_by_tap(tap->sensor);
+  }
+}
+
+}  // namespace
 
 Result<void> replay(const take::Take& take, Session& session,
                     const std::function<bool(const take::Tick&, const face::OutputFrame&)>& seen) {
@@ -14,17 +41,14 @@ Result<void> replay(const take::Take& take, Session& session,
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   if (ticks.empty())
     return fail(ErrorCode::not_found, "the take has no frames", take.path().string(), "record it again");
-  std::map<std::string, sensor::Peer> peers;  // In the order of their first words, as live.
+  Peers peers;
   for (const auto& step : take::replay_order(entries, ticks)) {
-    if (step.item != nullptr) {
-      const take::LogEntry& entry = *step.item;
-      if (entry.source == kPageSource) {
+    if (const take::LogEntry* entry = step.item; entry != nullptr) {
+      if (entry->source == kPageSource) {
         // What failed then fails again, and changes as little.
-        [[maybe_unused]] const auto done = session.command(
-            entry.arrival, {reinterpret_cast<const char*>(entry.bytes.data()), entry.bytes.size()});
+        [[maybe_unused]] const auto done = session.command(entry->arrival, as_text(entry->bytes));
       } else {
-        const auto peer = peers.emplace(entry.source, static_cast<sensor::Peer>(peers.size())).first;
-        session.receive(entry.arrival, peer->second, entry.bytes);
+        session.receive(entry->arrival, peers.of(entry->source), entry->bytes);
       }
     }
     if (step.tick == nullptr) continue;
@@ -32,6 +56,22 @@ Result<void> replay(const take::Take& take, Session& session,
       return fail(ErrorCode::cancelled, "stopped", take.path().string());
   }
   return {};
+}
+
+bool replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
+                    Receiver& receiver, SampleConsumer& consumer,
+                    const std::function<bool(const take::Tick&)>& ticked) {
+  Peers peers;
+  for (const auto& step : take::replay_order(entries, ticks)) {
+    if (const take::LogEntry* entry = step.item; entry != nullptr) {
+      if (entry->source == kPageSource)
+        bind_as_asked(*entry, receiver, consumer);
+      else
+        receiver.receive(entry->arrival, peers.of(entry->source), entry->bytes, consumer);
+    }
+    if (step.tick != nullptr && !ticked(*step.tick)) return false;
+  }
+  return true;
 }
 
 }  // namespace mien::session

@@ -7,8 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "mien/sensor/level.h"
-
 namespace mien::session {
 namespace {
 
@@ -18,24 +16,10 @@ using tracker::Step;
 
 const char* const kSession = "session";
 
-/// A device that was heard from one place lately is not believed from another: two with one id.
-constexpr Duration kSamePlace = std::chrono::seconds(1);
-/// Nor is one whose time is so far from what it said last, ...
-constexpr Duration kSameClock = std::chrono::seconds(1);
-/// ... unless it was silent for as long as a board takes to begin anew.
-constexpr Duration kSameBoard = std::chrono::milliseconds(300);
-/// A sensor is lost when nothing was heard of it for this long, ...
-constexpr Duration kLost = std::chrono::milliseconds(100);
-/// ... or, where the board sends nothing while nothing changes, for this.
-constexpr Duration kLostEstimated = std::chrono::seconds(1);
 /// A shake that judges a calibration ends within this time of it.
 constexpr Duration kShakeFollows = std::chrono::seconds(20);
 /// Calibrations of one session.
 constexpr std::size_t kMaxVersions = 256;
-/// Samples that one datagram can hold.
-constexpr std::size_t kMostSamples = 256;
-/// Ids of virtual nodes: "MIEN" and the sensor's place in the rig.
-constexpr std::uint64_t kVirtualNode = 0x024D'4945'4E00ULL;
 
 std::string quoted(std::string_view key, std::string_view value) {
   return nlohmann::json({{std::string(key), std::string(value)}}).dump();
@@ -44,209 +28,54 @@ std::string quoted(std::string_view key, std::string_view value) {
 }  // namespace
 
 Result<std::unique_ptr<Session>> Session::create(Parts parts) {
-  std::unique_ptr<Session> session(new Session(std::move(parts)));
-  MIEN_TRY(session->bind_as_rig_says());
-  return session;
+  MIEN_TRY_ASSIGN(std::unique_ptr<Receiver> receiver,
+                  Receiver::create(std::move(parts.rig), std::move(parts.protocols)));
+  return std::unique_ptr<Session>(new Session(std::move(parts), std::move(receiver)));
 }
 
-Session::Session(Parts parts)
-    : rig_(std::move(parts.rig)),
+Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
+    : receiver_(std::move(receiver)),
       tracker_(std::move(parts.tracker)),
-      protocols_(std::move(parts.protocols)),
       shaper_(parts.shaping),
       reshape_(std::move(parts.reshape)),
-      ticks_(rig_),
-      links_(rig_.sensors.size()),
-      bound_at_(rig_.sensors.size()) {
-  devices_.reserve(kMaxDevices + rig_.sensors.size());
-  bound_.reserve(kMaxDevices + rig_.sensors.size());
-  samples_.reserve(kMostSamples);
-  inbox_.readings.reserve(kMostSamples);
-}
+      bound_at_(receiver_->rig().sensors.size()) {}
 
-Result<void> Session::bind_as_rig_says() {
-  bool any = false;
-  for (std::uint16_t i = 0; i < rig_.sensors.size(); ++i) {
-    const sensor::Mount& mount = rig_.sensors[i];
-    if (mount.device.empty()) continue;
-    any = true;
-    MIEN_TRY_ASSIGN(const DeviceKey key, sensor::parse_device(mount.device));
-    for (const auto& [other, sensor] : bound_)
-      if (other == key)
-        return fail(ErrorCode::bad_usage,
-                    fmt::format("{} and {} are bound to one device, {}", rig_.sensors[sensor].name,
-                                mount.name, mount.device),
-                    "rig " + rig_.name, "give each sensor a device of its own");
-    bound_.emplace_back(key, i);
-  }
-  if (any) return {};
-  for (std::uint16_t i = 0; i < rig_.sensors.size(); ++i)
-    bound_.emplace_back(DeviceKey{kVirtualNode + i, 0}, i);
-  return {};
-}
-
-Session::Device* Session::device(const DeviceKey& key) {
-  const auto found = std::ranges::find(devices_, key, &Device::key);
-  return found == devices_.end() ? nullptr : &*found;
-}
-
-Session::Device* Session::meet(const DeviceKey& key, sensor::Peer peer, std::size_t protocol,
-                               HostTime arrival) {
-  if (Device* known = device(key)) return known;
-  // A stranger's inventions must not keep the rig's own boards out.
-  const bool expected = std::ranges::any_of(bound_, [&](const auto& b) { return b.first == key; });
-  if (devices_.size() >= kMaxDevices && !expected) return nullptr;
-  Device& met = devices_.emplace_back();
-  met.key = key;
-  met.peer = peer;
-  met.heard = arrival;
-  met.protocol = protocol;
-  for (const auto& [bound, sensor] : bound_)
-    if (bound == key) met.sensor = sensor;
-  return &met;
-}
-
-void Session::bind(std::uint16_t sensor, const DeviceKey& key) {
-  if (std::ranges::find(bound_, std::pair(key, sensor)) != bound_.end()) return;
-  std::erase_if(bound_, [&](const auto& b) { return b.first == key || b.second == sensor; });
-  bound_.emplace_back(key, sensor);
-  for (Device& known : devices_) {
-    if (known.sensor == sensor) known.sensor.reset();
-    if (known.key != key) continue;
-    if (known.sensor) links_[*known.sensor] = Link();
-    known.sensor = sensor;
-  }
+void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_received) {
   // A guided calibration that has begun with the board before is none.
-  if (links_[sensor].heard && guide_.running())
+  if (was_received && guide_.running())
     leave_guide(failure_ = "a sensor came to another place meanwhile; calibrate again");
-  links_[sensor] = Link();
   bound_at_[sensor] = newest_frame_;
   const bool anew = in_force_ != 0;
   forget(sensor);
   add_event(
       "bind", newest_frame_, newest_frame_,
       nlohmann::json(
-          {{"sensor", rig_.sensors[sensor].name}, {"device", sensor::format_device(key)}, {"anew", anew}})
+          {{"sensor", rig().sensors[sensor].name}, {"device", sensor::format_device(device)}, {"anew", anew}})
           .dump());
 }
 
 void Session::leave_guide(std::string_view why) {
   guide_.cancel();
   tracker_->cancel_guidance();
-  calibrations_ = tracker_->calibration_count();
+  renewed_.clear();
   // Without a frame there is no time at which it could have been.
   if (frames_ > 0) add_event("calibration_failed", newest_frame_, newest_frame_, quoted("why", why));
 }
 
 void Session::forget(std::uint16_t sensor) {
-  ticks_.forget(sensor);
+  receiver_->forget(sensor);
   tracker_->forget(sensor);
   if (tracker_->calibration().empty()) in_force_ = 0;
-}
-
-void Session::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
-                           const sensor::Reading& reading) {
-  Device* from = meet(reading.from, peer, protocol, arrival);
-  if (from == nullptr) {
-    ++refused_;
-    return;
-  }
-  // Another place, or another clock, while the one that is known still speaks.
-  const Duration silent = arrival - from->heard;
-  const Duration off = (reading.sample.time - from->newest) - silent;
-  const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
-  const bool impostor = (from->peer != peer && silent < kSamePlace) || (other_clock && silent < kSameBoard);
-  if (!impostor) {
-    from->peer = peer;
-    from->heard = arrival;
-    from->newest = reading.sample.time;
-    if (const auto tapped = tap_.add(arrival, reading)) {
-      const auto sensor = rig_.find(tap_.armed());
-      tap_.arm({});
-      if (sensor) bind(*sensor, *tapped);
-    }
-  }
-  if (!from->sensor) return;
-  Link& link = links_[*from->sensor];
-  link.health.add(arrival, reading.sample, reading.saturated);
-  if (impostor) return;
-  link.heard = arrival;
-  link.newest = reading.sample.time;
-  link.level = sensor::level(reading.sample);
-  link.estimated = reading.sample.time_estimated;
-  sensor::Sample& sample = samples_.emplace_back(reading.sample);
-  sample.sensor = *from->sensor;
-  ticks_.add(arrival, sample);
-  tracker_->add(arrival, sample);
-}
-
-bool Session::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
-  const auto found = std::ranges::find(devices_, key, &Device::key);
-  return found != devices_.end() && found->peer == peer;
-}
-
-Session::Received Session::receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram) {
-  inbox_.clear();
-  samples_.clear();
-  Received out;
-  out.log = datagram;
-  std::size_t protocol = 0;
-  while (protocol < protocols_.size() && !protocols_[protocol]->recognises(datagram)) ++protocol;
-  out.verdict = protocol < protocols_.size() ? protocols_[protocol]->receive(arrival, peer, datagram, inbox_)
-                                             : Verdict::malformed;
-  if (out.verdict == Verdict::malformed) {
-    ++malformed_;
-    for (const Device& known : devices_)
-      if (known.peer == peer && known.sensor) links_[*known.sensor].health.add_malformed();
-    return out;
-  }
-  if (out.verdict == Verdict::refused) {
-    ++refused_;
-    return out;
-  }
-  for (const sensor::Announcement& said : inbox_.announcements) {
-    Device* from = meet(said.from, peer, protocol, arrival);
-    if (from == nullptr) continue;
-    from->announces = said.site;
-    const auto sensor = rig_.find(said.site);
-    const bool taken =
-        sensor && std::ranges::any_of(bound_, [&](const auto& b) { return b.second == *sensor; });
-    if (sensor && !taken && !from->sensor) bind(*sensor, said.from);
-  }
-  for (const sensor::Reading& reading : inbox_.readings) take_reading(arrival, peer, protocol, reading);
-  for (const sensor::Inbox::Pulse& pulse : inbox_.pulses) {
-    // A board's sensors share its clock.
-    for (const auto& [key, sensor] : bound_) {
-      if (key.device != pulse.from.device || !speaks_from(key, peer)) continue;
-      ticks_.pulse(sensor, pulse.index, pulse.edge);
-      tracker_->pulse(sensor, pulse.index, pulse.edge);
-    }
-  }
-  for (const sensor::Inbox::Battery& battery : inbox_.batteries)
-    if (const Device* from = device(battery.from); from != nullptr && from->sensor && from->peer == peer)
-      links_[*from->sensor].health.set_battery(battery.percent);
-  // A board that says anything at all is there, whichever of its sensors it speaks of.
-  const std::optional<DeviceKey> speaker =
-      !inbox_.readings.empty() ? std::optional(inbox_.readings.front().from) : inbox_.alive;
-  if (speaker)
-    for (const Device& known : devices_)
-      if (known.key.device == speaker->device && known.peer == peer && known.sensor)
-        links_[*known.sensor].health.add_alive(arrival);
-  out.samples = samples_;
-  if (!inbox_.opened.empty()) out.log = inbox_.opened;
-  out.reply = inbox_.reply;
-  return out;
-}
-
-void Session::say(HostTime now, std::vector<sensor::Protocol::Outgoing>& out) {
-  for (const auto& protocol : protocols_) protocol->say(now, out);
 }
 
 const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   newest_frame_ = frame;
   guide_.before(frame, *tracker_);
-  const std::size_t felt = tracker_->tick(frame, frame_);
-  shaper_.apply(frame_, felt);
+  tracker::TickResult tracked = tracker_->tick(frame, receiver_->lines(), frame_);
+  sensors_present_ = tracked.sensors_present;
+  shaper_.apply(frame_, tracked.sensors_present);
+  const bool guided = guide_.running();
+  if (guided) follow_guided(tracked.calibration);
   if (guide_.after(frame_)) {
     failure_ = tracker_->calibration_state().hint;
     for (const Guide::Part& part : guide_.parts()) {
@@ -258,18 +87,18 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
     }
     if (!failure_.empty()) add_event("calibration_failed", frame, frame, quoted("why", failure_));
     // Of several trackers one may have failed and another not.
-    if (failure_.empty() || tracker_->calibration_count() != calibrations_) {
+    if (failure_.empty() || !renewed_.empty()) {
       std::vector<sensor::Score> scores = tracker_->scores();
       for (const sensor::Score& score : guide_.anchor_scores()) scores.push_back(score);
       add_version(frame, "guided", std::move(scores));
     }
-    calibrations_ = tracker_->calibration_count();
-  } else if (guide_.steps_over(frame) && tracker_->calibration_count() == calibrations_ &&
-             !tracker_->calibration_state().hint.empty()) {
+    renewed_.clear();
+  } else if (guide_.steps_over(frame) && renewed_.empty() && !tracker_->calibration_state().hint.empty()) {
     // Its steps made no calibration: nobody is to make faces for nothing.
     leave_guide(failure_ = tracker_->calibration_state().hint);
   }
-  watch_calibration(frame);
+  follow_recentring(frame);
+  if (!guided) follow_calibration(frame, tracked.calibration);
   if (std::optional<take::Event> shown = prompter_.at(frame)) events_.push_back(*std::move(shown));
   watch_links(frame, fired);
   ++frames_;
@@ -277,21 +106,31 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   return frame_;
 }
 
-void Session::watch_calibration(DeviceTime frame) {
+void Session::follow_recentring(DeviceTime frame) {
   using Centring = shaping::Recentre::State;
-  if (const Centring state = shaper_.recentring().state();
-      recentring_ && (state == Centring::done || state == Centring::failed)) {
-    recentring_ = false;
-    if (state == Centring::done)
-      add_version(frame, "recentre", {});
-    else
-      add_event("recentre_failed", frame, frame,
-                quoted("why", in_force_ == 0 ? "nothing is calibrated yet" : "no sensor was heard"));
+  const Centring state = shaper_.recentring().state();
+  if (!recentring_ || (state != Centring::done && state != Centring::failed)) return;
+  recentring_ = false;
+  if (state == Centring::done)
+    add_version(frame, "recentre", {});
+  else
+    add_event("recentre_failed", frame, frame,
+              quoted("why", in_force_ == 0 ? "nothing is calibrated yet" : "no sensor was heard"));
+}
+
+void Session::follow_guided(std::span<const tracker::CalibrationEvent> events) {
+  for (const tracker::CalibrationEvent& event : events) {
+    std::erase(renewed_, event.modality);
+    if (event.kind != tracker::CalibrationEvent::Kind::withdrawn) renewed_.push_back(event.modality);
   }
-  if (guide_.running() || tracker_->calibration_count() == calibrations_) return;
-  calibrations_ = tracker_->calibration_count();
+}
+
+void Session::follow_calibration(DeviceTime frame, std::span<tracker::CalibrationEvent> events) {
+  if (events.empty()) return;
+  std::vector<tracker::PerformedStep> found;
+  for (const tracker::CalibrationEvent& event : events)
+    found.insert(found.end(), event.found.begin(), event.found.end());
   std::vector<sensor::Score> scores = tracker_->scores();
-  const std::vector<tracker::PerformedStep> found = new_steps();
   // The shake judges what is in force; all else is a version of its own, and so is what another modality's
   // tracker found.
   const bool judged = !found.empty() &&
@@ -302,19 +141,8 @@ void Session::watch_calibration(DeviceTime frame) {
     versions_.back().scores = std::move(scores);
   else
     add_version(frame, "self", std::move(scores));
-  for (const tracker::PerformedStep& step : found) {
+  for (const tracker::PerformedStep& step : found)
     add_event(std::string(step_name(step.step)), step.begin, step.end, R"({"found": true})");
-    told_.push_back(step);
-  }
-}
-
-std::vector<tracker::PerformedStep> Session::new_steps() const {
-  std::vector<tracker::PerformedStep> steps = tracker_->found_steps();
-  std::erase_if(steps, [this](const tracker::PerformedStep& step) {
-    return std::ranges::any_of(told_,
-                               [&](const auto& t) { return t.step == step.step && t.end == step.end; });
-  });
-  return steps;
 }
 
 void Session::add_version(DeviceTime frame, std::string_view origin, std::vector<sensor::Score> scores) {
@@ -334,14 +162,10 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
 }
 
 void Session::watch_links(DeviceTime frame, HostTime fired) {
-  for (std::size_t i = 0; i < links_.size(); ++i) {
-    Link& link = links_[i];
-    if (!link.heard) continue;
-    const bool lost = fired - *link.heard > (link.estimated ? kLostEstimated : kLost);
-    if (lost == link.lost) continue;
-    link.lost = lost;
-    add_event(lost ? "sensor_lost" : "sensor_back", frame, frame, quoted("sensor", rig_.sensors[i].name));
-  }
+  receiver_->watch_links(fired, [&](std::uint16_t sensor, bool lost) {
+    add_event(lost ? "sensor_lost" : "sensor_back", frame, frame,
+              quoted("sensor", rig().sensors[sensor].name));
+  });
 }
 
 void Session::add_event(std::string kind, DeviceTime begin, DeviceTime end, std::string json) {
@@ -383,7 +207,6 @@ Result<void> Session::use_version(std::int64_t id) {
   MIEN_TRY(obey(CancelCalibration{}));
   if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
   shaper_.use_centre(centre);
-  calibrations_ = tracker_->calibration_count();
   in_force_ = id;
   // What it knows of boards that sat elsewhere then does not hold of those that sit there now.
   for (std::uint16_t i = 0; i < bound_at_.size(); ++i)
@@ -407,7 +230,6 @@ Result<void> Session::obey(const RestoreCalibration& command) {
   MIEN_TRY(check_versions());
   MIEN_TRY(obey(CancelCalibration{}));
   MIEN_TRY(tracker_->restore(command.json));
-  calibrations_ = tracker_->calibration_count();
   add_version(newest_frame_, "restored", tracker_->scores());
   return {};
 }
@@ -421,18 +243,18 @@ Result<void> Session::obey(const Recentre&) {
 }
 
 Result<void> Session::obey(const Bind& command) {
-  const auto sensor = rig_.find(command.sensor);
+  const auto sensor = rig().find(command.sensor);
   if (!sensor)
     return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kSession,
                 "the page lists its sensors");
-  bind(*sensor, command.device);
+  receiver_->bind(*sensor, command.device, *this);
   return {};
 }
 
 Result<void> Session::obey(const Tap& command) {
-  if (!command.sensor.empty() && !rig_.find(command.sensor))
+  if (!command.sensor.empty() && !rig().find(command.sensor))
     return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kSession);
-  tap_.arm(command.sensor);
+  receiver_->bind_by_tap(command.sensor);
   return {};
 }
 
@@ -481,36 +303,10 @@ void Session::report_prompts(Report::Prompts& out) const {
 void Session::report(HostTime now, Report& out) const {
   out.time = newest_frame_;
   out.frames = frames_;
-  out.malformed = malformed_;
-  out.refused = refused_;
-  out.tap = tap_.armed();
+  receiver_->report(now, out);
+  for (std::uint16_t i = 0; i < out.links.size(); ++i)
+    out.links[i].heading_sigma_rad = tracker_->heading_sigma_rad(i);
   out.shaping = shaping::write_settings(shaper_.settings());
-
-  out.links.resize(links_.size());
-  for (std::uint16_t i = 0; i < links_.size(); ++i) {
-    Report::Link& link = out.links[i];
-    const auto bound = std::ranges::find(bound_, i, &std::pair<DeviceKey, std::uint16_t>::second);
-    link.device = bound == bound_.end() ? std::string() : sensor::format_device(bound->first);
-    std::optional<sensor::LinkClock> clock;
-    const sensor::TimeLines& lines = ticks_.lines();
-    if (links_[i].heard && lines.clock(i).ready()) {
-      const sensor::ClockModel& model = lines.clock(i);
-      clock = sensor::LinkClock{
-          .offset = model.to_host(links_[i].newest).time_since_epoch() - links_[i].newest.time_since_epoch(),
-          .drift_ppm = 1e6 * model.rate(),
-          .uncertainty = model.uncertainty(links_[i].newest)};
-    }
-    link.health = links_[i].health.report(now, clock);
-    if (bound == bound_.end()) link.health.state = sensor::LinkState::unbound;
-    link.level = links_[i].level;
-    link.heading_sigma_rad = tracker_->heading_sigma_rad(i);
-  }
-
-  out.unbound.clear();
-  for (const Device& known : devices_)
-    if (!known.sensor)
-      out.unbound.push_back({sensor::format_device(known.key), known.announces,
-                             std::string(protocols_[known.protocol]->name()), now - known.heard});
 
   report_prompts(out.prompts);
   Report::Calibration& calibration = out.calibration;

@@ -12,15 +12,14 @@
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
 #include "mien/face/output_frame.h"
-#include "mien/sensor/link_health.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
 #include "mien/session/command.h"
 #include "mien/session/guide.h"
 #include "mien/session/prompter.h"
+#include "mien/session/receiver.h"
 #include "mien/session/report.h"
-#include "mien/session/tap_watch.h"
 #include "mien/shaping/shaper.h"
 #include "mien/take/take.h"
 #include "mien/tracker/tracker.h"
@@ -30,9 +29,9 @@ namespace mien::session {
 /// The session: devices, clocks, calibration, tracker, shaping. What goes in are the session log's entries
 /// and ticks, in order; what comes out are output frames; nothing else has a say, neither the clock on the
 /// wall nor a thread. So a replay of the log gives the same bits. Thread: one at a time. No allocation in
-/// receive(), due() and tick() once every device has been heard, but where a calibration is made or a prompt
-/// is over.
-class Session {
+/// receive(), due() and tick() once every device has been received, but where a calibration is made or a
+/// prompt is over.
+class Session final : private SampleConsumer {
  public:
   struct Parts {
     sensor::Rig rig;
@@ -42,36 +41,35 @@ class Session {
     /// Told of every change of these settings: for a tracker that has a use for some. May be empty.
     std::function<void(const shaping::ShaperSettings&)> reshape;
   };
-  /// A rig that binds no sensor binds virtual nodes, whose ids name their place. Errors: malformed (a binding
-  /// of the rig that is no device), bad_usage (two sensors bound to one).
+  /// Errors: Receiver::create's.
   [[nodiscard]] static Result<std::unique_ptr<Session>> create(Parts parts);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session() override = default;
 
-  /// Devices beyond this many are refused.
-  static constexpr std::size_t kMaxDevices = 64;
-
-  struct Received {
-    sensor::Verdict verdict = sensor::Verdict::ignored;
-    std::span<const sensor::Sample> samples;  ///< Bound and taken, until the next call.
-    /// What a log should keep: the datagram, or what was sealed in it. Until the next call.
-    std::span<const std::byte> log;
-    std::span<const std::byte> reply;  ///< For the sender; empty: none. Until the next call.
-  };
+  using Received = Receiver::Received;
   /// One datagram. Fire all that due() gives before it, and again after it.
-  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram);
+  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram) {
+    return receiver_->receive(arrival, peer, datagram, *this);
+  }
 
   /// One command of the page, as it goes into the log. Errors: parse_command's; not_found (no such sensor,
   /// version); what the tracker says.
   [[nodiscard]] Result<void> command(HostTime arrival, std::string_view json);
 
   /// The next frame that is due; ask until there is none.
-  [[nodiscard]] std::optional<sensor::FrameTick> due(HostTime now) { return ticks_.due(now); }
+  [[nodiscard]] std::optional<sensor::FrameTick> due(HostTime now) { return receiver_->due(now); }
   /// When the next frame fires if nothing more arrives.
-  [[nodiscard]] std::optional<HostTime> deadline() const { return ticks_.deadline(); }
+  [[nodiscard]] std::optional<HostTime> deadline() const { return receiver_->deadline(); }
   /// The answer at a tick: of due() in a live session, of the log in a replay. Valid until the next call.
   const face::OutputFrame& tick(DeviceTime frame, HostTime fired);
+  /// How many sensors stood behind the last answer.
+  [[nodiscard]] std::size_t sensors_present() const { return sensors_present_; }
 
-  /// What is to be said to devices unasked; about ten times a second.
-  void say(HostTime now, std::vector<sensor::Protocol::Outgoing>& out);
+  /// Datagrams that devices are due unasked; about ten times a second.
+  void heartbeats(HostTime now, std::vector<sensor::Protocol::Outgoing>& out) {
+    receiver_->heartbeats(now, out);
+  }
 
   /// Events since the last call, for the take; then forgotten.
   [[nodiscard]] std::vector<take::Event> take_events();
@@ -84,47 +82,25 @@ class Session {
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
   /// Of every frame so far, as face::FrameHash has it. The last call before the session ends.
   [[nodiscard]] std::string hash() { return hash_.hex(); }
-  [[nodiscard]] const sensor::Rig& rig() const { return rig_; }
+  [[nodiscard]] const sensor::Rig& rig() const { return receiver_->rig(); }
   [[nodiscard]] std::string_view modality() const { return tracker_->modality(); }
 
  private:
-  struct Device {
-    sensor::DeviceKey key;
-    std::optional<std::uint16_t> sensor;
-    sensor::Peer peer = 0;
-    HostTime heard;
-    DeviceTime newest;  // Of what was believed.
-    std::size_t protocol = 0;
-    std::string announces;
-  };
-  struct Link {
-    sensor::LinkHealth health;
-    std::optional<HostTime> heard;
-    DeviceTime newest;
-    std::optional<float> level;
-    bool estimated = false;
-    bool lost = false;
-  };
-
-  explicit Session(Parts parts);
-  [[nodiscard]] Result<void> bind_as_rig_says();
-  Device* device(const sensor::DeviceKey& key);
-  Device* meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
-  void bind(std::uint16_t sensor, const sensor::DeviceKey& key);
-  /// Nothing that was learned of the board at this place holds.
+  Session(Parts parts, std::unique_ptr<Receiver> receiver);
+  void add(HostTime arrival, const sensor::Sample& sample) override { tracker_->add(arrival, sample); }
+  void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) override;
+  /// What was estimated of the board at this sensor is void.
   void forget(std::uint16_t sensor);
   /// Ends a guided calibration before its time, and tells why; what was in force stays.
   void leave_guide(std::string_view why);
-  /// Whether the readings of a device come from there: nobody else is believed about it.
-  [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;
   [[nodiscard]] Result<void> check_versions() const;
-  void take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
-                    const sensor::Reading& reading);
   void watch_links(DeviceTime frame, HostTime fired);
-  void watch_calibration(DeviceTime frame);
+  /// Of what trackers found of their own accord.
+  void follow_calibration(DeviceTime frame, std::span<tracker::CalibrationEvent> events);
+  /// Of what the guided calibration that runs has come to.
+  void follow_guided(std::span<const tracker::CalibrationEvent> events);
+  void follow_recentring(DeviceTime frame);
   void add_version(DeviceTime frame, std::string_view origin, std::vector<sensor::Score> scores);
-  /// The steps that the tracker found and that no event tells of yet.
-  [[nodiscard]] std::vector<tracker::PerformedStep> new_steps() const;
   void add_event(std::string kind, DeviceTime begin, DeviceTime end, std::string json = {});
   Result<void> use_version(std::int64_t id);
 
@@ -140,27 +116,17 @@ class Session {
   Result<void> obey(const Prompting& command);
   void report_prompts(Report::Prompts& out) const;
 
-  sensor::Rig rig_;
+  std::unique_ptr<Receiver> receiver_;
   std::unique_ptr<tracker::Tracker> tracker_;
-  std::vector<std::unique_ptr<sensor::Protocol>> protocols_;
   shaping::Shaper shaper_;
   std::function<void(const shaping::ShaperSettings&)> reshape_;
-  sensor::TickRule ticks_;
   Guide guide_;
   Prompter prompter_;
-  TapWatch tap_;
-
-  std::vector<Device> devices_;
-  std::vector<Link> links_;           // One a sensor of the rig.
-  std::vector<DeviceTime> bound_at_;  // The frame before its board came; beside.
-  std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound_;  // Whether heard or not.
-  sensor::Inbox inbox_;
-  std::vector<sensor::Sample> samples_;
+  std::vector<DeviceTime> bound_at_;  // By sensor of the rig: the frame before its board came.
 
   std::vector<CalibrationVersion> versions_;
-  std::int64_t in_force_ = 0;                 // Id; 0: none.
-  int calibrations_ = 0;                      // As the tracker counts them.
-  std::vector<tracker::PerformedStep> told_;  // Found steps that are events already.
+  std::int64_t in_force_ = 0;              // Id; 0: none.
+  std::vector<std::string_view> renewed_;  // Whose calibration the guided one that runs has changed.
   bool recentring_ = false;
   std::string_view failure_;
   std::vector<take::Event> events_;
@@ -168,8 +134,7 @@ class Session {
   face::OutputFrame frame_;
   DeviceTime newest_frame_;
   std::uint64_t frames_ = 0;
-  std::uint64_t malformed_ = 0;
-  std::uint64_t refused_ = 0;
+  std::size_t sensors_present_ = 0;
   face::FrameHash hash_;
 };
 

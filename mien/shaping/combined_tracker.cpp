@@ -42,25 +42,28 @@ CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& 
 
 void CombinedTracker::add(HostTime arrival, const sensor::Sample& sample) {
   newest_ = std::max(newest_, arrival);
-  if (sample.sensor < member_of_.size() && member_of_[sample.sensor] != kNobodys)
-    members_[member_of_[sample.sensor]].heard = arrival;
-  for (Member& member : members_) member.tracker->add(arrival, sample);
+  if (sample.sensor >= member_of_.size() || member_of_[sample.sensor] == kNobodys) return;
+  Member& member = members_[member_of_[sample.sensor]];
+  member.heard = arrival;
+  member.tracker->add(arrival, sample);
 }
 
 void CombinedTracker::forget(std::uint16_t sensor) {
   for (Member& member : members_) member.tracker->forget(sensor);
 }
 
-void CombinedTracker::pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) {
-  for (Member& member : members_) member.tracker->pulse(sensor, index, edge);
-}
-
-std::size_t CombinedTracker::tick(DeviceTime frame, face::OutputFrame& out) {
+tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                          face::OutputFrame& out) {
+  tracker::TickResult all;
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    sources_[i].sensors_there = members_[i].tracker->tick(frame, members_[i].frame);
+    tracker::TickResult one = members_[i].tracker->tick(frame, lines, members_[i].frame);
+    for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
+    sources_[i].sensors_there = one.sensors_present;
     sources_[i].frame = &members_[i].frame;
   }
-  return merge_.apply(sources_, out);
+  if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
+  all.sensors_present = merge_.apply(sources_, out);
+  return all;
 }
 
 bool CombinedTracker::any_there() const {
@@ -135,23 +138,6 @@ std::vector<sensor::Score> CombinedTracker::scores() const {
   return all;
 }
 
-int CombinedTracker::sum_of_counts() const {
-  int sum = 0;
-  for (const Member& member : members_) sum += member.tracker->calibration_count();
-  return sum;
-}
-
-int CombinedTracker::calibration_count() const {
-  return sum_of_counts() - not_counted_;
-}
-
-std::vector<tracker::PerformedStep> CombinedTracker::found_steps() const {
-  std::vector<tracker::PerformedStep> all;
-  for (const Member& member : members_)
-    for (const tracker::PerformedStep& step : member.tracker->found_steps()) all.push_back(step);
-  return all;
-}
-
 Result<void> CombinedTracker::restore(std::string_view text) {
   const json all = json::parse(text, nullptr, false);
   if (!all.is_object() || all.empty())
@@ -161,7 +147,6 @@ Result<void> CombinedTracker::restore(std::string_view text) {
     if (std::ranges::none_of(members_, [&](const Member& m) { return m.tracker->modality() == name; }))
       return fail(ErrorCode::mismatch, fmt::format("there is no tracker \"{}\" here", name), "calibration",
                   "give one that was made with " + modality_);
-  const int before = sum_of_counts();
   std::vector<std::pair<tracker::Tracker*, std::string>> changed;
   for (Member& member : members_) {
     const auto found = all.find(std::string(member.tracker->modality()));
@@ -170,8 +155,8 @@ Result<void> CombinedTracker::restore(std::string_view text) {
     if (auto done = member.tracker->restore(found->dump()); !done) {
       bool undone = true;
       for (auto& [other, earlier] : changed) undone = !earlier.empty() && other->restore(earlier) && undone;
-      // What could not be undone is a change, and counts as one.
-      if (undone) not_counted_ += sum_of_counts() - before;
+      // What could not be undone is another calibration in force.
+      half_restored_ = !undone;
       return done;
     }
     changed.emplace_back(member.tracker.get(), std::move(had));

@@ -16,9 +16,8 @@ namespace mien::shaping {
 /// Several modalities' trackers as one: each is asked at every frame, and Merge makes one answer of theirs.
 /// Whoever holds it need not know that there are several.
 ///
-/// Every tracker hears every call, since the frame grid may stand on the clock of a sensor that is another's;
-/// each takes the samples of its own kind, and of the others only their clocks. It is made of the rig's part
-/// that is its own (sensor::part_of), where all sensors keep their numbers.
+/// Each tracker gets the samples of its own sensors. It is made of the rig's part that is its own
+/// (sensor::part_of), where all sensors keep their numbers.
 ///
 /// Calibration: guided steps go to all, as long as the one that wants them longest asks for. Where trackers
 /// must be told apart, those count that have a sensor there, heard in the last two seconds, and all while
@@ -40,9 +39,8 @@ class CombinedTracker final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return modality_; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
-  void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) override;
-  /// Returns how many sensors stand behind the answer (Merge::apply).
-  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override;
+  /// `sensors_present`: how many stand behind the answer (Merge::apply). Calibration events are those of all.
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
 
   [[nodiscard]] tracker::Guidance guidance() const override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
@@ -54,9 +52,6 @@ class CombinedTracker final : public tracker::Tracker {
   /// {"imu": {...}, "eyewear": {...}}: those that are in force.
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
-  /// Of all together.
-  [[nodiscard]] int calibration_count() const override;
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override;
   /// A tracker that the text does not name keeps what it has. What fails leaves all as it was, but for
   /// trackers that had none in force before. Errors: malformed, mismatch (no tracker is called so), a
   /// tracker's own.
@@ -73,7 +68,6 @@ class CombinedTracker final : public tracker::Tracker {
   [[nodiscard]] bool any_there() const;
   /// Whether it is one of those that count.
   [[nodiscard]] bool counts(const Member& member) const;
-  [[nodiscard]] int sum_of_counts() const;
 
   std::vector<Member> members_;
   std::vector<std::uint8_t> member_of_;  // By number in the rig.
@@ -81,7 +75,8 @@ class CombinedTracker final : public tracker::Tracker {
   Merge merge_;
   std::vector<Merge::Source> sources_;
   HostTime newest_;
-  int not_counted_ = 0;  // Calibrations that a restore made and took back.
+  bool half_restored_ =
+      false;  // A restore failed, and what it had changed could not be undone: next tick's event.
 };
 
 }  // namespace mien::shaping

@@ -6,39 +6,11 @@
 #include <map>
 
 #include "mien/face/frame_hash.h"
-#include "mien/imu/packets/packet.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::study {
 namespace {
-
-/// Decodes the raw packets again. A device keeps the sensor number that its stored samples have.
-Result<std::vector<take::StoredSample>> decode_log(const std::vector<take::LogEntry>& entries,
-                                                   const std::vector<take::StoredSample>& stored) {
-  std::map<std::int64_t, std::uint16_t> sensor_of_entry;
-  for (const take::StoredSample& s : stored) sensor_of_entry.emplace(s.entry, s.sample.sensor);
-  std::vector<take::StoredSample> out;
-  out.reserve(stored.size());
-  std::vector<sensor::Sample> samples;
-  std::map<std::pair<std::uint64_t, std::uint8_t>, std::uint16_t> sensor_of_device;
-  for (const take::LogEntry& entry : entries) {
-    if (!imu::is_packet(entry.bytes)) continue;
-    const auto packet = imu::parse_packet(entry.bytes);
-    if (!packet) continue;  // The session dropped it too.
-    const auto key = std::pair{packet->device, packet->channel};
-    auto bound = sensor_of_device.find(key);
-    if (bound == sensor_of_device.end()) {
-      const auto sensor = sensor_of_entry.find(entry.id);
-      if (sensor == sensor_of_entry.end()) continue;  // Not of this rig.
-      bound = sensor_of_device.emplace(key, sensor->second).first;
-    }
-    samples.clear();
-    imu::append_samples(*packet, bound->second, samples);
-    for (const sensor::Sample& sample : samples) out.push_back({entry.id, entry.arrival, sample});
-  }
-  return out;
-}
 
 /// Adds to the frames what stands beside them.
 void complete(const take::Take& take, const model::ModelFile& file,
@@ -71,32 +43,32 @@ model::SamplerSettings sampler_of(const model::ModelFile& file, std::size_t step
   return settings;
 }
 
-Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from) {
-  MIEN_TRY_ASSIGN(std::vector<take::StoredSample> samples, take.samples());
+bool recorded_live(const take::Take& take) {
+  return take.header().devices == "live";
+}
+
+Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take) {
+  MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
-  if (from == SolveFrom::log) {
-    MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
-    MIEN_TRY_ASSIGN(samples, decode_log(entries, samples));
-  }
   if (ticks.empty())
     return fail(ErrorCode::not_found, "the take has no frames", take.path().string(),
                 "record or perform it again");
-  return trace_features(take.rig(), events, samples, ticks);
+  return trace_features(take.rig(), events, entries, ticks);
 }
 
-Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver, SolveFrom from,
+Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,
                             const model::SamplerSettings& settings, const Progress& progress) {
-  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take));
   Solution out;
   MIEN_TRY_ASSIGN(out.frames, solver.solve(features, take.rig().face_sensor_names(), settings, progress));
   complete(take, solver.file(), features, out);
   return out;
 }
 
-Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker, SolveFrom from,
+Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
                             const Progress& progress) {
-  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take, from));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, take_features(take));
   return solve_take(take, features, tracker, progress);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <memory>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,7 +8,6 @@
 
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
-#include "mien/sensor/protocol.h"
 #include "mien/study/evaluation.h"
 #include "mien/take/take.h"
 #include "mien/tracker/causal_tracker.h"
@@ -17,12 +16,6 @@
 #include "mien/tracker/window_solver.h"
 
 namespace mien::study {
-
-/// Where a solve reads the session from; both give the same bits.
-enum class SolveFrom {
-  samples,  ///< The decoded samples.
-  log,      ///< The raw packets, decoded again.
-};
 
 /// A take's answer.
 struct Solution {
@@ -45,31 +38,37 @@ struct Solution {
 /// the published sampler where they are all of the schedule's levels. 0: as its file says.
 [[nodiscard]] model::SamplerSettings sampler_of(const model::ModelFile& file, std::size_t steps);
 
-/// Features of a take, one frame a tick. A packet that does not parse is passed over, as the session did.
-/// Errors: the take's; not_found (no ticks).
-[[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take, SolveFrom from);
+/// Whether the take was recorded live: then its answer by a live model is the session's replay (replay_take).
+[[nodiscard]] bool recorded_live(const take::Take& take);
+
+/// Features of a take, one frame a tick: its log received again, as the session received it, with the take's
+/// events as the calibration's marks. Errors: the take's; not_found (no ticks).
+[[nodiscard]] Result<std::vector<model::FeatureFrame>> take_features(const take::Take& take);
 
 /// Solves a whole take with the window network.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, const tracker::WindowSolver& solver,
-                                          SolveFrom from, const model::SamplerSettings& settings,
-                                          const Progress& progress);
+                                          const model::SamplerSettings& settings, const Progress& progress);
 
-/// Solves a whole take frame by frame, as a live session would; the tracker is reset first and last.
+/// Solves a performed take frame by frame, calibrated by its events; the tracker is reset first and last.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::CausalTracker& tracker,
-                                          SolveFrom from, const Progress& progress);
+                                          const Progress& progress);
 /// The same with the features that take_features() gave.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take,
                                           std::span<const model::FeatureFrame> features,
                                           tracker::CausalTracker& tracker, const Progress& progress);
 
-/// Solves a whole take with the tracker of its sensors, as a live session would: with the calibrations that
-/// the take holds, each from when it was made; where it holds none, with those that the tracker makes of the
-/// take's events ("neutral", "nod", "shake", "range") or finds by itself. The tracker is a fresh one.
-/// `protocols` decode the log, and are fresh ones too; no ridge. Errors: the take's; not_found (no ticks);
-/// what the tracker says of a calibration; cancelled.
+/// Solves a performed take with the tracker of its sensors: with the calibrations that the take holds, each
+/// from when it was made; where it holds none, with those that the tracker makes of the take's events
+/// ("neutral", "nod", "shake", "range") or finds by itself. The tracker is a fresh one; no ridge. Errors: the
+/// take's; not_found (no ticks); what the tracker says of a calibration; cancelled.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker,
-                                          std::span<const std::unique_ptr<sensor::Protocol>> protocols,
-                                          SolveFrom from, const Progress& progress);
+                                          const Progress& progress);
+
+/// Replays a live take with this live model (a file, or a folder of them where the rig has several kinds of
+/// sensors): the frames that the session gave, to the bit, where it ran with the same model and kernels; no
+/// ridge. Errors: the take's; not_found (no ticks); modalities::make_session's; cancelled.
+[[nodiscard]] Result<Solution> replay_take(const take::Take& take, const std::filesystem::path& model,
+                                           const Progress& progress);
 
 /// Whether a take can be measured: to be asked before it is solved, which takes long. Errors: not_found.
 [[nodiscard]] Result<void> check_has_truth(const take::Take& take);

@@ -12,6 +12,7 @@
 #include "mien/core/time.h"
 #include "mien/face/output_frame.h"
 #include "mien/sensor/calibration.h"
+#include "mien/sensor/clock_model.h"
 #include "mien/sensor/sample.h"
 #include "mien/tracker/prompted_expression.h"
 
@@ -60,6 +61,28 @@ struct PerformedStep {
   DeviceTime begin, end;
 };
 
+/// What became of a calibration at a tick.
+struct CalibrationEvent {
+  enum class Kind : std::uint8_t {
+    calibrated,  ///< One is in force that was not before: by guidance, or of the tracker's own accord.
+    judged,      ///< The one in force was scored anew (a shake checks it).
+    withdrawn,   ///< Guidance failed: what was in force before its first step is in force again.
+  };
+  Kind kind = Kind::calibrated;
+  std::string_view modality;  ///< Whose: Tracker::modality() of the tracker that has it.
+  /// The steps that the tracker found of its own accord since its last event; guided ones are known to who
+  /// guided.
+  std::vector<PerformedStep> found;
+};
+
+/// What a tick returns beside the frame.
+struct TickResult {
+  /// How many sensors were there: 0 asks whoever shapes to hold and to ease to neutral, a change to ease
+  /// over.
+  std::size_t sensors_present = 0;
+  std::vector<CalibrationEvent> calibration;  ///< Nearly always empty.
+};
+
 /// One modality's way from samples to output frames; the only face that the live session sees of it. A pure
 /// function of the calls, in their order: live and replay give the same bits. Thread: one at a time. No
 /// allocation in add and tick after start-up, but where a calibration is made.
@@ -69,17 +92,14 @@ class Tracker {
   /// "imu": what its calibrations are called in a take.
   [[nodiscard]] virtual std::string_view modality() const = 0;
 
-  /// A decoded sample as it arrives; `sample.sensor` is bound. Order of calls is the log's order.
+  /// A decoded sample of one of its own sensors as it arrives. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
   /// The sensor's next samples are another device's: nothing that was learned of the one before holds.
   virtual void forget(std::uint16_t sensor) = 0;
-  /// A shared pulse's edge on a sensor's own clock (sensor::TimeLines::pulse).
-  virtual void pulse(std::uint16_t sensor, std::uint32_t index, DeviceTime edge) = 0;
 
-  /// The answer at a frame of the grid (reference's time line): every field of `out`. Neutral, with that
-  /// provenance, until there is a calibration. Returns how many sensors were there: 0 asks whoever shapes to
-  /// hold and to ease to neutral, a change to ease over.
-  virtual std::size_t tick(DeviceTime frame, face::OutputFrame& out) = 0;
+  /// The answer at a frame of the grid: every field of `out`. Neutral, with that provenance, until there is a
+  /// calibration. `lines`: every sensor's clock, and the time line on which `frame` stands.
+  virtual TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) = 0;
 
   /// What it wants of a guided calibration.
   [[nodiscard]] virtual Guidance guidance() const { return {}; }
@@ -100,12 +120,7 @@ class Tracker {
   /// The calibration in force as JSON, as a take keeps it; empty when there is none.
   [[nodiscard]] virtual std::string calibration() const = 0;
   [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
-  /// Counts calibrations: one more each time calibration() changes by more than drift. Guidance that fails or
-  /// is cancelled leaves the count where it was before.
-  [[nodiscard]] virtual int calibration_count() const = 0;
-  /// The steps that the tracker found of its own accord; guided ones are known to who guided.
-  [[nodiscard]] virtual std::vector<PerformedStep> found_steps() const = 0;
-  /// Puts an earlier one in force. Errors: malformed, mismatch (another rig's).
+  /// Puts an earlier one in force. No event tells of it. Errors: malformed, mismatch (another rig's).
   [[nodiscard]] virtual Result<void> restore(std::string_view json) = 0;
 
   /// How unsure a sensor's heading is, rad; none where that means nothing.

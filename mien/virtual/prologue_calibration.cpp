@@ -7,6 +7,7 @@
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/normalisation.h"
 #include "mien/imu/pipeline.h"
+#include "mien/sensor/clock_model.h"
 #include "mien/take/session_log.h"
 
 namespace mien::virt {
@@ -25,13 +26,14 @@ Versions imu_calibrations(const sensor::Rig& rig, const VirtualSession& session)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   Versions versions;
   model::FeatureFrame frame;
-  int seen = 0;
+  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
   for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr) pipeline.add(step.item->arrival, step.item->sample);
+    if (step.item != nullptr) {
+      lines.add(step.item->arrival, step.item->sample);
+      pipeline.add(step.item->sample);
+    }
     if (step.tick == nullptr) continue;
-    pipeline.tick(step.tick->frame, frame);
-    if (pipeline.calibration_count() == seen) continue;
-    seen = pipeline.calibration_count();
+    if (pipeline.tick(step.tick->frame, lines, frame).kind == imu::CalibrationChange::Kind::none) continue;
     add_version(versions, step.tick->frame, "imu", imu::write_calibration(pipeline.calibration()));
   }
   return versions;
@@ -46,14 +48,15 @@ Versions eyewear_calibrations(const sensor::Rig& rig, const VirtualSession& sess
   }
   Versions versions;
   eyewear::GridLight light;
-  int seen = 0;
+  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
   for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr) grid.add(step.item->arrival, step.item->sample);
+    if (step.item != nullptr) {
+      lines.add(step.item->arrival, step.item->sample);
+      grid.add(step.item->sample);
+    }
     if (step.tick == nullptr) continue;
-    grid.tick(step.tick->frame, light);
-    calibrator.add(step.tick->frame, light);
-    if (calibrator.count() == seen) continue;
-    seen = calibrator.count();
+    grid.tick(step.tick->frame, lines, light);
+    if (calibrator.add(step.tick->frame, light) == eyewear::Calibrator::Change::none) continue;
     add_version(versions, step.tick->frame, "eyewear", eyewear::write_normalisation(calibrator.in_force()));
   }
   return versions;

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "mien/imu/packets/packet.h"
-#include "mien/virtual/hear.h"
 #include "mien/virtual/imu/device_packet.h"
 #include "mien/virtual/imu/imu_simulator.h"
 #include "mien/virtual/prologue_record.h"
+#include "mien/virtual/reception.h"
 
 namespace mien::virt {
 Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
@@ -21,6 +21,8 @@ Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
   const SkinTrajectory trajectory =
       trace_skin(curve, sites, -kTrajectoryMarginS, curve.duration_s() + kTrajectoryMarginS);
 
+  MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
+  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
   std::vector<Datagram> sent;
   std::vector<VirtualClock> clocks;
   for (std::size_t s = 0; s < sites.size(); ++s) {
@@ -30,7 +32,7 @@ Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
     clocks.push_back(simulator.clock());
     for (const VirtualPacket& virtual_packet : simulator.play(trajectory)) {
       if (virtual_packet.lost) continue;
-      MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(virtual_packet, faults));
+      MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(virtual_packet, devices[s], faults));
       sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
     }
   }
@@ -41,11 +43,10 @@ Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
   VirtualSession session;
   session.events = prologue_events(motion.times, clocks[reference]);
   session.motion_start = clocks[reference].device(motion.times.motion_start_s);
-  hear(std::move(sent), rig, decode_nodes(rig), session,
-       [&](const take::Tick& tick, const sensor::TimeLines&) {
-         session.truth.push_back(
-             truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
-       });
+  reception.log_all(std::move(sent), session, [&](const take::Tick& tick, const sensor::TimeLines&) {
+    session.truth.push_back(
+        truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
+  });
   return session;
 }
 
@@ -55,6 +56,8 @@ Result<VirtualSession> play_lab(const performer::PrologueMotion& motion, const s
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
+  MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
+  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
   std::vector<Random> noise;
   for (const std::uint16_t s : face_sensors) noise.push_back(random.fork("lab noise", s));
 
@@ -81,15 +84,11 @@ Result<VirtualSession> play_lab(const performer::PrologueMotion& motion, const s
       for (std::size_t axis = 0; axis < 3; ++axis)
         sample.values[axis] = static_cast<float>(rotation[static_cast<Eigen::Index>(axis)]);
       MIEN_TRY_ASSIGN(imu::Packet packet, imu::make_packet({&sample, 1}));
-      packet.device = virtual_device(s);
+      packet.device = devices[s].device;
+      packet.channel = devices[s].channel;
       packet.sequence = sample.sequence;
       MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
-      MIEN_TRY_ASSIGN(const imu::Packet parsed, imu::parse_packet(bytes));
-      const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
-      std::vector<sensor::Sample> decoded;
-      imu::append_samples(parsed, s, decoded);
-      for (const sensor::Sample& d : decoded) session.samples.push_back({id, HostTime(at), d});
-      session.entries.push_back({id, HostTime(at), "virtual", std::move(bytes)});
+      reception.log({HostTime(at), s, std::move(bytes)}, session);
     }
     session.ticks.push_back(
         {f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});

@@ -54,7 +54,7 @@ face::Motion range_of_motion(const Random& random) {
 }
 
 WornGlasses::WornGlasses(virt::EyewearSimulator& simulator, const sensor::Rig& rig)
-    : simulator_(&simulator), rig_(rig), grid_(rig) {}
+    : simulator_(&simulator), rig_(rig), lines_(rig.sensors.size(), rig.find(rig.reference)), grid_(rig) {}
 
 void WornGlasses::play(const face::Motion& motion, double seconds, const See& see) {
   const face::MotionCurve curve(motion);
@@ -64,7 +64,7 @@ void WornGlasses::play(const face::Motion& motion, double seconds, const See& se
   const auto frame_s = [&] { return static_cast<double>(frame) / kFrameRateHz; };
   const auto look_until = [&](DeviceTime heard) {
     for (; frame < frames && simulator_->clock().device(now_s_ + frame_s()) <= heard; ++frame) {
-      grid_.tick(simulator_->clock().device(now_s_ + frame_s()), light_);
+      grid_.tick(simulator_->clock().device(now_s_ + frame_s()), lines_, light_);
       if (see) see(light_, curve.at(frame_s()).weights);
     }
   };
@@ -73,7 +73,8 @@ void WornGlasses::play(const face::Motion& motion, double seconds, const See& se
     for (const sensor::Sample& sample :
          simulator_->play(now_s_ + at_s, kPairs, curve.at(at_s).weights, curve.at(end_s).weights)) {
       look_until(sample.time);
-      grid_.add(HostTime(sample.time.time_since_epoch()), sample);
+      lines_.add(HostTime(sample.time.time_since_epoch()), sample);
+      grid_.add(sample);
     }
   }
   look_until(simulator_->clock().device(now_s_ + seconds));

@@ -6,6 +6,7 @@
 #include "mien/eyewear/normalisation.h"
 #include "mien/face/motion.h"
 #include "mien/face/profile.h"
+#include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
 
@@ -46,6 +47,7 @@ class WornGlasses {
  private:
   virt::EyewearSimulator* simulator_;
   sensor::Rig rig_;
+  sensor::TimeLines lines_;
   eyewear::LightGrid grid_;
   eyewear::GridLight light_;
   double now_s_ = 0;

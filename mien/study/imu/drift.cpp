@@ -28,12 +28,12 @@ double rms_deg(double squares, double count) {
   return count > 0 ? kDegPerRad * std::sqrt(squares / count) : 0;
 }
 
-DriftSums compare(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites,
-                  const virt::VirtualSession& session, const imu::HeadingSettings& heading) {
+Result<DriftSums> compare(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites,
+                          const virt::VirtualSession& session, const imu::HeadingSettings& heading) {
   imu::PipelineSettings settings;
   settings.heading = heading;
-  const std::vector<model::FeatureFrame> frames =
-      trace_features(rig, session.events, session.samples, session.ticks, settings);
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> frames,
+                  trace_features(rig, session.events, session.entries, session.ticks, settings));
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
   DriftSums sums;
   for (std::size_t f = 0; f < frames.size(); ++f) {
@@ -65,8 +65,9 @@ Result<std::vector<DriftSums>> perform_one(const DriftRequest& request, const se
                   perform_with({.faults = faults}, person.face,
                                draw_motion(request.seconds, person.style, root), rig, root));
   std::vector<DriftSums> sums;
-  for (const imu::HeadingSettings& heading : settings)
-    sums.push_back(compare(rig, performance.sites, performance.session, heading));
+  for (const imu::HeadingSettings& heading : settings) {
+    MIEN_TRY_ASSIGN(sums.emplace_back(), compare(rig, performance.sites, performance.session, heading));
+  }
   return sums;
 }
 

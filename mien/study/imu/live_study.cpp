@@ -278,9 +278,9 @@ class Performing {
                                                         random.fork("network"), bad.troubles));
     }
     virt::VirtualSession& session = performance.session;
-    return Heard{std::move(performance.sites),
-                 trace_features(setting_.rig, session.events, session.samples, session.ticks),
-                 std::move(session.truth)};
+    MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,
+                    trace_features(setting_.rig, session.events, session.entries, session.ticks));
+    return Heard{std::move(performance.sites), std::move(features), std::move(session.truth)};
   }
 
   /// A causal model through the whole session.

@@ -110,8 +110,8 @@ Result<LossOutcome> hear_one(const LossCondition& condition, const sensor::Rig& 
   MIEN_TRY_ASSIGN(
       const virt::VirtualSession heard,
       virt::impair(performance.session, rig, bad.network, played.random.fork("network"), bad.troubles));
-  const std::vector<model::FeatureFrame> features =
-      trace_features(rig, heard.events, heard.samples, heard.ticks);
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
+                  trace_features(rig, heard.events, heard.entries, heard.ticks));
   LossOutcome out{.rotations = FeltRotations(rig)};
   const Answer answered = answer(features, tracker, out);
   std::vector<face::BlendshapeWeights> truth;

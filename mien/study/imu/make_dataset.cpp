@@ -146,8 +146,8 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
         performer::with_prologue(motion, performer::PrologueKind::brief, root.fork("prologue"));
     MIEN_TRY_ASSIGN(const virt::VirtualSession session,
                     virt::play_devices(begun, sites, rig, faults, root.fork("devices")));
-    const std::vector<model::FeatureFrame> features =
-        trace_features(rig, session.events, session.samples, session.ticks);
+    MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
+                    trace_features(rig, session.events, session.entries, session.ticks));
     Sequence device;
     device.performer = performer;
     device.slopes = slopes;

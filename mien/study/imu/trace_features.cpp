@@ -1,23 +1,40 @@
 #include "mien/study/imu/trace_features.h"
 
-#include "mien/take/session_log.h"
+#include "mien/modalities/modalities.h"
+#include "mien/session/replay.h"
 
 namespace mien::study {
+namespace {
 
-std::vector<model::FeatureFrame> trace_features(const sensor::Rig& rig, std::span<const take::Event> events,
-                                                std::span<const take::StoredSample> samples,
-                                                std::span<const take::Tick> ticks,
-                                                const imu::PipelineSettings& settings,
-                                                imu::Calibration* calibration) {
+/// Hands samples to a pipeline.
+class Feed final : public session::SampleConsumer {
+ public:
+  explicit Feed(imu::Pipeline& pipeline) : pipeline_(pipeline) {}
+  void add(HostTime, const sensor::Sample& sample) override { pipeline_.add(sample); }
+  void rebound(std::uint16_t sensor, const sensor::DeviceKey&, bool) override { pipeline_.forget(sensor); }
+
+ private:
+  imu::Pipeline& pipeline_;
+};
+
+}  // namespace
+
+Result<std::vector<model::FeatureFrame>> trace_features(
+    const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
+    std::span<const take::Tick> ticks, const imu::PipelineSettings& settings, imu::Calibration* calibration) {
+  MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
+  MIEN_TRY_ASSIGN(const auto receiver, session::Receiver::create(rig, std::move(protocols)));
   imu::Pipeline pipeline(rig, settings);
   for (const take::Event& event : events)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
+  Feed feed(pipeline);
   std::vector<model::FeatureFrame> frames;
   frames.reserve(ticks.size());
-  for (const auto& step : take::replay_order(samples, ticks)) {
-    if (step.item != nullptr) pipeline.add(step.item->arrival, step.item->sample);
-    if (step.tick != nullptr) pipeline.tick(step.tick->frame, frames.emplace_back());
-  }
+  [[maybe_unused]] const bool whole =
+      session::replay_samples(entries, ticks, *receiver, feed, [&](const take::Tick& tick) {
+        pipeline.tick(tick.frame, receiver->lines(), frames.emplace_back());
+        return true;
+      });
   if (calibration != nullptr) *calibration = pipeline.calibration();
   return frames;
 }

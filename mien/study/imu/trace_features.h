@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "mien/core/error.h"
 #include "mien/imu/pipeline.h"
 #include "mien/model/features.h"
 #include "mien/sensor/rig.h"
@@ -10,14 +11,12 @@
 
 namespace mien::study {
 
-/// The features of a recorded session, one frame a tick: its samples and ticks in the log's order through the
+/// The features of a session, one frame a tick: its log received again (session::Receiver) and put through the
 /// IMU pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in force
-/// at the end.
-[[nodiscard]] std::vector<model::FeatureFrame> trace_features(const sensor::Rig& rig,
-                                                              std::span<const take::Event> events,
-                                                              std::span<const take::StoredSample> samples,
-                                                              std::span<const take::Tick> ticks,
-                                                              const imu::PipelineSettings& settings = {},
-                                                              imu::Calibration* calibration = nullptr);
+/// at the end. Errors: session::Receiver::create's.
+[[nodiscard]] Result<std::vector<model::FeatureFrame>> trace_features(
+    const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
+    std::span<const take::Tick> ticks, const imu::PipelineSettings& settings = {},
+    imu::Calibration* calibration = nullptr);
 
 }  // namespace mien::study

@@ -92,18 +92,4 @@ Result<void> EyewearBoards::scan(const std::function<face::BlendshapeWeights(dou
   return {};
 }
 
-Decode decode_eyewear(const sensor::Rig& rig) {
-  std::map<std::pair<std::uint64_t, std::uint8_t>, std::uint16_t> sensors;
-  for (std::uint16_t s = 0; s < rig.sensors.size(); ++s)
-    if (const auto key = sensor::parse_device(rig.sensors[s].device))
-      sensors.emplace(std::pair(key->device, key->channel), s);
-  return [sensors = std::move(sensors)](const Datagram& datagram, std::vector<sensor::Sample>& out) {
-    const auto packet = eyewear::parse_packet(datagram.bytes);
-    if (!packet) return;
-    for (std::uint8_t c = 0; c < packet->channels; ++c)
-      if (const auto sensor = sensors.find({packet->device, c}); sensor != sensors.end())
-        out.push_back(eyewear::sample_of(*packet, c, sensor->second));
-  };
-}
-
 }  // namespace mien::virt

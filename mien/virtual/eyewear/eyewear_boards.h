@@ -12,7 +12,6 @@
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
-#include "mien/virtual/hear.h"
 #include "mien/virtual/network.h"
 
 namespace mien::virt {
@@ -54,8 +53,5 @@ class EyewearBoards {
   std::size_t sensors_ = 0;
   double scanned_s_ = 0;
 };
-
-/// The samples of such packets, by the rig's bindings.
-[[nodiscard]] Decode decode_eyewear(const sensor::Rig& rig);
 
 }  // namespace mien::virt

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "mien/virtual/eyewear/eyewear_boards.h"
-#include "mien/virtual/hear.h"
 #include "mien/virtual/imu/skin_trajectory.h"
 #include "mien/virtual/prologue_record.h"
+#include "mien/virtual/reception.h"
 
 namespace mien::virt {
 
@@ -18,6 +18,7 @@ Result<VirtualSession> play_eyewear(const performer::PrologueMotion& motion, con
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
   MIEN_TRY_ASSIGN(EyewearBoards boards, EyewearBoards::put_on(wearer, rig, faults, random));
+  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
   std::vector<Datagram> sent;
   while (boards.scanned_s() < curve.duration_s() + kTrajectoryMarginS)
     MIEN_TRY(boards.scan([&](double true_s) { return curve.at(true_s).weights; }, sent));
@@ -27,11 +28,10 @@ Result<VirtualSession> play_eyewear(const performer::PrologueMotion& motion, con
   VirtualSession session;
   session.events = prologue_events(motion.times, boards.clock());
   session.motion_start = boards.clock().device(motion.times.motion_start_s);
-  hear(std::move(sent), rig, decode_eyewear(rig), session,
-       [&](const take::Tick& tick, const sensor::TimeLines&) {
-         session.truth.push_back(
-             truth_at(curve, boards.clock().true_s(tick.frame), motion.times.motion_start_s, tick.frame));
-       });
+  reception.log_all(std::move(sent), session, [&](const take::Tick& tick, const sensor::TimeLines&) {
+    session.truth.push_back(
+        truth_at(curve, boards.clock().true_s(tick.frame), motion.times.motion_start_s, tick.frame));
+  });
   return session;
 }
 

@@ -16,9 +16,12 @@ std::uint8_t range_code(double wanted, double least, std::uint8_t most) {
 
 }  // namespace
 
-Result<std::vector<std::byte>> encode_device_packet(const VirtualPacket& packet, const DeviceFaults& faults) {
+Result<std::vector<std::byte>> encode_device_packet(const VirtualPacket& packet,
+                                                    const sensor::DeviceKey& device,
+                                                    const DeviceFaults& faults) {
   MIEN_TRY_ASSIGN(imu::Packet out, imu::make_packet(packet.samples));
-  out.device = virtual_device(packet.samples.front().sensor);
+  out.device = device.device;
+  out.channel = device.channel;
   out.gyro_range = range_code(faults.gyro_range_dps, 16, 6);
   out.accel_range = range_code(faults.accel_range_g, 2, 3);
   return imu::encode_packet(out);

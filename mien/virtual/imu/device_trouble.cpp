@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "mien/imu/packets/packet.h"
-#include "mien/virtual/imu/device_packet.h"
+#include "mien/sensor/bindings.h"
 
 namespace mien::virt {
 namespace {
@@ -90,7 +90,7 @@ Trouble restart(const DeviceTroubles::Restart& restart) {
 
 Trouble share_id(const DeviceTroubles::SharedId& shared) {
   return [shared](Passing& passing) {
-    passing.packet.device = virtual_device(shared.as);
+    passing.packet.device = sensor::virtual_device(shared.as);
     return true;
   };
 }

@@ -6,8 +6,7 @@
 
 #include "mien/imu/packets/packet.h"
 #include "mien/sensor/clock_model.h"
-#include "mien/virtual/hear.h"
-#include "mien/virtual/imu/device_packet.h"
+#include "mien/virtual/reception.h"
 
 namespace mien::virt {
 namespace {
@@ -147,13 +146,17 @@ Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& 
                               const NetworkSettings& settings, const Random& random,
                               const DeviceTroubles& troubles) {
   if (session.truth.empty()) return fail(ErrorCode::bad_usage, "the session has no truth", rig.name);
+  MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
+  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
   std::vector<Datagram> sent;
   sent.reserve(session.entries.size());
   for (const take::LogEntry& entry : session.entries) {
     const auto packet = imu::parse_packet(entry.bytes);
     if (!packet) return fail(ErrorCode::bad_usage, "the session has packets that are none", rig.name);
-    sent.push_back(
-        {entry.arrival, static_cast<std::uint16_t>(packet->device - virtual_device(0)), entry.bytes});
+    const auto sensor = std::ranges::find(devices, sensor::DeviceKey{packet->device, packet->channel});
+    if (sensor == devices.end())
+      return fail(ErrorCode::bad_usage, "the session has packets of another rig's devices", rig.name);
+    sent.push_back({entry.arrival, static_cast<std::uint16_t>(sensor - devices.begin()), entry.bytes});
   }
   const std::uint16_t reference = rig.find(rig.reference).value_or(0);
   const bool in_trouble = clock_in_trouble(troubles, reference);
@@ -167,18 +170,15 @@ Result<VirtualSession> impair(const VirtualSession& session, const sensor::Rig& 
   OldClock host_clock(session, reference);
   NewLine line;
   VirtualSession out;
-  hear(
-      std::move(arrived), rig, decode_nodes(rig), out,
-      [&](const take::Tick& tick, const sensor::TimeLines& lines) {
-        DeviceTime old = tick.frame;
-        if (lines.on_host_time())
-          old = host_clock.at(lines.to_host(tick.frame) - lag, tick.fired).value_or(tick.frame);
-        else if (in_trouble)
-          old =
-              reference_clock.before(lines.from_line(reference, tick.frame), tick.fired).value_or(tick.frame);
-        line.add(old, tick.frame);
-        out.truth.push_back(truth.at(old, tick.frame));
-      });
+  reception.log_all(std::move(arrived), out, [&](const take::Tick& tick, const sensor::TimeLines& lines) {
+    DeviceTime old = tick.frame;
+    if (lines.on_host_time())
+      old = host_clock.at(lines.to_host(tick.frame) - lag, tick.fired).value_or(tick.frame);
+    else if (in_trouble)
+      old = reference_clock.before(lines.from_line(reference, tick.frame), tick.fired).value_or(tick.frame);
+    line.add(old, tick.frame);
+    out.truth.push_back(truth.at(old, tick.frame));
+  });
   out.motion_start = line.at(session.motion_start);
   for (const take::Event& event : session.events)
     out.events.push_back({event.kind, line.at(event.begin), line.at(event.end), event.json});

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mien/core/bytes.h"
+#include "mien/sensor/bindings.h"
 #include "mien/virtual/imu/device_packet.h"
 
 namespace mien::virt {
@@ -12,7 +13,7 @@ namespace mien::virt {
 MienNode::MienNode(std::size_t sensor, std::string site, const VirtualClock& clock,
                    const DeviceFaults& faults)
     : clock_(clock), faults_(faults) {
-  hello_.device = virtual_device(sensor);
+  hello_.device = sensor::virtual_device(sensor);
   hello_.rate_hz = kImuRateHz;
   hello_.firmware = "virtual";
   // A name that no hello can carry is not announced; the rig's binding or a tap must do.
@@ -23,7 +24,7 @@ MienNode::MienNode(std::size_t sensor, std::string site, const VirtualClock& clo
 Result<void> MienNode::play(std::span<const VirtualPacket> packets) {
   for (const VirtualPacket& packet : packets) {
     if (packet.lost) continue;
-    MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(packet, faults_));
+    MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(packet, {hello_.device, 0}, faults_));
     samples_.emplace(packet.arrival.time_since_epoch(), std::move(bytes));
   }
   return {};

@@ -6,7 +6,7 @@
 
 #include "mien/core/bytes.h"
 #include "mien/core/units.h"
-#include "mien/virtual/imu/device_packet.h"
+#include "mien/sensor/bindings.h"
 
 namespace mien::virt {
 namespace {
@@ -34,7 +34,7 @@ bool unchanged(const std::array<float, 4>& a, const std::array<float, 4>& b) {
 }  // namespace
 
 SlimeVrNode::SlimeVrNode(std::size_t sensor, const VirtualClock& clock)
-    : mac_(virtual_device(sensor)), clock_(clock) {}
+    : mac_(sensor::virtual_device(sensor)), clock_(clock) {}
 
 Result<void> SlimeVrNode::play(std::span<const VirtualPacket> packets) {
   for (const VirtualPacket& packet : packets)

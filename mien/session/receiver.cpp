@@ -1,0 +1,223 @@
+#include "mien/session/receiver.h"
+
+#include <algorithm>
+
+#include "mien/sensor/bindings.h"
+#include "mien/sensor/level.h"
+
+namespace mien::session {
+namespace {
+
+using sensor::DeviceKey;
+using sensor::Verdict;
+
+/// A device that was received from one place lately is not accepted from another: two with one id.
+constexpr Duration kSamePlace = std::chrono::seconds(1);
+/// Nor is one whose time is so far from its last, ...
+constexpr Duration kSameClock = std::chrono::seconds(1);
+/// ... unless it was silent for as long as a board takes to restart.
+constexpr Duration kSameBoard = std::chrono::milliseconds(300);
+/// A sensor has dropped out when nothing was received of it for this long, ...
+constexpr Duration kLost = std::chrono::milliseconds(100);
+/// ... or, where the board sends nothing while nothing changes, for this.
+constexpr Duration kLostEstimated = std::chrono::seconds(1);
+/// Samples that one datagram can hold.
+constexpr std::size_t kMostSamples = 256;
+
+}  // namespace
+
+Result<std::unique_ptr<Receiver>> Receiver::create(sensor::Rig rig,
+                                                   std::vector<std::unique_ptr<sensor::Protocol>> protocols) {
+  MIEN_TRY_ASSIGN(auto bound, sensor::bindings(rig));
+  return std::unique_ptr<Receiver>(new Receiver(std::move(rig), std::move(protocols), std::move(bound)));
+}
+
+Receiver::Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols,
+                   std::vector<std::pair<DeviceKey, std::uint16_t>> bound)
+    : rig_(std::move(rig)),
+      protocols_(std::move(protocols)),
+      ticks_(rig_),
+      links_(rig_.sensors.size()),
+      bound_(std::move(bound)) {
+  devices_.reserve(kMaxDevices + rig_.sensors.size());
+  bound_.reserve(kMaxDevices + rig_.sensors.size());
+  samples_.reserve(kMostSamples);
+  inbox_.readings.reserve(kMostSamples);
+}
+
+Receiver::Device* Receiver::find(const DeviceKey& key) {
+  const auto found = std::ranges::find(devices_, key, &Device::key);
+  return found == devices_.end() ? nullptr : &*found;
+}
+
+Receiver::Device* Receiver::meet(const DeviceKey& key, sensor::Peer peer, std::size_t protocol,
+                                 HostTime arrival) {
+  if (Device* known = find(key)) return known;
+  // A stranger's inventions must not keep the rig's own boards out.
+  const bool expected = std::ranges::any_of(bound_, [&](const auto& b) { return b.first == key; });
+  if (devices_.size() >= kMaxDevices && !expected) return nullptr;
+  Device& met = devices_.emplace_back();
+  met.key = key;
+  met.peer = peer;
+  met.heard = arrival;
+  met.protocol = protocol;
+  for (const auto& [bound, sensor] : bound_)
+    if (bound == key) met.sensor = sensor;
+  return &met;
+}
+
+void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& consumer) {
+  if (std::ranges::find(bound_, std::pair(key, sensor)) != bound_.end()) return;
+  std::erase_if(bound_, [&](const auto& b) { return b.first == key || b.second == sensor; });
+  bound_.emplace_back(key, sensor);
+  for (Device& known : devices_) {
+    if (known.sensor == sensor) known.sensor.reset();
+    if (known.key != key) continue;
+    if (known.sensor) links_[*known.sensor] = Link();
+    known.sensor = sensor;
+  }
+  const bool was_received = links_[sensor].heard.has_value();
+  links_[sensor] = Link();
+  ticks_.forget(sensor);
+  consumer.rebound(sensor, key, was_received);
+}
+
+void Receiver::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
+                            const sensor::Reading& reading, SampleConsumer& consumer) {
+  Device* from = meet(reading.from, peer, protocol, arrival);
+  if (from == nullptr) {
+    ++refused_;
+    return;
+  }
+  // Another place, or another clock, while the one that is known still sends.
+  const Duration silent = arrival - from->heard;
+  const Duration off = (reading.sample.time - from->newest) - silent;
+  const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
+  const bool impostor = (from->peer != peer && silent < kSamePlace) || (other_clock && silent < kSameBoard);
+  if (!impostor) {
+    from->peer = peer;
+    from->heard = arrival;
+    from->newest = reading.sample.time;
+    if (const auto tapped = tap_.add(arrival, reading)) {
+      const auto sensor = rig_.find(tap_.armed());
+      tap_.arm({});
+      if (sensor) bind(*sensor, *tapped, consumer);
+    }
+  }
+  if (!from->sensor) return;
+  Link& link = links_[*from->sensor];
+  link.health.add(arrival, reading.sample, reading.saturated);
+  if (impostor) return;
+  link.heard = arrival;
+  link.newest = reading.sample.time;
+  link.level = sensor::level(reading.sample);
+  link.estimated = reading.sample.time_estimated;
+  sensor::Sample& sample = samples_.emplace_back(reading.sample);
+  sample.sensor = *from->sensor;
+  ticks_.add(arrival, sample);
+  consumer.add(arrival, sample);
+}
+
+bool Receiver::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
+  const auto found = std::ranges::find(devices_, key, &Device::key);
+  return found != devices_.end() && found->peer == peer;
+}
+
+Receiver::Received Receiver::receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                                     SampleConsumer& consumer) {
+  inbox_.clear();
+  samples_.clear();
+  Received out;
+  out.log = datagram;
+  std::size_t protocol = 0;
+  while (protocol < protocols_.size() && !protocols_[protocol]->recognises(datagram)) ++protocol;
+  out.verdict = protocol < protocols_.size() ? protocols_[protocol]->receive(arrival, peer, datagram, inbox_)
+                                             : Verdict::malformed;
+  if (out.verdict == Verdict::malformed) {
+    ++malformed_;
+    for (const Device& known : devices_)
+      if (known.peer == peer && known.sensor) links_[*known.sensor].health.add_malformed();
+    return out;
+  }
+  if (out.verdict == Verdict::refused) {
+    ++refused_;
+    return out;
+  }
+  for (const sensor::Announcement& announced : inbox_.announcements) {
+    Device* from = meet(announced.from, peer, protocol, arrival);
+    if (from == nullptr) continue;
+    from->announces = announced.site;
+    const auto sensor = rig_.find(announced.site);
+    const bool taken =
+        sensor && std::ranges::any_of(bound_, [&](const auto& b) { return b.second == *sensor; });
+    if (sensor && !taken && !from->sensor) bind(*sensor, announced.from, consumer);
+  }
+  for (const sensor::Reading& reading : inbox_.readings)
+    take_reading(arrival, peer, protocol, reading, consumer);
+  for (const sensor::Inbox::Pulse& pulse : inbox_.pulses) {
+    // A board's sensors share its clock.
+    for (const auto& [key, sensor] : bound_)
+      if (key.device == pulse.from.device && speaks_from(key, peer))
+        ticks_.pulse(sensor, pulse.index, pulse.edge);
+  }
+  for (const sensor::Inbox::Battery& battery : inbox_.batteries)
+    if (const Device* from = find(battery.from); from != nullptr && from->sensor && from->peer == peer)
+      links_[*from->sensor].health.set_battery(battery.percent);
+  // A board that sends anything at all is alive, whichever of its sensors it is about.
+  const std::optional<DeviceKey> speaker =
+      !inbox_.readings.empty() ? std::optional(inbox_.readings.front().from) : inbox_.alive;
+  if (speaker)
+    for (const Device& known : devices_)
+      if (known.key.device == speaker->device && known.peer == peer && known.sensor)
+        links_[*known.sensor].health.add_alive(arrival);
+  out.samples = samples_;
+  if (!inbox_.opened.empty()) out.log = inbox_.opened;
+  out.reply = inbox_.reply;
+  return out;
+}
+
+void Receiver::heartbeats(HostTime now, std::vector<sensor::Protocol::Outgoing>& out) {
+  for (const auto& protocol : protocols_) protocol->say(now, out);
+}
+
+void Receiver::watch_links(HostTime fired, const std::function<void(std::uint16_t, bool)>& changed) {
+  for (std::uint16_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    if (!link.heard) continue;
+    const bool lost = fired - *link.heard > (link.estimated ? kLostEstimated : kLost);
+    if (lost == link.lost) continue;
+    link.lost = lost;
+    changed(i, lost);
+  }
+}
+
+void Receiver::report(HostTime now, Report& out) const {
+  out.malformed = malformed_;
+  out.refused = refused_;
+  out.tap = tap_.armed();
+  out.links.resize(links_.size());
+  for (std::uint16_t i = 0; i < links_.size(); ++i) {
+    Report::Link& link = out.links[i];
+    const auto bound = std::ranges::find(bound_, i, &std::pair<DeviceKey, std::uint16_t>::second);
+    link.device = bound == bound_.end() ? std::string() : sensor::format_device(bound->first);
+    std::optional<sensor::LinkClock> clock;
+    const sensor::TimeLines& lines = ticks_.lines();
+    if (links_[i].heard && lines.clock(i).ready()) {
+      const sensor::ClockModel& model = lines.clock(i);
+      clock = sensor::LinkClock{
+          .offset = model.to_host(links_[i].newest).time_since_epoch() - links_[i].newest.time_since_epoch(),
+          .drift_ppm = 1e6 * model.rate(),
+          .uncertainty = model.uncertainty(links_[i].newest)};
+    }
+    link.health = links_[i].health.report(now, clock);
+    if (bound == bound_.end()) link.health.state = sensor::LinkState::unbound;
+    link.level = links_[i].level;
+  }
+  out.unbound.clear();
+  for (const Device& known : devices_)
+    if (!known.sensor)
+      out.unbound.push_back({sensor::format_device(known.key), known.announces,
+                             std::string(protocols_[known.protocol]->name()), now - known.heard});
+}
+
+}  // namespace mien::session

@@ -1,0 +1,129 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/sensor/link_health.h"
+#include "mien/sensor/protocol.h"
+#include "mien/sensor/rig.h"
+#include "mien/sensor/ticks.h"
+#include "mien/session/report.h"
+#include "mien/session/tap_watch.h"
+
+namespace mien::session {
+
+/// What a Receiver hands on, in the order in which it stood in the log.
+class SampleConsumer {
+ public:
+  virtual ~SampleConsumer() = default;
+  /// A decoded sample of a bound and accepted device; `sample.sensor` is its number in the rig.
+  virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
+  /// From here on another device is bound to this sensor: whatever was estimated of the one before is void.
+  /// `was_received`: samples of the one before had come.
+  virtual void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) = 0;
+};
+
+/// The one way from a session log's datagrams to samples and frame ticks: protocols, the binding of devices
+/// to the rig's sensors, gating of impostors, one set of clock models (TimeLines), the grid's ticks, and the
+/// health of every link. Live sessions, replays, solves and virtual performers all receive by it. Knows no
+/// modality, socket, thread or clock on the wall: a pure function of the calls. Thread: one at a time. No
+/// allocation in receive() and due() once every device has been received.
+class Receiver {
+ public:
+  /// Devices beyond this many are refused.
+  static constexpr std::size_t kMaxDevices = 64;
+
+  /// A rig that binds no sensor binds virtual nodes, whose ids name their place (sensor::bindings). Errors:
+  /// malformed (a binding of the rig that is no device), bad_usage (two sensors bound to one).
+  [[nodiscard]] static Result<std::unique_ptr<Receiver>> create(
+      sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols);
+
+  struct Received {
+    sensor::Verdict verdict = sensor::Verdict::ignored;
+    std::span<const sensor::Sample> samples;  ///< Bound and accepted, until the next call.
+    /// What a log should keep: the datagram, or what was sealed in it. Until the next call.
+    std::span<const std::byte> log;
+    std::span<const std::byte> reply;  ///< For the sender; empty: none. Until the next call.
+  };
+  /// One datagram. Take all that due() gives before it, and again after it.
+  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                   SampleConsumer& consumer);
+
+  /// The next frame that is due; ask until there is none.
+  [[nodiscard]] std::optional<sensor::FrameTick> due(HostTime now) { return ticks_.due(now); }
+  /// When the next frame fires if nothing more arrives.
+  [[nodiscard]] std::optional<HostTime> deadline() const { return ticks_.deadline(); }
+  /// Every sensor's clock model, and the time line of the output grid.
+  [[nodiscard]] const sensor::TimeLines& lines() const { return ticks_.lines(); }
+
+  /// Binds a device to a sensor of the rig; nothing where it is bound so already.
+  void bind(std::uint16_t sensor, const sensor::DeviceKey& device, SampleConsumer& consumer);
+  /// The next device that is tapped is bound to this sensor of the rig; empty: none any more.
+  void bind_by_tap(std::string sensor) { tap_.arm(std::move(sensor)); }
+  /// The sensor's next samples stand on another clock.
+  void forget(std::uint16_t sensor) { ticks_.forget(sensor); }
+
+  /// Datagrams that devices are due unasked (heartbeats); about ten times a second.
+  void heartbeats(HostTime now, std::vector<sensor::Protocol::Outgoing>& out);
+
+  /// Calls `changed(sensor, lost)` for every sensor that dropped out or came back since the last call. At
+  /// each tick, with the time at which it fired.
+  void watch_links(HostTime fired, const std::function<void(std::uint16_t, bool)>& changed);
+
+  /// Writes what it knows of links, unbound devices and refused datagrams. Reuses what `out` holds.
+  void report(HostTime now, Report& out) const;
+
+  [[nodiscard]] const sensor::Rig& rig() const { return rig_; }
+
+ private:
+  struct Device {
+    sensor::DeviceKey key;
+    std::optional<std::uint16_t> sensor;
+    sensor::Peer peer = 0;
+    HostTime heard;
+    DeviceTime newest;  // Of accepted samples.
+    std::size_t protocol = 0;
+    std::string announces;
+  };
+  struct Link {
+    sensor::LinkHealth health;
+    std::optional<HostTime> heard;
+    DeviceTime newest;
+    std::optional<float> level;
+    bool estimated = false;
+    bool lost = false;
+  };
+
+  Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols,
+           std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound);
+  Device* find(const sensor::DeviceKey& key);
+  /// The device of this key, from now on if it is new; null when there are too many.
+  Device* meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
+  /// Whether the readings of a device come from there: nobody else is accepted as it.
+  [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;
+  void take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol, const sensor::Reading& reading,
+                    SampleConsumer& consumer);
+
+  sensor::Rig rig_;
+  std::vector<std::unique_ptr<sensor::Protocol>> protocols_;
+  sensor::TickRule ticks_;
+  TapWatch tap_;
+  std::vector<Device> devices_;
+  std::vector<Link> links_;                                         // One a sensor of the rig.
+  std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound_;  // Whether received or not.
+  sensor::Inbox inbox_;
+  std::vector<sensor::Sample> samples_;
+  std::uint64_t malformed_ = 0;
+  std::uint64_t refused_ = 0;
+};
+
+}  // namespace mien::session

@@ -1,0 +1,56 @@
+#include "mien/virtual/reception.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "mien/modalities/modalities.h"
+#include "mien/sensor/bindings.h"
+
+namespace mien::virt {
+
+Result<Reception> Reception::create(const sensor::Rig& rig) {
+  MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
+  MIEN_TRY_ASSIGN(auto receiver, session::Receiver::create(rig, std::move(protocols)));
+  return Reception(std::move(receiver));
+}
+
+void Reception::log(Datagram datagram, VirtualSession& session) {
+  const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
+  constexpr sensor::Peer kOneMachine = 0;  // All stand in the log with one source.
+  for (const sensor::Sample& sample :
+       receiver_->receive(datagram.time, kOneMachine, datagram.bytes, *this).samples)
+    session.samples.push_back({id, datagram.time, sample});
+  session.entries.push_back({id, datagram.time, "virtual", std::move(datagram.bytes)});
+}
+
+void Reception::log_all(std::vector<Datagram> arrived, VirtualSession& session,
+                        const std::function<void(const take::Tick&, const sensor::TimeLines&)>& on_tick) {
+  const auto fire = [&](HostTime now) {
+    while (const auto due = receiver_->due(now)) {
+      const take::Tick tick{due->index, static_cast<std::int64_t>(session.entries.size()), due->fired,
+                            due->frame};
+      session.ticks.push_back(tick);
+      on_tick(tick, receiver_->lines());
+    }
+  };
+  for (Datagram& datagram : arrived) {
+    const HostTime arrival = datagram.time;
+    fire(arrival);
+    log(std::move(datagram), session);
+    fire(arrival);
+  }
+}
+
+Result<std::vector<sensor::DeviceKey>> virtual_devices(const sensor::Rig& rig) {
+  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+  if (bound.size() != rig.sensors.size())
+    return fail(ErrorCode::bad_usage,
+                fmt::format("{} of {} sensors are bound to a device", bound.size(), rig.sensors.size()),
+                "rig " + rig.name, "give every sensor a device, or none");
+  std::vector<sensor::DeviceKey> devices(bound.size());
+  for (const auto& [key, sensor] : bound) devices[sensor] = key;
+  return devices;
+}
+
+}  // namespace mien::virt

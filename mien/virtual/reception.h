@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/sensor/clock_model.h"
+#include "mien/sensor/rig.h"
+#include "mien/session/receiver.h"
+#include "mien/virtual/network.h"
+#include "mien/virtual/session.h"
+
+namespace mien::virt {
+
+/// Where virtual devices' datagrams arrive: received as a live session receives them (session::Receiver), and
+/// written down as its log would be. What does not parse is logged and nothing more.
+class Reception final : private session::SampleConsumer {
+ public:
+  /// Errors: session::Receiver::create's, modalities::make_protocols'.
+  [[nodiscard]] static Result<Reception> create(const sensor::Rig& rig);
+
+  /// One datagram: its entry, and its samples.
+  void log(Datagram datagram, VirtualSession& session);
+  /// All of them and the ticks between. Shape: `arrived` by arrival. `on_tick` is called at every tick, with
+  /// the time lines as they are then.
+  void log_all(std::vector<Datagram> arrived, VirtualSession& session,
+               const std::function<void(const take::Tick&, const sensor::TimeLines&)>& on_tick);
+
+ private:
+  explicit Reception(std::unique_ptr<session::Receiver> receiver) : receiver_(std::move(receiver)) {}
+  void add(HostTime, const sensor::Sample&) override {}
+  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
+
+  std::unique_ptr<session::Receiver> receiver_;
+};
+
+/// The device that a virtual board of each sensor of the rig is: the one to which the rig binds it, or the
+/// virtual node of its place where the rig binds none. Errors: bad_usage (the rig binds some sensors and not
+/// others), sensor::bindings'.
+[[nodiscard]] Result<std::vector<sensor::DeviceKey>> virtual_devices(const sensor::Rig& rig);
+
+}  // namespace mien::virt
