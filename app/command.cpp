@@ -24,13 +24,13 @@ void catch_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { interrupted = true; });
 }
 
+}  // namespace
+
 std::string clock_text(double seconds) {
   const int s = static_cast<int>(seconds + 0.5);
   return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
-
-}  // namespace
 
 CLI::App* Commands::add(const std::string& name, const std::string& does, const std::string& example,
                         std::function<Result<void>()> run) {

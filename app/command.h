@@ -58,6 +58,9 @@ class Commands {
 /// Draws the terminal's last line on stderr anew, cut to its width; only where stderr is a terminal.
 void draw_line(std::string_view line);
 
+/// "1:05", and from an hour on "1:01:05".
+[[nodiscard]] std::string clock_text(double seconds);
+
 /// Clears the line on which terminal_progress() or draw_line() stands, for what is printed next.
 void clear_progress();
 

@@ -17,7 +17,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::string motion, face, out, markers;
   std::string model;
   onnx::ExportRequest graph;  ///< Of a model.
@@ -25,11 +25,11 @@ struct Options {
 };
 
 /// A .trc can be nothing else; a .csv has weights unless markers are asked for.
-bool wants_markers(const Options& options) {
+bool wants_markers(const ExportOptions& options) {
   return !options.markers.empty() || std::filesystem::path(options.out).extension() == ".trc";
 }
 
-Result<void> write_markers(const face::Motion& motion, const Options& options) {
+Result<void> write_markers(const face::Motion& motion, const ExportOptions& options) {
   MIEN_TRY(check_output(options.out, {".csv", ".trc"}));
   std::filesystem::path path = options.markers;
   if (path.empty()) {
@@ -41,7 +41,7 @@ Result<void> write_markers(const face::Motion& motion, const Options& options) {
   return mocap::write_marker_track(options.out, mocap::markers_of_motion(motion, placed, set));
 }
 
-Result<void> write_onnx(const Options& options) {
+Result<void> write_onnx(const ExportOptions& options) {
   MIEN_TRY(check_output(options.out, {".onnx"}));
   MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, onnx::onnx_of_file(options.model, options.graph));
   MIEN_TRY(write_file(options.out, bytes));
@@ -56,7 +56,7 @@ Result<void> write_onnx(const Options& options) {
   return {};
 }
 
-Result<void> write_performance(Options options) {
+Result<void> write_performance(ExportOptions options) {
   MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion));
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
   if (wants_markers(options))
@@ -73,7 +73,7 @@ Result<void> write_performance(Options options) {
   return {};
 }
 
-Result<void> run(const Options& options) {
+Result<void> run_export(const ExportOptions& options) {
   std::error_code not_there;
   for (const std::string& read : {options.motion, options.model})
     if (std::filesystem::equivalent(read, options.out, not_there))
@@ -86,13 +86,13 @@ Result<void> run(const Options& options) {
 }  // namespace
 
 void add_export_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   CLI::App* command = commands.add(
       "export",
       "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin; or a model as ONNX",
       "mien export --motion take.mien --out take.glb\n  mien export --model models/live.safetensors --out "
       "live.onnx",
-      [options] { return run(*options); });
+      [options] { return run_export(*options); });
   CLI::Option* motion =
       command->add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
   CLI::Option* model =

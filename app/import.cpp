@@ -20,7 +20,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct ImportOptions {
   std::string motion, take, out, performer = "unknown", rig;
   MarkerImport markers;
   bool force = false;
@@ -28,7 +28,7 @@ struct Options {
 };
 
 /// Writes the motion as a take's truth.
-Result<void> write_take(const Options& options, const face::Motion& motion, const std::string& face) {
+Result<void> write_take(const ImportOptions& options, const face::Motion& motion, const std::string& face) {
   std::filesystem::path rig = options.rig;
   if (rig.empty()) {
     MIEN_TRY_ASSIGN(rig, find_resource("rigs/default.toml"));
@@ -61,7 +61,7 @@ Result<void> write_take(const Options& options, const face::Motion& motion, cons
   return {};
 }
 
-Result<void> run(const Options& options) {
+Result<void> run_import(const ImportOptions& options) {
   if (options.take.empty() && options.out.empty())
     return fail(ErrorCode::bad_usage, "nothing to write", "mien import",
                 "give --take FILE.mien, --out FILE, or both");
@@ -118,10 +118,10 @@ Result<void> run(const Options& options) {
 }  // namespace
 
 void add_import_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ImportOptions>();
   CLI::App* command = commands.add(
       "import", "Makes a take of a recorded motion, or of recorded markers: weights become its truth",
-      "mien import MySlate_3.csv --take alex.mien", [options] { return run(*options); });
+      "mien import MySlate_3.csv --take alex.mien", [options] { return run_import(*options); });
   command
       ->add_option("motion", options->motion,
                    "A Live Link Face CSV; 3-D markers: .csv (ours or Motive's), .trc, .c3d; or a recorded "

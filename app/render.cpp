@@ -17,7 +17,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct RenderOptions {
   std::string face;
   std::vector<std::string> weights;
   std::string view = "front", size, look = "dark", quality, out;
@@ -61,7 +61,7 @@ Result<void> parse_size(const std::string& text, int* width, int* height) {
   return {};
 }
 
-Result<void> run(Options options) {
+Result<void> run_render(RenderOptions options) {
   const bool comparison = !options.truth.empty() || !options.capture.empty();
   const bool film = comparison || !options.motion.empty();
   if (comparison && (options.truth.empty() || options.capture.empty() || !options.motion.empty()))
@@ -134,12 +134,12 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_render_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderOptions>();
   CLI::App* command =
       commands.add("render", "Draws a face: a still, a film of a motion, or truth beside capture",
                    "mien render --weights jawOpen=0.4,mouthSmile_L=1 --view three-quarter --out smile.png\n"
                    "  mien render --truth take.mien --capture capture.csv --out compare.mp4",
-                   [options] { return run(*options); });
+                   [options] { return run_render(*options); });
   command->add_option(
       "--face", options->face,
       "builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the take's own unless told");

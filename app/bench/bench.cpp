@@ -33,7 +33,7 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using Clock = std::chrono::steady_clock;
 
-struct Options {
+struct BenchOptions {
   double seconds = 20;
   std::string model;
   bool json = false;
@@ -93,7 +93,7 @@ class Relay {
       boost::system::error_code failed;
       out_.send_to(asio::buffer(bytes), in_end_, 0, failed);
       if (!failed && out_.receive(asio::buffer(bytes), 0, failed) <= 1) return;
-      if (failed) return;  // The figures say how many there were.
+      if (failed) return;  // The latency_figures say how many there were.
       took_.add(Clock::now() - from);
     }
   }
@@ -106,7 +106,7 @@ class Relay {
   std::jthread relay_, sender_;
 };
 
-nlohmann::ordered_json figures(const live::Latencies& took) {
+nlohmann::ordered_json latency_figures(const live::Latencies& took) {
   const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
   return {{"p50_ms", ms(took.percentile(0.5))},
           {"p99_ms", ms(took.percentile(0.99))},
@@ -114,7 +114,7 @@ nlohmann::ordered_json figures(const live::Latencies& took) {
           {"count", took.count()}};
 }
 
-Result<void> run_live(const Options& options) {
+Result<void> run_live(const BenchOptions& options) {
   // Somebody receives the face, and counts.
   asio::io_context io;
   udp::socket receiver = loopback(io);
@@ -152,8 +152,8 @@ Result<void> run_live(const Options& options) {
     if (!summary) return std::unexpected(summary.error());
     const live::Latencies& took = summary->latency;
     return nlohmann::ordered_json{
-        {"live", figures(took)},
-        {"network", figures(network_took)},
+        {"live", latency_figures(took)},
+        {"network", latency_figures(network_took)},
         {"vs_network_p50", to_seconds(took.percentile(0.5)) / to_seconds(network_took.percentile(0.5))},
         {"vs_network_p99", to_seconds(took.percentile(0.99)) / to_seconds(network_took.percentile(0.99))},
         {"frames", summary->frames},
@@ -195,7 +195,7 @@ Result<void> run_live(const Options& options) {
 }  // namespace
 
 void add_bench_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOptions>();
   CLI::App* bench = commands.add("bench", "How fast it is on this machine, beside what it is compared with",
                                  "mien bench live", nullptr);
   bench->require_subcommand(0, 1);

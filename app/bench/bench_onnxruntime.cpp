@@ -11,13 +11,13 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct BenchOnnxruntimeOptions {
   std::vector<std::string> models;
   PeerRequest request;
   bool json = false;
 };
 
-nlohmann::ordered_json figures(const std::string& model, const PeerTimes& times) {
+nlohmann::ordered_json peer_figures(const std::string& model, const PeerTimes& times) {
   nlohmann::ordered_json graphs = nlohmann::ordered_json::array();
   for (const PeerTimes::Graph& graph : times.graphs)
     graphs.push_back({{"steps", graph.steps},
@@ -48,7 +48,7 @@ void print(const std::string& model, const PeerTimes& times) {
              1e6 * times.step_s, times.largest_difference, times.hash);
 }
 
-Result<void> run(Options options) {
+Result<void> run_bench_onnxruntime(BenchOnnxruntimeOptions options) {
   if (options.models.empty())
     for (const char* name : {"models/live.safetensors", "models/default.safetensors"}) {
       MIEN_TRY_ASSIGN(const std::filesystem::path path, find_resource(name));
@@ -59,7 +59,7 @@ Result<void> run(Options options) {
     options.request.model = model;
     MIEN_TRY_ASSIGN(const PeerTimes times, measure_onnxruntime(options.request));
     if (options.json)
-      measured.push_back(figures(model, times));
+      measured.push_back(peer_figures(model, times));
     else
       print(model, times);
   }
@@ -70,12 +70,12 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_onnxruntime_bench(Commands& commands, CLI::App* bench) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BenchOnnxruntimeOptions>();
   CLI::App* command = commands.add_under(
       bench, "onnxruntime",
       "ONNX Runtime on the same networks, one thread: a causal network's steps in a row within one graph, a "
       "window network's full window",
-      "mien bench onnxruntime --json", [options] { return run(*options); });
+      "mien bench onnxruntime --json", [options] { return run_bench_onnxruntime(*options); });
   command->add_option("--model", options->models,
                       "A model file; may be given many times (default: the live and the window model)");
   command->add_option("--rounds", options->request.rounds, "Rounds through all graphs")

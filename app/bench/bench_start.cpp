@@ -124,7 +124,7 @@ ordered_json times_ms(std::vector<double> took_s) {
   return {{"median_ms", 1e3 * took_s[took_s.size() / 2]}, {"worst_ms", 1e3 * took_s.back()}};
 }
 
-ordered_json figures(const std::vector<Start>& starts) {
+ordered_json start_figures(const std::vector<Start>& starts) {
   std::vector<double> took_s;
   for (const Start& start : starts) took_s.push_back(start.took_s);
   ordered_json all = times_ms(took_s);
@@ -158,8 +158,8 @@ Result<void> run_start_bench(const StartBench& options) {
       return fail(ErrorCode::cancelled, "stopped", "bench start");
   }
   clear_progress();
-  const ordered_json measured = {{"without_page", figures(without_page)},
-                                 {"with_page", figures(with_page)},
+  const ordered_json measured = {{"without_page", start_figures(without_page)},
+                                 {"with_page", start_figures(with_page)},
                                  {"program_alone", times_ms(nothing_s)},
                                  {"starts", options.times}};
   if (options.json) {

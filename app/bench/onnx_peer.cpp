@@ -22,7 +22,7 @@ namespace mien::app {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::json;
+using PeerJson = nlohmann::json;
 using Floats = std::vector<float>;
 
 constexpr std::size_t kChains[] = {1, 4, 16, 64};
@@ -34,7 +34,7 @@ constexpr const char* kInstall =
 /// One graph to be timed, what goes in, and what must come out.
 struct Job {
   onnx::ExportRequest request;
-  Json inputs;
+  PeerJson inputs;
   Floats expected;
 };
 
@@ -45,7 +45,7 @@ Floats noise(std::size_t count, std::uint64_t seed) {
   return values;
 }
 
-Json tensor(std::vector<std::size_t> dims, const Floats& data) {
+PeerJson tensor(std::vector<std::size_t> dims, const Floats& data) {
   return {{"dims", std::move(dims)}, {"data", data}};
 }
 
@@ -101,7 +101,7 @@ Result<std::vector<Job>> jobs_of(const model::ModelFile& model) {
 /// Writes the graphs, their echoes and the list of both.
 Result<void> write_jobs(const model::ModelFile& model, const std::vector<Job>& jobs,
                         const PeerRequest& request, const fs::path& folder) {
-  Json list = {{"rounds", request.rounds}, {"round_s", request.round_s}, {"graphs", Json::array()}};
+  PeerJson list = {{"rounds", request.rounds}, {"round_s", request.round_s}, {"graphs", PeerJson::array()}};
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     MIEN_TRY_ASSIGN(const std::vector<std::byte> graph, onnx::onnx_of(model, jobs[i].request));
     MIEN_TRY_ASSIGN(const std::vector<std::byte> echo, onnx::echo_of(graph));
@@ -134,12 +134,12 @@ Result<std::string> run_node(const fs::path& script, const fs::path& argument) {
 }
 
 /// What the script told, as its comment says, against what was expected.
-Result<PeerTimes> read_times(const Json& told, const std::vector<Job>& jobs) {
+Result<PeerTimes> read_times(const PeerJson& told, const std::vector<Job>& jobs) {
   PeerTimes times;
   times.version = told.at("onnxruntime").get<std::string>();
   times.node = told.at("node").get<std::string>();
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const Json& graph = told.at("graphs").at(i);
+    const PeerJson& graph = told.at("graphs").at(i);
     times.graphs.push_back({.steps = jobs[i].request.steps,
                             .run_s = graph.at("run_s"),
                             .echo_s = graph.at("echo_s"),
@@ -177,10 +177,10 @@ Result<PeerTimes> measure_onnxruntime(const PeerRequest& request) {
   MIEN_TRY(write_jobs(model, jobs, request, folder.path()));
   MIEN_TRY_ASSIGN(const std::string out, run_node(*script, folder.path() / "job.json"));
   try {
-    MIEN_TRY_ASSIGN(PeerTimes times, read_times(Json::parse(out), jobs));
+    MIEN_TRY_ASSIGN(PeerTimes times, read_times(PeerJson::parse(out), jobs));
     times.kind = model.architecture.kind == model::NetworkKind::causal ? "causal" : "window";
     return times;
-  } catch (const Json::exception& error) {
+  } catch (const PeerJson::exception& error) {
     return fail(ErrorCode::internal, error.what(), script->string());
   }
 }

@@ -26,7 +26,7 @@ namespace {
 using Calibration = session::Report::Calibration;
 using Version = session::CalibrationVersion;
 
-struct Options {
+struct CalibrateOptions {
   std::string at = "127.0.0.1:8740";
   std::string token;
   bool json = false;
@@ -41,7 +41,7 @@ constexpr int kStatusesToBelieve = 25;
 /// A re-centring takes 1.5 s.
 constexpr int kStatusesToRecentre = 40;
 
-Result<std::unique_ptr<SessionClient>> open_session(const Options& options) {
+Result<std::unique_ptr<SessionClient>> open_session(const CalibrateOptions& options) {
   return SessionClient::open(options.at, options.token, stop_asked());
 }
 
@@ -178,7 +178,7 @@ bool all_are_lost(const std::vector<SessionStatus::Link>& links) {
          std::ranges::find(links, "lost", &SessionStatus::Link::state) != links.end();
 }
 
-Result<Outcome> guide(SessionClient& session, const Options& options) {
+Result<Outcome> guide(SessionClient& session, const CalibrateOptions& options) {
   if (all_are_lost(session.status().links))
     return Outcome{{},
                    ErrorCode::io,
@@ -218,7 +218,7 @@ Result<Outcome> guide(SessionClient& session, const Options& options) {
   }
 }
 
-Result<void> run_guided(const Options& options) {
+Result<void> run_guided(const CalibrateOptions& options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> session, open_session(options));
   MIEN_TRY_ASSIGN(const Outcome outcome, guide(*session, options));
   clear_progress();
@@ -240,7 +240,7 @@ Result<void> run_guided(const Options& options) {
   return {};
 }
 
-Result<void> run_list(const Options& options) {
+Result<void> run_list(const CalibrateOptions& options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> session, open_session(options));
   if (options.json)
     print_json(versions_json(session->status()));
@@ -249,7 +249,7 @@ Result<void> run_list(const Options& options) {
   return {};
 }
 
-Result<void> run_use(const Options& options) {
+Result<void> run_use(const CalibrateOptions& options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> session, open_session(options));
   MIEN_TRY_ASSIGN(const Version version, version_of(session->status().calibration, options.version));
   MIEN_TRY(session->command({{"command", "use_calibration"}, {"version", version.id}}));
@@ -260,7 +260,7 @@ Result<void> run_use(const Options& options) {
   return {};
 }
 
-Result<void> run_compare(const Options& options) {
+Result<void> run_compare(const CalibrateOptions& options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> session, open_session(options));
   MIEN_TRY_ASSIGN(const Version a, version_of(session->status().calibration, options.version));
   MIEN_TRY_ASSIGN(const Version b, version_of(session->status().calibration, options.other));
@@ -271,7 +271,7 @@ Result<void> run_compare(const Options& options) {
   return {};
 }
 
-Result<void> run_recentre(const Options& options) {
+Result<void> run_recentre(const CalibrateOptions& options) {
   MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> session, open_session(options));
   const std::int64_t before = newest_id(session->status().calibration);
   [[maybe_unused]] const auto earlier = session->take_events();
@@ -299,7 +299,7 @@ Result<void> run_recentre(const Options& options) {
 }  // namespace
 
 void add_calibrate_command(Commands& commands) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CalibrateOptions>();
   CLI::App* guided =
       commands.add("calibrate", "Leads the performer through a calibration of the running session; scores it",
                    "mien calibrate full", [options] { return run_guided(*options); });

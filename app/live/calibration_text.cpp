@@ -44,7 +44,7 @@ std::string ago(double seconds) {
   return fmt::format("{} h {} min ago", s / 3600, s / 60 % 60);
 }
 
-const Score* find(const CalibrationVersion& version, const std::string& name) {
+const Score* find_score(const CalibrationVersion& version, const std::string& name) {
   const auto found = std::ranges::find(version.scores, name, &Score::name);
   return found == version.scores.end() ? nullptr : &*found;
 }
@@ -92,8 +92,8 @@ void print_comparison(const CalibrationVersion& a, const CalibrationVersion& b) 
   };
   fmt::print("  {:<28}  {:>18}  {:>18}\n", "score", title(a), title(b));
   for (const std::string& name : names_of(a, b))
-    fmt::print("  {:<28}  {:>18}  {:>18}\n", one_line(name, kNameBytes), cell(find(a, name)),
-               cell(find(b, name)));
+    fmt::print("  {:<28}  {:>18}  {:>18}\n", one_line(name, kNameBytes), cell(find_score(a, name)),
+               cell(find_score(b, name)));
 }
 
 ordered_json version_json(const CalibrationVersion& version) {
@@ -132,7 +132,7 @@ ordered_json comparison_json(const CalibrationVersion& a, const CalibrationVersi
     ordered_json pass = ordered_json::array();
     std::string unit;
     for (const CalibrationVersion* version : {&a, &b}) {
-      const Score* score = find(*version, name);
+      const Score* score = find_score(*version, name);
       values.push_back(score == nullptr ? ordered_json(nullptr) : ordered_json(score->value));
       pass.push_back(score == nullptr ? ordered_json(nullptr) : ordered_json(score->pass));
       if (score != nullptr) unit = score->unit;

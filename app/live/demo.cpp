@@ -35,7 +35,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct DemoOptions {
   std::filesystem::path out = "out/demo";
   std::uint64_t seed = 2026;
   double seconds = 8;
@@ -50,7 +50,7 @@ struct Captured {
   NetworkSummary performed;
 };
 
-Result<Captured> capture_live(const Options& options, const virt::PerformRequest& performance,
+Result<Captured> capture_live(const DemoOptions& options, const virt::PerformRequest& performance,
                               const std::filesystem::path& take) {
   LiveRequest request;
   request.model = options.model;
@@ -111,7 +111,7 @@ Pair motions_of(const study::TakeEstimates& estimates, std::span<const face::Out
   return out;
 }
 
-Result<void> run(Options options) {
+Result<void> run_demo(DemoOptions options) {
   // What it needs at its end is looked for before its beginning.
   MIEN_TRY_ASSIGN(const std::filesystem::path rig, find_resource("rigs/default.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig sensors, sensor::read_rig(rig));
@@ -229,12 +229,12 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_demo_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DemoOptions>();
   CLI::App* command =
       commands.add("demo",
                    "The main job with no hardware: a virtual performer streams through "
                    "real sockets into a live session; page, report, film, CSV and glTF come out",
-                   "mien demo --out out/demo", [options] { return run(*options); });
+                   "mien demo --out out/demo", [options] { return run_demo(*options); });
   command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
   add_seed_option(command, options->seed, "Who performs");
   command->add_option("--seconds", options->seconds, "How long")

@@ -17,13 +17,13 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct LiveOptions {
   LiveRequest request;
   std::filesystem::path replay;
   bool json = false;
 };
 
-Result<void> run_replay(Options options) {
+Result<void> run_replay(LiveOptions options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.replay));
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(take.rig(), options.request.model));
   MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session, modalities::make_session(take.rig(), model));
@@ -66,7 +66,7 @@ Result<void> run_replay(Options options) {
   return {};
 }
 
-Result<void> run(Options options) {
+Result<void> run_live(LiveOptions options) {
   if (!options.replay.empty()) return run_replay(std::move(options));
   MIEN_TRY_ASSIGN(const LiveSession session, open_live(std::move(options.request)));
   std::FILE* const out = options.json ? stderr : stdout;
@@ -83,13 +83,13 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_live_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveOptions>();
   LiveRequest& request = options->request;
   CLI::App* command = commands.add(
       "live", "Devices in, avatar out: tracks live, with page, sinks and recording",
       "mien live --listen udp://0.0.0.0:5005 --out livelink://192.168.1.7 --out vmc://127.0.0.1 --record "
       "take.mien",
-      [options] { return run(*options); });
+      [options] { return run_live(*options); });
   CLI::Option* listen = add_session_options(command, request);
   CLI::Option* sinks = command->add_option(
       "--out", request.out,

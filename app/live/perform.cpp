@@ -15,7 +15,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct PerformOptions {
   virt::PerformRequest request;
   NetworkOptions network;
   std::string motion;
@@ -29,7 +29,7 @@ struct Options {
 };
 
 /// Performs into a take.
-Result<void> run_take(const Options& options) {
+Result<void> run_take(const PerformOptions& options) {
   MIEN_TRY_ASSIGN(const virt::PerformSummary summary,
                   virt::perform_take(options.request, terminal_progress("perform")));
   const std::string take = options.request.take.string();
@@ -46,7 +46,7 @@ Result<void> run_take(const Options& options) {
 }
 
 /// Performs to a receiver.
-Result<void> run_network(const Options& options) {
+Result<void> run_network(const PerformOptions& options) {
   MIEN_TRY_ASSIGN(const NetworkSummary summary, perform_to_network(options.request, options.network));
   clear_progress();
   if (options.json)
@@ -70,7 +70,7 @@ Result<void> run_network(const Options& options) {
   return {};
 }
 
-Result<void> run(Options options) {
+Result<void> run_perform(PerformOptions options) {
   virt::PerformRequest& request = options.request;
   const bool to_network = !options.network.to.empty();
   if (!to_network && request.take.empty())
@@ -120,7 +120,7 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_perform_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PerformOptions>();
   virt::PerformRequest& request = options->request;
   CLI::App* command = commands.add("perform",
                                    "A virtual performer plays a script or a recorded motion through virtual "
@@ -128,7 +128,7 @@ void add_perform_command(Commands& commands) {
                                    "time or into a take",
                                    "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
                                    "reading --to udp://127.0.0.1:5005",
-                                   [options] { return run(*options); });
+                                   [options] { return run_perform(*options); });
   CLI::Option* take = command->add_option("--take", request.take, "The take to write, with the truth in it");
   CLI::Option* to =
       command

@@ -17,16 +17,11 @@ namespace {
 
 using Prompts = session::Report::Prompts;
 
-struct Options {
+struct RecordOptions {
   LiveRequest request;
   std::string prompts;
   bool json = false;
 };
-
-std::string clock_text(double seconds) {
-  const int s = static_cast<int>(std::ceil(seconds));
-  return fmt::format("{}:{:02}", s / 60, s % 60);
-}
 
 /// Shows how far a recording is: one line that is drawn anew, or a line a pose where nobody looks at a
 /// terminal.
@@ -50,11 +45,11 @@ class RecordingLine {
     const std::string recorded = "recording " + clock_text(std::floor(status.recording.seconds));
     const Prompts& prompts = status.report.prompts;
     if (prompts.state == "none" || prompts.state == "over")
-      return status.recording_ends_s ? fmt::format("{} of {}", recorded, clock_text(*status.recording_ends_s))
+      return status.recording_ends_s ? fmt::format("{} of {}", recorded, clock_text(std::ceil(*status.recording_ends_s)))
                                      : recorded;
     const std::string next = prompts.next.empty() ? "" : fmt::format("  (next: {})", prompts.next);
     const std::string place =
-        fmt::format("{}  {}/{}  {} left", recorded, prompts.number, prompts.of, clock_text(prompts.left_s));
+        fmt::format("{}  {}/{}  {} left", recorded, prompts.number, prompts.of, clock_text(std::ceil(prompts.left_s)));
     if (prompts.state == "paused") return fmt::format("{}  paused before: {}", place, prompts.name);
     if (prompts.state == "ready")
       return fmt::format("{}  get ready, {:.0f}: {}", place, std::ceil(prompts.remaining_s), prompts.name);
@@ -66,7 +61,7 @@ class RecordingLine {
   std::size_t shown_ = 0;
 };
 
-Result<void> run(Options options) {
+Result<void> run_record(RecordOptions options) {
   LiveRequest& request = options.request;
   std::FILE* const out = options.json ? stderr : stdout;
   request.only_record = true;
@@ -74,7 +69,7 @@ Result<void> run(Options options) {
   std::string asked;
   if (!options.prompts.empty()) {
     MIEN_TRY_ASSIGN(session::PromptScript script, load_prompts(options.prompts));
-    asked = fmt::format("{} poses, {} and a little{}", script.prompts.size(), clock_text(script.seconds()),
+    asked = fmt::format("{} poses, {} and a little{}", script.prompts.size(), clock_text(std::ceil(script.seconds())),
                         request.page == "off" ? "; without the page they are shown by name only" : "");
     request.script = options.prompts;
     request.prompts = std::move(script.prompts);
@@ -99,12 +94,12 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_record_command(Commands& commands) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RecordOptions>();
   LiveRequest& request = options->request;
   CLI::App* command =
       commands.add("record", "Records devices into a take, and asks for poses meanwhile if told to",
                    "mien record --prompts one_minute --out me.mien\n  mien record --for 60 --out minute.mien",
-                   [options] { return run(*options); });
+                   [options] { return run_record(*options); });
   add_session_options(command, request);
   command->add_option("--out", request.record, "The take to write, from the first packet on")->required();
   command->add_option(

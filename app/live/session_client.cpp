@@ -26,7 +26,7 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
-using Code = beast::error_code;
+using BeastCode = beast::error_code;
 
 constexpr auto kPatience = std::chrono::seconds(5);
 /// How soon a wish to stop is seen.
@@ -105,11 +105,11 @@ Result<void> SessionClient::State::wait(const std::function<bool()>& done, const
 
 Result<void> SessionClient::State::connect(const Place& place, const std::atomic<bool>& stop) {
   where = place.authority;
-  std::optional<Code> code;
+  std::optional<BeastCode> code;
   tcp::resolver::results_type found;
   const auto ended = [&code] { return code.has_value(); };
 
-  resolver.async_resolve(place.host, place.port, [&](Code result, tcp::resolver::results_type endpoints) {
+  resolver.async_resolve(place.host, place.port, [&](BeastCode result, tcp::resolver::results_type endpoints) {
     code = result;
     found = std::move(endpoints);
   });
@@ -118,13 +118,13 @@ Result<void> SessionClient::State::connect(const Place& place, const std::atomic
 
   code.reset();
   beast::get_lowest_layer(socket).async_connect(found,
-                                                [&](Code result, const tcp::endpoint&) { code = result; });
+                                                [&](BeastCode result, const tcp::endpoint&) { code = result; });
   MIEN_TRY(wait(ended, "nobody answers there", &stop));
   if (*code) return fail(ErrorCode::io, "no session is there", where, kStartOne);
 
   code.reset();
   socket.read_message_max(kMaxSessionMessageBytes);
-  socket.async_handshake(response, place.authority, place.target, [&](Code result) { code = result; });
+  socket.async_handshake(response, place.authority, place.target, [&](BeastCode result) { code = result; });
   MIEN_TRY(wait(ended, "what is there does not answer as a session does", &stop));
   if (*code && response.result() == beast::http::status::forbidden)
     return fail(ErrorCode::bad_usage, "the session wants its token", where,
@@ -138,7 +138,7 @@ Result<void> SessionClient::State::connect(const Place& place, const std::atomic
 }
 
 void SessionClient::State::read() {
-  socket.async_read(received, [this](Code code, std::size_t) {
+  socket.async_read(received, [this](BeastCode code, std::size_t) {
     if (code == websocket::error::closed || code == asio::error::eof || code == asio::error::connection_reset)
       return lose("the session has ended", kStartOne);
     if (code) return lose("the line to the session broke: " + code.message());
@@ -183,7 +183,7 @@ Result<void> SessionClient::command(nlohmann::json command) {
   s.reply.reset();
   s.sending = command.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   s.writing = true;
-  s.socket.async_write(asio::buffer(s.sending), [&s](Code code, std::size_t) {
+  s.socket.async_write(asio::buffer(s.sending), [&s](BeastCode code, std::size_t) {
     s.writing = false;
     if (code) s.lose("the line to the session broke: " + code.message());
   });

@@ -17,7 +17,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct EvaluateOptions {
   std::vector<std::string> takes;
   ModelOption model;
   std::string face;
@@ -57,7 +57,7 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
   return builtin_face::load_face(name);
 }
 
-Result<void> run(Options options) {
+Result<void> run_evaluate(EvaluateOptions options) {
   if (!options.report.empty()) MIEN_TRY(check_output(options.report, {".html"}));
   std::vector<take::Take> takes;
   std::set<std::string> devices;
@@ -127,10 +127,10 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_evaluate_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EvaluateOptions>();
   CLI::App* command =
       commands.add("evaluate", "Measures a model on takes with truth, beside its baselines",
-                   "mien evaluate take.mien --report take.html", [options] { return run(*options); });
+                   "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
   command->add_option("takes", options->takes, "Takes with a truth track")->required();
   options->model.add_to(command);
   command->add_option("--face", options->face,

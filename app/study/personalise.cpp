@@ -14,13 +14,13 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct PersonaliseOptions {
   std::string take, model, out;
   bool force = false;
   bool json = false;
 };
 
-Result<void> run(Options options) {
+Result<void> run_personalise(PersonaliseOptions options) {
   MIEN_TRY(check_output(options.out, {".safetensors"}));
   if (!options.force && std::filesystem::exists(options.out))
     return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
@@ -67,11 +67,11 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_personalise_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PersonaliseOptions>();
   CLI::App* command =
       commands.add("personalise", "Learns how one wearer's skin moves from a minute of prompted expressions",
                    "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
-                   [options] { return run(*options); });
+                   [options] { return run_personalise(*options); });
   command->add_option("take", options->take, "A take with a full prologue or prompts")->required();
   command->add_option("--out", options->out, "The wearer's own model, .safetensors")->required();
   command->add_option(

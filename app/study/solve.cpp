@@ -12,7 +12,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct SolveOptions {
   std::string take;
   ModelOption model;
   bool from_log = false;
@@ -21,7 +21,7 @@ struct Options {
   bool json = false;
 };
 
-Result<void> run(Options options) {
+Result<void> run_solve(SolveOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(take.rig()));
@@ -51,10 +51,10 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_solve_command(Commands& commands) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SolveOptions>();
   CLI::App* command =
       commands.add("solve", "Turns a take's sensors into blendshape weights",
-                   "mien solve take.mien --out take.csv", [options] { return run(*options); });
+                   "mien solve take.mien --out take.csv", [options] { return run_solve(*options); });
   command->add_option("take", options->take, "The take")->required();
   options->model.add_to(command);
   command->add_flag("--from-log", options->from_log,

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct StudyLiveOptions {
   study::LiveRequest request;
   std::vector<std::string> rows;
   std::vector<std::string> takes;
@@ -38,7 +38,7 @@ struct Options {
 };
 
 /// Whether a file of the user's is here. What is not is said, and left out.
-bool is_here(const std::string& path, Options& options) {
+bool is_here(const std::string& path, StudyLiveOptions& options) {
   std::error_code code;
   if (path == "builtin" || std::filesystem::exists(path, code)) return true;
   fmt::print(stderr, "mien: {} is not here: its rows are left out\n", path);
@@ -46,7 +46,7 @@ bool is_here(const std::string& path, Options& options) {
   return false;
 }
 
-Result<void> load_takes(Options& options) {
+Result<void> load_takes(StudyLiveOptions& options) {
   if (options.takes.empty() || !is_here(options.face, options)) return {};
   std::vector<std::string> names;
   for (const std::string& path : options.takes) {
@@ -73,7 +73,7 @@ Result<study::LiveModels::Causal> load_named(const std::string& named) {
   return study::LiveModels::Causal{named.substr(0, sign), std::move(file)};
 }
 
-Result<study::LiveModels> load_models(Options& options, std::optional<tracker::WindowSolver>& window) {
+Result<study::LiveModels> load_models(StudyLiveOptions& options, std::optional<tracker::WindowSolver>& window) {
   study::LiveModels models;
   if (options.live.empty()) {
     MIEN_TRY_ASSIGN(options.live, find_resource("models/live.safetensors"));
@@ -97,7 +97,7 @@ Result<study::LiveModels> load_models(Options& options, std::optional<tracker::W
   return models;
 }
 
-Json mean_or_null(const std::optional<study::MeanStd>& value) {
+Json spread_or_null(const std::optional<study::MeanStd>& value) {
   return value ? Json{{"mean", value->mean}, {"std", value->std}} : Json();
 }
 
@@ -105,7 +105,7 @@ Json to_json(const study::LiveMethod& method) {
   Json out = {{"name", method.name}};
   for (std::size_t m = 0; m < study::kMeasureCount; ++m) {
     const auto measure = static_cast<study::Measure>(m);
-    Json& figure = out[std::string(study::measure_name(measure))] = mean_or_null(method.over(measure));
+    Json& figure = out[std::string(study::measure_name(measure))] = spread_or_null(method.over(measure));
     if (figure.is_null()) continue;
     figure["performers"] = Json::array();
     for (const study::Figures& figures : method.performers)
@@ -130,7 +130,7 @@ Json to_json(const study::LiveSet& set) {
   return out;
 }
 
-Json to_json(const study::LiveStudy& study, const Options& options, const sensor::Rig& rig) {
+Json to_json(const study::LiveStudy& study, const StudyLiveOptions& options, const sensor::Rig& rig) {
   Json out = {{"rig", rig.name},
               {"seed", options.request.seed},
               {"performers", options.request.performers},
@@ -169,7 +169,7 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return {};
 }
 
-Result<void> run(Options options) {
+Result<void> run_study_live(StudyLiveOptions options) {
   for (const std::string& row : options.rows) {
     MIEN_TRY_ASSIGN(options.request.conditions.emplace_back(), study::parse_live_condition(row));
   }
@@ -213,12 +213,12 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_study_live(Commands& commands, CLI::App* study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyLiveOptions>();
   CLI::App* command = commands.add_under(
       study, "live",
       "How accurate the live model is beside all others, on the same takes under many conditions",
       "mien study live --out live\n  mien study live --takes a.csv b.csv --face FaceXModel --out live",
-      [options] { return run(*options); });
+      [options] { return run_study_live(*options); });
   study::LiveRequest& request = options->request;
   command->add_option(
       "--rows", options->rows,

@@ -19,7 +19,9 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+using Json = nlohmann::ordered_json;
+
+struct StudyLossOptions {
   study::LossRequest request;
   std::string model;
   std::string rig;
@@ -30,7 +32,7 @@ struct Options {
 };
 
 /// Reads the motions, and every face once.
-Result<void> load_motions(Options& options) {
+Result<void> load_motions(StudyLossOptions& options) {
   if (options.faces.empty()) options.faces = {"builtin"};
   if (options.faces.size() > 1 && options.faces.size() != options.motions.size())
     return fail(ErrorCode::bad_usage,
@@ -51,7 +53,7 @@ Result<void> load_motions(Options& options) {
   return {};
 }
 
-std::string performed_by(const Options& options) {
+std::string performed_by(const StudyLossOptions& options) {
   if (options.motions.empty())
     return fmt::format("{} virtual performers of {:g} s, seed {}", options.request.performers,
                        options.request.seconds, options.request.seed);
@@ -59,7 +61,7 @@ std::string performed_by(const Options& options) {
                      options.motions.size() == 1 ? "" : "s", options.request.seed);
 }
 
-void print_table(const study::LossStudy& study) {
+void print_loss_table(const study::LossStudy& study) {
   fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
              "given up", "felt MSE", "PVE mm", "felt", "rotation", "step", "truth's", "unsound", "mistold");
   for (const study::LossRow& row : study.rows)
@@ -94,7 +96,7 @@ nlohmann::ordered_json to_json(const study::LossRow& row) {
           {"performance_mse", row.performance_mse}};
 }
 
-void print_study(const study::LossStudy& study, const Options& options, const sensor::Rig& rig) {
+void print_loss_study(const study::LossStudy& study, const StudyLossOptions& options, const sensor::Rig& rig) {
   nlohmann::ordered_json out = {{"model", options.model}, {"rig", rig.name}, {"seed", options.request.seed}};
   if (options.motions.empty()) {
     out["performers"] = options.request.performers;
@@ -105,7 +107,6 @@ void print_study(const study::LossStudy& study, const Options& options, const se
   }
   const study::LossRow* tenth = study.find(study::Fault::loss, 10);
   const study::LossRow* worst = study.worst_sensor();
-  using Json = nlohmann::ordered_json;
   out["rise_at_10_percent"] = tenth != nullptr ? Json(tenth->rise) : Json();
   out["rise_allowed_at_10_percent"] = study::kRiseAllowedAt10Percent;
   out["worst_sensor"] = worst != nullptr ? Json(worst->condition.sensor) : Json();
@@ -120,7 +121,7 @@ void print_study(const study::LossStudy& study, const Options& options, const se
   print_json(out);
 }
 
-Result<void> run(Options options) {
+Result<void> run_study_loss(StudyLossOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
   if (options.rig.empty()) {
     MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
@@ -139,11 +140,11 @@ Result<void> run(Options options) {
                                            std::filesystem::path(options.model).filename().string());
   if (!options.out.empty()) MIEN_TRY(study::loss_report(study, subtitle).write(options.out));
   if (options.json) {
-    print_study(study, options, rig);
+    print_loss_study(study, options, rig);
     return {};
   }
   fmt::print("Accuracy against loss: {}\n\n", subtitle);
-  print_table(study);
+  print_loss_table(study);
   if (!options.out.empty()) fmt::print("report: {}\n", options.out);
   return {};
 }
@@ -151,10 +152,10 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_study_loss(Commands& commands, CLI::App* study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyLossOptions>();
   CLI::App* command = commands.add_under(
       study, "loss", "How accurate the live model stays with lost packets, bad networks and silent sensors",
-      "mien study loss --performers 24 --out loss.html", [options] { return run(*options); });
+      "mien study loss --performers 24 --out loss.html", [options] { return run_study_loss(*options); });
   command->add_option("--model", options->model, "Live model (default: models/live.safetensors)");
   command->add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
   CLI::Option* performers =

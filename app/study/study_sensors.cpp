@@ -24,7 +24,7 @@
 namespace mien::app {
 namespace {
 
-struct Options {
+struct StudySensorsOptions {
   study::SensorsRequest request;
   std::string rig;
   std::string markers;
@@ -75,8 +75,8 @@ void add_minute(const study::MinuteStudy& minute, const builtin_face::MarkerSet&
     out["minute"]["conditions"][method.name] = to_json(method, names);
 }
 
-void print_study(const study::SensorsStudy& study, const study::MinuteStudy& minute,
-                 const builtin_face::MarkerSet& markers, const Options& options) {
+void print_sensors_study(const study::SensorsStudy& study, const study::MinuteStudy& minute,
+                 const builtin_face::MarkerSet& markers, const StudySensorsOptions& options) {
   Json out = {{"rig", options.rig}, {"wearers", options.request.wearers}, {"seed", options.request.seed}};
   for (const study::SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
     out[method->name] = to_json(*method, study.markers);
@@ -88,7 +88,7 @@ void print_study(const study::SensorsStudy& study, const study::MinuteStudy& min
   print_json(out);
 }
 
-void print_row(const std::string& name, const study::SensorsRow& row) {
+void print_sensors_row(const std::string& name, const study::SensorsRow& row) {
   fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f} {:7.2f}\n", name, row.all.mean_mm, row.all.rmse_mm,
              row.eyes_nose.mean_mm, row.mouth.mean_mm);
 }
@@ -97,20 +97,20 @@ std::string title_of(const study::SensorsMethod& method) {
   return method.sensors > 0 ? fmt::format("{}, {} sensors", method.name, method.sensors) : method.name;
 }
 
-void print_table(const study::SensorsStudy& study, const study::MinuteStudy& minute) {
+void print_sensors_table(const study::SensorsStudy& study, const study::MinuteStudy& minute) {
   fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm", "mean", "RMSE", "eyes, nose", "mouth");
   for (const study::SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
-    print_row(title_of(*method), method->overall);
+    print_sensors_row(title_of(*method), method->overall);
   fmt::print("\nafter one minute\n");
   for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const study::SensorsMethod& method : *methods) print_row(title_of(method), method.overall);
+    for (const study::SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
   fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "faithful, by wearer", "", "", "", "");
   for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
-    print_row(fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
+    print_sensors_row(fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
               study.faithful.wearers[w]);
   fmt::print("\nby expressions\n");
   for (std::size_t s = 0; s < study::kTestSets; ++s)
-    print_row(std::string(study::test_set_name(static_cast<study::TestSet>(s))), study.faithful.sets[s]);
+    print_sensors_row(std::string(study::test_set_name(static_cast<study::TestSet>(s))), study.faithful.sets[s]);
   fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "by marker, mean", "faithf.", "16", "knowing 0", "");
   for (std::size_t m = 0; m < study.markers.size(); ++m)
     fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f}\n", fmt::format("{} {}", m + 1, study.markers[m]),
@@ -119,7 +119,7 @@ void print_table(const study::SensorsStudy& study, const study::MinuteStudy& min
 }
 
 /// The learned method alone, on another face or in others' performances.
-Result<void> run_scene(const Options& options, const sensor::Rig& rig, const builtin_face::MarkerSet& markers,
+Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& rig, const builtin_face::MarkerSet& markers,
                        const eyewear::MarkerNetworkFile& model) {
   study::MinuteScene scene;
   if (!options.face.empty()) {
@@ -142,15 +142,15 @@ Result<void> run_scene(const Options& options, const sensor::Rig& rig, const bui
   fmt::print("{:<24} {:>7} {:>7} {:>11} {:>7}\n", "mm, after one minute", "mean", "RMSE", "eyes, nose",
              "mouth");
   for (const auto* methods : {&minute.methods, &minute.conditions})
-    for (const study::SensorsMethod& method : *methods) print_row(title_of(method), method.overall);
+    for (const study::SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
   for (std::size_t m = 0; m < scene.motions.size(); ++m) {
     fmt::print("\n{}\n", scene.motions[m].name);
-    for (const study::SensorsMethod& method : minute.methods) print_row(title_of(method), method.tests[m]);
+    for (const study::SensorsMethod& method : minute.methods) print_sensors_row(title_of(method), method.tests[m]);
   }
   return {};
 }
 
-Result<void> run(Options options) {
+Result<void> run_study_sensors(StudySensorsOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
   if (options.rig.empty()) {
     MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/eyewear.toml"));
@@ -192,11 +192,11 @@ Result<void> run(Options options) {
   }
   if (options.json) {
     options.rig = rig.name;
-    print_study(study, minute, markers, options);
+    print_sensors_study(study, minute, markers, options);
     return {};
   }
   fmt::print("Markers from photo-reflective eyewear: {}\n\n", subtitle);
-  print_table(study, minute);
+  print_sensors_table(study, minute);
   if (!options.out.empty()) fmt::print("report: {}\n", options.out);
   return {};
 }
@@ -204,10 +204,10 @@ Result<void> run(Options options) {
 }  // namespace
 
 void add_study_sensors(Commands& commands, CLI::App* study) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudySensorsOptions>();
   CLI::App* command = commands.add_under(
       study, "sensors", "How well photo-reflective eyewear tells where markers on the face are",
-      "mien study sensors --wearers 3 --out sensors.html", [options] { return run(*options); });
+      "mien study sensors --wearers 3 --out sensors.html", [options] { return run_study_sensors(*options); });
   command->add_option("--rig", options->rig, "Eyewear rig (default: rigs/eyewear.toml)");
   command->add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");
   command->add_option("--model", options->model,

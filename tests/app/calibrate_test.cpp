@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-/// Seconds into it a performer of live::test::performance() has calibrated the session and talks.
+/// Seconds into it a performer of session::test::performance() has calibrated the session and talks.
 constexpr double kTalking_s = 16;
 
 Outcome calibrate(const StagedSession& session, std::vector<std::string> arguments) {
@@ -63,7 +63,7 @@ TEST(Calibrate, AFullOneWhoseExpressionsWereNotSeenIsAFailure) {
 }
 
 TEST(Calibrate, ATalkingFaceFailsWithTheReasonAndChangesNothing) {
-  StagedSession session(live::test::performance(30).entries, kTalking_s, 15);
+  StagedSession session(session::test::performance(30).entries, kTalking_s, 15);
   ASSERT_EQ(session.report().calibration.in_force, 1);
   const Outcome outcome = calibrate(session, {"--json"});
   EXPECT_EQ(outcome.status, 1);
@@ -82,7 +82,7 @@ TEST(Calibrate, ATalkingFaceFailsWithTheReasonAndChangesNothing) {
 }
 
 TEST(Calibrate, CtrlCCancelsOnTheSessionAndChangesNothing) {
-  StagedSession session(live::test::performance(30).entries, kTalking_s, 1);
+  StagedSession session(session::test::performance(30).entries, kTalking_s, 1);
   const Folder folder;
   const pid_t process = start({"calibrate", "--at", session.at()}, folder / "out", folder / "err");
   ASSERT_GT(process, 0);
@@ -126,7 +126,7 @@ TEST(Calibrate, AfterAWhileItSaysWhatItWaitsFor) {
 }
 
 TEST(Calibrate, WhereEverySensorIsLostItIsRefusedAtOnce) {
-  std::vector<take::LogEntry> entries = live::test::performance(4).entries;  // They fall silent after 16.5 s.
+  std::vector<take::LogEntry> entries = session::test::performance(4).entries;  // They fall silent after 16.5 s.
   StagedSession session(std::move(entries), 18, 10);
   const session::Report::Calibration before = session.report().calibration;
   const Outcome outcome = calibrate(session, {});
@@ -138,7 +138,7 @@ TEST(Calibrate, WhereEverySensorIsLostItIsRefusedAtOnce) {
 }
 
 TEST(Calibrate, VersionsAreListedComparedAndUndone) {
-  StagedSession session(live::test::performance(30).entries, kTalking_s, 10);
+  StagedSession session(session::test::performance(30).entries, kTalking_s, 10);
   const Outcome centred = calibrate(session, {"recentre", "--json"});
   EXPECT_EQ(centred.status, 0) << centred.err;
   EXPECT_EQ(json::parse(centred.out).at("version"), 2);
@@ -175,7 +175,7 @@ TEST(Calibrate, VersionsAreListedComparedAndUndone) {
 }
 
 TEST(Calibrate, RecentringWithoutSensorsSaysSo) {
-  std::vector<take::LogEntry> entries = live::test::performance(4).entries;  // They fall silent after 16.5 s.
+  std::vector<take::LogEntry> entries = session::test::performance(4).entries;  // They fall silent after 16.5 s.
   StagedSession session(std::move(entries), 18, 10);
   const Outcome outcome = calibrate(session, {"recentre"});
   EXPECT_EQ(outcome.status, 1);

@@ -44,7 +44,7 @@ inline std::vector<take::LogEntry> obedient(double seconds) {
 class StagedSession {
  public:
   StagedSession(std::vector<take::LogEntry> entries, double start_s, double speed, std::string token = {})
-      : entries_(std::move(entries)), speed_(speed), session_(live::test::session()), timer_(network_) {
+      : entries_(std::move(entries)), speed_(speed), session_(session::test::session()), timer_(network_) {
     live::PageSettings settings;
     settings.port = 0;
     settings.token = std::move(token);

@@ -82,6 +82,21 @@ class Glasses {
   double now_s_ = 0;
 };
 
+/// A grid of light beside the clock models that a session keeps for it.
+class ClockedGrid : public LightGrid {
+ public:
+  explicit ClockedGrid(const sensor::Rig& rig)
+      : LightGrid(rig), lines_(rig.sensors.size(), rig.find(rig.reference)) {}
+  void add(HostTime arrival, const sensor::Sample& sample) {
+    lines_.add(arrival, sample);
+    LightGrid::add(sample);
+  }
+  void tick(DeviceTime frame, GridLight& out) const { LightGrid::tick(frame, lines_, out); }
+
+ private:
+  sensor::TimeLines lines_;
+};
+
 /// Markers of lips and jaw, which tell how far a jaw is open and a mouth smiles.
 inline builtin_face::MarkerSet mouth_markers() {
   builtin_face::MarkerSet set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();

@@ -17,7 +17,7 @@ constexpr double kSilent = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFilterDelay_s = 4.5 / test::kPairs_hz;
 
 TEST(LightGrid, InterpolatesToTheFrameWithoutAmbientLight) {
-  LightGrid grid(test::glasses_rig(2));
+  test::ClockedGrid grid(test::glasses_rig(2));
   Glasses glasses(2);
   GridLight light;
   double worst = 0;
@@ -34,7 +34,7 @@ TEST(LightGrid, InterpolatesToTheFrameWithoutAmbientLight) {
 }
 
 TEST(LightGrid, ASensorThatIsSilentIsMissingWithinATenthOfASecondAndComesBack) {
-  LightGrid grid(test::glasses_rig(2));
+  test::ClockedGrid grid(test::glasses_rig(2));
   Glasses glasses(2);
   GridLight light;
   const auto steady = [](std::size_t, double) { return -1.5; };
@@ -52,7 +52,7 @@ TEST(LightGrid, ASensorThatIsSilentIsMissingWithinATenthOfASecondAndComesBack) {
 }
 
 TEST(LightGrid, HoldsWhatIsDimmerThanAStepOfTheConverter) {
-  LightGrid grid(test::glasses_rig(1));
+  test::ClockedGrid grid(test::glasses_rig(1));
   GridLight light;
   for (int i = 0; i < 200; ++i) {
     const double t = i / test::kPairs_hz;
@@ -64,7 +64,7 @@ TEST(LightGrid, HoldsWhatIsDimmerThanAStepOfTheConverter) {
 }
 
 TEST(LightGrid, OtherLightThatFillsTheRangeBlinds) {
-  LightGrid grid(test::glasses_rig(1));
+  test::ClockedGrid grid(test::glasses_rig(1));
   GridLight light;
   for (int i = 0; i < 200; ++i) {
     const double t = i / test::kPairs_hz;
@@ -82,7 +82,7 @@ TEST(LightGrid, OtherLightThatFillsTheRangeBlinds) {
 }
 
 TEST(LightGrid, DoubledAndOvertakenSamplesChangeNothingAndARestartBeginsAnew) {
-  LightGrid one(test::glasses_rig(1)), other(test::glasses_rig(1));
+  test::ClockedGrid one(test::glasses_rig(1)), other(test::glasses_rig(1));
   GridLight a, b;
   const auto sample = [](int i) {
     const double t = i / test::kPairs_hz;
@@ -116,7 +116,7 @@ TEST(LightGrid, OnlyPhotoReflectiveSensorsCount) {
   sensor::Rig rig = test::glasses_rig(3);
   rig.sensors[1].kind = "imu";
   EXPECT_EQ(photo_sensors(rig), (std::vector<std::uint16_t>{0, 2}));
-  LightGrid grid(rig);
+  test::ClockedGrid grid(rig);
   GridLight light;
   Glasses glasses(3);
   glasses.play(

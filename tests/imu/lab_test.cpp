@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "mien/imu/pipeline.h"
+#include "tests/imu/clocked_pipeline.h"
 
 namespace mien::imu {
 namespace {
@@ -33,7 +34,7 @@ sensor::Sample lab_sample(std::uint16_t sensor, DeviceTime time, const Vec3f& ro
 }
 
 TEST(Lab, RotationsReachTheirOwnFrameUntouched) {
-  Pipeline pipeline(two_sensors());
+  testing_head::ClockedPipeline pipeline(two_sensors());
   model::FeatureFrame frame;
   for (int i = 0; i < 30; ++i) {
     const DeviceTime time{frame_offset(i)};
@@ -53,7 +54,7 @@ TEST(Lab, RotationsReachTheirOwnFrameUntouched) {
 }
 
 TEST(Lab, ASilentSensorIsMissingAfterATenthOfASecond) {
-  Pipeline pipeline(two_sensors());
+  testing_head::ClockedPipeline pipeline(two_sensors());
   model::FeatureFrame frame;
   pipeline.add(HostTime{}, lab_sample(0, DeviceTime{}, Vec3f(0.1F, 0, 0)));
   pipeline.tick(DeviceTime{std::chrono::milliseconds(99)}, frame);
@@ -63,7 +64,7 @@ TEST(Lab, ASilentSensorIsMissingAfterATenthOfASecond) {
 }
 
 TEST(Lab, UnknownSensorsAndShortSamplesAreIgnored) {
-  Pipeline pipeline(two_sensors());
+  testing_head::ClockedPipeline pipeline(two_sensors());
   model::FeatureFrame frame;
   pipeline.add(HostTime{}, lab_sample(200, DeviceTime{}, Vec3f::Zero()));
   auto shorter = lab_sample(0, DeviceTime{}, Vec3f::Zero());

@@ -10,6 +10,7 @@
 #include "mien/core/units.h"
 #include "mien/imu/pipeline.h"
 #include "mien/sensor/ticks.h"
+#include "tests/imu/clocked_pipeline.h"
 
 // A simulator of its own for the tests of this room: a still face on a moving head, with a rig's default
 // faults. It shares nothing with the one that takes are made by, so that a mistake of sign in one is not
@@ -173,7 +174,7 @@ Recording record(const Script& script, const Faults& faults, std::size_t faces, 
 /// Plays a recording through tick rule and pipeline, which is told of no calibration step;
 /// `seen(true time, frame, pipeline)` once a frame.
 template <class Seen>
-void play_unmarked(const Recording& recording, Pipeline& pipeline, Seen&& seen) {
+void play_unmarked(const Recording& recording, ClockedPipeline& pipeline, Seen&& seen) {
   sensor::TickRule ticks(recording.rig);
   model::FeatureFrame frame;
   const auto fire = [&](HostTime now) {
@@ -194,7 +195,7 @@ void play_unmarked(const Recording& recording, Pipeline& pipeline, Seen&& seen) 
 
 /// The same with the script's steps marked.
 template <class Seen>
-void play(const Recording& recording, const Script& script, Pipeline& pipeline, Seen&& seen) {
+void play(const Recording& recording, const Script& script, ClockedPipeline& pipeline, Seen&& seen) {
   pipeline.mark(Phase::neutral, recording.ear_time(0.05), recording.ear_time(3.0));
   pipeline.mark(Phase::nod, recording.ear_time(script.nod_begin), recording.ear_time(script.nod_end));
   pipeline.mark(Phase::shake, recording.ear_time(script.shake_begin), recording.ear_time(script.shake_end));

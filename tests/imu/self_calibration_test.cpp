@@ -5,13 +5,14 @@
 #include <iostream>
 #include <optional>
 
+#include "mien/core/units.h"
+#include "tests/imu/clocked_pipeline.h"
 #include "tests/imu/nodding_head.h"
 
 namespace mien::imu {
 namespace {
 
 using testing_head::Faults;
-using testing_head::kDeg;
 using testing_head::play_unmarked;
 using testing_head::record;
 using testing_head::Recording;
@@ -24,7 +25,7 @@ Quat still_skin(std::size_t, double) {
 
 /// Talks all the time.
 Quat busy_skin(std::size_t sensor, double t) {
-  return exp_rotation(8 * kDeg * std::sin(9 * t + static_cast<double>(sensor)) * Vec3::UnitX());
+  return exp_rotation(8 * kRadPerDeg * std::sin(9 * t + static_cast<double>(sensor)) * Vec3::UnitX());
 }
 
 PipelineSettings watching() {
@@ -42,11 +43,11 @@ struct Seen {
 };
 
 Seen watch(const Recording& recording) {
-  Pipeline pipeline(recording.rig, watching());
+  testing_head::ClockedPipeline pipeline(recording.rig, watching());
   Seen seen;
   double square = 0;
   std::size_t count = 0;
-  play_unmarked(recording, pipeline, [&](double t, const model::FeatureFrame& frame, const Pipeline& p) {
+  play_unmarked(recording, pipeline, [&](double t, const model::FeatureFrame& frame, const testing_head::ClockedPipeline& p) {
     if (!p.hint().empty()) seen.hint = p.hint();
     if (!p.calibration().complete) return;
     if (seen.calibrated_at < 0) seen.calibrated_at = t;
@@ -57,7 +58,7 @@ Seen watch(const Recording& recording) {
       ++count;
     }
   });
-  if (count > 0) seen.rms_deg = std::sqrt(square / static_cast<double>(count)) / kDeg;
+  if (count > 0) seen.rms_deg = std::sqrt(square / static_cast<double>(count)) / kRadPerDeg;
   seen.found = pipeline.found();
   seen.calibration = pipeline.calibration();
   return seen;
@@ -82,16 +83,16 @@ TEST(SelfCalibration, FindsStillnessNodAndShakeByItself) {
 TEST(SelfCalibration, GivesWhatMarksWouldHaveGiven) {
   const Script script;
   const Recording recording = record(script, Faults{}, 5, 41, still_skin);
-  Pipeline marked(recording.rig);
-  testing_head::play(recording, script, marked, [](double, const model::FeatureFrame&, const Pipeline&) {});
+  testing_head::ClockedPipeline marked(recording.rig);
+  testing_head::play(recording, script, marked, [](double, const model::FeatureFrame&, const testing_head::ClockedPipeline&) {});
   const Calibration by_watching = watch(recording).calibration;
   ASSERT_TRUE(by_watching.complete);
-  EXPECT_LT(by_watching.q_head_ear.angularDistance(marked.calibration().q_head_ear), 2 * kDeg);
+  EXPECT_LT(by_watching.q_head_ear.angularDistance(marked.calibration().q_head_ear), 2 * kRadPerDeg);
   for (std::size_t i = 0; i < 5; ++i)
     EXPECT_NEAR(
         std::remainder(by_watching.sensors[i].heading_rad - marked.calibration().sensors[i].heading_rad,
                        2 * std::numbers::pi),
-        0, 3 * kDeg);
+        0, 3 * kRadPerDeg);
 }
 
 TEST(SelfCalibration, AMovingHeadOrFaceCalibratesNothing) {
@@ -163,7 +164,7 @@ TEST(SelfCalibration, ABoardThatBeganAnewIsBackAtOnce) {
         sample.time = DeviceTime(from_seconds(0.5)) + (sample.time - *first);
     }
 
-    Pipeline pipeline(recording.rig, watching());
+    testing_head::ClockedPipeline pipeline(recording.rig, watching());
     sensor::TickRule ticks(recording.rig);
     model::FeatureFrame frame;
     double back_at = -1;
@@ -178,7 +179,7 @@ TEST(SelfCalibration, ABoardThatBeganAnewIsBackAtOnce) {
         if (back_at < 0) continue;
         EXPECT_TRUE(all) << t;
         for (const model::SensorFeature& sensor : frame.sensors)
-          worst_deg = std::max(worst_deg, log_rotation(rotation_of(sensor)).norm() / kDeg);
+          worst_deg = std::max(worst_deg, log_rotation(rotation_of(sensor)).norm() / kRadPerDeg);
       }
     };
     for (const testing_head::Entry& entry : recording.entries) {

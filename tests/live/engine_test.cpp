@@ -76,7 +76,7 @@ class Nodes {
 /// An engine on a thread of its own.
 class Running {
  public:
-  explicit Running(EngineSettings settings) : engine_(Engine::open(std::move(settings), test::session())) {
+  explicit Running(EngineSettings settings) : engine_(Engine::open(std::move(settings), session::test::session())) {
     if (!engine_) return;
     thread_ = std::jthread([this] { summary_ = (*engine_)->run(stop_, EngineListener()); });
   }
@@ -107,7 +107,7 @@ EngineSettings settings(const mien::test::Folder& folder) {
   settings.header.rig_toml = virt::test::kRig;
   settings.model = "two shapes";
   settings.make_session = [](const sensor::Rig& rig) -> Result<std::unique_ptr<session::Session>> {
-    return test::session(rig);
+    return session::test::session(rig);
   };
   return settings;
 }
@@ -123,7 +123,7 @@ TEST(Engine, CarriesFramesFromNodesToSinksAndThePageAndObeysIt) {
   Running running(std::move(asked));
   ASSERT_TRUE(running.engine()) << running.engine().error().message();
   ASSERT_EQ((*running).listening().size(), 1u);
-  const virt::VirtualSession performed = test::performance(60);
+  const virt::VirtualSession performed = session::test::performance(60);
   Nodes nodes(performed, test::port_of((*running).listening().front()));
 
   PageClient page(network, test::port_of((*running).page()));
@@ -217,7 +217,7 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
   asked.seconds = 3;
   Running running(std::move(asked));
   ASSERT_TRUE(running.engine()) << running.engine().error().message();
-  const virt::VirtualSession performed = test::performance(10);
+  const virt::VirtualSession performed = session::test::performance(10);
   Nodes nodes(performed, test::port_of((*running).listening().front()));
   const EngineSummary summary = running.wait();
   nodes.stop();
@@ -226,7 +226,7 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
 
   const auto take = take::Take::open(folder / "whole.mien");
   ASSERT_TRUE(take) << take.error().message();
-  const auto session = test::session();
+  const auto session = session::test::session();
   ASSERT_TRUE(
       session::replay(*take, *session, [](const take::Tick&, const face::OutputFrame&) { return true; }));
   EXPECT_EQ(session->frames(), summary.frames);
@@ -250,7 +250,7 @@ TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   ASSERT_TRUE(running.engine()) << running.engine().error().message();
   boost::asio::io_context network;
   PageClient page(network, test::port_of((*running).page()));
-  const virt::VirtualSession performed = test::performance(60);
+  const virt::VirtualSession performed = session::test::performance(60);
   Nodes nodes(performed, test::port_of((*running).listening().front()));
   EXPECT_TRUE(run_until(network, [&] {
     Json prompts = page.last("status")["prompts"];
@@ -274,7 +274,7 @@ TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   const auto events = take->events().value();
   EXPECT_EQ(std::ranges::count(events, "prompt", &take::Event::kind), 3);
   // What is asked for is in the log: a replay comes to the same events.
-  const auto session = test::session();
+  const auto session = session::test::session();
   std::vector<take::Event> again;
   ASSERT_TRUE(session::replay(*take, *session, [&](const take::Tick&, const face::OutputFrame&) {
     for (take::Event& event : session->take_events()) again.push_back(std::move(event));
@@ -297,10 +297,10 @@ TEST(Engine, SaysWhyItCannotBegin) {
   const auto error_of = [&](auto change) {
     EngineSettings asked = settings(folder);
     change(asked);
-    const auto engine = Engine::open(std::move(asked), test::session());
+    const auto engine = Engine::open(std::move(asked), session::test::session());
     return engine ? std::string() : engine.error().message();
   };
-  const auto first = Engine::open(settings(folder), test::session());
+  const auto first = Engine::open(settings(folder), session::test::session());
   ASSERT_TRUE(first);
   EXPECT_THAT(error_of([&](EngineSettings& s) { s.listen = (*first)->listening(); }), HasSubstr("--listen"));
   EXPECT_THAT(error_of([](EngineSettings& s) { s.listen = {"udp://nowhere"}; }), HasSubstr("address"));

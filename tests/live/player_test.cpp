@@ -19,11 +19,11 @@ HostTime at(double seconds) {
 class PlayerTest : public ::testing::Test {
  protected:
   /// Writes what a session of a short performance leaves behind; returns the frames that it gave.
-  static std::vector<test::Played::Frame> record(const std::filesystem::path& path, bool truth);
+  static std::vector<session::test::Played::Frame> record(const std::filesystem::path& path, bool truth);
 
-  using Played = test::Played;
-  static Result<std::unique_ptr<session::Session>> modalities::make_session(const sensor::Rig& rig) {
-    return test::session(rig);
+  using Played = session::test::Played;
+  static Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig) {
+    return session::test::session(rig);
   }
   /// Until it was read; a minute at most.
   static std::optional<Player::Moment> first(Player& player, HostTime now) {
@@ -40,9 +40,9 @@ class PlayerTest : public ::testing::Test {
   Player player{make_session};
 };
 
-std::vector<test::Played::Frame> PlayerTest::record(const std::filesystem::path& path, bool truth) {
-  const virt::VirtualSession performed = test::performance(0.5);
-  const Played run = test::run(*test::session(), performed.entries);
+std::vector<session::test::Played::Frame> PlayerTest::record(const std::filesystem::path& path, bool truth) {
+  const virt::VirtualSession performed = session::test::performance(0.5);
+  const Played run = session::test::run(*session::test::session(), performed.entries);
   take::Header header;
   header.software = "test";
   header.rig_toml = virt::test::kRig;

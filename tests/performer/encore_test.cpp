@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/virtual/three_sensors.h"
+#include "tests/performer/talking.h"
 
 namespace mien::performer {
 namespace {

@@ -11,7 +11,7 @@
 namespace mien::performer {
 namespace {
 
-HeadTrack virt::play(HeadActivity activity, std::size_t frames, std::uint64_t seed) {
+HeadTrack play(HeadActivity activity, std::size_t frames, std::uint64_t seed) {
   const std::array episodes = {HeadEpisode{0, activity}};
   return draw_head_motion(frames, episodes, 1.0, {}, Random(seed));
 }
@@ -30,7 +30,7 @@ TEST(HeadMotion, AxesAreThoseOfTheHeadFrame) {
 }
 
 TEST(HeadMotion, StillHeadsSwayAndNoMore) {
-  for (const Quat& head : virt::play(HeadActivity::still, 3600, 1).orientation)
+  for (const Quat& head : play(HeadActivity::still, 3600, 1).orientation)
     EXPECT_LT(tilt_of(head), 2.5 * kRadPerDeg);
 }
 
@@ -38,7 +38,7 @@ TEST(HeadMotion, NodsAndTurnsReachTwentyDegreesAndNotMuchMore) {
   for (const HeadActivity activity : {HeadActivity::nodding, HeadActivity::turning}) {
     double largest = 0;
     for (std::uint64_t seed = 0; seed < 5; ++seed)
-      for (const Quat& head : virt::play(activity, 3600, seed).orientation)
+      for (const Quat& head : play(activity, 3600, seed).orientation)
         largest = std::max(largest, tilt_of(head));
     EXPECT_GT(largest, 14 * kRadPerDeg);
     EXPECT_LT(largest, 26 * kRadPerDeg);
@@ -46,7 +46,7 @@ TEST(HeadMotion, NodsAndTurnsReachTwentyDegreesAndNotMuchMore) {
 }
 
 TEST(HeadMotion, WalkingBouncesAtTheRateOfStepsAndGoesForward) {
-  const HeadTrack track = virt::play(HeadActivity::walking, 3600, 3);
+  const HeadTrack track = play(HeadActivity::walking, 3600, 3);
   int crossings = 0;
   double highest = 0;
   for (std::size_t i = 300; i < 3300; ++i) {
@@ -62,7 +62,7 @@ TEST(HeadMotion, WalkingBouncesAtTheRateOfStepsAndGoesForward) {
 
 TEST(HeadMotion, RunningShakesHarderThanWalking) {
   const auto rms_acceleration = [](HeadActivity activity) {
-    const HeadTrack track = virt::play(activity, 1800, 4);
+    const HeadTrack track = play(activity, 1800, 4);
     double sum = 0;
     for (std::size_t i = 121; i < 1600; ++i) {
       const double a = (track.position_m[i + 1] - 2 * track.position_m[i] + track.position_m[i - 1]).y() *
@@ -81,7 +81,7 @@ TEST(HeadMotion, RunningShakesHarderThanWalking) {
 
 TEST(HeadMotion, DartingIsFastAndStaysOnTheNeck) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
-    const HeadTrack track = virt::play(HeadActivity::darting, 1800, seed);
+    const HeadTrack track = play(HeadActivity::darting, 1800, seed);
     double fastest = 0, largest = 0;
     for (std::size_t i = 1; i < track.orientation.size(); ++i) {
       fastest =

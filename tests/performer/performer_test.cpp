@@ -33,7 +33,7 @@ std::string hash_of(const face::Motion& motion) {
   return hash.hex();
 }
 
-face::Motion virt::play(Block block, double seconds, std::uint64_t seed) {
+face::Motion play(Block block, double seconds, std::uint64_t seed) {
   Random random(seed);
   const Style style = draw_style(random);
   return perform(default_script(block, seconds), style, random.fork("play"));
@@ -44,12 +44,12 @@ INSTANTIATE_TEST_SUITE_P(Performer, EveryBlock, testing::ValuesIn(kAllBlocks),
                          [](const auto& block) { return std::string(block_name(block.param)); });
 
 TEST_P(EveryBlock, SameSeedSameBitsAndAnotherSeedOthers) {
-  EXPECT_EQ(hash_of(virt::play(GetParam(), 30, 5)), hash_of(virt::play(GetParam(), 30, 5)));
-  EXPECT_NE(hash_of(virt::play(GetParam(), 30, 5)), hash_of(virt::play(GetParam(), 30, 6)));
+  EXPECT_EQ(hash_of(play(GetParam(), 30, 5)), hash_of(play(GetParam(), 30, 5)));
+  EXPECT_NE(hash_of(play(GetParam(), 30, 5)), hash_of(play(GetParam(), 30, 6)));
 }
 
 TEST_P(EveryBlock, StandsOnTheFrameGrid) {
-  const auto motion = virt::play(GetParam(), 12.5, 1);
+  const auto motion = play(GetParam(), 12.5, 1);
   ASSERT_EQ(motion.frames.size(), 750U);
   for (std::size_t i = 0; i < motion.frames.size(); ++i)
     EXPECT_EQ(motion.frames[i].time_s, to_seconds(frame_offset(static_cast<std::int64_t>(i))));
@@ -58,7 +58,7 @@ TEST_P(EveryBlock, StandsOnTheFrameGrid) {
 
 TEST_P(EveryBlock, StaysInRangeAndMouthCloseBelowJawOpen) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
-    for (const auto& frame : virt::play(GetParam(), 40, seed).frames) {
+    for (const auto& frame : play(GetParam(), 40, seed).frames) {
       for (std::size_t k = 0; k < kShapeCount; ++k) {
         ASSERT_GE(frame.weights[k], 0.0F) << kShapeNames[k];
         ASSERT_LE(frame.weights[k], kLargestWeight) << kShapeNames[k];
@@ -75,7 +75,7 @@ TEST_P(EveryBlock, StaysInRangeAndMouthCloseBelowJawOpen) {
 TEST_P(EveryBlock, NeverJumps) {
   // A blink closes in five frames, at most 0.39 a frame; nothing on a face is much faster.
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
-    const auto motion = virt::play(GetParam(), 60, seed);
+    const auto motion = play(GetParam(), 60, seed);
     for (std::size_t i = 1; i < motion.frames.size(); ++i) {
       const auto& before = motion.frames[i - 1];
       const auto& now = motion.frames[i];
@@ -93,7 +93,7 @@ TEST_P(EveryBlock, NeverJumps) {
 }
 
 TEST_P(EveryBlock, MovesTheFace) {
-  const auto motion = virt::play(GetParam(), 40, 3);
+  const auto motion = play(GetParam(), 40, 3);
   double travel = 0;
   for (std::size_t i = 1; i < motion.frames.size(); ++i)
     for (std::size_t k = 0; k < kShapeCount; ++k)
@@ -119,7 +119,7 @@ TEST(Performer, EmptyScriptGivesOneFrame) {
 TEST(Performer, FreeMotionReachesEveryShapeAndBeyondOne) {
   face::BlendshapeWeights largest;
   for (std::uint64_t seed = 0; seed < 20; ++seed)
-    for (const auto& frame : virt::play(Block::free, 60, seed).frames)
+    for (const auto& frame : play(Block::free, 60, seed).frames)
       for (std::size_t k = 0; k < kShapeCount; ++k) largest[k] = std::max(largest[k], frame.weights[k]);
   std::size_t beyond = 0;
   for (std::size_t k = 0; k < kShapeCount; ++k) {
@@ -134,7 +134,7 @@ TEST(Performer, FreeMotionIsSparse) {
   // Most shapes rest most of the time: the median over all is far below the mean of the busy ones.
   std::vector<float> all;
   for (std::uint64_t seed = 0; seed < 10; ++seed)
-    for (const auto& frame : virt::play(Block::free, 30, seed).frames)
+    for (const auto& frame : play(Block::free, 30, seed).frames)
       all.insert(all.end(), frame.weights.values.begin(), frame.weights.values.end());
   std::ranges::nth_element(all, all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
   EXPECT_LT(all[all.size() / 2], 0.12F);
@@ -150,7 +150,7 @@ TEST(Performer, RangeOfMotionTakesEveryGroupThroughItsRange) {
 }
 
 TEST(Performer, OppositesExcludeEachOther) {
-  for (const auto& frame : virt::play(Block::free, 120, 4).frames) {
+  for (const auto& frame : play(Block::free, 120, 4).frames) {
     EXPECT_LT(std::min(frame.weights[shape("jawLeft")], frame.weights[shape("jawRight")]), 0.06F);
     EXPECT_LT(std::min(frame.weights[shape("mouthLeft")], frame.weights[shape("mouthRight")]), 0.06F);
     EXPECT_EQ(std::min(frame.weights[shape("eyeLookUp_L")], frame.weights[shape("eyeLookDown_L")]), 0.0F);

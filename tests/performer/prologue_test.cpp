@@ -7,7 +7,7 @@
 #include "mien/core/time.h"
 #include "mien/core/units.h"
 #include "mien/performer/performer.h"
-#include "tests/virtual/three_sensors.h"
+#include "tests/performer/talking.h"
 
 namespace mien::performer {
 namespace {

@@ -36,34 +36,35 @@ double light_at(double t_s) {
 /// light, linear between the samples about the frame.
 class OneLight final : public tracker::Tracker {
  public:
-  OneLight(const sensor::Rig& rig, std::uint16_t sensor)
-      : lines_(rig.sensors.size(), rig.find(rig.reference)), sensor_(sensor) {}
+  explicit OneLight(std::uint16_t sensor) : sensor_(sensor) {}
   [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
-  void add(HostTime arrival, const sensor::Sample& sample) override {
-    lines_.add(arrival, sample);
+  void add(HostTime, const sensor::Sample& sample) override {
     if (sample.sensor != sensor_) return;
     before_ = newest_;
     newest_ = sample;
   }
-  void forget(std::uint16_t sensor) override { lines_.forget(sensor); }
-  void pulse(std::uint16_t, std::uint32_t, DeviceTime) override {}
-  std::size_t tick(DeviceTime frame, face::OutputFrame& out) override {
+  void forget(std::uint16_t) override {}
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override {
+    tracker::TickResult result{.sensors_present = 1, .calibration = {}};
     out = {};
     out.time = frame;
     out.provenance.fill(Provenance::neutral);
     if (neutral_until_ && frame >= *neutral_until_) {
       neutral_until_.reset();
-      ++calibrations_;
+      result.calibration.push_back({.modality = modality(), .found = {}});
     }
-    if (!newest_ || !before_ || !lines_.ready()) return 1;
-    const DeviceTime at = lines_.from_line(sensor_, frame);
-    if (at - newest_->time > std::chrono::milliseconds(100)) return 0;
+    if (!newest_ || !before_ || !lines.ready()) return result;
+    const DeviceTime at = lines.from_line(sensor_, frame);
+    if (at - newest_->time > std::chrono::milliseconds(100)) {
+      result.sensors_present = 0;
+      return result;
+    }
     const double way = to_seconds(at - before_->time) / to_seconds(newest_->time - before_->time);
     out.weights.values.fill(
         static_cast<float>(before_->values[0] + way * (newest_->values[0] - before_->values[0])));
     out.provenance.fill(Provenance::measured);
     out.confidence.fill(1);
-    return 1;
+    return result;
   }
   void guide(tracker::Step step, DeviceTime, DeviceTime end) override {
     if (step == tracker::Step::neutral) neutral_until_ = end;
@@ -74,17 +75,13 @@ class OneLight final : public tracker::Tracker {
   }
   [[nodiscard]] std::string calibration() const override { return R"({"light":1})"; }
   [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] int calibration_count() const override { return calibrations_; }
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override { return {}; }
   [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
-  sensor::TimeLines lines_;
   std::uint16_t sensor_;
   std::optional<sensor::Sample> before_, newest_;
   std::optional<DeviceTime> neutral_until_;
-  int calibrations_ = 0;
 };
 
 /// Three IMUs and one light, the frame grid on this sensor's clock.
@@ -107,7 +104,7 @@ std::unique_ptr<Session> session(const sensor::Rig& rig) {
   trackers.push_back(
       {std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<test::TwoShapes>()),
        sensor::sensors_of(rig, "imu")});
-  trackers.push_back({std::make_unique<OneLight>(sensor::part_of(rig, "photo"), std::uint16_t{3}),
+  trackers.push_back({std::make_unique<OneLight>(std::uint16_t{3}),
                       sensor::sensors_of(rig, "photo")});
   auto combined = std::make_unique<shaping::CombinedTracker>(std::move(trackers));
   Session::Parts parts;

@@ -24,8 +24,7 @@ class Guided final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return "none"; }
   void add(HostTime, const sensor::Sample&) override {}
   void forget(std::uint16_t) override {}
-  void pulse(std::uint16_t, std::uint32_t, DeviceTime) override {}
-  std::size_t tick(DeviceTime, face::OutputFrame&) override { return 0; }
+  tracker::TickResult tick(DeviceTime, const sensor::TimeLines&, face::OutputFrame&) override { return {}; }
   void guide(Step step, DeviceTime begin, DeviceTime end) override { asked.push_back({step, begin, end}); }
   [[nodiscard]] tracker::Guidance guidance() const override { return wanted; }
   void guide_range(DeviceTime begin, DeviceTime end) override { ranges.push_back({Step::none, begin, end}); }
@@ -34,8 +33,6 @@ class Guided final : public tracker::Tracker {
   [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
   [[nodiscard]] std::string calibration() const override { return {}; }
   [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
-  [[nodiscard]] int calibration_count() const override { return 0; }
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override { return {}; }
   [[nodiscard]] Result<void> restore(std::string_view) override { return {}; }
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 };

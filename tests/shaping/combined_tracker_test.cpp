@@ -25,11 +25,10 @@ class Puppet final : public tracker::Tracker {
   CalibrationState state{.phase = Phase::done, .step = Step::none, .hint = {}};
   tracker::Guidance wants;
   std::string made = "{}";
-  int count = 0;
-  std::vector<tracker::PerformedStep> found;
+  std::vector<tracker::CalibrationEvent> events;  // Of the next tick.
   std::vector<sensor::Score> judged;
   // What it heard.
-  std::vector<std::uint16_t> samples, forgotten, pulses;
+  std::vector<std::uint16_t> samples, forgotten;
   std::vector<Step> guided;
   DeviceTime range_end;
   int cancelled = 0;
@@ -38,13 +37,12 @@ class Puppet final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return name_; }
   void add(HostTime, const sensor::Sample& sample) override { samples.push_back(sample.sensor); }
   void forget(std::uint16_t sensor) override { forgotten.push_back(sensor); }
-  void pulse(std::uint16_t sensor, std::uint32_t, DeviceTime) override { pulses.push_back(sensor); }
-  std::size_t tick(DeviceTime frame, OutputFrame& out) override {
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines&, OutputFrame& out) override {
     out = measured(0, weight);
     out.time = frame;
     out.confidence.fill(confidence);
     if (made.empty()) out.provenance.fill(Provenance::neutral);
-    return there;
+    return {.sensors_present = there, .calibration = std::exchange(events, {})};
   }
   [[nodiscard]] tracker::Guidance guidance() const override { return wants; }
   void guide(Step step, DeviceTime, DeviceTime) override { guided.push_back(step); }
@@ -55,13 +53,10 @@ class Puppet final : public tracker::Tracker {
   [[nodiscard]] CalibrationState calibration_state() const override { return state; }
   [[nodiscard]] std::string calibration() const override { return made; }
   [[nodiscard]] std::vector<sensor::Score> scores() const override { return judged; }
-  [[nodiscard]] int calibration_count() const override { return count; }
-  [[nodiscard]] std::vector<tracker::PerformedStep> found_steps() const override { return found; }
   [[nodiscard]] Result<void> restore(std::string_view json) override {
     if (json.find("bad") != std::string_view::npos)
       return fail(ErrorCode::mismatch, "another rig's", "puppet " + name_);
     made = restored = std::string(json);
-    ++count;
     return {};
   }
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override {
@@ -77,6 +72,7 @@ struct Stage {
   Puppet* imu;
   Puppet* eyewear;
   std::unique_ptr<CombinedTracker> both;
+  sensor::TimeLines lines{5, 0};
 
   explicit Stage(const ShaperSettings& settings = {}) {
     auto first = std::make_unique<Puppet>("imu");
@@ -95,17 +91,15 @@ struct Stage {
   }
 };
 
-TEST(CombinedTracker, EveryTrackerHearsEverySensorsClock) {
+TEST(CombinedTracker, EveryTrackerGetsTheSamplesOfItsOwnSensors) {
   const Stage stage;
   EXPECT_EQ(stage.both->modality(), "imu+eyewear");
   for (const std::uint16_t sensor : {0, 2, 4, 9}) stage.hear(sensor, 1);
   stage.both->forget(3);
-  stage.both->pulse(1, 5, DeviceTime(from_seconds(2)));
-  for (const Puppet* one : {stage.imu, stage.eyewear}) {
-    EXPECT_EQ(one->samples, (std::vector<std::uint16_t>{0, 2, 4, 9}));
+  EXPECT_EQ(stage.imu->samples, (std::vector<std::uint16_t>{0, 4}));
+  EXPECT_EQ(stage.eyewear->samples, (std::vector<std::uint16_t>{2})) << "the ninth is nobody's";
+  for (const Puppet* one : {stage.imu, stage.eyewear})
     EXPECT_EQ(one->forgotten, (std::vector<std::uint16_t>{3}));
-    EXPECT_EQ(one->pulses, (std::vector<std::uint16_t>{1}));
-  }
 }
 
 TEST(CombinedTracker, AHeadingIsAskedOfWhoOwnsTheSensor) {
@@ -120,13 +114,13 @@ TEST(CombinedTracker, MergesWhatItsTrackersAnswer) {
   stage.imu->weight = 0.25F;
   stage.eyewear->weight = 0.75F;
   OutputFrame out;
-  EXPECT_EQ(stage.both->tick(frame_time(0), out), 8u);
+  EXPECT_EQ(stage.both->tick(frame_time(0), stage.lines, out).sensors_present, 8u);
   EXPECT_EQ(out.time, frame_time(0));
   EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.25F);
   EXPECT_EQ(out.weights[face::shape("browDown_L")], 0.75F);
   stage.imu->there = 0;
-  EXPECT_EQ(stage.both->tick(frame_time(1), out), 4u);
-  for (int i = 2; i < 70; ++i) stage.both->tick(frame_time(i), out);
+  EXPECT_EQ(stage.both->tick(frame_time(1), stage.lines, out).sensors_present, 4u);
+  for (int i = 2; i < 70; ++i) stage.both->tick(frame_time(i), stage.lines, out);
   EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.75F);
 }
 
@@ -137,12 +131,13 @@ TEST(CombinedTracker, ALoneTrackerIsThatTracker) {
   parts.push_back({std::move(only), {0}});
   CombinedTracker alone(std::move(parts));
   EXPECT_EQ(alone.modality(), "imu");
+  const sensor::TimeLines lines{5, 0};
   for (int i = 0; i < 20; ++i) {
     puppet.weight = static_cast<float>(i) / 20;
     puppet.there = static_cast<std::size_t>(i % 4);
     OutputFrame out, plain;
-    EXPECT_EQ(alone.tick(frame_time(i), out), puppet.there);
-    puppet.tick(frame_time(i), plain);
+    EXPECT_EQ(alone.tick(frame_time(i), lines, out).sensors_present, puppet.there);
+    puppet.tick(frame_time(i), lines, plain);
     ASSERT_TRUE(same_bits(out, plain));
   }
 }
@@ -154,12 +149,12 @@ TEST(CombinedTracker, SettingsTakeEffectAtTheNextFrame) {
   stage.imu->weight = 0.25F;
   stage.eyewear->weight = 0.75F;
   OutputFrame out;
-  stage.both->tick(frame_time(0), out);
+  stage.both->tick(frame_time(0), stage.lines, out);
   EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.75F);
   stage.both->set(ShaperSettings());
   for (int i = 1; i < 70; ++i) {
     const float before = out.weights[face::shape("jawOpen")];
-    stage.both->tick(frame_time(i), out);
+    stage.both->tick(frame_time(i), stage.lines, out);
     ASSERT_LE(std::abs(out.weights[face::shape("jawOpen")] - before), 0.05F) << "eased";
   }
   EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.25F);
@@ -219,7 +214,6 @@ TEST(CombinedTracker, ACalibrationHasAPartOfEachAndGoesBackToEach) {
   EXPECT_EQ(stage.imu->restored, R"({"headings":[0.25,-1.5]})");
   EXPECT_EQ(stage.eyewear->restored, R"({"neutral":1})");
   EXPECT_EQ(stage.both->calibration(), both);
-  EXPECT_EQ(stage.both->calibration_count(), 2);
   stage.imu->restored.clear();
   ASSERT_TRUE(stage.both->restore(R"({"eyewear": {"neutral": 2}})"));
   EXPECT_EQ(stage.imu->restored, "") << "keeps what it has";
@@ -238,25 +232,27 @@ TEST(CombinedTracker, ARestoreThatFailsLeavesAllAsItWas) {
   EXPECT_EQ(stage.both->restore(R"({"imu": {}, "speech": {}})").error().code, ErrorCode::mismatch);
   EXPECT_EQ(stage.both->restore(R"({"imu": {"version": 2}, "eyewear": "bad"})").error().code,
             ErrorCode::mismatch);
-  EXPECT_EQ(stage.both->calibration_count(), 0);
+  OutputFrame frame;
+  EXPECT_TRUE(stage.both->tick(frame_time(0), stage.lines, frame).calibration.empty());
   EXPECT_EQ(stage.both->calibration(), before);
 }
 
-TEST(CombinedTracker, ScoresStepsAndCountsAreThoseOfAll) {
+TEST(CombinedTracker, ScoresAndEventsAreThoseOfAll) {
   const Stage stage;
   stage.imu->judged = {{.name = "nod", .value = 20, .unit = "deg", .pass = true, .sentence = "wide"}};
   stage.eyewear->judged = {{.name = "light", .value = 1, .unit = "", .pass = true, .sentence = "bright"}};
-  stage.imu->found = {{Step::nod, frame_time(1), frame_time(2)}};
-  stage.eyewear->found = {{Step::neutral, frame_time(0), frame_time(1)}};
-  stage.imu->count = 2;
-  stage.eyewear->count = 3;
+  stage.imu->events = {{.modality = "imu", .found = {{Step::nod, frame_time(1), frame_time(2)}}}};
+  stage.eyewear->events = {{.modality = "eyewear", .found = {{Step::neutral, frame_time(0), frame_time(1)}}}};
   const std::vector<sensor::Score> scores = stage.both->scores();
   ASSERT_EQ(scores.size(), 2u);
   EXPECT_EQ(scores[0].name, "nod");
   EXPECT_EQ(scores[1].name, "light");
-  ASSERT_EQ(stage.both->found_steps().size(), 2u);
-  EXPECT_EQ(stage.both->found_steps()[1].step, Step::neutral);
-  EXPECT_EQ(stage.both->calibration_count(), 5);
+  OutputFrame frame;
+  const tracker::TickResult result = stage.both->tick(frame_time(2), stage.lines, frame);
+  ASSERT_EQ(result.calibration.size(), 2u);
+  EXPECT_EQ(result.calibration[0].modality, "imu");
+  ASSERT_EQ(result.calibration[1].found.size(), 1u);
+  EXPECT_EQ(result.calibration[1].found[0].step, Step::neutral);
 }
 
 }  // namespace

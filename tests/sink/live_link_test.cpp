@@ -23,13 +23,13 @@ TEST(LiveLink, IsTheKnownPacket) {
   const auto packet = out[0];
   ASSERT_EQ(packet.size(), 310u);
   EXPECT_EQ(
-      test::hex(packet.first(66)),
+      hex(packet.first(66)),
       "060000002430303030303030302d303030302d303030302d303030302d3030303030303030303030310000000466616365"
       "00000064000000000000003c000000013d");
   std::string zeros(8 * 61, '0');
   zeros.replace(8 * 17, 8, "3f000000");
   zeros.replace(8 * 51, 8, "3f800000");
-  EXPECT_EQ(test::hex(packet.subspan(66)), zeros);
+  EXPECT_EQ(hex(packet.subspan(66)), zeros);
 }
 
 std::vector<float> values_of(const face::OutputFrame& frame) {

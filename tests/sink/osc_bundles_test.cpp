@@ -17,7 +17,7 @@ TEST(OscBundles, AreTheKnownBytes) {
   bundles.finish();
   ASSERT_EQ(out.size(), 1u);
   EXPECT_EQ(out[0].size(), 88u);
-  EXPECT_EQ(test::hex(out[0]),
+  EXPECT_EQ(hex(out[0]),
             "2362756e646c65000000000000000001"
             "00000024"
             "2f564d432f4578742f426c656e642f56616c00002c7366004a61774f70656e003f000000"
@@ -31,9 +31,9 @@ TEST(OscBundles, WritesWhatVrchatTakes) {
   bundles.add("/avatar/parameters/v2/JawOpen", 0.25F);
   bundles.add("/avatar/parameters/v2/JawOpen2", true);
   bundles.finish();
-  EXPECT_EQ(test::hex(out[0].subspan(20, 40)),
+  EXPECT_EQ(hex(out[0].subspan(20, 40)),
             "2f6176617461722f706172616d65746572732f76322f4a61774f70656e0000002c6600003e800000");
-  EXPECT_EQ(test::hex(out[0].subspan(64)),
+  EXPECT_EQ(hex(out[0].subspan(64)),
             "2f6176617461722f706172616d65746572732f76322f4a61774f70656e3200002c540000");
 }
 

@@ -44,7 +44,7 @@ TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
       virt::play_lab(motion, virt::test::three_sites(), virt::test::three_sensors(), Random(11)).value(),
       folder / "minute.mien", "lab");
   model::ModelFile file = tracker::test::tiny_causal_model({"mentalis", "buccinator_L"});
-  const auto features = take_features(take, SolveFrom::samples).value();
+  const auto features = take_features(take).value();
   const auto refused = personalise_on(take, features, file);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unsupported);

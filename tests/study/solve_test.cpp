@@ -6,6 +6,8 @@
 #include <functional>
 
 #include "mien/core/sha256.h"
+#include "mien/modalities/modalities.h"
+#include "mien/session/replay.h"
 #include "tests/study/performed_take.h"
 #include "tests/tracker/tiny_model.h"
 
@@ -18,9 +20,9 @@ tracker::WindowSolver solver_for(std::vector<std::string> sensors = {"mentalis",
   return tracker::WindowSolver::create(tracker::test::tiny_model(std::move(sensors))).value();
 }
 
-Result<Solution> solve(const take::Take& take, SolveFrom from = SolveFrom::samples,
+Result<Solution> solve(const take::Take& take,
                        const tracker::WindowSolver& solver = solver_for()) {
-  return solve_take(take, solver, from, solver.file().sampler, no_progress);
+  return solve_take(take, solver, solver.file().sampler, no_progress);
 }
 
 TEST(SamplerOf, IsTheFilesOwnButForTheSteps) {
@@ -32,17 +34,36 @@ TEST(SamplerOf, IsTheFilesOwnButForTheSteps) {
   EXPECT_EQ(sampler_of(file, file.schedule.levels).kind, model::SamplerKind::ddpm);
 }
 
-TEST(Solve, FromTheLogItIsTheSameToTheBit) {
+/// What a consumer gets.
+class Collector final : public session::SampleConsumer {
+ public:
+  std::vector<sensor::Sample> samples;
+  void add(HostTime, const sensor::Sample& sample) override { samples.push_back(sample); }
+  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
+};
+
+TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
   const test::Folder folder;
   for (const auto& [devices, session] :
        {std::pair{"device", test::device_session()}, std::pair{"lab", test::lab_session()}}) {
     const take::Take take = test::stored(session, folder / devices, devices);
-    const Solution samples = solve(take).value();
-    const Solution log = solve(take, SolveFrom::log).value();
-    EXPECT_EQ(samples.frames.size(), session.ticks.size());
-    EXPECT_EQ(samples.hash, log.hash) << devices;
-    EXPECT_EQ(samples.ridge, log.ridge) << devices;
-    EXPECT_EQ(samples.hash, solve(take).value().hash) << devices;
+    const Solution solution = solve(take).value();
+    EXPECT_EQ(solution.frames.size(), session.ticks.size());
+    EXPECT_EQ(solution.hash, solve(take).value().hash) << devices;
+    EXPECT_EQ(solution.ridge, solve(take).value().ridge) << devices;
+
+    auto receiver =
+        session::Receiver::create(take.rig(), modalities::make_protocols().value()).value();
+    Collector received;
+    const auto stored = take.samples().value();
+    ASSERT_TRUE(session::replay_samples(take.entries().value(), take.ticks().value(), *receiver, received,
+                                        [](const take::Tick&) { return true; }));
+    ASSERT_EQ(received.samples.size(), stored.size());
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+      EXPECT_EQ(received.samples[i].sensor, stored[i].sample.sensor);
+      EXPECT_EQ(received.samples[i].time, stored[i].sample.time);
+      EXPECT_EQ(received.samples[i].values, stored[i].sample.values);
+    }
   }
 }
 
@@ -55,12 +76,11 @@ TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
         tracker::CausalTracker::create(tracker::test::tiny_causal_model({"mentalis", "buccinator_L"}),
                                        take.rig().face_sensor_names())
             .value();
-    const Solution samples = solve_take(take, tracker, SolveFrom::samples, no_progress).value();
-    const Solution log = solve_take(take, tracker, SolveFrom::log, no_progress).value();
-    EXPECT_EQ(samples.hash, log.hash) << "from the log, and again: the tracker is as new";
+    const Solution samples = solve_take(take, tracker, no_progress).value();
+    EXPECT_EQ(samples.hash, solve_take(take, tracker, no_progress)->hash) << "again: the tracker is as new";
     EXPECT_EQ(samples.ridge, solve(take).value().ridge) << "the window model's baseline of the same matrix";
     EXPECT_EQ(samples.felt, solve(take).value().felt);
-    const auto features = take_features(take, SolveFrom::samples).value();
+    const auto features = take_features(take).value();
     ASSERT_EQ(samples.frames.size(), features.size());
     face::OutputFrame frame;
     for (std::size_t f = 0; f < features.size(); ++f) {
@@ -68,7 +88,7 @@ TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
       EXPECT_EQ(frame.weights, samples.frames[f].weights);
     }
     const auto stopped =
-        solve_take(take, tracker, SolveFrom::samples, [](double, std::string_view) { return false; });
+        solve_take(take, tracker, [](double, std::string_view) { return false; });
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
   }
@@ -84,7 +104,7 @@ TEST(Solve, SensorsReachTheAnswer) {
   EXPECT_EQ(solution.frames.back().confidence[0], 1);
   EXPECT_EQ(solution.frames.back().head_provenance, face::Provenance::measured);
   EXPECT_NE(solution.hash,
-            solve(take, SolveFrom::samples, solver_for({"buccinator_L", "mentalis"})).value().hash);
+            solve(take, solver_for({"buccinator_L", "mentalis"})).value().hash);
 }
 
 TEST(Solve, RidgeIsThatOfTheTakesProfile) {
@@ -125,8 +145,7 @@ TEST(Solve, PacketsThatAreNoneArePassedOver) {
   for (take::Tick& tick : noisy.ticks) tick.after_entry = moved[static_cast<std::size_t>(tick.after_entry)];
   const take::Take take = test::stored(noisy, folder / "noisy", "lab");
   ASSERT_GT(take.entries().value().size(), session.entries.size());
-  EXPECT_EQ(solve(take, SolveFrom::log).value().hash, clean.hash);
-  EXPECT_EQ(solve(take, SolveFrom::samples).value().hash, clean.hash);
+  EXPECT_EQ(solve(take).value().hash, clean.hash);
 }
 
 TEST(Solve, RefusesATakeWithoutFrames) {
@@ -134,12 +153,10 @@ TEST(Solve, RefusesATakeWithoutFrames) {
   virt::VirtualSession session = test::lab_session();
   session.ticks.clear();
   const take::Take take = test::stored(session, folder / "no-ticks.mien", "lab");
-  for (const SolveFrom from : {SolveFrom::samples, SolveFrom::log}) {
-    const auto solution = solve(take, from);
-    ASSERT_FALSE(solution);
-    EXPECT_EQ(solution.error().code, ErrorCode::not_found);
-    EXPECT_THAT(solution.error().message(), HasSubstr("no-ticks.mien: the take has no frames"));
-  }
+  const auto solution = solve(take);
+  ASSERT_FALSE(solution);
+  EXPECT_EQ(solution.error().code, ErrorCode::not_found);
+  EXPECT_THAT(solution.error().message(), HasSubstr("no-ticks.mien: the take has no frames"));
 }
 
 TEST(Solve, RefusesToMeasureWithoutTruth) {
@@ -174,9 +191,9 @@ TEST(Solve, ARigThatLacksAModelsSensorWorksAndOneOfStrangersDoesNot) {
   const test::Folder folder;
   const take::Take take = test::stored(test::lab_session(), folder / "a.mien", "lab");
   const Solution solution =
-      solve(take, SolveFrom::samples, solver_for({"mentalis", "frontalis_L", "buccinator_L"})).value();
+      solve(take, solver_for({"mentalis", "frontalis_L", "buccinator_L"})).value();
   EXPECT_NEAR(solution.frames.back().confidence[0], 2.0 / 3, 1e-6);
-  const auto refused = solve(take, SolveFrom::samples, solver_for({"frontalis_L", "frontalis_R"}));
+  const auto refused = solve(take, solver_for({"frontalis_L", "frontalis_R"}));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::mismatch);
 }
@@ -185,7 +202,7 @@ TEST(Solve, StopsWhenAsked) {
   const test::Folder folder;
   const take::Take take = test::stored(test::lab_session(), folder / "a.mien", "lab");
   const tracker::WindowSolver solver = solver_for();
-  const auto solution = solve_take(take, solver, SolveFrom::samples, solver.file().sampler,
+  const auto solution = solve_take(take, solver, solver.file().sampler,
                                    [](double, std::string_view) { return false; });
   ASSERT_FALSE(solution);
   EXPECT_EQ(solution.error().code, ErrorCode::cancelled);

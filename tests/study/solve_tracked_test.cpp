@@ -46,28 +46,24 @@ std::unique_ptr<tracker::Tracker> tracker_of(const sensor::Rig& rig) {
       .value();
 }
 
-Result<Solution> solved(SolveFrom from, const Progress& progress = no_progress) {
-  std::vector<std::unique_ptr<sensor::Protocol>> protocols;
-  protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(eyewear::EyewearProtocol::create().value()));
+Result<Solution> solved(const Progress& progress = no_progress) {
   const auto tracker = tracker_of(worn_take().rig());
-  return solve_take(worn_take(), *tracker, protocols, from, progress);
+  return solve_take(worn_take(), *tracker, progress);
 }
 
-TEST(SolveTracked, SamplesAndLogGiveTheSameBits) {
-  const auto samples = solved(SolveFrom::samples);
-  ASSERT_TRUE(samples) << samples.error().message();
-  EXPECT_EQ(samples->frames.size(), worn_take().ticks()->size());
-  EXPECT_TRUE(samples->ridge.empty());
-  const auto log = solved(SolveFrom::log);
-  ASSERT_TRUE(log) << log.error().message();
-  EXPECT_EQ(log->hash, samples->hash);
+TEST(SolveTracked, GivesTheSameBitsEachTime) {
+  const auto solution = solved();
+  ASSERT_TRUE(solution) << solution.error().message();
+  EXPECT_EQ(solution->frames.size(), worn_take().ticks()->size());
+  EXPECT_TRUE(solution->ridge.empty());
+  EXPECT_EQ(solved()->hash, solution->hash);
 }
 
 TEST(SolveTracked, PutsTheTakesCalibrationsInForce) {
   const auto versions = worn_take().calibrations().value();
   ASSERT_EQ(versions.size(), 1U);
   EXPECT_EQ(versions[0].modality, "eyewear");
-  const Solution solution = solved(SolveFrom::samples).value();
+  const Solution solution = solved().value();
   EXPECT_GT(solution.felt, 0.99);
   for (const face::OutputFrame& frame : solution.frames)
     if (frame.time >= versions[0].made) {
@@ -79,7 +75,7 @@ TEST(SolveTracked, PutsTheTakesCalibrationsInForce) {
 }
 
 TEST(SolveTracked, IsStopped) {
-  const auto stopped = solved(SolveFrom::samples, [](double, std::string_view) { return false; });
+  const auto stopped = solved([](double, std::string_view) { return false; });
   ASSERT_FALSE(stopped);
   EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
 }

@@ -24,7 +24,7 @@ Stage stage(int frames = 91) {
 }
 
 /// What all nodes say, with when, until the performance's time `until_s`.
-std::vector<std::pair<HostTime, std::vector<std::byte>>> performer::perform(NodeGroup& nodes,
+std::vector<std::pair<HostTime, std::vector<std::byte>>> perform(NodeGroup& nodes,
                                                                             double until_s) {
   std::vector<std::pair<HostTime, std::vector<std::byte>>> all;
   nodes.begin(HostTime());
@@ -46,7 +46,7 @@ TEST(NodeGroup, SaysWhatATakeOfTheSamePerformanceHolds) {
   NodeGroup& nodes = *group;
   ASSERT_EQ(nodes.size(), 3U);
   std::multimap<std::vector<std::byte>, HostTime> said;
-  for (const auto& [time, bytes] : performer::perform(nodes, 10))
+  for (const auto& [time, bytes] : perform(nodes, 10))
     if (bytes[5] == std::byte{1}) said.emplace(bytes, time);
   EXPECT_TRUE(nodes.finished());
   ASSERT_EQ(said.size(), session.entries.size());
@@ -64,7 +64,7 @@ TEST(NodeGroup, GoesOnWhereItIsToldTo) {
   NodeGroup& nodes = *group;  // A second and a half, and one to come back.
   std::map<std::uint64_t, imu::Packet> last;
   std::size_t packets = 0;
-  for (const auto& [time, bytes] : performer::perform(nodes, 20)) {
+  for (const auto& [time, bytes] : perform(nodes, 20)) {
     const auto packet = imu::parse_packet(bytes);
     if (!packet) continue;
     ++packets;
@@ -87,7 +87,7 @@ TEST(NodeGroup, GoesOnWhereItIsToldTo) {
 TEST(NodeGroup, SpeaksSlimeVrWhereItIsToldTo) {
   const auto group = NodeGroup::create(stage(), NodeLanguage::slimevr, false).value();
   NodeGroup& nodes = *group;
-  const auto said = performer::perform(nodes, 5);
+  const auto said = perform(nodes, 5);
   ASSERT_FALSE(said.empty());
   for (const auto& [time, bytes] : said) EXPECT_EQ(bytes[3], std::byte{3});  // Handshakes: nobody greets.
   EXPECT_TRUE(nodes.finished());

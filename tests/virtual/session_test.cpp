@@ -13,6 +13,7 @@
 #include "mien/performer/performer.h"
 #include "mien/performer/style.h"
 #include "mien/take/session_log.h"
+#include "tests/imu/clocked_pipeline.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::virt {
@@ -300,7 +301,7 @@ using HeardTest = std::function<bool(const take::StoredSample&)>;
 /// that counts.
 void solve(const VirtualSession& session, const HeardTest& heard,
            const std::function<void(const take::TruthFrame&, const model::FeatureFrame&)>& see) {
-  imu::Pipeline pipeline(Performance::get().rig);
+  imu::testing_head::ClockedPipeline pipeline(Performance::get().rig);
   for (const take::Event& event : session.events) {
     if (event.kind == "neutral") pipeline.mark(imu::Phase::neutral, event.begin, event.end);
     if (event.kind == "nod") pipeline.mark(imu::Phase::nod, event.begin, event.end);

@@ -12,8 +12,9 @@ namespace {
 
 std::vector<model::FeatureFrame> trace(const virt::VirtualSession& session,
                                        imu::Calibration* calibration = nullptr) {
-  return trace_features(virt::test::three_sensors(), session.events, session.samples, session.ticks, {},
-                        calibration);
+  return trace_features(virt::test::three_sensors(), session.events, session.entries, session.ticks, {},
+                        calibration)
+      .value();
 }
 
 double error_rad(const model::SensorFeature& feature, std::size_t sensor, const take::TruthFrame& truth) {

@@ -8,6 +8,7 @@
 #include "mien/imu/packets/packet.h"
 #include "mien/imu/pipeline.h"
 #include "mien/take/session_log.h"
+#include "tests/imu/clocked_pipeline.h"
 #include "tests/virtual/imu/impaired_session.h"
 
 namespace mien::virt {
@@ -97,7 +98,7 @@ TEST(Impair, RefusesASessionWithoutTruth) {
 
 TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
   const VirtualSession worse = impaired({.loss = 0.1, .jitter_ms = 10});
-  imu::Pipeline pipeline(test::three_sensors());
+  imu::testing_head::ClockedPipeline pipeline(test::three_sensors());
   for (const take::Event& event : worse.events)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   const auto sites = test::three_sites();

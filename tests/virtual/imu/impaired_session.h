@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "mien/sensor/bindings.h"
 #include "mien/imu/packets/packet.h"
 #include "mien/virtual/imu/device_packet.h"
 #include "mien/virtual/imu/impair.h"
@@ -31,7 +32,7 @@ inline std::vector<std::pair<HostTime, imu::Packet>> packets(const VirtualSessio
   std::vector<std::pair<HostTime, imu::Packet>> out;
   for (const take::LogEntry& entry : of.entries) {
     const auto packet = imu::parse_packet(entry.bytes);
-    if (packet && packet->device == virtual_device(sensor)) out.emplace_back(entry.arrival, *packet);
+    if (packet && packet->device == sensor::virtual_device(sensor)) out.emplace_back(entry.arrival, *packet);
   }
   return out;
 }

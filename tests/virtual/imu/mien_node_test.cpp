@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "mien/sensor/bindings.h"
 #include "mien/imu/packets/node_protocol.h"
 #include "mien/virtual/imu/device_packet.h"
 #include "tests/virtual/conversation.h"
@@ -78,7 +79,7 @@ TEST_F(MienNodeTest, SendsEverySampleWhenItWouldArrive) {
   std::vector<std::pair<HostTime, std::vector<std::byte>>> expected;
   for (const VirtualPacket& packet : packets_)
     expected.emplace_back(packet.arrival + std::chrono::seconds(1),
-                          encode_device_packet(packet, faults_).value());
+                          encode_device_packet(packet, {sensor::virtual_device(1), 0}, faults_).value());
   std::ranges::stable_sort(expected, {}, [](const auto& e) { return e.first; });
   std::size_t next = 0;
   for (const Conversation::Sent& sent : talk.sent()) {
