@@ -27,7 +27,7 @@ std::vector<sensor::Sample> wave(std::size_t sensors) {
       const double time_s = static_cast<double>(pair) / kPairsHz;
       sensor::Sample& sample = samples.emplace_back();
       sample.sensor = static_cast<std::uint16_t>(s);
-      sample.kind = sensor::SampleKind::photo_reflective;
+      sample.kind = sensor::SampleKind::eyewear_light;
       sample.sequence = pair;
       sample.time = DeviceTime(from_seconds(time_s));
       sample.count = 2;

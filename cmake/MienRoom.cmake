@@ -11,7 +11,7 @@ if(MIEN_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} CCACHE_NOHASHDIR=1
       CCACHE_SLOPPINESS=pch_defines,time_macros ${MIEN_CCACHE})
   if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
-    add_compile_options($<$<COMPILE_LANGUAGE:CXX>:SHELL:-Xclang -fno-pch-timestamp>)  # Else no precompiled header is found again.
+    add_compile_options("SHELL:-Xclang -fno-pch-timestamp")  # Else no precompiled header would be found again.
   endif()
 endif()
 

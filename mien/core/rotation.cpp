@@ -94,13 +94,4 @@ Quat fit_rotation(std::span<const Vec3> from, std::span<const Vec3> to) {
   return fit_rotation(covariance);
 }
 
-Quat mean_rotation(std::span<const Quat> rotations) {
-  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
-  for (const Quat& q : rotations) sum += q.coeffs() * q.coeffs().transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(sum);
-  Quat mean;
-  mean.coeffs() = eigen.eigenvectors().col(3);
-  return canonical(mean);
-}
-
 }  // namespace mien

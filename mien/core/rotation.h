@@ -52,8 +52,4 @@ struct KnotSpacing {
 /// themselves.
 [[nodiscard]] Quat fit_rotation(const Mat3& covariance_from_to);
 
-/// The mean of orientations that lie close together: the quaternion of largest eigenvalue of sum q q^T.
-/// Source: Markley et al. 2007, "Averaging quaternions", doi:10.2514/1.28949.
-[[nodiscard]] Quat mean_rotation(std::span<const Quat> rotations);
-
 }  // namespace mien

@@ -131,7 +131,7 @@ Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const
 
   ++device.lines;
   sensor::Sample sample;
-  sample.kind = sensor::SampleKind::photo_reflective;
+  sample.kind = sensor::SampleKind::eyewear_light;
   sample.sequence = static_cast<std::uint32_t>(device.lines);
   sample.time = device.clock.add(arrival, device.lines);
   sample.time_estimated = true;

@@ -14,7 +14,7 @@ constexpr float kFullScale = 1 - 1e-5F;
 std::vector<std::uint16_t> photo_sensors(const sensor::Rig& rig) {
   std::vector<std::uint16_t> numbers;
   for (std::uint16_t i = 0; i < rig.sensors.size(); ++i)
-    if (rig.sensors[i].kind == "photo") numbers.push_back(i);
+    if (rig.sensors[i].kind == "eyewear") numbers.push_back(i);
   return numbers;
 }
 
@@ -69,7 +69,7 @@ LightGrid::LightGrid(const sensor::Rig& rig)
 void LightGrid::add(const sensor::Sample& sample) {
   if (sample.sensor >= track_of_.size()) return;
   const std::size_t track = track_of_[sample.sensor];
-  if (track < tracks_.size() && sample.kind == sensor::SampleKind::photo_reflective && sample.count >= 2)
+  if (track < tracks_.size() && sample.kind == sensor::SampleKind::eyewear_light && sample.count >= 2)
     tracks_[track].add(sample);
 }
 

@@ -15,7 +15,7 @@
 
 namespace mien::eyewear {
 
-/// The rig's photo-reflective sensors (of the kind "photo"), by their numbers in the rig, in its order.
+/// The rig's photo-reflective sensors (of the kind "eyewear"), by their numbers in the rig, in its order.
 [[nodiscard]] std::vector<std::uint16_t> photo_sensors(const sensor::Rig& rig);
 [[nodiscard]] std::vector<std::string> photo_sensor_names(const sensor::Rig& rig);  ///< Of the same.
 

@@ -114,7 +114,7 @@ Result<Packet> make_packet(std::span<const Sample> scan, std::uint8_t adc_bits) 
   };
   for (std::size_t c = 0; c < scan.size(); ++c) {
     const Sample& sample = scan[c];
-    if (sample.kind != SampleKind::photo_reflective || sample.count != 2 || sample.time != packet.time ||
+    if (sample.kind != SampleKind::eyewear_light || sample.count != 2 || sample.time != packet.time ||
         sample.sequence != packet.sequence)
       return fail(ErrorCode::bad_usage, "samples that do not belong in one scan", kEyewearPacket);
     if (!std::isfinite(sample.values[0]) || !std::isfinite(sample.values[1]))
@@ -130,7 +130,7 @@ Sample sample_of(const Packet& packet, std::size_t channel, std::uint16_t sensor
   };
   Sample sample;
   sample.sensor = sensor;
-  sample.kind = SampleKind::photo_reflective;
+  sample.kind = SampleKind::eyewear_light;
   sample.sequence = packet.sequence;
   sample.time = packet.time;
   sample.count = 2;

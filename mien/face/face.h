@@ -90,7 +90,7 @@ struct Face {
 void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out,
               std::span<Vec3f> vertices_m);
 
-/// Turns the eyeballs in place as the eyeLook weights say: 0.611 rad a unit (facts 1.1).
+/// Turns the eyeballs in place as the eyeLook weights say: kEyeTurnRadPerUnit a unit.
 void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m);
 
 /// Normals of area-weighted triangles, unit; shape as vertices_m.

@@ -84,7 +84,7 @@ struct LiveLinkMotion {
 [[nodiscard]] LiveLinkMotion motion_from_livelink(const LiveLinkCsv& csv, std::string name);
 
 /// The recording of a performance, time codes from 00:00:00:00.000 with base 60. Eye angles follow from the
-/// eyeLook weights, 0.611 rad a unit (facts 1.1). `clamp_mouth_close` holds mouthClose to at most jawOpen.
+/// eyeLook weights, kEyeTurnRadPerUnit a unit. `clamp_mouth_close` holds mouthClose to at most jawOpen.
 [[nodiscard]] LiveLinkCsv livelink_from_motion(const Motion& motion, bool clamp_mouth_close = true);
 
 /// q_world_head from HeadYaw, HeadPitch, HeadRoll (rad), turned in this order. Their signs are documented

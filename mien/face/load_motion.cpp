@@ -10,8 +10,8 @@ namespace mien::face {
 
 Result<Motion> load_motion(const std::filesystem::path& path, std::vector<std::string>* warnings) {
   // Four hours at 60 frames a second are 700 MB.
-  constexpr std::size_t kMaxBytes = std::size_t{1} << 30U;
-  MIEN_TRY_ASSIGN(const std::string text, read_text(path, kMaxBytes));
+  constexpr std::size_t kMaxMotionBytes = std::size_t{1} << 30U;
+  MIEN_TRY_ASSIGN(const std::string text, read_text(path, kMaxMotionBytes));
   MIEN_TRY_ASSIGN(const LiveLinkCsv csv, parse_livelink_csv(text, path.string()));
   LiveLinkMotion loaded = motion_from_livelink(csv, path.stem().string());
   if (std::ranges::none_of(loaded.motion.frames, &MotionFrame::has_face))

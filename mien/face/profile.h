@@ -59,7 +59,8 @@ struct Profile {
   std::vector<std::string> shapes;
 };
 
-/// The orders in which ARKit's 52 names are met (facts: "five orders").
+/// The orders in which ARKit's 52 names are met (Unreal, iFacialMocap, alphabetical and others, beside
+/// Apple's own).
 enum class ArkitOrder {
   live_link_udp,        ///< Apple's documentation topics; Live Link Face UDP.
   live_link_csv,        ///< jawRight before jawLeft, mouthRight before mouthLeft.

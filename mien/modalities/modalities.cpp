@@ -55,7 +55,7 @@ struct Modality {
 };
 constexpr std::array kModalities = {
     Modality{"imu", "models/live.safetensors", true, make_imu_tracker},
-    Modality{"photo", "models/eyewear.safetensors", false, make_eyewear_tracker},
+    Modality{"eyewear", "models/eyewear.safetensors", false, make_eyewear_tracker},
 };
 
 /// Those of the rig's sensors, in the order in which their kinds come. Errors: unsupported.
@@ -65,7 +65,7 @@ Result<std::vector<const Modality*>> modalities_of(const sensor::Rig& rig) {
     const auto found = std::ranges::find(kModalities, kind, &Modality::kind);
     if (found == kModalities.end())
       return fail(ErrorCode::unsupported, "this version knows no sensors of the kind " + kind,
-                  "rig " + rig.name, "use a rig of the kinds imu or photo");
+                  "rig " + rig.name, "use a rig of the kinds imu or eyewear");
     modalities.push_back(&*found);
   }
   return modalities;

@@ -47,10 +47,6 @@ Result<Block> parse_block(std::string_view name) {
   MIEN_TRY_ASSIGN(const std::size_t i, find_name(kBlockNames, name, "block"));
   return static_cast<Block>(i);
 }
-Result<Emotion> parse_emotion(std::string_view name) {
-  MIEN_TRY_ASSIGN(const std::size_t i, find_name(kEmotionNames, name, "emotion"));
-  return static_cast<Emotion>(i);
-}
 
 double Script::duration_s() const {
   double sum = 0;

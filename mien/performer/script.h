@@ -31,7 +31,6 @@ enum class Block : std::uint8_t {
 enum class Emotion : std::uint8_t { neutral, joy, sadness, anger, fear, disgust, surprise, contempt };
 inline constexpr std::size_t kEmotionCount = 8;
 [[nodiscard]] std::string_view emotion_name(Emotion emotion);
-[[nodiscard]] Result<Emotion> parse_emotion(std::string_view name);
 
 /// One piece of a script.
 struct Segment {

@@ -10,7 +10,7 @@ namespace mien::sensor {
 /// What a bar beside a sensor shows of a sample, 0 to 1, where its kind has one number that says how much the
 /// sensor gets of what it is there for: of a photo-reflective one the light that came back from its own LED.
 [[nodiscard]] inline std::optional<float> level(const Sample& sample) {
-  if (sample.kind != SampleKind::photo_reflective || sample.count < 2) return std::nullopt;
+  if (sample.kind != SampleKind::eyewear_light || sample.count < 2) return std::nullopt;
   return std::clamp(sample.values[0] - sample.values[1], 0.0F, 1.0F);
 }
 

@@ -105,6 +105,7 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   Mount mount;
   MIEN_TRY_ASSIGN(mount.name, text(table, "name", true, where));
   MIEN_TRY_ASSIGN(mount.kind, text(table, "kind", true, where));
+  if (mount.kind == "photo") mount.kind = "eyewear";  // As rigs and takes before 0.1.0 call it.
   MIEN_TRY_ASSIGN(mount.site, text(table, "site", false, where));
   MIEN_TRY_ASSIGN(mount.role, text(table, "role", true, where));
   MIEN_TRY_ASSIGN(mount.device, text(table, "device", false, where));

@@ -16,7 +16,7 @@ namespace mien::sensor {
 /// One sensor of a rig.
 struct Mount {
   std::string name;     ///< Unique in the rig: "zygomaticus_upper_L".
-  std::string kind;     ///< "imu" now; other modalities add theirs.
+  std::string kind;     ///< Its modality: "imu", "eyewear".
   std::string site;     ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
   char side = 'M';      ///< 'L', 'R' (the performer's own) or 'M'.
   std::string role;     ///< "face", or "head" for the sensor that carries the head's rotation.

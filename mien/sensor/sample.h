@@ -15,7 +15,7 @@ enum class SampleKind : std::uint8_t {
   imu_fused = 2,  ///< q_world_sensor w,x,y,z (4), specific force m/s^2 (3); frame S.
   imu_head_relative =
       3,  ///< Skin rotation from neutral in the head frame, rotation vector, rad (3): the lab profile.
-  photo_reflective =
+  eyewear_light =
       4,  ///< Light at a photo-reflective sensor, LED on and LED off (2), as shares of full scale, 0 to 1.
 };
 

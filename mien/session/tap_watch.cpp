@@ -18,7 +18,7 @@ std::optional<Vec3f> force_of(const sensor::Sample& sample) {
     case sensor::SampleKind::imu_fused:
       return Vec3f(sample.values[4], sample.values[5], sample.values[6]);
     case sensor::SampleKind::imu_head_relative:
-    case sensor::SampleKind::photo_reflective:
+    case sensor::SampleKind::eyewear_light:
       break;
   }
   return std::nullopt;

@@ -30,9 +30,6 @@ class Shaper {
 
   /// The present face becomes neutral, the present heading ahead: within 1.5 s.
   void recentre() { recentre_.begin(); }
-  void cancel_recentre() { recentre_.cancel(); }
-  /// The centre before the last change of it; false when there is none.
-  bool undo_recentre() { return recentre_.undo(); }
   /// Puts an earlier centre in force, eased in.
   void use_centre(const Centre& centre) { recentre_.use(centre); }
   /// Its state and centre, for the page and for calibration versions.

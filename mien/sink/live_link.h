@@ -13,7 +13,7 @@ namespace mien::sink {
 
 /// Unreal's Live Link Face listens here unless told otherwise.
 inline constexpr std::uint16_t kLiveLinkPort = 11111;
-/// Longest device id and subject name, bytes: receivers refuse longer packets than these make (facts 1.1).
+/// Longest device id and subject name, bytes: receivers refuse longer packets than these make.
 inline constexpr std::size_t kMaxLiveLinkName = 255;
 
 /// Who a receiver takes the packets to be from; it keys its subjects by both.
@@ -28,14 +28,14 @@ struct LiveLinkSource {
 
 /// What Live Link Face says of one frame: ARKit's 52 in face::ArkitOrder::live_link_udp, then HeadYaw,
 /// HeadPitch, HeadRoll, LeftEyeYaw, LeftEyePitch, LeftEyeRoll and the right eye's, radians. Eyes: yaw
-/// positive to the performer's right, pitch positive down, roll 0 (measured on a capture, facts 1.1). Head:
+/// positive to the performer's right, pitch positive down, roll 0 (measured on a capture). Head:
 /// the same signs, and roll positive to the right shoulder, are UNVERIFIED; they are those of
 /// face::livelink_from_head.
 [[nodiscard]] std::array<float, face::kLiveLinkValueCount> live_link_values(const ArkitFrame& frame);
 
 /// One Live Link Face datagram, packet version 6: a header, then live_link_values, highest byte first.
 /// `frame_index` becomes the frame number at 60/1, its lowest 31 bits; the sub-frame is 0. Allocates only
-/// while `out` grows. Layout: facts 1.1.
+/// while `out` grows. Layout: docs/reference/sinks.md.
 void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
                       Datagrams& out);
 

@@ -100,7 +100,7 @@ float pupil(const Frame& /*f*/) {
   return 0.5F;
 }
 
-/// The formulas are VRCFaceTracking's (facts 1.6): avatars are made for them.
+/// The formulas are VRCFaceTracking's: avatars are made for them.
 constexpr auto kDerived = std::to_array<UnifiedParameter>({
     // Eyes.
     {"EyeLeftX", [](const Frame& f) { return f.gaze[0][0]; }},

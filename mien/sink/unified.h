@@ -101,7 +101,7 @@ inline constexpr std::array<std::string_view, kUnifiedCount> kUnifiedNames = {"E
                                                                               "NeckFlexLeft"};
 
 /// A face in these terms. What ARKit does not know (cheeks sucked in, tightened lips, where the tongue
-/// points, nostrils, neck) stays 0. Source of the conversion: facts 1.6, "ARKit -> Unified".
+/// points, nostrils, neck) stays 0. Source of the conversion: VRCFaceTracking's ARKit module.
 struct UnifiedFrame {
   std::array<float, kUnifiedCount> shapes{};  ///< 0 to 1.
   std::array<float, 2> openness = {1, 1};     ///< Left eye, right eye: 1 open, 0 closed.

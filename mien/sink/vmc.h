@@ -42,7 +42,7 @@ inline constexpr std::array<std::string_view, 10> kVmcPresets = {
 /// all. Bones are turned as in Unity, which is left-handed with +X the performer's right: (w, x, -y, -z) of
 /// ours. The whole turn of the head goes to the bone Head, its position is 0, as other senders of faces have
 /// it: a face knows no body. That every receiver then keeps the position of the avatar's own bone is
-/// UNVERIFIED. Allocates only while `out` grows. Layout: facts 1.5.
+/// UNVERIFIED. Allocates only while `out` grows. Layout: docs/reference/sinks.md.
 void encode_vmc(const ArkitFrame& frame, DeviceTime time, const VmcOptions& options, Datagrams& out);
 
 }  // namespace mien::sink

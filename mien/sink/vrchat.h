@@ -36,7 +36,7 @@ inline constexpr int kMaxBinaryBits = 7;
 
 /// Writes frames for VRChat as VRCFaceTracking does: its parameters v2/..., the states of tracking, and
 /// VRChat's own eyes, each when it has changed by more than 0.001 and all of them once a second. Eyes are in
-/// degrees, pitch positive down and yaw positive to the right (facts 1.6). Where nothing looks at the eyes
+/// degrees, pitch positive down and yaw positive to the right. Where nothing looks at the eyes
 /// (provenance neutral) their directions are not sent, so that VRChat's own idle eyes go on.
 class VrchatEncoder {
  public:

@@ -64,8 +64,9 @@ struct TruthFrame {
   bool evaluated = true;  ///< False in the prologue and while easing in.
 };
 
-/// Something that happened. Kinds now: "neutral", "nod", "shake", "ease", "tap", "prompt", "lost_face",
-/// "prologue".
+/// Something that happened. Kinds that are written: of a calibration "neutral", "nod", "shake", "range",
+/// "prompt", "calibrated", "calibration_failed", "recentre", "recentre_failed"; of devices "bind",
+/// "sensor_lost", "sensor_back"; of a performed motion "ease", in which it is not evaluated.
 struct Event {
   std::string kind;
   DeviceTime begin;  ///< Reference sensor's clock.

@@ -125,13 +125,4 @@ Result<std::vector<Datagram>> deliver(std::span<const Datagram> sent, const Netw
   return arrived;
 }
 
-std::vector<take::LogEntry> log_of(std::span<const Datagram> arrived, const std::string& name) {
-  std::vector<take::LogEntry> log;
-  log.reserve(arrived.size());
-  for (const Datagram& datagram : arrived)
-    log.push_back({static_cast<std::int64_t>(log.size()) + 1, datagram.time,
-                   fmt::format("{}/{}", name, datagram.source), datagram.bytes});
-  return log;
-}
-
 }  // namespace mien::virt

@@ -50,7 +50,4 @@ void sort_by_time(std::vector<Datagram>& datagrams);
 [[nodiscard]] Result<std::vector<Datagram>> deliver(std::span<const Datagram> sent,
                                                     const NetworkSettings& settings, const Random& random);
 
-/// As a session would log it: ids 1, 2, 3, ...; the source "NAME/number".
-[[nodiscard]] std::vector<take::LogEntry> log_of(std::span<const Datagram> arrived, const std::string& name);
-
 }  // namespace mien::virt

@@ -76,9 +76,9 @@ Result<Stage> set_stage(const StageRequest& request) {
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
   const std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
-  if (kinds.size() == 1 && kinds.front() != "imu" && kinds.front() != "photo")
+  if (kinds.size() == 1 && kinds.front() != "imu" && kinds.front() != "eyewear")
     return fail(ErrorCode::unsupported, "there are no virtual sensors of the kind " + kinds.front(),
-                request.rig.string(), "use a rig of the kind imu or photo");
+                request.rig.string(), "use a rig of the kind imu or eyewear");
   if (kinds.size() > 1)
     return fail(ErrorCode::unsupported, "no virtual performer wears sensors of several kinds at once",
                 request.rig.string(), "perform each kind with a rig of its own, to one session that has all");

@@ -179,23 +179,5 @@ TEST(Rotation, FitIsTheBestOne) {
   for (int i = 0; i < 100; ++i) EXPECT_LE(cost(best), cost(best * exp_rotation(random.direction() * 0.01)));
 }
 
-TEST(Rotation, MeanIgnoresSignsAndOrder) {
-  Random random(8);
-  const Quat centre = random.rotation();
-  std::vector<Quat> around;
-  for (int i = 0; i < 100; ++i) {
-    const Vec3 off = random.direction() * random.uniform(0, 0.2);
-    for (const double sign : {1.0, -1.0}) {
-      Quat q = centre * exp_rotation(sign * off);
-      if (random.chance(0.5)) q.coeffs() = -q.coeffs();
-      around.push_back(q);
-    }
-  }
-  expect_same_rotation(mean_rotation(around), centre, 1e-9);
-  std::vector<Quat> backwards(around.rbegin(), around.rend());
-  expect_same_rotation(mean_rotation(backwards), centre, 1e-9);
-  expect_same_rotation(mean_rotation(std::array{centre}), centre, 1e-9);
-}
-
 }  // namespace
 }  // namespace mien

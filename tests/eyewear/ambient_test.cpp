@@ -12,7 +12,7 @@ constexpr double kRate_hz = 250;
 
 sensor::Sample sample_at(double time_s, double on, double off) {
   sensor::Sample sample;
-  sample.kind = sensor::SampleKind::photo_reflective;
+  sample.kind = sensor::SampleKind::eyewear_light;
   sample.time = DeviceTime(from_seconds(time_s));
   sample.count = 2;
   sample.values[0] = static_cast<float>(on);

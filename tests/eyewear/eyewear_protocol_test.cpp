@@ -82,7 +82,7 @@ TEST(EyewearProtocol, AScanGivesEveryChannelASample) {
     for (std::uint8_t c = 0; c < 20; ++c) {
       const sensor::Reading& reading = host.inbox.readings[c];
       EXPECT_EQ(reading.from, (DeviceKey{kDevice, c}));
-      EXPECT_EQ(reading.sample.kind, SampleKind::photo_reflective);
+      EXPECT_EQ(reading.sample.kind, SampleKind::eyewear_light);
       EXPECT_EQ(reading.sample.sequence, 7u);
       EXPECT_EQ(reading.sample.time, packet.time);
       EXPECT_FALSE(reading.sample.time_estimated);

@@ -23,7 +23,7 @@ inline sensor::Rig glasses_rig(std::size_t sensors) {
   for (std::size_t i = 0; i < sensors; ++i) {
     sensor::Mount mount;
     mount.name = "s" + std::to_string(i);
-    mount.kind = "photo";
+    mount.kind = "eyewear";
     mount.role = "face";
     rig.sensors.push_back(mount);
   }
@@ -38,7 +38,7 @@ inline constexpr double kBoard_s = 7;
 inline sensor::Sample reading(std::uint16_t sensor, double board_s, double on, double off) {
   sensor::Sample sample;
   sample.sensor = sensor;
-  sample.kind = sensor::SampleKind::photo_reflective;
+  sample.kind = sensor::SampleKind::eyewear_light;
   sample.sequence = static_cast<std::uint32_t>(std::lround(board_s * kPairs_hz));
   sample.time = DeviceTime(from_seconds(board_s));
   sample.count = 2;

@@ -136,7 +136,7 @@ TEST(EyewearPacket, GivesSharesOfFullScale) {
   const Packet packet = three();
   const Sample first = sample_of(packet, 0, 9);
   EXPECT_EQ(first.sensor, 9);
-  EXPECT_EQ(first.kind, SampleKind::photo_reflective);
+  EXPECT_EQ(first.kind, SampleKind::eyewear_light);
   EXPECT_EQ(first.sequence, 258u);
   EXPECT_EQ(first.time, packet.time);
   EXPECT_FALSE(first.time_estimated);
@@ -200,7 +200,7 @@ TEST(EyewearPacket, MakesAScanOfSamples) {
 
 TEST(EyewearPacket, SaturatesAsTheConverterDoes) {
   Sample sample;
-  sample.kind = SampleKind::photo_reflective;
+  sample.kind = SampleKind::eyewear_light;
   sample.count = 2;
   sample.values[0] = 1.7F;
   sample.values[1] = -0.2F;

@@ -14,7 +14,7 @@ sensor::Rig glasses() {
   rig.name = "glasses";
   sensor::Mount brow;
   brow.name = "brow";
-  brow.kind = "photo";
+  brow.kind = "eyewear";
   brow.role = "face";
   brow.position_m = Vec3(0.018, 0.054, 0.114);
   brow.aim = Vec3(0, 0, -1);
@@ -36,7 +36,7 @@ Status status() {
 
 TEST(PageMessages, HelloSaysWhereASensorLooks) {
   const Json hello = Json::parse(sink::hello_json(hello_for(glasses(), "mien", "m", {}, false)));
-  EXPECT_EQ(hello["rig"]["sensors"][0]["kind"], "photo");
+  EXPECT_EQ(hello["rig"]["sensors"][0]["kind"], "eyewear");
   EXPECT_EQ(hello["rig"]["sensors"][0]["aim"], Json({0.0, 0.0, -1.0}));
   EXPECT_FALSE(hello["rig"]["sensors"][1].contains("aim"));
 }

@@ -281,7 +281,6 @@ TEST(Scripts, DefaultScriptsLastAsLongAsAsked) {
 
 TEST(Scripts, NamesComeBack) {
   for (const Block block : kAllBlocks) EXPECT_EQ(parse_block(block_name(block)).value(), block);
-  EXPECT_EQ(parse_emotion("fear").value(), Emotion::fear);
   const auto wrong = parse_block("dance");
   ASSERT_FALSE(wrong.has_value());
   EXPECT_EQ(wrong.error().code, ErrorCode::not_found);

@@ -10,15 +10,15 @@ Rig mixed() {
   rig.name = "mixed";
   rig.reference = "light";
   rig.sensors = {{.name = "chin", .kind = "imu", .role = "face"},
-                 {.name = "light", .kind = "photo", .role = "face"},
+                 {.name = "light", .kind = "eyewear", .role = "face"},
                  {.name = "ear", .kind = "imu", .role = "head"},
-                 {.name = "hook", .kind = "photo", .role = "face"}};
+                 {.name = "hook", .kind = "eyewear", .role = "face"}};
   return rig;
 }
 
 TEST(RigPart, KeepsNumbersAndTheReferenceAndTakesOthersRoles) {
-  EXPECT_EQ(kinds_of(mixed()), (std::vector<std::string>{"imu", "photo"}));
-  EXPECT_EQ(sensors_of(mixed(), "photo"), (std::vector<std::uint16_t>{1, 3}));
+  EXPECT_EQ(kinds_of(mixed()), (std::vector<std::string>{"imu", "eyewear"}));
+  EXPECT_EQ(sensors_of(mixed(), "eyewear"), (std::vector<std::uint16_t>{1, 3}));
   EXPECT_TRUE(sensors_of(mixed(), "camera").empty());
 
   const Rig imus = part_of(mixed(), "imu");
@@ -28,7 +28,7 @@ TEST(RigPart, KeepsNumbersAndTheReferenceAndTakesOthersRoles) {
   EXPECT_EQ(imus.head_sensor(), 2);
   EXPECT_EQ(imus.find(imus.reference), 1);
 
-  const Rig lights = part_of(mixed(), "photo");
+  const Rig lights = part_of(mixed(), "eyewear");
   EXPECT_EQ(lights.face_sensors(), (std::vector<std::uint16_t>{1, 3}));
   EXPECT_EQ(lights.head_sensor(), std::nullopt);
 }

@@ -62,7 +62,7 @@ TEST(Rig, TheRigOfBothHasTheSensorsOfEach) {
     const Mount& mount = both->sensors[i];
     const Mount& original = i < 12 ? imus.sensors[i] : glasses.sensors[i - 12];
     EXPECT_EQ(mount.name, original.name);
-    EXPECT_EQ(mount.kind, i < 12 ? "imu" : "photo");
+    EXPECT_EQ(mount.kind, i < 12 ? "imu" : "eyewear");
     EXPECT_EQ(mount.device, original.device);
     EXPECT_EQ(mount.role, original.role);
     EXPECT_EQ(mount.site, original.site);

@@ -44,7 +44,8 @@ class OneLight final : public tracker::Tracker {
     newest_ = sample;
   }
   void forget(std::uint16_t) override {}
-  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override {
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines,
+                           face::OutputFrame& out) override {
     tracker::TickResult result{.sensors_present = 1, .calibration = {}};
     out = {};
     out.time = frame;
@@ -90,7 +91,7 @@ sensor::Rig mixed_rig(const std::string& reference) {
   for (std::size_t i = 0; i < rig.sensors.size(); ++i)
     rig.sensors[i].device = sensor::format_device({0x024D'4945'4E00ULL + i, 0});
   rig.sensors.push_back({.name = "brow_inner_L",
-                         .kind = "photo",
+                         .kind = "eyewear",
                          .site = "brow",
                          .side = 'L',
                          .role = "face",
@@ -104,8 +105,7 @@ std::unique_ptr<Session> session(const sensor::Rig& rig) {
   trackers.push_back(
       {std::make_unique<imu::ImuTracker>(sensor::part_of(rig, "imu"), std::make_unique<test::TwoShapes>()),
        sensor::sensors_of(rig, "imu")});
-  trackers.push_back({std::make_unique<OneLight>(std::uint16_t{3}),
-                      sensor::sensors_of(rig, "photo")});
+  trackers.push_back({std::make_unique<OneLight>(std::uint16_t{3}), sensor::sensors_of(rig, "eyewear")});
   auto combined = std::make_unique<shaping::CombinedTracker>(std::move(trackers));
   Session::Parts parts;
   parts.rig = rig;

@@ -92,7 +92,6 @@ TEST(Shaper, KeepsItsPromisesWhateverComesIn) {
       frame.eyes_confidence = odd();
       frame.eyes_provenance = random.chance(0.5) ? Provenance::measured : Provenance::neutral;
       if (random.chance(0.005)) shaper.recentre();
-      if (random.chance(0.005)) (void)shaper.undo_recentre();
       shaper.apply(frame, random.below(3));
       expect_in_bounds(frame);
     }
@@ -180,7 +179,7 @@ TEST(Shaper, RecentresInOneActionAndTakesItBack) {
   EXPECT_EQ(frame.weights, face::BlendshapeWeights{});
   EXPECT_LT(angle_between(frame.head, Quat::Identity()), 1e-9);
   const Centre centre = shaper.recentring().centre();
-  EXPECT_TRUE(shaper.undo_recentre());
+  shaper.use_centre({});
   EXPECT_EQ(play(40).weights[0], 0.2f);
   shaper.use_centre(centre);
   EXPECT_EQ(play(40).weights, face::BlendshapeWeights{});

@@ -43,7 +43,7 @@ struct Packet {
   std::vector<float> values;
 };
 
-/// By the layout of facts 1.1, read with nothing of the encoder.
+/// By the layout of docs/reference/sinks.md, read with nothing of the encoder.
 Packet decode(std::span<const std::byte> bytes) {
   Packet packet;
   packet.size = bytes.size();

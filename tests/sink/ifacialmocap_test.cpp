@@ -49,7 +49,7 @@ std::string encoded(const face::OutputFrame& frame, IFacialMocapVersion version)
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// The parser's rule of facts 1.3: fields end with |, name and value are set apart by `separator`.
+/// How receivers parse it: fields end with |, name and value are set apart by `separator`.
 std::map<std::string, int> shapes_of(const std::string& text, char separator) {
   std::map<std::string, int> shapes;
   std::istringstream fields(text.substr(0, text.find("=head#")));

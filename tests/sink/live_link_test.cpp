@@ -15,7 +15,7 @@ face::OutputFrame speaking() {
   return frame;
 }
 
-/// The vector of facts 5.2: id, subject, frame 100, jawOpen 0.5, tongueOut 1.
+/// A known vector: id, subject, frame 100, jawOpen 0.5, tongueOut 1.
 TEST(LiveLink, IsTheKnownPacket) {
   Datagrams out;
   encode_live_link(arkit_frame(speaking()), {"00000000-0000-0000-0000-000000000001", "face"}, 100, out);

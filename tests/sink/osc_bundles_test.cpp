@@ -8,7 +8,7 @@
 namespace mien::sink {
 namespace {
 
-/// The vectors of facts 5.2, two messages in a bundle.
+/// Known vectors, two messages in a bundle.
 TEST(OscBundles, AreTheKnownBytes) {
   Datagrams out;
   OscBundles bundles(out);

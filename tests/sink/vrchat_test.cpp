@@ -36,7 +36,7 @@ face::OutputFrame jaw(float open) {
   return frame;
 }
 
-/// The checks of facts 1.6.
+/// What VRChat checks.
 TEST(Vrchat, CutsFloatsIntoBits) {
   const auto bits = [](float value, int count, bool negative) {
     unsigned set = 0;

@@ -48,7 +48,9 @@ TEST_F(Recurrent, ItsGradientsAreLibtorchs) {
   for (std::size_t i = 0; i < expected.size(); ++i)
     EXPECT_TRUE(torch::allclose(exact[i], expected[i], 1e-4, 1e-4)) << i;
   const auto rough = gradients(run_recurrent(from_input_, weight_, bias_, true));
-  EXPECT_LT((rough[1] - expected[1]).norm().item<double>(), 0.01 * expected[1].norm().item<double>());
+  // bf16 keeps 8 bits; where the CPU has no instruction for it, libtorch rounds every product's result to
+  // them too.
+  EXPECT_LT((rough[1] - expected[1]).norm().item<double>(), 0.02 * expected[1].norm().item<double>());
 }
 
 }  // namespace

@@ -239,18 +239,6 @@ TEST(Network, NothingSentNothingHeard) {
   EXPECT_TRUE(through({.loss = 1}).empty());
 }
 
-TEST(Network, BecomesALog) {
-  const auto arrived = through({.loss = 0.1, .jitter_ms = 5});
-  const auto log = log_of(arrived, "virtual");
-  ASSERT_EQ(log.size(), arrived.size());
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    ASSERT_EQ(log[i].id, static_cast<std::int64_t>(i) + 1);
-    ASSERT_EQ(log[i].arrival, arrived[i].time);
-    ASSERT_EQ(log[i].bytes, arrived[i].bytes);
-  }
-  EXPECT_EQ(log[0].source, "virtual/" + std::to_string(arrived[0].source));
-}
-
 TEST(Network, EachWrongSettingIsNamed) {
   const auto refused = [](const NetworkSettings& settings, const char* name) {
     const auto arrived = deliver(sent(), settings, Random(1));

@@ -29,7 +29,7 @@ namespace {
 
 using Track = std::vector<face::BlendshapeWeights>;
 
-// Placement that training did not have (facts: placement shift).
+// Placement that training did not have.
 constexpr double kUnseenPlacementMm = 5;
 constexpr double kUnseenTurnRad = 10 / kDegPerRad;
 // Half as wide again as the live recipe draws it (40 %, 18 degrees).

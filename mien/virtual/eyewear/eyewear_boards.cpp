@@ -22,7 +22,7 @@ constexpr double kByteS = 10 / 250'000.0;
 
 bool is_eyewear(const sensor::Rig& rig) {
   return !rig.sensors.empty() &&
-         std::ranges::all_of(rig.sensors, [](const sensor::Mount& mount) { return mount.kind == "photo"; });
+         std::ranges::all_of(rig.sensors, [](const sensor::Mount& mount) { return mount.kind == "eyewear"; });
 }
 
 Result<EyewearBoards> EyewearBoards::put_on(const EyewearWearer& wearer, const sensor::Rig& rig,

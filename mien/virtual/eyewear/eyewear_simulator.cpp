@@ -259,7 +259,7 @@ std::vector<sensor::Sample> EyewearSimulator::play(double begin_s, int pairs,
       const double u = (slot_begin_s - begin_s) / (pairs * period_s);
       sensor::Sample sample;
       sample.sensor = static_cast<std::uint16_t>(s);
-      sample.kind = sensor::SampleKind::photo_reflective;
+      sample.kind = sensor::SampleKind::eyewear_light;
       sample.sequence = sequence_;
       sample.time = clock_.device(slot_begin_s + 0.5 * slot_s);
       sample.count = 2;

@@ -40,7 +40,7 @@ class EyewearSimulator {
   /// each pair the sensors are read in turn. The face goes from `from` to `to` in that time; light is traced
   /// at both ends and taken to change evenly between, so windows of some 50 ms are right. Slip, sway, folds,
   /// blood, sweat and lamps go on from the last call's time; times do not run backwards. Samples by time;
-  /// SampleKind::photo_reflective, `sequence` counts pairs. Cost: about a millisecond.
+  /// SampleKind::eyewear_light, `sequence` counts pairs. Cost: about a millisecond.
   [[nodiscard]] std::vector<sensor::Sample> play(double begin_s, int pairs,
                                                  const face::BlendshapeWeights& from,
                                                  const face::BlendshapeWeights& to);

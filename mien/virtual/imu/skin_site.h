@@ -54,8 +54,8 @@ struct SkinSite {
 [[nodiscard]] std::vector<SkinSite> draw_turns(const std::vector<SkinSite>& sites, double sigma_rad,
                                                Random random);
 
-/// How much a drawn performer's skin differs from the mesh's own (facts: what the training face's sites do
-/// decides more than the network does).
+/// How much a drawn performer's skin differs from the mesh's own. What the training faces' sites do decides
+/// more than which network is trained.
 struct KinematicsSpread {
   double gain = 0.30;           ///< Standard deviation of each site's and shape's gain.
   double direction_rad = 0.26;  ///< 15 degrees: spread of the direction in which each shape moves each patch.

@@ -39,7 +39,7 @@ TEST(EyewearRig, HasSixteenOnTheFrameAndFourOnTheHooks) {
     return mount.site == "jaw_joint" || mount.site == "lower_jaw";
   });
   EXPECT_EQ(hooks, 4);
-  for (const sensor::Mount& mount : rig().sensors) EXPECT_EQ(mount.kind, "photo");
+  for (const sensor::Mount& mount : rig().sensors) EXPECT_EQ(mount.kind, "eyewear");
 }
 
 TEST(EyewearWearer, EverySensorSeesSkinAtAWorkingDistance) {
@@ -124,7 +124,7 @@ TEST(EyewearSimulator, SamplesArePairsInTurn) {
   const std::vector<sensor::Sample> samples = simulator.play(1, 10, {}, {});
   ASSERT_EQ(samples.size(), 200u);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    EXPECT_EQ(samples[i].kind, sensor::SampleKind::photo_reflective);
+    EXPECT_EQ(samples[i].kind, sensor::SampleKind::eyewear_light);
     EXPECT_EQ(samples[i].sensor, i % 20);
     EXPECT_EQ(samples[i].sequence, i / 20);
     ASSERT_EQ(samples[i].count, 2);

@@ -12,7 +12,7 @@ import { disposeTree } from "./avatar";
 import { glassesShape } from "./glasses_shape";
 
 /** Sensors of this kind sit on glasses and look at the skin. */
-const WORN_KIND = "photo";
+const WORN_KIND = "eyewear";
 
 /** Radii, m. */
 const RIM = 0.0013;
