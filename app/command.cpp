@@ -11,7 +11,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <memory>
+#include <optional>
 #include <system_error>
 
 namespace mien::app {
@@ -32,45 +34,65 @@ std::string clock_text(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-CLI::App* Commands::add(const std::string& name, const std::string& does, const std::string& example,
-                        std::function<Result<void>()> run) {
-  return add_under(&program_, name, does, example, std::move(run));
+Commands::Commands(const std::string& program, const std::string& does)
+    : line_(program, does, program + " " MIEN_VERSION) {}
+
+Command Commands::add(const std::string& name, const std::string& does, const std::string& example,
+                      std::function<Result<void>()> run) {
+  return add_under(line_.program(), name, does, example, std::move(run));
 }
 
-CLI::App* Commands::add_under(CLI::App* parent, const std::string& name, const std::string& does,
-                              const std::string& example, std::function<Result<void>()> run) {
-  CLI::App* command = parent->add_subcommand(name, does);
-  command->footer("\nExample:\n  " + example);
+Command Commands::add_under(Command parent, const std::string& name, const std::string& does,
+                            const std::string& example, std::function<Result<void>()> run) {
+  const Command command = parent.add_command(name, does);
+  command.footer("\nExample:\n  " + example);
   runs_.emplace_back(command, std::move(run));
   return command;
 }
 
-std::vector<std::string> command_names(const CLI::App& command) {
+std::vector<std::string> command_names(const Command& command) {
   std::vector<std::string> names;
-  for (const CLI::App* part : command.get_subcommands({})) names.push_back(part->get_name());
+  for (const Command& part : command.commands()) names.push_back(part.name());
   return names;
 }
 
 Result<void> Commands::run() const {
   // The deepest command that was named does the work.
-  const CLI::App* named = nullptr;
+  std::optional<Command> named;
   for (auto it = runs_.rbegin(); it != runs_.rend(); ++it) {
-    if (it->first->parsed() && it->second) return it->second();
-    if (it->first->parsed() && named == nullptr) named = it->first;
+    if (!it->first.named()) continue;
+    if (it->second) return it->second();
+    if (!named) named = it->first;
   }
-  if (named == nullptr) return fail(ErrorCode::bad_usage, "no command was given", {}, "see mien --help");
-  return fail(ErrorCode::bad_usage, "it needs one of its commands", named->get_name(),
-              fmt::format("they are {}; see mien {} --help", fmt::join(command_names(*named), ", "),
-                          named->get_name()));
+  if (!named) return fail(ErrorCode::bad_usage, "no command was given", {}, "see mien --help");
+  return fail(
+      ErrorCode::bad_usage, "it needs one of its commands", named->name(),
+      fmt::format("they are {}; see mien {} --help", fmt::join(command_names(*named), ", "), named->name()));
 }
 
-CLI::Validator number_between(double least, double most) {
-  const auto check = [least, most](std::string& text) -> std::string {
-    double value = 0;
-    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return {};
-    return fmt::format("{} is no number from {} to {}", text, least, most);
-  };
-  return {check, fmt::format("{} to {}", least, most), "number_between"};
+int Commands::main(int argc, char** argv, UsageError usage_error) {
+  const std::string name = line_.program().name();
+  const auto parsed = line_.parse(argc, argv);
+  if (!parsed) {
+    fmt::print(stderr, "{}: {}\n", name, usage_error(line_.program(), parsed.error()));
+    return 2;
+  }
+  if (!*parsed) return 0;
+  try {
+    if (const auto done = run(); !done) {
+      clear_progress();
+      fmt::print(stderr, "{}: {}\n", name, done.error().message());
+      return is_bad_input(done.error().code) ? 2 : 1;
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}; this is a defect, please report it\n", name, error.what());
+    return 1;
+  }
+  return 0;
+}
+
+std::string plain_usage_error(const Command& program, const ParseError& error) {
+  return fmt::format("{}; see {} --help", error.what, program.name());
 }
 
 Result<void> check_output(const std::filesystem::path& path,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -10,34 +9,42 @@
 #include <utility>
 #include <vector>
 
+#include "app/command_line.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 
 namespace mien::app {
 
-/// The commands of the program. Each command has a file of its own, which adds itself here and does its work
-/// in `run`; main() prints the error, if any, as one line on stderr and turns it into the exit status.
+/// The commands of a program. Each command has a file of its own, which adds itself here and does its work
+/// in `run`.
 class Commands {
  public:
-  explicit Commands(CLI::App& program) : program_(program) {}
+  Commands(const std::string& program, const std::string& does);
 
+  /// How many of the commands a command line must name: none or one, or exactly one.
+  void require_one(bool required) { line_.program().require_commands(required ? 1 : 0, 1); }
   /// `example` is shown at the end of --help, as one would type it.
-  CLI::App* add(const std::string& name, const std::string& does, const std::string& example,
-                std::function<Result<void>()> run);
+  Command add(const std::string& name, const std::string& does, const std::string& example,
+              std::function<Result<void>()> run);
   /// Adds the command's parts (`mien face list`) beneath `parent`.
-  CLI::App* add_under(CLI::App* parent, const std::string& name, const std::string& does,
-                      const std::string& example, std::function<Result<void>()> run);
+  Command add_under(Command parent, const std::string& name, const std::string& does,
+                    const std::string& example, std::function<Result<void>()> run);
 
-  /// Runs what the command line named.
-  [[nodiscard]] Result<void> run() const;
+  /// Says what is wrong with a command line that was refused, as one line without the program's name.
+  using UsageError = std::string (*)(const Command& program, const ParseError& error);
+  /// What a main() does: runs what the command line named, prints the error, if any, as one line on stderr,
+  /// and gives the exit status.
+  [[nodiscard]] int main(int argc, char** argv, UsageError usage_error);
 
  private:
-  CLI::App& program_;
-  std::vector<std::pair<CLI::App*, std::function<Result<void>()>>> runs_;
+  [[nodiscard]] Result<void> run() const;
+
+  CommandLine line_;
+  std::vector<std::pair<Command, std::function<Result<void>()>>> runs_;
 };
 
-/// Checks that an option is a number from `least` to `most`. (CLI::Range takes "nan" for one.)
-[[nodiscard]] CLI::Validator number_between(double least, double most);
+/// CLI11's own words, for programs that nobody starts by hand.
+[[nodiscard]] std::string plain_usage_error(const Command& program, const ParseError& error);
 
 /// Whether a file of this name may be written: it has one of the endings, and its folder is there. To be
 /// asked before long work. Errors: bad_usage, not_found, io (the folder cannot be written to).
@@ -45,7 +52,7 @@ class Commands {
                                         std::initializer_list<std::string_view> endings);
 
 /// The names of a command's own commands.
-[[nodiscard]] std::vector<std::string> command_names(const CLI::App& command);
+[[nodiscard]] std::vector<std::string> command_names(const Command& command);
 
 /// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C
 /// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it.

@@ -8,10 +8,10 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/write_motion.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/mocap/load_marker_track.h"
 #include "mien/mocap/marker_retarget.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/onnx/export_model.h"
 
 namespace mien::app {
@@ -87,48 +87,48 @@ Result<void> run_export(const ExportOptions& options) {
 
 void add_export_command(Commands& commands) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = commands.add(
+  const Command command = commands.add(
       "export",
       "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin; or a model as ONNX",
       "mien export --motion take.mien --out take.glb\n  mien export --model models/live.safetensors --out "
       "live.onnx",
       [options] { return run_export(*options); });
-  CLI::Option* motion =
-      command->add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
-  CLI::Option* model =
-      command->add_option("--model", options->model, "A model file, to write as ONNX (docs/onnx.md)")
-          ->excludes(motion);
+  const Option motion =
+      command.add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
+  const Option model =
+      command.add_option("--model", options->model, "A model file, to write as ONNX (docs/onnx.md)")
+          .excludes(motion);
   command
-      ->add_option(
+      .add_option(
           "--face", options->face,
           "For glTF and markers: builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the "
           "take's own unless told")
-      ->needs(motion);
+      .needs(motion);
   command
-      ->add_option("--out", options->out,
-                   "The .csv, .glb or .gltf to write; .trc for markers; of a model the .onnx")
-      ->required();
+      .add_option("--out", options->out,
+                  "The .csv, .glb or .gltf to write; .trc for markers; of a model the .onnx")
+      .required();
   command
-      ->add_option("--markers", options->markers,
-                   "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "
-                   "which a .trc takes unless told. A .csv then holds markers too")
-      ->needs(motion);
+      .add_option("--markers", options->markers,
+                  "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "
+                  "which a .trc takes unless told. A .csv then holds markers too")
+      .needs(motion);
   command
-      ->add_option("--part", options->graph.part,
-                   "Of a model: network, ridge.lab or ridge.device (default: network)")
-      ->needs(model);
+      .add_option("--part", options->graph.part,
+                  "Of a model: network, ridge.lab or ridge.device (default: network)")
+      .needs(model);
   command
-      ->add_option("--chain", options->graph.steps,
-                   "Frames that one run of a causal network answers, its states passed on within the graph "
-                   "(default: 1)")
-      ->check(CLI::Range(std::size_t{1}, onnx::kMostSteps))
-      ->needs(model);
+      .add_option("--chain", options->graph.steps,
+                  "Frames that one run of a causal network answers, its states passed on within the graph "
+                  "(default: 1)")
+      .in_range(std::size_t{1}, onnx::kMostSteps)
+      .needs(model);
   command
-      ->add_flag("--features", options->graph.features,
-                 "The graph takes what sensors say (m/s^2, quaternions, flags), not the model's normalised "
-                 "condition")
-      ->needs(model);
-  command->add_flag("--json", options->json, "Print one JSON object");
+      .add_flag("--features", options->graph.features,
+                "The graph takes what sensors say (m/s^2, quaternions, flags), not the model's normalised "
+                "condition")
+      .needs(model);
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

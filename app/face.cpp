@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "app/command.h"
-#include "mien/core/files.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/files.h"
 #include "mien/face/obj.h"
 #include "mien/render/gltf_export.h"
 
@@ -131,17 +131,17 @@ void add_face_command(Commands& commands) {
   const auto arguments = std::make_shared<FaceArguments>();
   constexpr const char* kFaceHelp =
       "builtin, a folder with generic_neutral_mesh.obj, or a .glb, .gltf or .vrm file";
-  CLI::App* face = commands.add("face", "Shows what a face model is made of", "mien face --face builtin",
-                                [arguments] { return show(*arguments); });
-  face->add_option("--face", arguments->face, kFaceHelp)->capture_default_str();
-  face->add_flag("--json", arguments->json, "One JSON object on stdout");
-  CLI::App* exported = commands.add_under(
+  const Command face = commands.add("face", "Shows what a face model is made of", "mien face --face builtin",
+                                    [arguments] { return show(*arguments); });
+  face.add_option("--face", arguments->face, kFaceHelp).show_default();
+  face.add_flag("--json", arguments->json, "One JSON object on stdout");
+  const Command exported = commands.add_under(
       face, "export", "Writes the face to a file that other programs open",
       "mien face export --face builtin --out face.glb", [arguments] { return export_face(*arguments); });
-  exported->add_option("--face", arguments->face, kFaceHelp)->capture_default_str();
-  exported->add_option("--out", arguments->out, "The file to write: .obj (the neutral face), .glb or .gltf")
-      ->required();
-  exported->add_flag("--json", arguments->json, "One JSON object on stdout");
+  exported.add_option("--face", arguments->face, kFaceHelp).show_default();
+  exported.add_option("--out", arguments->out, "The file to write: .obj (the neutral face), .glb or .gltf")
+      .required();
+  exported.add_flag("--json", arguments->json, "One JSON object on stdout");
 }
 
 }  // namespace mien::app

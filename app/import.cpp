@@ -9,12 +9,12 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
-#include "app/marker_import.h"
 #include "app/live/session_markers.h"
+#include "app/marker_import.h"
 #include "app/write_motion.h"
 #include "mien/core/files.h"
-#include "mien/mocap/load_marker_track.h"
 #include "mien/face/load_motion.h"
+#include "mien/mocap/load_marker_track.h"
 #include "mien/take/take.h"
 
 namespace mien::app {
@@ -119,21 +119,21 @@ Result<void> run_import(const ImportOptions& options) {
 
 void add_import_command(Commands& commands) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = commands.add(
+  const Command command = commands.add(
       "import", "Makes a take of a recorded motion, or of recorded markers: weights become its truth",
       "mien import MySlate_3.csv --take alex.mien", [options] { return run_import(*options); });
   command
-      ->add_option("motion", options->motion,
-                   "A Live Link Face CSV; 3-D markers: .csv (ours or Motive's), .trc, .c3d; or a recorded "
-                   "session (.mien) into which a motion capture server sent its markers")
-      ->required();
-  command->add_option("--take", options->take, "The take to write");
-  command->add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
-  command->add_option("--performer", options->performer, "Who performed")->capture_default_str();
-  command->add_option("--rig", options->rig, "Which sensors were worn (default: rigs/default.toml)");
+      .add_option("motion", options->motion,
+                  "A Live Link Face CSV; 3-D markers: .csv (ours or Motive's), .trc, .c3d; or a recorded "
+                  "session (.mien) into which a motion capture server sent its markers")
+      .required();
+  command.add_option("--take", options->take, "The take to write");
+  command.add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
+  command.add_option("--performer", options->performer, "Who performed").show_default();
+  command.add_option("--rig", options->rig, "Which sensors were worn (default: rigs/default.toml)");
   options->markers.add_to(command);
-  command->add_flag("--force", options->force, "Replace an existing take");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_flag("--force", options->force, "Replace an existing take");
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <iterator>
 
-#include "mien/core/files.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/files.h"
 
 namespace mien::app {
 namespace {
@@ -17,20 +17,20 @@ constexpr double kFarMm = 5;
 
 }  // namespace
 
-void MarkerImport::add_to(CLI::App* command) {
-  CLI::Option_group* group = command->add_option_group("Markers", "For recordings of 3-D markers");
+void MarkerImport::add_to(Command command) {
+  const Command group = command.add_group("Markers", "For recordings of 3-D markers");
   group
-      ->add_option("--face", face,
-                   "Whose weights: builtin, a folder with generic_neutral_mesh.obj, a .glb or .vrm")
-      ->capture_default_str();
-  group->add_option("--markers", set, "The marker set (default: rigs/markers.toml)");
-  group->add_option("--rename", renamed,
-                    "THEIRS=OURS: what the recording calls a marker; THEIRS= leaves it out");
-  group->add_option("--head", head, "Markers of the recording that are fixed to the head and on no skin");
-  group->add_option("--neutral", neutral_s, "When the face was neutral: BEGIN END, seconds from the start")
-      ->expected(2);
-  group->add_flag("--still-head", still_head,
-                  "Positions are in the head's frame already, as mien export writes them");
+      .add_option("--face", face,
+                  "Whose weights: builtin, a folder with generic_neutral_mesh.obj, a .glb or .vrm")
+      .show_default();
+  group.add_option("--markers", set, "The marker set (default: rigs/markers.toml)");
+  group.add_option("--rename", renamed,
+                   "THEIRS=OURS: what the recording calls a marker; THEIRS= leaves it out");
+  group.add_option("--head", head, "Markers of the recording that are fixed to the head and on no skin");
+  group.add_option("--neutral", neutral_s, "When the face was neutral: BEGIN END, seconds from the start")
+      .expected(2);
+  group.add_flag("--still-head", still_head,
+                 "Positions are in the head's frame already, as mien export writes them");
 }
 
 Result<ImportedMarkers> import_markers(const mocap::MarkerTrack& track, const MarkerImport& options) {
@@ -54,7 +54,8 @@ Result<ImportedMarkers> import_markers(const mocap::MarkerTrack& track, const Ma
   imported.unlabelled = matched.unlabelled;
 
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
-  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed, builtin_face::PlacedMarkers::place(face, imported.set));
+  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
+                  builtin_face::PlacedMarkers::place(face, imported.set));
   mocap::CleaningSettings settings;
   settings.remove_head = !options.still_head;
   if (options.neutral_s.size() == 2) settings.neutral_s = {options.neutral_s[0], options.neutral_s[1]};

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "app/command_line.h"
 #include "mien/core/error.h"
 #include "mien/mocap/marker_cleaning.h"
 #include "mien/mocap/marker_retarget.h"
@@ -21,7 +21,7 @@ struct MarkerImport {
   std::vector<double> neutral_s;     ///< Begin and end; or none.
   bool still_head = false;
 
-  void add_to(CLI::App* command);
+  void add_to(Command command);
 };
 
 /// What came of it.

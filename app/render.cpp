@@ -9,8 +9,8 @@
 #include "app/film.h"
 #include "app/json_output.h"
 #include "app/performance.h"
-#include "mien/core/files.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/files.h"
 #include "mien/face/load_motion.h"
 #include "mien/render/comparison.h"
 
@@ -135,47 +135,44 @@ Result<void> run_render(RenderOptions options) {
 
 void add_render_command(Commands& commands) {
   auto options = std::make_shared<RenderOptions>();
-  CLI::App* command =
+  const Command command =
       commands.add("render", "Draws a face: a still, a film of a motion, or truth beside capture",
                    "mien render --weights jawOpen=0.4,mouthSmile_L=1 --view three-quarter --out smile.png\n"
                    "  mien render --truth take.mien --capture capture.csv --out compare.mp4",
                    [options] { return run_render(*options); });
-  command->add_option(
+  command.add_option(
       "--face", options->face,
       "builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the take's own unless told");
   command
-      ->add_option("--weights", options->weights,
-                   "Shapes of a still: jawOpen=1,mouthSmile_L=0.5; beyond 0 to 1 is drawn too, up to 10")
-      ->delimiter(',');
-  command->add_option("--view", options->view, "front, three-quarter or side")
-      ->check(CLI::IsMember({"front", "three-quarter", "side"}))
-      ->capture_default_str();
-  command->add_option("--closeness", options->closeness, "1 the head, 2 half of that")
-      ->check(number_between(0.2, 20.0))
-      ->capture_default_str();
-  command->add_option("--size", options->size,
-                      "Pixels, of one view: 640x640 for a still, 480x480 for a film unless told");
-  command->add_option("--look", options->look, "dark or light")
-      ->check(CLI::IsMember({"dark", "light"}))
-      ->capture_default_str();
-  command->add_option("--quality", options->quality, "still (slow, fine) or video (fast)")
-      ->check(CLI::IsMember({"still", "video"}));
-  command->add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
-  command->add_option("--truth", options->truth, "The same, to compare with --capture");
-  command->add_option("--capture", options->capture, "What was captured");
-  command->add_option("--delay", options->delay_s, "Seconds from the truth's start to the capture's");
-  command->add_option("--full-scale", options->full_scale_mm, "The error that is painted darkest, mm")
-      ->check(number_between(0.01, 1000.0))
-      ->capture_default_str();
-  command->add_option("--fps", options->rate_hz, "Frames a second of a film")
-      ->check(number_between(1.0, 240.0))
-      ->capture_default_str();
-  command->add_option("--from", options->from_s, "Where a film begins, seconds")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--until", options->until_s, "Where it ends, seconds")->check(CLI::PositiveNumber);
-  command->add_option("--audio", options->audio, "A WAV file to play along; a take's own sound unless told");
-  command->add_option("--out", options->out, "The .png or .mp4 to write")->required();
-  command->add_flag("--json", options->json, "Print one JSON object");
+      .add_option("--weights", options->weights,
+                  "Shapes of a still: jawOpen=1,mouthSmile_L=0.5; beyond 0 to 1 is drawn too, up to 10")
+      .delimiter(',');
+  command.add_option("--view", options->view, "front, three-quarter or side")
+      .one_of({"front", "three-quarter", "side"})
+      .show_default();
+  command.add_option("--closeness", options->closeness, "1 the head, 2 half of that")
+      .number_between(0.2, 20.0)
+      .show_default();
+  command.add_option("--size", options->size,
+                     "Pixels, of one view: 640x640 for a still, 480x480 for a film unless told");
+  command.add_option("--look", options->look, "dark or light").one_of({"dark", "light"}).show_default();
+  command.add_option("--quality", options->quality, "still (slow, fine) or video (fast)")
+      .one_of({"still", "video"});
+  command.add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
+  command.add_option("--truth", options->truth, "The same, to compare with --capture");
+  command.add_option("--capture", options->capture, "What was captured");
+  command.add_option("--delay", options->delay_s, "Seconds from the truth's start to the capture's");
+  command.add_option("--full-scale", options->full_scale_mm, "The error that is painted darkest, mm")
+      .number_between(0.01, 1000.0)
+      .show_default();
+  command.add_option("--fps", options->rate_hz, "Frames a second of a film")
+      .number_between(1.0, 240.0)
+      .show_default();
+  command.add_option("--from", options->from_s, "Where a film begins, seconds").not_negative();
+  command.add_option("--until", options->until_s, "Where it ends, seconds").positive();
+  command.add_option("--audio", options->audio, "A WAV file to play along; a take's own sound unless told");
+  command.add_option("--out", options->out, "The .png or .mp4 to write").required();
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

@@ -157,23 +157,23 @@ Result<void> check(const std::string& file, bool json) {
 }  // namespace
 
 void add_take_command(Commands& commands) {
-  CLI::App* parent = commands.add("take", "Looks into takes", "mien take info a.mien", {});
-  parent->require_subcommand(0, 1);
+  const Command parent = commands.add("take", "Looks into takes", "mien take info a.mien", {});
+  parent.require_commands(0, 1);
   struct Options {
     std::string file;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
 
-  CLI::App* info_command = commands.add_under(
+  const Command info_command = commands.add_under(
       parent, "info", "Shows who performed what, for how long, and how well each sensor was heard",
       "mien take info a.mien --json", [options] { return info(options->file, options->json); });
-  CLI::App* check_command =
+  const Command check_command =
       commands.add_under(parent, "check", "Reads all of a take and says whether it is sound",
                          "mien take check a.mien", [options] { return check(options->file, options->json); });
-  for (CLI::App* command : {info_command, check_command}) {
-    command->add_option("take", options->file, "The take")->required();
-    command->add_flag("--json", options->json, "Print one JSON object");
+  for (Command command : {info_command, check_command}) {
+    command.add_option("take", options->file, "The take").required();
+    command.add_flag("--json", options->json, "Print one JSON object");
   }
 }
 

@@ -46,26 +46,12 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   return best;
 }
 
-/// The deepest command that was named.
-const CLI::App& named_command(const CLI::App& program) {
-  const CLI::App* command = &program;
-  while (!command->get_subcommands().empty()) command = command->get_subcommands().back();
-  return *command;
-}
-
-std::vector<std::string> option_names(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  return names;
-}
-
 /// What stands there that nothing takes: an option, a part of the command, or a word too many.
-std::string unknown_word(const CLI::App& command, const std::string& word) {
+std::string unknown_word(const Command& command, const std::string& word) {
   const std::string shown = one_line(word, 60);
   const bool option = word.size() > 1 && word.starts_with('-');
   const std::string plain = word.substr(0, word.find('='));
-  std::string near = nearest(plain, option ? option_names(command) : command_names(command));
+  std::string near = nearest(plain, option ? command.option_names() : command_names(command));
   if (!near.empty()) near = fmt::format("; did you mean {}?", near);
   if (option) return fmt::format("there is no option {}{}", shown, near);
   const std::vector<std::string> parts = command_names(command);
@@ -82,9 +68,9 @@ std::string around(const std::string& text, std::string_view middle, std::string
 }
 
 /// CLI11's words for what is wrong with options that exist, in ours.
-std::string wrong_option(const CLI::ParseError& error) {
-  const std::string what = one_line(error.what(), 400);
-  const std::string kind = error.get_name();
+std::string wrong_option(const ParseError& error) {
+  const std::string what = one_line(error.what, 400);
+  const std::string& kind = error.kind;
   if (kind == "RequiredError") return around(what, " is required", "{} is missing{}");
   if (kind == "ExcludesError") return around(what, " excludes ", "{} and {} cannot be given together");
   if (kind == "RequiresError") return around(what, " requires ", "{} means nothing without {}");
@@ -100,18 +86,14 @@ std::string wrong_option(const CLI::ParseError& error) {
 
 }  // namespace
 
-std::string usage_error(const CLI::App& program, const CLI::ParseError& error) {
-  const CLI::App& command = named_command(program);
-  const std::string full =
-      command.get_parent() == nullptr ? "mien"
-      : command.get_parent() == &program
-          ? "mien " + command.get_name()
-          : fmt::format("mien {} {}", command.get_parent()->get_name(), command.get_name());
+std::string usage_error(const Command& program, const ParseError& error) {
+  const Command command = program.deepest_named();
+  const std::string full = command.full_name();
   const std::vector<std::string> left = command.remaining();
-  // (Of this one get_name() gives the command's.)
-  const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !left.empty();
+  const bool unknown = error.kind == "ExtrasError" && !left.empty();
   const std::string what = unknown ? unknown_word(command, left.front()) : wrong_option(error);
-  const std::string where = full == "mien" ? std::string() : full.substr(5) + ": ";
+  const std::size_t within = program.name().size() + 1;
+  const std::string where = full.size() > within ? full.substr(within) + ": " : "";
   return fmt::format("{}{}{} see {} --help", where, what, what.ends_with('?') ? "" : ";", full);
 }
 

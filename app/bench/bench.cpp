@@ -15,10 +15,10 @@
 #include "app/bench/bench_causal.h"
 #include "app/bench/bench_onnxruntime.h"
 #include "app/bench/bench_start.h"
+#include "app/bench/loopback.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live/live_session.h"
-#include "app/bench/loopback.h"
 #include "app/live/perform_network.h"
 #include "app/live/running_session.h"
 #include "mien/core/files.h"
@@ -196,38 +196,37 @@ Result<void> run_live(const BenchOptions& options) {
 
 void add_bench_command(Commands& commands) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* bench = commands.add("bench", "How fast it is on this machine, beside what it is compared with",
-                                 "mien bench live", nullptr);
-  bench->require_subcommand(0, 1);
-  CLI::App* live = commands.add_under(
+  const Command bench = commands.add(
+      "bench", "How fast it is on this machine, beside what it is compared with", "mien bench live", nullptr);
+  bench.require_commands(0, 1);
+  const Command live = commands.add_under(
       bench, "live",
       "From the arrival of the last sample of a frame to the packet that leaves, with a virtual performer on "
       "real sockets; beside it what loopback and the scheduler take by themselves",
       "mien bench live --seconds 20 --json", [options] { return run_live(*options); });
-  live->add_option("--seconds", options->seconds, "How long the performer performs")
-      ->check(number_between(2.0, 3600.0))
-      ->capture_default_str();
-  live->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
-  live->add_flag("--json", options->json, "Print one JSON object");
+  live.add_option("--seconds", options->seconds, "How long the performer performs")
+      .number_between(2.0, 3600.0)
+      .show_default();
+  live.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  live.add_flag("--json", options->json, "Print one JSON object");
   add_start_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
 
   auto asked = std::make_shared<CausalBench>();
-  CLI::App* causal = commands.add_under(
+  const Command causal = commands.add_under(
       bench, "causal",
       "The live model alone: a whole frame paced at 60 a second with cold caches, a step in a hot loop "
       "beside other "
       "run times, and how many performers one core carries, beside the core's measured peak",
       "mien bench causal --precision int8 --json", [asked] { return run_causal_bench(*asked); });
-  causal
-      ->add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
-      ->capture_default_str();
-  causal->add_option("--frames", asked->frames, "Frames of a 60th of a second")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  causal->add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
-  causal->add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
-  causal->add_flag("--json", asked->json, "Print one JSON object");
+  causal.add_option("--precision", asked->precision, "What its linear layers multiply in: fp32, bf16 or int8")
+      .show_default();
+  causal.add_option("--frames", asked->frames, "Frames of a 60th of a second")
+      .in_range(1, 1'000'000)
+      .show_default();
+  causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
+  causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
+  causal.add_flag("--json", asked->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

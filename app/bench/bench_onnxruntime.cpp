@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "app/json_output.h"
 #include "app/bench/onnx_peer.h"
+#include "app/json_output.h"
 #include "mien/core/files.h"
 
 namespace mien::app {
@@ -69,19 +69,19 @@ Result<void> run_bench_onnxruntime(BenchOnnxruntimeOptions options) {
 
 }  // namespace
 
-void add_onnxruntime_bench(Commands& commands, CLI::App* bench) {
+void add_onnxruntime_bench(Commands& commands, Command bench) {
   auto options = std::make_shared<BenchOnnxruntimeOptions>();
-  CLI::App* command = commands.add_under(
+  const Command command = commands.add_under(
       bench, "onnxruntime",
       "ONNX Runtime on the same networks, one thread: a causal network's steps in a row within one graph, a "
       "window network's full window",
       "mien bench onnxruntime --json", [options] { return run_bench_onnxruntime(*options); });
-  command->add_option("--model", options->models,
-                      "A model file; may be given many times (default: the live and the window model)");
-  command->add_option("--rounds", options->request.rounds, "Rounds through all graphs")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_option("--model", options->models,
+                     "A model file; may be given many times (default: the live and the window model)");
+  command.add_option("--rounds", options->request.rounds, "Rounds through all graphs")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

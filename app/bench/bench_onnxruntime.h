@@ -5,6 +5,6 @@
 namespace mien::app {
 
 /// Adds `mien bench onnxruntime` beneath `bench`.
-void add_onnxruntime_bench(Commands& commands, CLI::App* bench);
+void add_onnxruntime_bench(Commands& commands, Command bench);
 
 }  // namespace mien::app

@@ -18,9 +18,9 @@
 #include <thread>
 #include <vector>
 
+#include "app/bench/loopback.h"
 #include "app/child_program.h"
 #include "app/json_output.h"
-#include "app/bench/loopback.h"
 #include "app/live/perform_network.h"
 #include "mien/core/files.h"
 
@@ -182,17 +182,15 @@ Result<void> run_start_bench(const StartBench& options) {
 
 }  // namespace
 
-void add_start_bench(Commands& commands, CLI::App* bench) {
+void add_start_bench(Commands& commands, Command bench) {
   auto options = std::make_shared<StartBench>();
-  CLI::App* start = commands.add_under(
+  const Command start = commands.add_under(
       bench, "start",
       "How long `mien live` takes from its start to the first frame that it sends, and how much memory, as a "
       "process of its own while a performer performs; beside it what loading the program takes",
       "mien bench start --times 20 --json", [options] { return run_start_bench(*options); });
-  start->add_option("--times", options->times, "How often each is started")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  start->add_flag("--json", options->json, "Print one JSON object");
+  start.add_option("--times", options->times, "How often each is started").in_range(1, 1000).show_default();
+  start.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

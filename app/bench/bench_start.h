@@ -5,6 +5,6 @@
 namespace mien::app {
 
 /// Adds `mien bench start` beneath `bench`.
-void add_start_bench(Commands& commands, CLI::App* bench);
+void add_start_bench(Commands& commands, Command bench);
 
 }  // namespace mien::app

@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "app/live/calibration_text.h"
 #include "app/command.h"
 #include "app/json_output.h"
-#include "app/one_line.h"
+#include "app/live/calibration_text.h"
 #include "app/live/session_client.h"
+#include "app/one_line.h"
 
 namespace mien::app {
 namespace {
@@ -300,44 +300,44 @@ Result<void> run_recentre(const CalibrateOptions& options) {
 
 void add_calibrate_command(Commands& commands) {
   const auto options = std::make_shared<CalibrateOptions>();
-  CLI::App* guided =
+  const Command guided =
       commands.add("calibrate", "Leads the performer through a calibration of the running session; scores it",
                    "mien calibrate full", [options] { return run_guided(*options); });
-  guided->require_subcommand(0, 1);
+  guided.require_commands(0, 1);
   guided
-      ->add_option(
+      .add_option(
           "kind", options->kind,
           "short: hold still, and nod and shake the head where the sensors need it; full: then the anchor "
           "expressions; wearer: then a minute of others, from which sensors on the skin learn yours")
-      ->check(CLI::IsMember({"short", "full", "wearer"}))
-      ->capture_default_str();
+      .one_of({"short", "full", "wearer"})
+      .show_default();
   guided
-      ->add_option("--wait", options->wait_s,
-                   "Seconds without any frame, because sensors are missing, after which it is given up")
-      ->check(number_between(1.0, 3600.0))
-      ->capture_default_str();
-  CLI::App* list =
+      .add_option("--wait", options->wait_s,
+                  "Seconds without any frame, because sensors are missing, after which it is given up")
+      .number_between(1.0, 3600.0)
+      .show_default();
+  const Command list =
       commands.add_under(guided, "list", "Shows the session's calibrations and how good they are",
                          "mien calibrate list", [options] { return run_list(*options); });
-  CLI::App* use = commands.add_under(guided, "use",
-                                     "Puts an earlier calibration in force again: undoes what came after it",
-                                     "mien calibrate use 1", [options] { return run_use(*options); });
-  use->add_option("version", options->version, "Its id, as the list shows it")->required();
-  CLI::App* compare =
+  const Command use = commands.add_under(
+      guided, "use", "Puts an earlier calibration in force again: undoes what came after it",
+      "mien calibrate use 1", [options] { return run_use(*options); });
+  use.add_option("version", options->version, "Its id, as the list shows it").required();
+  const Command compare =
       commands.add_under(guided, "compare", "Shows the scores of two calibrations beside each other",
                          "mien calibrate compare 1 2", [options] { return run_compare(*options); });
-  compare->add_option("version", options->version, "The one's id, as the list shows it")->required();
-  compare->add_option("other", options->other, "The other's id")->required();
-  CLI::App* recentre =
+  compare.add_option("version", options->version, "The one's id, as the list shows it").required();
+  compare.add_option("other", options->other, "The other's id").required();
+  const Command recentre =
       commands.add_under(guided, "recentre", "Makes the face that the performer has now neutral again",
                          "mien calibrate recentre", [options] { return run_recentre(*options); });
-  for (CLI::App* command : {guided, list, use, compare, recentre}) {
+  for (Command command : {guided, list, use, compare, recentre}) {
     command
-        ->add_option("--at", options->at,
-                     "Where the session is: HOST:PORT of its page, or the address that mien live printed")
-        ->capture_default_str();
-    command->add_option("--token", options->token, "The page's token, where it has one");
-    command->add_flag("--json", options->json, "Print one JSON object");
+        .add_option("--at", options->at,
+                    "Where the session is: HOST:PORT of its page, or the address that mien live printed")
+        .show_default();
+    command.add_option("--token", options->token, "The page's token, where it has one");
+    command.add_flag("--json", options->json, "Print one JSON object");
   }
 }
 

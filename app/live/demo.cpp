@@ -11,22 +11,22 @@
 #include "app/film.h"
 #include "app/json_output.h"
 #include "app/live/live_session.h"
-#include "app/media_helper.h"
 #include "app/live/page_address.h"
 #include "app/live/perform_network.h"
+#include "app/live/running_session.h"
+#include "app/media_helper.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
-#include "app/live/running_session.h"
 #include "app/seed_option.h"
 #include "app/write_motion.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/modalities/modalities.h"
-#include "mien/session/replay.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
+#include "mien/session/replay.h"
 #include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
 #include "mien/tracker/causal_tracker.h"
@@ -230,20 +230,17 @@ Result<void> run_demo(DemoOptions options) {
 
 void add_demo_command(Commands& commands) {
   auto options = std::make_shared<DemoOptions>();
-  CLI::App* command =
+  const Command command =
       commands.add("demo",
                    "The main job with no hardware: a virtual performer streams through "
                    "real sockets into a live session; page, report, film, CSV and glTF come out",
                    "mien demo --out out/demo", [options] { return run_demo(*options); });
-  command->add_option("--out", options->out, "Folder for what comes out")->capture_default_str();
+  command.add_option("--out", options->out, "Folder for what comes out").show_default();
   add_seed_option(command, options->seed, "Who performs");
-  command->add_option("--seconds", options->seconds, "How long")
-      ->check(number_between(2.0, 600.0))
-      ->capture_default_str();
-  command->add_option("--model", options->model, "The live model (default: models/live.safetensors)");
-  command->add_option("--page", options->page, "Where the page is served: HOST:PORT, or off")
-      ->capture_default_str();
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_option("--seconds", options->seconds, "How long").number_between(2.0, 600.0).show_default();
+  command.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  command.add_option("--page", options->page, "Where the page is served: HOST:PORT, or off").show_default();
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

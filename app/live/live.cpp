@@ -10,8 +10,8 @@
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
 #include "mien/modalities/modalities.h"
-#include "mien/session/replay.h"
 #include "mien/model/linear.h"
+#include "mien/session/replay.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
@@ -25,8 +25,10 @@ struct LiveOptions {
 
 Result<void> run_replay(LiveOptions options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.replay));
-  MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(take.rig(), options.request.model));
-  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session, modalities::make_session(take.rig(), model));
+  MIEN_TRY_ASSIGN(const std::filesystem::path model,
+                  modalities::live_model(take.rig(), options.request.model));
+  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session,
+                  modalities::make_session(take.rig(), model));
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   const Progress progress = terminal_progress("replay");
   std::size_t calibrated = 0;
@@ -85,37 +87,37 @@ Result<void> run_live(LiveOptions options) {
 void add_live_command(Commands& commands) {
   auto options = std::make_shared<LiveOptions>();
   LiveRequest& request = options->request;
-  CLI::App* command = commands.add(
+  const Command command = commands.add(
       "live", "Devices in, avatar out: tracks live, with page, sinks and recording",
       "mien live --listen udp://0.0.0.0:5005 --out livelink://192.168.1.7 --out vmc://127.0.0.1 --record "
       "take.mien",
       [options] { return run_live(*options); });
-  CLI::Option* listen = add_session_options(command, request);
-  CLI::Option* sinks = command->add_option(
+  const Option listen = add_session_options(command, request);
+  const Option sinks = command.add_option(
       "--out", request.out,
       "Where the face goes: livelink://, vmc://, vrchat://, ifacialmocap://, ws://HOST[:PORT] "
       "or csv:FILE; may be given often");
-  CLI::Option* record =
-      command->add_option("--record", request.record, "The take to write, from the first packet on")
-          ->check([](const std::string& file) { return file.empty() ? "the take has no name" : ""; });
+  const Option record =
+      command.add_option("--record", request.record, "The take to write, from the first packet on")
+          .check([](const std::string& file) { return file.empty() ? "the take has no name" : ""; });
   command
-      ->add_option("--takes", request.takes,
-                   "The folder of takes that the page records and shows (default: that of --record, or the "
-                   "present one)")
-      ->check(CLI::ExistingDirectory);
-  CLI::Option* replay =
+      .add_option("--takes", request.takes,
+                  "The folder of takes that the page records and shows (default: that of --record, or the "
+                  "present one)")
+      .existing_folder();
+  const Option replay =
       command
-          ->add_option("--replay", options->replay,
-                       "Instead of devices a take's log, as fast as it goes: prints frames, kernels and hash")
-          ->check(CLI::ExistingFile)
-          ->excludes(listen)
-          ->excludes(sinks)
-          ->excludes(record);
+          .add_option("--replay", options->replay,
+                      "Instead of devices a take's log, as fast as it goes: prints frames, kernels and hash")
+          .existing_file()
+          .excludes(listen)
+          .excludes(sinks)
+          .excludes(record);
   // A log has its rig and its length, and nobody looks on.
   for (const char* name :
        {"--rig", "--force", "--takes", "--page", "--token", "--face", "--performer", "--key", "--for"})
-    replay->excludes(command->get_option(name));
-  command->add_flag("--json", options->json, "Print one JSON object at the end");
+    replay.excludes(command.option(name));
+  command.add_flag("--json", options->json, "Print one JSON object at the end");
 }
 
 }  // namespace mien::app

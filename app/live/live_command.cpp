@@ -69,35 +69,35 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
 
 }  // namespace
 
-CLI::Option* add_session_options(CLI::App* command, LiveRequest& request) {
-  CLI::Option* listen = command->add_option(
+Option add_session_options(Command command, LiveRequest& request) {
+  const Option listen = command.add_option(
       "--listen", request.listen,
       "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; may be "
       "given often. Devices' languages are told apart by what they say (default: udp://0.0.0.0:5005 and "
       "udp://0.0.0.0:6969)");
-  command->add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
-  command->add_option("--model", request.model,
-                      "The live model (default: the one in models/ for the rig's sensors); a folder of "
-                      "models where the rig has sensors of several kinds");
-  command->add_flag("--force", request.force, "Replace an existing take");
+  command.add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
+  command.add_option("--model", request.model,
+                     "The live model (default: the one in models/ for the rig's sensors); a folder of "
+                     "models where the rig has sensors of several kinds");
+  command.add_flag("--force", request.force, "Replace an existing take");
   command
-      ->add_option(
+      .add_option(
           "--page", request.page,
           "Where the page is served: HOST[:PORT], or off; 0.0.0.0 lets other machines see it. Another host "
           "than this machine asks for a token")
-      ->capture_default_str();
-  command->add_option("--token", request.token,
-                      "What the page's visitors must know (default: drawn anew where one is needed)");
+      .show_default();
+  command.add_option("--token", request.token,
+                     "What the page's visitors must know (default: drawn anew where one is needed)");
   command
-      ->add_option(
+      .add_option(
           "--face", request.face,
           "The face that the page shows: builtin, builtin:SEED, an ICT-FaceKit folder, a .glb or .vrm")
-      ->capture_default_str();
-  command->add_option("--performer", request.performer, "Who is captured: goes into takes");
-  command->add_option("--key", request.key,
-                      "A file with the key that devices were paired with; others are then not heard");
-  command->add_option("--for", request.seconds, "End by itself after so many seconds")
-      ->check(number_between(0.1, 1e6));
+      .show_default();
+  command.add_option("--performer", request.performer, "Who is captured: goes into takes");
+  command.add_option("--key", request.key,
+                     "A file with the key that devices were paired with; others are then not heard");
+  command.add_option("--for", request.seconds, "End by itself after so many seconds")
+      .number_between(0.1, 1e6);
   return listen;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/command_line.h"
 #include "app/live/live_session.h"
 #include "mien/core/error.h"
 #include "mien/live/engine.h"
@@ -11,7 +11,7 @@
 namespace mien::app {
 
 /// The options of every command that opens a session. Returns --listen, for what excludes it.
-CLI::Option* add_session_options(CLI::App* command, LiveRequest& request);
+Option add_session_options(Command command, LiveRequest& request);
 
 /// Where it listens and sends, where its page is, and how it ends.
 void print_opening(std::FILE* out, const LiveSession& session);

@@ -122,82 +122,79 @@ Result<void> run_perform(PerformOptions options) {
 void add_perform_command(Commands& commands) {
   auto options = std::make_shared<PerformOptions>();
   virt::PerformRequest& request = options->request;
-  CLI::App* command = commands.add("perform",
-                                   "A virtual performer plays a script or a recorded motion through virtual "
-                                   "sensors, to the network in real "
-                                   "time or into a take",
-                                   "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
-                                   "reading --to udp://127.0.0.1:5005",
-                                   [options] { return run_perform(*options); });
-  CLI::Option* take = command->add_option("--take", request.take, "The take to write, with the truth in it");
-  CLI::Option* to =
+  const Command command =
+      commands.add("perform",
+                   "A virtual performer plays a script or a recorded motion through virtual "
+                   "sensors, to the network in real "
+                   "time or into a take",
+                   "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
+                   "reading --to udp://127.0.0.1:5005",
+                   [options] { return run_perform(*options); });
+  const Option take = command.add_option("--take", request.take, "The take to write, with the truth in it");
+  const Option to =
       command
-          ->add_option("--to", options->network.to,
-                       "Who receives it in real time: udp://HOST:PORT (mien live) or slimevr://HOST:PORT")
-          ->excludes(take);
+          .add_option("--to", options->network.to,
+                      "Who receives it in real time: udp://HOST:PORT (mien live) or slimevr://HOST:PORT")
+          .excludes(take);
   command
-      ->add_option("--wait", options->network.wait_s,
-                   "Seconds that a receiver has to answer before the performance begins without it")
-      ->needs(to)
-      ->check(number_between(0.0, 3600.0))
-      ->capture_default_str();
+      .add_option("--wait", options->network.wait_s,
+                  "Seconds that a receiver has to answer before the performance begins without it")
+      .needs(to)
+      .number_between(0.0, 3600.0)
+      .show_default();
   command
-      ->add_flag(
-          "--loop", options->network.loop,
-          "Play the motion again and again, until Ctrl-C; the calibration comes once, at the beginning")
-      ->needs(to);
-  CLI::Option* motion = command->add_option(
+      .add_flag("--loop", options->network.loop,
+                "Play the motion again and again, until Ctrl-C; the calibration comes once, at the beginning")
+      .needs(to);
+  const Option motion = command.add_option(
       "--motion", options->motion,
       "A Live Link Face CSV, or a take whose truth to perform; without it a script is played");
-  command->add_option("--script", options->block, "What a virtual performer plays")
-      ->excludes(motion)
-      ->check(CLI::IsMember(
-          {"mixed", "reading", "expressions", "acted", "range_of_motion", "free", "eating", "rapid"}))
-      ->capture_default_str();
-  command->add_option("--seconds", options->seconds, "Length of the script")
-      ->excludes(motion)
-      ->check(number_between(1.0, virt::kLongestPerformanceS))
-      ->capture_default_str();
+  command.add_option("--script", options->block, "What a virtual performer plays")
+      .excludes(motion)
+      .one_of({"mixed", "reading", "expressions", "acted", "range_of_motion", "free", "eating", "rapid"})
+      .show_default();
+  command.add_option("--seconds", options->seconds, "Length of the script")
+      .excludes(motion)
+      .number_between(1.0, virt::kLongestPerformanceS)
+      .show_default();
   command
-      ->add_option(
-          "--voice", options->voice,
-          "Who speaks the script's lines: espeak (espeak-ng: its phonemes, timing and sound, in four "
-          "languages) or babble (the sounds of six languages, unheard). Default: espeak when reading")
-      ->excludes(motion)
-      ->check(CLI::IsMember({"espeak", "babble"}));
+      .add_option("--voice", options->voice,
+                  "Who speaks the script's lines: espeak (espeak-ng: its phonemes, timing and sound, in four "
+                  "languages) or babble (the sounds of six languages, unheard). Default: espeak when reading")
+      .excludes(motion)
+      .one_of({"espeak", "babble"});
   command
-      ->add_option(
-          "--face", request.face,
-          "Whose skin: builtin, builtin:SEED (another person), an ICT-FaceKit folder, a .glb or .vrm")
-      ->capture_default_str();
+      .add_option("--face", request.face,
+                  "Whose skin: builtin, builtin:SEED (another person), an ICT-FaceKit folder, a .glb or .vrm")
+      .show_default();
   command
-      ->add_option(
+      .add_option(
           "--unlike", request.unlike,
           "How unlike the face's own the wearer's skin turns under the sensors, drawn from the seed: 0 "
           "not at all, 1 as people may differ (30 %, 15 degrees)")
-      ->check(number_between(0.0, 3.0))
-      ->capture_default_str();
-  command->add_option("--rig", options->rig, "Which sensors sit where (default: rigs/default.toml)");
+      .number_between(0.0, 3.0)
+      .show_default();
+  command.add_option("--rig", options->rig, "Which sensors sit where (default: rigs/default.toml)");
   command
-      ->add_option("--devices", request.devices,
-                   "device: real sensors' faults, as the rig states them; lab: skin rotations with 1 degree "
-                   "of noise; or a "
-                   "TOML file of faults")
-      ->capture_default_str();
+      .add_option("--devices", request.devices,
+                  "device: real sensors' faults, as the rig states them; lab: skin rotations with 1 degree "
+                  "of noise; or a "
+                  "TOML file of faults")
+      .show_default();
   add_seed_option(command, request.seed, "Everything that is drawn comes from it");
   command
-      ->add_option(
+      .add_option(
           "--prologue", options->prologue,
           "The calibration that the performance begins with: short (still, nod, shake), none, full (then "
           "expressions) or guided (full, in the time of a mien calibrate that waits for the sensors)")
-      ->check(CLI::IsMember({"short", "none", "full", "guided"}))
-      ->capture_default_str();
-  command->add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
-      ->needs(take)
-      ->check(CLI::IsMember({"fast", "real"}))
-      ->capture_default_str();
-  command->add_flag("--force", request.replace, "Replace an existing take")->needs(take);
-  command->add_flag("--json", options->json, "Print one JSON object");
+      .one_of({"short", "none", "full", "guided"})
+      .show_default();
+  command.add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
+      .needs(take)
+      .one_of({"fast", "real"})
+      .show_default();
+  command.add_flag("--force", request.replace, "Replace an existing take").needs(take);
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

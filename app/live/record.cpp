@@ -45,11 +45,12 @@ class RecordingLine {
     const std::string recorded = "recording " + clock_text(std::floor(status.recording.seconds));
     const Prompts& prompts = status.report.prompts;
     if (prompts.state == "none" || prompts.state == "over")
-      return status.recording_ends_s ? fmt::format("{} of {}", recorded, clock_text(std::ceil(*status.recording_ends_s)))
-                                     : recorded;
+      return status.recording_ends_s
+                 ? fmt::format("{} of {}", recorded, clock_text(std::ceil(*status.recording_ends_s)))
+                 : recorded;
     const std::string next = prompts.next.empty() ? "" : fmt::format("  (next: {})", prompts.next);
-    const std::string place =
-        fmt::format("{}  {}/{}  {} left", recorded, prompts.number, prompts.of, clock_text(std::ceil(prompts.left_s)));
+    const std::string place = fmt::format("{}  {}/{}  {} left", recorded, prompts.number, prompts.of,
+                                          clock_text(std::ceil(prompts.left_s)));
     if (prompts.state == "paused") return fmt::format("{}  paused before: {}", place, prompts.name);
     if (prompts.state == "ready")
       return fmt::format("{}  get ready, {:.0f}: {}", place, std::ceil(prompts.remaining_s), prompts.name);
@@ -69,7 +70,8 @@ Result<void> run_record(RecordOptions options) {
   std::string asked;
   if (!options.prompts.empty()) {
     MIEN_TRY_ASSIGN(session::PromptScript script, load_prompts(options.prompts));
-    asked = fmt::format("{} poses, {} and a little{}", script.prompts.size(), clock_text(std::ceil(script.seconds())),
+    asked = fmt::format("{} poses, {} and a little{}", script.prompts.size(),
+                        clock_text(std::ceil(script.seconds())),
                         request.page == "off" ? "; without the page they are shown by name only" : "");
     request.script = options.prompts;
     request.prompts = std::move(script.prompts);
@@ -96,18 +98,18 @@ Result<void> run_record(RecordOptions options) {
 void add_record_command(Commands& commands) {
   const auto options = std::make_shared<RecordOptions>();
   LiveRequest& request = options->request;
-  CLI::App* command =
+  const Command command =
       commands.add("record", "Records devices into a take, and asks for poses meanwhile if told to",
                    "mien record --prompts one_minute --out me.mien\n  mien record --for 60 --out minute.mien",
                    [options] { return run_record(*options); });
   add_session_options(command, request);
-  command->add_option("--out", request.record, "The take to write, from the first packet on")->required();
-  command->add_option(
+  command.add_option("--out", request.record, "The take to write, from the first packet on").required();
+  command.add_option(
       "--prompts", options->prompts,
       "Poses to show on the page, one after the other; the recording ends with them. A TOML file, "
       "one_minute, "
       "or components:N[:SEED], N poses of three seconds drawn as the published eyewear study draws its own");
-  command->add_flag("--json", options->json, "Print one JSON object at the end");
+  command.add_flag("--json", options->json, "Print one JSON object at the end");
 }
 
 }  // namespace mien::app

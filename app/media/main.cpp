@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <exception>
 #include <string>
 #include <vector>
 
+#include "app/command.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/study/media/speech_synthesis.h"
@@ -92,47 +91,32 @@ Result<void> run_speak(const SpeakCommand& command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program("mien-media: what mien needs FFmpeg and espeak-ng for", "mien-media");
-  program.set_version_flag("--version", "mien-media " MIEN_VERSION);
-  program.require_subcommand(1);
+  app::Commands commands("mien-media", "mien-media: what mien needs FFmpeg and espeak-ng for");
+  commands.require_one(true);
 
   VideoCommand video;
-  CLI::App* video_app = program.add_subcommand("video", "Raw RGB frames on standard input become an MP4");
-  video_app->add_option("--size", video.size, "Width x height in pixels, even")->required();
-  video_app->add_option("--fps", video.rate_hz, "Frames a second")->capture_default_str();
-  video_app->add_option("--quality", video.quality, "H.264's constant rate factor, 0 to 51; lower is better")
-      ->capture_default_str();
-  video_app->add_option("--audio", video.audio, "A WAV file to play along");
-  video_app->add_option("--out", video.out, "The file to write")->required();
-  video_app->footer("\nExample:\n  mien-media video --size 640x480 --fps 30 --out face.mp4 < frames.rgb");
+  const app::Command video_command =
+      commands.add("video", "Raw RGB frames on standard input become an MP4",
+                   "mien-media video --size 640x480 --fps 30 --out face.mp4 < frames.rgb",
+                   [&] { return run_video(video); });
+  video_command.add_option("--size", video.size, "Width x height in pixels, even").required();
+  video_command.add_option("--fps", video.rate_hz, "Frames a second").show_default();
+  video_command
+      .add_option("--quality", video.quality, "H.264's constant rate factor, 0 to 51; lower is better")
+      .show_default();
+  video_command.add_option("--audio", video.audio, "A WAV file to play along");
+  video_command.add_option("--out", video.out, "The file to write").required();
 
   SpeakCommand speak;
-  CLI::App* speak_app =
-      program.add_subcommand("speak", "Reads a text aloud; tells when each phoneme is spoken");
-  speak_app->add_option("--language", speak.language, "As espeak-ng names it: en-us, de, fr-fr, es")
-      ->capture_default_str();
-  speak_app->add_option("--text", speak.text, "What to say")->required();
-  speak_app->add_option("--rate", speak.words_per_minute, "Words a minute, 80 to 450")->capture_default_str();
-  speak_app->add_option("--json", speak.json, "Where the times go; standard output unless told");
-  speak_app->add_option("--wav", speak.wav, "Where the sound goes");
-  speak_app->footer(
-      "\nExample:\n  mien-media speak --language de --text 'Guten Tag' --json tag.json --wav tag.wav");
-
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);
-    fmt::print(stderr, "mien-media: {}; see mien-media --help\n", error.what());
-    return 2;
-  }
-  try {
-    if (const auto done = video_app->parsed() ? run_video(video) : run_speak(speak); !done) {
-      fmt::print(stderr, "mien-media: {}\n", done.error().message());
-      return is_bad_input(done.error().code) ? 2 : 1;
-    }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "mien-media: {}; this is a defect, please report it\n", error.what());
-    return 1;
-  }
-  return 0;
+  const app::Command speak_command =
+      commands.add("speak", "Reads a text aloud; tells when each phoneme is spoken",
+                   "mien-media speak --language de --text 'Guten Tag' --json tag.json --wav tag.wav",
+                   [&] { return run_speak(speak); });
+  speak_command.add_option("--language", speak.language, "As espeak-ng names it: en-us, de, fr-fr, es")
+      .show_default();
+  speak_command.add_option("--text", speak.text, "What to say").required();
+  speak_command.add_option("--rate", speak.words_per_minute, "Words a minute, 80 to 450").show_default();
+  speak_command.add_option("--json", speak.json, "Where the times go; standard output unless told");
+  speak_command.add_option("--wav", speak.wav, "Where the sound goes");
+  return commands.main(argc, argv, app::plain_usage_error);
 }

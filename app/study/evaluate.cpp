@@ -128,19 +128,19 @@ Result<void> run_evaluate(EvaluateOptions options) {
 
 void add_evaluate_command(Commands& commands) {
   auto options = std::make_shared<EvaluateOptions>();
-  CLI::App* command =
-      commands.add("evaluate", "Measures a model on takes with truth, beside its baselines",
-                   "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
-  command->add_option("takes", options->takes, "Takes with a truth track")->required();
+  const Command command = commands.add(
+      "evaluate", "Measures a model on takes with truth, beside its baselines",
+      "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
+  command.add_option("takes", options->takes, "Takes with a truth track").required();
   options->model.add_to(command);
-  command->add_option("--face", options->face,
-                      "Face to measure on (default: the take's own where it is found, else builtin)");
-  command->add_option("--report", options->report, "Write a self-contained HTML page with plots");
+  command.add_option("--face", options->face,
+                     "Face to measure on (default: the take's own where it is found, else builtin)");
+  command.add_option("--report", options->report, "Write a self-contained HTML page with plots");
   command
-      ->add_flag("--no-adapt", options->no_adapt,
-                 "Do not personalise the live model on a take's full prologue first")
-      ->needs(command->get_option("--live"));
-  command->add_flag("--json", options->json, "Print one JSON object");
+      .add_flag("--no-adapt", options->no_adapt,
+                "Do not personalise the live model on a take's full prologue first")
+      .needs(command.option("--live"));
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

@@ -126,17 +126,17 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, const std::stri
   return told(take, std::move(solution));
 }
 
-void ModelOption::add_to(CLI::App* command) {
-  command->add_option("--model", path,
-                      "Model file (default: the one in models/ for the take's sensors); a live one, or a "
-                      "wearer's own, goes frame by frame by itself");
-  CLI::Option* counted =
+void ModelOption::add_to(Command command) {
+  command.add_option("--model", path,
+                     "Model file (default: the one in models/ for the take's sensors); a live one, or a "
+                     "wearer's own, goes frame by frame by itself");
+  const Option counted =
       command
-          ->add_option("--steps", steps,
-                       "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
-          ->check(CLI::Range(1, 1000));
-  command->add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
-      ->excludes(counted);
+          .add_option("--steps", steps,
+                      "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
+          .in_range(1, 1000);
+  command.add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
+      .excludes(counted);
 }
 
 Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {

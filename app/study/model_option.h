@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <variant>
 
+#include "app/command_line.h"
 #include "mien/core/error.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/solve.h"
@@ -50,7 +50,7 @@ struct ModelOption {
   /// Where a take has a full prologue and the model can be personalised, that is done first.
   bool adapt = false;
 
-  void add_to(CLI::App* command);
+  void add_to(Command command);
   /// Finds the model for takes of a rig; `path` becomes the one that it is. Errors:
   /// not_found (no default model is installed), bad_usage (steps for a model that takes none), and the model
   /// reader's.

@@ -68,17 +68,17 @@ Result<void> run_personalise(PersonaliseOptions options) {
 
 void add_personalise_command(Commands& commands) {
   auto options = std::make_shared<PersonaliseOptions>();
-  CLI::App* command =
+  const Command command =
       commands.add("personalise", "Learns how one wearer's skin moves from a minute of prompted expressions",
                    "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
                    [options] { return run_personalise(*options); });
-  command->add_option("take", options->take, "A take with a full prologue or prompts")->required();
-  command->add_option("--out", options->out, "The wearer's own model, .safetensors")->required();
-  command->add_option(
+  command.add_option("take", options->take, "A take with a full prologue or prompts").required();
+  command.add_option("--out", options->out, "The wearer's own model, .safetensors").required();
+  command.add_option(
       "--model", options->model,
       "The model to begin with (default: models/live.safetensors); a wearer's skin in it is not built upon");
-  command->add_flag("--force", options->force, "Replace an existing model");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_flag("--force", options->force, "Replace an existing model");
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

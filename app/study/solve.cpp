@@ -52,16 +52,16 @@ Result<void> run_solve(SolveOptions options) {
 
 void add_solve_command(Commands& commands) {
   auto options = std::make_shared<SolveOptions>();
-  CLI::App* command =
+  const Command command =
       commands.add("solve", "Turns a take's sensors into blendshape weights",
                    "mien solve take.mien --out take.csv", [options] { return run_solve(*options); });
-  command->add_option("take", options->take, "The take")->required();
+  command.add_option("take", options->take, "The take").required();
   options->model.add_to(command);
-  command->add_flag("--from-log", options->from_log,
-                    "What solve always does: the take's raw packets are received again. Kept for scripts");
-  command->add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
-  command->add_option("--face", options->face, "Face of a .glb or .gltf (default: the take's own)");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_flag("--from-log", options->from_log,
+                   "What solve always does: the take's raw packets are received again. Kept for scripts");
+  command.add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");
+  command.add_option("--face", options->face, "Face of a .glb or .gltf (default: the take's own)");
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

@@ -132,30 +132,30 @@ Result<void> run_drift(const DriftOptions& options) {
   return {};
 }
 
-void add_drift(Commands& commands, CLI::App* study) {
+void add_drift(Commands& commands, Command study) {
   auto drift = std::make_shared<DriftOptions>();
-  CLI::App* command = commands.add_under(
+  const Command command = commands.add_under(
       study, "drift", "How far skin rotations drift from the truth, and what slow re-centring mends",
       "mien study drift --performers 24 --sigma 0 2 --every 1", [drift] { return run_drift(*drift); });
-  command->add_option("--performers", drift->request.performers, "Virtual performers")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--seconds", drift->request.seconds, "Length of each performance after the prologue")
-      ->check(number_between(1.0, 3600.0))
-      ->capture_default_str();
-  command->add_option("--rig", drift->rig, "Rig file (default: rigs/default.toml)");
-  command->add_flag("--unknown-skin", drift->unknown_skin, "As if the rig had no [skin] table");
+  command.add_option("--performers", drift->request.performers, "Virtual performers")
+      .in_range(1, 10000)
+      .show_default();
+  command.add_option("--seconds", drift->request.seconds, "Length of each performance after the prologue")
+      .number_between(1.0, 3600.0)
+      .show_default();
+  command.add_option("--rig", drift->rig, "Rig file (default: rigs/default.toml)");
+  command.add_flag("--unknown-skin", drift->unknown_skin, "As if the rig had no [skin] table");
   command
-      ->add_option(
+      .add_option(
           "--sigma", drift->sigma_deg,
           "Re-centring's standard deviation, degrees; 0 is off. With a [skin] table all others are alike")
-      ->check(number_between(0.0, 90.0))
-      ->capture_default_str();
-  command->add_option("--every", drift->every_s, "Seconds between its readings")
-      ->check(number_between(0.02, 600.0))
-      ->capture_default_str();
+      .number_between(0.0, 90.0)
+      .show_default();
+  command.add_option("--every", drift->every_s, "Seconds between its readings")
+      .number_between(0.02, 600.0)
+      .show_default();
   add_seed_option(command, drift->request.seed, "Of the performers and their devices");
-  command->add_flag("--json", drift->json, "Print one JSON object");
+  command.add_flag("--json", drift->json, "Print one JSON object");
 }
 
 struct SkinOptions {
@@ -171,46 +171,46 @@ Result<void> run_skin(const SkinOptions& options) {
   return {};
 }
 
-void add_skin(Commands& commands, CLI::App* study) {
+void add_skin(Commands& commands, Command study) {
   auto skin = std::make_shared<SkinOptions>();
-  CLI::App* command =
+  const Command command =
       commands.add_under(study, "skin", "How skin turns under a rig's sensors: the [skin] table of its file",
                          "mien study skin --rig my_rig.toml > skin.toml", [skin] { return run_skin(*skin); });
-  command->add_option("--rig", skin->rig, "Rig file (default: rigs/default.toml)");
-  command->add_option("--performers", skin->request.performers, "Virtual performers")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--seconds", skin->request.seconds, "Length of each performance")
-      ->check(number_between(1.0, 3600.0))
-      ->capture_default_str();
+  command.add_option("--rig", skin->rig, "Rig file (default: rigs/default.toml)");
+  command.add_option("--performers", skin->request.performers, "Virtual performers")
+      .in_range(1, 100000)
+      .show_default();
+  command.add_option("--seconds", skin->request.seconds, "Length of each performance")
+      .number_between(1.0, 3600.0)
+      .show_default();
   add_seed_option(command, skin->request.seed, "Of the performers");
 }
 
 }  // namespace
 
 void add_study_command(Commands& commands) {
-  CLI::App* study =
+  const Command study =
       commands.add("study", "The experiments behind the numbers", "mien study bound --face builtin", nullptr);
-  study->require_subcommand(0, 1);
+  study.require_commands(0, 1);
   add_drift(commands, study);
   add_skin(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
   add_study_sensors(commands, study);
   auto bound = std::make_shared<BoundOptions>();
-  CLI::App* command = commands.add_under(study, "bound", "What a rig can see at best on a face, by theory",
-                                         "mien study bound --face FaceXModel --noise 1",
-                                         [bound] { return run_bound(*bound); });
-  command->add_option("--face", bound->face, "As mien face takes it")->capture_default_str();
-  command->add_option("--rig", bound->rig, "Rig file (default: rigs/default.toml)");
-  command->add_option("--prior", bound->prior, "Standard deviation of each weight beforehand")
-      ->check(number_between(1e-3, 10.0))
-      ->capture_default_str();
-  command->add_option("--noise", bound->noise_deg, "Noise of each orientation, degrees an axis")
-      ->check(number_between(1e-3, 90.0))
-      ->capture_default_str();
+  const Command command = commands.add_under(
+      study, "bound", "What a rig can see at best on a face, by theory",
+      "mien study bound --face FaceXModel --noise 1", [bound] { return run_bound(*bound); });
+  command.add_option("--face", bound->face, "As mien face takes it").show_default();
+  command.add_option("--rig", bound->rig, "Rig file (default: rigs/default.toml)");
+  command.add_option("--prior", bound->prior, "Standard deviation of each weight beforehand")
+      .number_between(1e-3, 10.0)
+      .show_default();
+  command.add_option("--noise", bound->noise_deg, "Noise of each orientation, degrees an axis")
+      .number_between(1e-3, 90.0)
+      .show_default();
   add_seed_option(command, bound->seed, "Of the draws that turn weight errors into millimetres");
-  command->add_flag("--json", bound->json, "Print one JSON object");
+  command.add_flag("--json", bound->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

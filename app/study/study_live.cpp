@@ -73,7 +73,8 @@ Result<study::LiveModels::Causal> load_named(const std::string& named) {
   return study::LiveModels::Causal{named.substr(0, sign), std::move(file)};
 }
 
-Result<study::LiveModels> load_models(StudyLiveOptions& options, std::optional<tracker::WindowSolver>& window) {
+Result<study::LiveModels> load_models(StudyLiveOptions& options,
+                                      std::optional<tracker::WindowSolver>& window) {
   study::LiveModels models;
   if (options.live.empty()) {
     MIEN_TRY_ASSIGN(options.live, find_resource("models/live.safetensors"));
@@ -212,49 +213,47 @@ Result<void> run_study_live(StudyLiveOptions options) {
 
 }  // namespace
 
-void add_study_live(Commands& commands, CLI::App* study) {
+void add_study_live(Commands& commands, Command study) {
   auto options = std::make_shared<StudyLiveOptions>();
-  CLI::App* command = commands.add_under(
+  const Command command = commands.add_under(
       study, "live",
       "How accurate the live model is beside all others, on the same takes under many conditions",
       "mien study live --out live\n  mien study live --takes a.csv b.csv --face FaceXModel --out live",
       [options] { return run_study_live(*options); });
   study::LiveRequest& request = options->request;
-  command->add_option(
+  command.add_option(
       "--rows", options->rows,
       "Only these conditions, by name: lab, seen, unseen, remount, walking, running, eating, rapid, "
       "one_lost, three_lost, bursts, other_simulator, long_session");
-  command->add_option("--performers", request.performers, "Virtual performers; 0: the takes alone")
-      ->check(CLI::Range(0, 10000))
-      ->capture_default_str();
-  command->add_option("--seconds", request.seconds, "Length of each virtual performance after the prologue")
-      ->check(number_between(1.0, 3600.0))
-      ->capture_default_str();
-  CLI::Option* takes = command->add_option("--takes", options->takes,
-                                           "Performances to play as well: Live Link Face CSVs, or takes with "
-                                           "truth; one that is not here is left out");
-  command->add_option("--face", options->face, "Face of the --takes, as mien face takes it")
-      ->needs(takes)
-      ->capture_default_str();
-  command->add_option("--live", options->live, "The live model (default: models/live.safetensors)");
-  command->add_option("--window", options->window,
-                      "The window network (default: models/default.safetensors)");
+  command.add_option("--performers", request.performers, "Virtual performers; 0: the takes alone")
+      .in_range(0, 10000)
+      .show_default();
+  command.add_option("--seconds", request.seconds, "Length of each virtual performance after the prologue")
+      .number_between(1.0, 3600.0)
+      .show_default();
+  const Option takes = command.add_option("--takes", options->takes,
+                                          "Performances to play as well: Live Link Face CSVs, or takes with "
+                                          "truth; one that is not here is left out");
+  command.add_option("--face", options->face, "Face of the --takes, as mien face takes it")
+      .needs(takes)
+      .show_default();
+  command.add_option("--live", options->live, "The live model (default: models/live.safetensors)");
+  command.add_option("--window", options->window, "The window network (default: models/default.safetensors)");
   command
-      ->add_option(
+      .add_option(
           "--steps", options->steps,
           "Denoising steps that the window network is asked with; 1000 is the published sampler, and takes "
           "half an hour of a core for a row of two minutes")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  command->add_option("--model", options->models, "Another causal model, as NAME=FILE; may be given often");
-  command->add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--model", options->models, "Another causal model, as NAME=FILE; may be given often");
+  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
   add_seed_option(command, request.seed, "Of the performers, their devices and the networks");
-  command->add_flag("--quick", options->quick, "Fewer and shorter performances, for a first look");
+  command.add_flag("--quick", options->quick, "Fewer and shorter performances, for a first look");
   command
-      ->add_option("--out", options->out,
-                   "Folder for live.html, live.txt and live.json; made where it is not")
-      ->required();
-  command->add_flag("--json", options->json, "Print one JSON object");
+      .add_option("--out", options->out, "Folder for live.html, live.txt and live.json; made where it is not")
+      .required();
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

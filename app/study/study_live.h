@@ -5,6 +5,6 @@
 namespace mien::app {
 
 /// `mien study live`, beneath `mien study`.
-void add_study_live(Commands& commands, CLI::App* study);
+void add_study_live(Commands& commands, Command study);
 
 }  // namespace mien::app

@@ -96,7 +96,8 @@ nlohmann::ordered_json to_json(const study::LossRow& row) {
           {"performance_mse", row.performance_mse}};
 }
 
-void print_loss_study(const study::LossStudy& study, const StudyLossOptions& options, const sensor::Rig& rig) {
+void print_loss_study(const study::LossStudy& study, const StudyLossOptions& options,
+                      const sensor::Rig& rig) {
   nlohmann::ordered_json out = {{"model", options.model}, {"rig", rig.name}, {"seed", options.request.seed}};
   if (options.motions.empty()) {
     out["performers"] = options.request.performers;
@@ -151,34 +152,34 @@ Result<void> run_study_loss(StudyLossOptions options) {
 
 }  // namespace
 
-void add_study_loss(Commands& commands, CLI::App* study) {
+void add_study_loss(Commands& commands, Command study) {
   auto options = std::make_shared<StudyLossOptions>();
-  CLI::App* command = commands.add_under(
+  const Command command = commands.add_under(
       study, "loss", "How accurate the live model stays with lost packets, bad networks and silent sensors",
       "mien study loss --performers 24 --out loss.html", [options] { return run_study_loss(*options); });
-  command->add_option("--model", options->model, "Live model (default: models/live.safetensors)");
-  command->add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
-  CLI::Option* performers =
-      command->add_option("--performers", options->request.performers, "Virtual performers")
-          ->check(CLI::Range(1, 10000))
-          ->capture_default_str();
-  CLI::Option* seconds = command
-                             ->add_option("--seconds", options->request.seconds,
-                                          "Length of each virtual performance after the prologue")
-                             ->check(number_between(1.0, 3600.0))
-                             ->capture_default_str();
-  CLI::Option* motions = command
-                             ->add_option("--motion", options->motions,
-                                          "Perform these instead: Live Link Face CSVs, or takes with truth")
-                             ->excludes(performers)
-                             ->excludes(seconds);
+  command.add_option("--model", options->model, "Live model (default: models/live.safetensors)");
+  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  const Option performers =
+      command.add_option("--performers", options->request.performers, "Virtual performers")
+          .in_range(1, 10000)
+          .show_default();
+  const Option seconds = command
+                             .add_option("--seconds", options->request.seconds,
+                                         "Length of each virtual performance after the prologue")
+                             .number_between(1.0, 3600.0)
+                             .show_default();
+  const Option motions = command
+                             .add_option("--motion", options->motions,
+                                         "Perform these instead: Live Link Face CSVs, or takes with truth")
+                             .excludes(performers)
+                             .excludes(seconds);
   command
-      ->add_option("--face", options->faces,
-                   "Face of each --motion, or one for all, as mien face takes it (default: builtin)")
-      ->needs(motions);
+      .add_option("--face", options->faces,
+                  "Face of each --motion, or one for all, as mien face takes it (default: builtin)")
+      .needs(motions);
   add_seed_option(command, options->request.seed, "Of the performers, their devices and the networks");
-  command->add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

@@ -5,6 +5,6 @@
 namespace mien::app {
 
 /// `mien study loss`, beneath `mien study`.
-void add_study_loss(Commands& commands, CLI::App* study);
+void add_study_loss(Commands& commands, Command study);
 
 }  // namespace mien::app

@@ -76,7 +76,7 @@ void add_minute(const study::MinuteStudy& minute, const builtin_face::MarkerSet&
 }
 
 void print_sensors_study(const study::SensorsStudy& study, const study::MinuteStudy& minute,
-                 const builtin_face::MarkerSet& markers, const StudySensorsOptions& options) {
+                         const builtin_face::MarkerSet& markers, const StudySensorsOptions& options) {
   Json out = {{"rig", options.rig}, {"wearers", options.request.wearers}, {"seed", options.request.seed}};
   for (const study::SensorsMethod* method : {&study.faithful, &study.faithful16, &study.mean_pose})
     out[method->name] = to_json(*method, study.markers);
@@ -106,11 +106,13 @@ void print_sensors_table(const study::SensorsStudy& study, const study::MinuteSt
     for (const study::SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
   fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "faithful, by wearer", "", "", "", "");
   for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
-    print_sensors_row(fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
-              study.faithful.wearers[w]);
+    print_sensors_row(
+        fmt::format("{}, {} of {} out", w + 1, study.training[w].outliers, study.training[w].samples),
+        study.faithful.wearers[w]);
   fmt::print("\nby expressions\n");
   for (std::size_t s = 0; s < study::kTestSets; ++s)
-    print_sensors_row(std::string(study::test_set_name(static_cast<study::TestSet>(s))), study.faithful.sets[s]);
+    print_sensors_row(std::string(study::test_set_name(static_cast<study::TestSet>(s))),
+                      study.faithful.sets[s]);
   fmt::print("\n{:<24} {:>7} {:>7} {:>11} {:>7}\n", "by marker, mean", "faithf.", "16", "knowing 0", "");
   for (std::size_t m = 0; m < study.markers.size(); ++m)
     fmt::print("{:<24} {:7.2f} {:7.2f} {:11.2f}\n", fmt::format("{} {}", m + 1, study.markers[m]),
@@ -119,8 +121,8 @@ void print_sensors_table(const study::SensorsStudy& study, const study::MinuteSt
 }
 
 /// The learned method alone, on another face or in others' performances.
-Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& rig, const builtin_face::MarkerSet& markers,
-                       const eyewear::MarkerNetworkFile& model) {
+Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& rig,
+                       const builtin_face::MarkerSet& markers, const eyewear::MarkerNetworkFile& model) {
   study::MinuteScene scene;
   if (!options.face.empty()) {
     MIEN_TRY_ASSIGN(scene.face, builtin_face::load_face(options.face, terminal_progress("face")));
@@ -145,7 +147,8 @@ Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& ri
     for (const study::SensorsMethod& method : *methods) print_sensors_row(title_of(method), method.overall);
   for (std::size_t m = 0; m < scene.motions.size(); ++m) {
     fmt::print("\n{}\n", scene.motions[m].name);
-    for (const study::SensorsMethod& method : minute.methods) print_sensors_row(title_of(method), method.tests[m]);
+    for (const study::SensorsMethod& method : minute.methods)
+      print_sensors_row(title_of(method), method.tests[m]);
   }
   return {};
 }
@@ -203,27 +206,26 @@ Result<void> run_study_sensors(StudySensorsOptions options) {
 
 }  // namespace
 
-void add_study_sensors(Commands& commands, CLI::App* study) {
+void add_study_sensors(Commands& commands, Command study) {
   auto options = std::make_shared<StudySensorsOptions>();
-  CLI::App* command = commands.add_under(
+  const Command command = commands.add_under(
       study, "sensors", "How well photo-reflective eyewear tells where markers on the face are",
       "mien study sensors --wearers 3 --out sensors.html", [options] { return run_study_sensors(*options); });
-  command->add_option("--rig", options->rig, "Eyewear rig (default: rigs/eyewear.toml)");
-  command->add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");
-  command->add_option("--model", options->model,
-                      "The learned method's model (default: models/eyewear.safetensors)");
-  command->add_option("--face", options->face,
-                      "Another wearer, for the learned method alone: an ICT-FaceKit folder, a .glb or .vrm");
-  command->add_option(
-      "--motion", options->motions,
-      "A performance to test on instead of the protocol's expressions, for the learned method "
-      "alone: a Live Link Face CSV or a take; may be given often");
-  command->add_option("--wearers", options->request.wearers, "Virtual wearers")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  command.add_option("--rig", options->rig, "Eyewear rig (default: rigs/eyewear.toml)");
+  command.add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");
+  command.add_option("--model", options->model,
+                     "The learned method's model (default: models/eyewear.safetensors)");
+  command.add_option("--face", options->face,
+                     "Another wearer, for the learned method alone: an ICT-FaceKit folder, a .glb or .vrm");
+  command.add_option("--motion", options->motions,
+                     "A performance to test on instead of the protocol's expressions, for the learned method "
+                     "alone: a Live Link Face CSV or a take; may be given often");
+  command.add_option("--wearers", options->request.wearers, "Virtual wearers")
+      .in_range(1, 1000)
+      .show_default();
   add_seed_option(command, options->request.seed, "Of the wearers, their glasses and what they do");
-  command->add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
-  command->add_flag("--json", options->json, "Print one JSON object");
+  command.add_option("--out", options->out, "Write a self-contained HTML page with tables and curves");
+  command.add_flag("--json", options->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

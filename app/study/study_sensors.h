@@ -5,6 +5,6 @@
 namespace mien::app {
 
 /// `mien study sensors`, beneath `mien study`.
-void add_study_sensors(Commands& commands, CLI::App* study);
+void add_study_sensors(Commands& commands, Command study);
 
 }  // namespace mien::app

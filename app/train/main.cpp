@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -131,77 +130,57 @@ Result<void> run_speed(const SpeedArguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App program("Trains Mien's models. Started by `mien train`; parity, step and speed are its own.",
-                   "mien-train");
-  program.set_version_flag("--version", "mien-train " MIEN_VERSION);
-  program.require_subcommand(1);
-  app::Commands commands(program);
+  app::Commands commands(
+      "mien-train", "Trains Mien's models. Started by `mien train`; parity, step and speed are its own.");
+  commands.require_one(true);
 
   TrainArguments train;
-  CLI::App* train_command = commands.add("train", "Makes data by a recipe, trains on them and writes a model",
-                                         "mien train models/recipes/default.toml --out mine.safetensors",
-                                         [&] { return run_train(train); });
-  train_command->add_option("recipe", train.recipe, "The recipe, a TOML file")->required();
-  train_command->add_option("--out", train.out, "The model to write")->required();
-  train_command->add_option("--face", train.face, "builtin, an ICT-FaceKit folder, or a .glb or .vrm file");
-  train_command->add_option("--rig", train.rig, "The sensor rig; rigs/default.toml unless told");
-  train_command->add_option("--from", train.from,
-                            "Begin with this model's network and normalisation instead of with drawn "
-                            "weights; --resume wants it again");
-  train_command->add_flag("--resume", train.options.resume,
-                          "Go on from the checkpoint of a run that was stopped");
-  train_command->add_flag("--force", train.options.force, "Replace what stands there, whatever it is");
-  train_command->add_option("--device", train.options.device, "cpu, cuda or cuda:N");
-  train_command->add_option("--threads", train.options.threads, "Threads on the CPU; 0 takes all cores");
-  train_command->add_flag("--json", train.json, "Print the results as JSON");
+  const Command train_command = commands.add(
+      "train", "Makes data by a recipe, trains on them and writes a model",
+      "mien train models/recipes/default.toml --out mine.safetensors", [&] { return run_train(train); });
+  train_command.add_option("recipe", train.recipe, "The recipe, a TOML file").required();
+  train_command.add_option("--out", train.out, "The model to write").required();
+  train_command.add_option("--face", train.face, "builtin, an ICT-FaceKit folder, or a .glb or .vrm file");
+  train_command.add_option("--rig", train.rig, "The sensor rig; rigs/default.toml unless told");
+  train_command.add_option("--from", train.from,
+                           "Begin with this model's network and normalisation instead of with drawn "
+                           "weights; --resume wants it again");
+  train_command.add_flag("--resume", train.options.resume,
+                         "Go on from the checkpoint of a run that was stopped");
+  train_command.add_flag("--force", train.options.force, "Replace what stands there, whatever it is");
+  train_command.add_option("--device", train.options.device, "cpu, cuda or cuda:N");
+  train_command.add_option("--threads", train.options.threads, "Threads on the CPU; 0 takes all cores");
+  train_command.add_flag("--json", train.json, "Print the results as JSON");
 
   std::string parity_model;
   bool parity_json = false;
-  CLI::App* parity = commands.add("parity", "Compares the run time with libtorch, one call at a time",
-                                  "mien-train parity light.safetensors",
-                                  [&] { return run_parity(parity_model, parity_json); });
-  parity->add_option("model", parity_model, "The model")->required();
-  parity->add_flag("--json", parity_json, "Print the result as JSON");
+  const Command parity = commands.add("parity", "Compares the run time with libtorch, one call at a time",
+                                      "mien-train parity light.safetensors",
+                                      [&] { return run_parity(parity_model, parity_json); });
+  parity.add_option("model", parity_model, "The model").required();
+  parity.add_flag("--json", parity_json, "Print the result as JSON");
 
   std::string step_model;
   bool step_json = false;
-  CLI::App* step =
+  const Command step =
       commands.add("step", "Measures libtorch's step of a causal network, a peer of the run time",
                    "mien-train step live.safetensors", [&] { return run_step(step_model, step_json); });
-  step->add_option("model", step_model, "The model")->required();
-  step->add_flag("--json", step_json, "Print the result as JSON");
+  step.add_option("model", step_model, "The model").required();
+  step.add_flag("--json", step_json, "Print the result as JSON");
 
   SpeedArguments speed;
-  CLI::App* speed_command =
+  const Command speed_command =
       commands.add("speed", "Measures how fast this machine trains", "mien-train speed --architecture light",
                    [&] { return run_speed(speed); });
-  speed_command->add_option("--architecture", speed.architecture, "light, faithful or causal");
-  speed_command->add_option("--precision", speed.precision, "bf16 or fp32")
-      ->check(CLI::IsMember({"bf16", "fp32"}));
-  speed_command->add_option("--batch", speed.batch, "Windows a step")->check(CLI::Range(1, 4096));
-  speed_command->add_option("--steps", speed.steps, "Steps measured")->check(CLI::Range(1, 10000));
-  speed_command->add_option("--sensors", speed.sensors, "Sensors of the rig")->check(CLI::Range(1, 100));
-  speed_command->add_option("--dropout", speed.dropout, "Share dropped")->check(CLI::Range(0.0, 0.9));
-  speed_command->add_option("--device", speed.device, "cpu, cuda or cuda:N");
-  speed_command->add_option("--threads", speed.threads, "Threads on the CPU; 0 takes all cores");
-  speed_command->add_flag("--json", speed.json, "Print the result as JSON");
+  speed_command.add_option("--architecture", speed.architecture, "light, faithful or causal");
+  speed_command.add_option("--precision", speed.precision, "bf16 or fp32").one_of({"bf16", "fp32"});
+  speed_command.add_option("--batch", speed.batch, "Windows a step").in_range(1, 4096);
+  speed_command.add_option("--steps", speed.steps, "Steps measured").in_range(1, 10000);
+  speed_command.add_option("--sensors", speed.sensors, "Sensors of the rig").in_range(1, 100);
+  speed_command.add_option("--dropout", speed.dropout, "Share dropped").in_range(0.0, 0.9);
+  speed_command.add_option("--device", speed.device, "cpu, cuda or cuda:N");
+  speed_command.add_option("--threads", speed.threads, "Threads on the CPU; 0 takes all cores");
+  speed_command.add_flag("--json", speed.json, "Print the result as JSON");
 
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::Success& shown) {
-    return program.exit(shown);
-  } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "mien-train: {}; see mien-train --help\n", error.what());
-    return 2;
-  }
-  try {
-    if (const auto done = commands.run(); !done) {
-      fmt::print(stderr, "mien-train: {}\n", done.error().message());
-      return is_bad_input(done.error().code) ? 2 : 1;
-    }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "mien-train: {}; this is a defect, please report it\n", error.what());
-    return 1;
-  }
-  return 0;
+  return commands.main(argc, argv, app::plain_usage_error);
 }
