@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "app/command.h"
+#include "app/json_output.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/obj.h"
@@ -18,18 +18,12 @@ namespace mien::app {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 constexpr std::array kMaterialNames = {"skin", "lips",   "sclera", "iris", "pupil",        "cornea", "teeth",
                                        "gums", "tongue", "hair",   "lash", "mouth_inside", "other"};
 
 std::string material_name(face::Material material) {
   return kMaterialNames.at(static_cast<std::size_t>(material));
-}
-
-/// A glTF may name its meshes in any bytes: what is no UTF-8 is replaced.
-void print_json(const ordered_json& json) {
-  fmt::print("{}\n", json.dump(2, ' ', false, ordered_json::error_handler_t::replace));
 }
 
 /// Extent of the neutral face along each axis, mm.
@@ -39,30 +33,30 @@ Vec3f size_mm(const face::Face& face) {
   return face.neutral_m.empty() ? Vec3f(Vec3f::Zero()) : Vec3f(1000 * box.sizes());
 }
 
-ordered_json describe(const face::Face& face) {
-  ordered_json json;
+Json describe(const face::Face& face) {
+  Json json;
   json["name"] = face.name;
   json["vertices"] = face.neutral_m.size();
   json["triangles"] = face.triangles.size();
   const Vec3f size = size_mm(face);
   json["size_mm"] = {size.x(), size.y(), size.z()};
-  json["shapes"] = ordered_json::array();
+  json["shapes"] = Json::array();
   for (const face::Shape& s : face.shapes)
     json["shapes"].push_back({{"name", s.name},
                               {"vertices", s.vertex.size()},
                               {"peak_mm", 1000 * face::peak_displacement_m(face, s.name)}});
-  json["landmarks"] = ordered_json::array();
+  json["landmarks"] = Json::array();
   if (face.has_landmarks)
     for (const std::uint32_t vertex : face.landmarks) json["landmarks"].push_back(vertex);
-  json["regions"] = ordered_json::array();
+  json["regions"] = Json::array();
   for (const face::Region& region : face.regions)
     json["regions"].push_back({{"name", region.name}, {"vertices", region.vertex.size()}});
-  json["parts"] = ordered_json::array();
+  json["parts"] = Json::array();
   for (const face::Part& part : face.parts)
     json["parts"].push_back({{"name", part.name},
                              {"material", material_name(part.material)},
                              {"triangles", part.triangle_count}});
-  json["eyes"] = ordered_json::array();
+  json["eyes"] = Json::array();
   for (const face::Eyeball& eye : face.eyes)
     json["eyes"].push_back(
         {{"vertices", eye.vertex_count},
@@ -70,7 +64,7 @@ ordered_json describe(const face::Face& face) {
   return json;
 }
 
-void print_text(const face::Face& face) {
+void print_face(const face::Face& face) {
   const Vec3f size = size_mm(face);
   fmt::print("{}: {} vertices, {} triangles, {:.0f} x {:.0f} x {:.0f} mm\n", face.name, face.neutral_m.size(),
              face.triangles.size(), size.x(), size.y(), size.z());
@@ -106,7 +100,7 @@ Result<void> show(const FaceArguments& arguments) {
   if (arguments.json)
     print_json(describe(face));
   else
-    print_text(face);
+    print_face(face);
   return {};
 }
 
@@ -121,7 +115,7 @@ Result<void> export_face(const FaceArguments& arguments) {
     MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
   else
     MIEN_TRY(render::write_gltf(out, face, nullptr));
-  if (arguments.json) print_json(ordered_json{{"file", out.string()}, {"face", face.name}});
+  if (arguments.json) print_json(Json{{"file", out.string()}, {"face", face.name}});
   return {};
 }
 

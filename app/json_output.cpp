@@ -5,10 +5,9 @@
 
 namespace mien::app {
 
-void print_json(const nlohmann::ordered_json& object) {
+void print_json(const Json& object) {
   // A path may be any bytes: what is no UTF-8 is replaced.
-  const std::string text =
-      object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  const std::string text = object.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   std::fwrite(text.data(), 1, text.size(), stdout);
 }
 

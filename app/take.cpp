@@ -16,8 +16,6 @@
 namespace mien::app {
 namespace {
 
-using nlohmann::ordered_json;
-
 /// Seconds from the take's begin: devices count from their power-on, which says nothing to anybody.
 double since_begin_s(const take::Summary& summary, DeviceTime time) {
   return to_seconds(time - summary.begin);
@@ -46,7 +44,7 @@ const char* state_of(const take::Take& take) {
 
 Result<void> print_info_json(const take::Take& take, const take::Summary& summary) {
   const take::Header& header = take.header();
-  ordered_json json;
+  Json json;
   json["file"] = take.path().string();
   json["finished"] = take.finished();
   json["software"] = header.software;
@@ -64,7 +62,7 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
   json["samples"] = summary.samples;
   json["rig"] = take.rig().name;
   json["reference"] = take.rig().reference;
-  json["sensors"] = ordered_json::array();
+  json["sensors"] = Json::array();
   for (const take::SensorSummary& sensor : summary.sensors)
     json["sensors"].push_back({{"name", sensor.name},
                                {"samples", sensor.samples},
@@ -81,27 +79,27 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
                    {"without_face", summary.truth_lost},
                    {"evaluated", summary.truth_evaluated}};
   json["audio"] = {{"seconds", summary.audio_s}, {"rate_hz", summary.audio_rate_hz}};
-  json["events"] = ordered_json::array();
+  json["events"] = Json::array();
   MIEN_TRY_ASSIGN(const auto events, take.events());
   for (const take::Event& event : events)
     json["events"].push_back({{"kind", event.kind},
                               {"sensor", sensor_of(event)},
                               {"begin_s", since_begin_s(summary, event.begin)},
                               {"end_s", since_begin_s(summary, event.end)}});
-  json["calibrations"] = ordered_json::array();
+  json["calibrations"] = Json::array();
   MIEN_TRY_ASSIGN(const auto calibrations, take.calibrations());
   for (const take::CalibrationVersion& calibration : calibrations)
     json["calibrations"].push_back({{"id", calibration.id},
                                     {"modality", calibration.modality},
                                     {"made_s", since_begin_s(summary, calibration.made)}});
-  json["notes"] = ordered_json::object();
+  json["notes"] = Json::object();
   MIEN_TRY_ASSIGN(const auto notes, take.notes());
   for (const take::Note& note : notes) json["notes"][note.key] = note.value;
   print_json(json);
   return {};
 }
 
-Result<void> print_text(const take::Take& take, const take::Summary& summary) {
+Result<void> print_info_text(const take::Take& take, const take::Summary& summary) {
   const take::Header& header = take.header();
   fmt::print("{}: {:.1f} s, {}\n", take.path().string(), summary.duration_s, state_of(take));
   fmt::print("  performer  {}\n", one_line(header.performer));
@@ -141,7 +139,7 @@ Result<void> print_text(const take::Take& take, const take::Summary& summary) {
 Result<void> info(const std::string& file, bool json) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
   MIEN_TRY_ASSIGN(const take::Summary summary, take::summarise(take));
-  return json ? print_info_json(take, summary) : print_text(take, summary);
+  return json ? print_info_json(take, summary) : print_info_text(take, summary);
 }
 
 Result<void> check(const std::string& file, bool json) {

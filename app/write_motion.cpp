@@ -1,9 +1,9 @@
 #include "app/write_motion.h"
 
 #include "app/command.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/render/gltf_export.h"
 
 namespace mien::app {

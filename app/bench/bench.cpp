@@ -15,6 +15,7 @@
 #include "app/bench/bench_causal.h"
 #include "app/bench/bench_onnxruntime.h"
 #include "app/bench/bench_start.h"
+#include "app/bench/clock.h"
 #include "app/bench/loopback.h"
 #include "app/command.h"
 #include "app/json_output.h"
@@ -31,7 +32,6 @@ namespace {
 
 namespace asio = boost::asio;
 using asio::ip::udp;
-using Clock = std::chrono::steady_clock;
 
 struct BenchOptions {
   double seconds = 20;
@@ -93,7 +93,7 @@ class Relay {
       boost::system::error_code failed;
       out_.send_to(asio::buffer(bytes), in_end_, 0, failed);
       if (!failed && out_.receive(asio::buffer(bytes), 0, failed) <= 1) return;
-      if (failed) return;  // The latency_figures say how many there were.
+      if (failed) return;  // The figures say how many there were.
       took_.add(Clock::now() - from);
     }
   }
@@ -106,7 +106,7 @@ class Relay {
   std::jthread relay_, sender_;
 };
 
-nlohmann::ordered_json latency_figures(const live::Latencies& took) {
+Json latency_figures(const live::Latencies& took) {
   const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
   return {{"p50_ms", ms(took.percentile(0.5))},
           {"p99_ms", ms(took.percentile(0.99))},
@@ -114,7 +114,7 @@ nlohmann::ordered_json latency_figures(const live::Latencies& took) {
           {"count", took.count()}};
 }
 
-Result<void> run_live(const BenchOptions& options) {
+Result<void> run_bench_live(const BenchOptions& options) {
   // Somebody receives the face, and counts.
   asio::io_context io;
   udp::socket receiver = loopback(io);
@@ -130,7 +130,7 @@ Result<void> run_live(const BenchOptions& options) {
   request.listen = {"udp://127.0.0.1:0"};
   request.out = {fmt::format("livelink://127.0.0.1:{}", receiver.local_endpoint().port())};
   request.page = "off";
-  const auto measure = [&]() -> Result<nlohmann::ordered_json> {
+  const auto measure = [&]() -> Result<Json> {
     MIEN_TRY_ASSIGN(const LiveSession session, open_live(request));
     RunningSession running(*session.engine);
     Relay relay;
@@ -151,7 +151,7 @@ Result<void> run_live(const BenchOptions& options) {
     if (!performed) return std::unexpected(performed.error());
     if (!summary) return std::unexpected(summary.error());
     const live::Latencies& took = summary->latency;
-    return nlohmann::ordered_json{
+    return Json{
         {"live", latency_figures(took)},
         {"network", latency_figures(network_took)},
         {"vs_network_p50", to_seconds(took.percentile(0.5)) / to_seconds(network_took.percentile(0.5))},
@@ -163,7 +163,7 @@ Result<void> run_live(const BenchOptions& options) {
         {"kernels", model::kernel_name(tracker::kLivePrecision)},
         {"hash", summary->hash}};
   };
-  const Result<nlohmann::ordered_json> measured = [&]() -> Result<nlohmann::ordered_json> {
+  const Result<Json> measured = [&]() -> Result<Json> {
     try {
       return measure();
     } catch (const std::exception& error) {  // Who receives is to be told, too.
@@ -178,7 +178,7 @@ Result<void> run_live(const BenchOptions& options) {
     print_json(*measured);
     return {};
   }
-  const auto line = [](const char* what, const nlohmann::ordered_json& f) {
+  const auto line = [](const char* what, const Json& f) {
     fmt::print("{:<44} {:7.3f} {:7.3f} {:7.3f}\n", what, f["p50_ms"].get<double>(), f["p99_ms"].get<double>(),
                f["max_ms"].get<double>());
   };
@@ -203,7 +203,7 @@ void add_bench_command(Commands& commands) {
       bench, "live",
       "From the arrival of the last sample of a frame to the packet that leaves, with a virtual performer on "
       "real sockets; beside it what loopback and the scheduler take by themselves",
-      "mien bench live --seconds 20 --json", [options] { return run_live(*options); });
+      "mien bench live --seconds 20 --json", [options] { return run_bench_live(*options); });
   live.add_option("--seconds", options->seconds, "How long the performer performs")
       .number_between(2.0, 3600.0)
       .show_default();

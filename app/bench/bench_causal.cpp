@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/bench/bench_peers.h"
+#include "app/bench/clock.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "mien/core/files.h"
@@ -26,18 +27,12 @@
 namespace mien::app {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double kFrameS = 1.0 / 60;
 /// Read between two frames, as other programs do in life: twice the third cache of large CPUs.
 constexpr std::size_t kColdBytes = std::size_t{64} << 20;
 /// Of what the third cache's rate is measured: more than most second caches, less than most third ones.
 constexpr std::size_t kCacheBytes = std::size_t{8} << 20;
 constexpr std::size_t kCrowd = 500;
-
-double seconds_since(Clock::time_point from) {
-  return std::chrono::duration<double>(Clock::now() - from).count();
-}
 
 /// Sensors that turn and shake, each in its own way; the same in every run.
 model::FeatureFrame moving_sensors(std::size_t sensors, std::size_t frame, std::size_t performer) {
@@ -176,19 +171,19 @@ struct Figures {
   }
 };
 
-nlohmann::ordered_json ratio(const Peer& peer, double hot_step_s) {
+Json ratio(const Peer& peer, double hot_step_s) {
   if (!peer.step_us) return nullptr;
   return 1e-6 * *peer.step_us / hot_step_s;
 }
 
-nlohmann::ordered_json as_json(const CausalBench& options, const Figures& f, const std::string& kernels) {
-  nlohmann::ordered_json json = {{"p50_ms", 1e3 * f.paced.frame.p50_s},
-                                 {"p99_ms", 1e3 * f.paced.frame.p99_s},
-                                 {"precision", options.precision},
-                                 {"peak_gflops", f.peak_gflops},
-                                 {"vs_onnxruntime", ratio(f.onnxruntime, f.hot_step_s)},
-                                 {"vs_libtorch", ratio(f.libtorch, f.hot_step_s)},
-                                 {"performers_per_core", f.performers_per_core()}};
+Json as_json(const CausalBench& options, const Figures& f, const std::string& kernels) {
+  Json json = {{"p50_ms", 1e3 * f.paced.frame.p50_s},
+               {"p99_ms", 1e3 * f.paced.frame.p99_s},
+               {"precision", options.precision},
+               {"peak_gflops", f.peak_gflops},
+               {"vs_onnxruntime", ratio(f.onnxruntime, f.hot_step_s)},
+               {"vs_libtorch", ratio(f.libtorch, f.hot_step_s)},
+               {"performers_per_core", f.performers_per_core()}};
   if (f.performers_per_core() < kCrowd) json["crowd_limit"] = f.crowd_limit();
   if (!f.onnxruntime.step_us) json["onnxruntime"] = f.onnxruntime.why_not;
   if (!f.libtorch.step_us) json["libtorch"] = f.libtorch.why_not;
@@ -209,7 +204,7 @@ nlohmann::ordered_json as_json(const CausalBench& options, const Figures& f, con
   return json;
 }
 
-void print_text(const CausalBench& options, const Figures& f, const std::string& kernels) {
+void print_causal(const CausalBench& options, const Figures& f, const std::string& kernels) {
   const auto line = [](const char* what, const std::string& value) {
     fmt::print("{:<46} {}\n", what, value);
   };
@@ -280,7 +275,7 @@ Result<void> run_causal_bench(const CausalBench& asked) {
   if (options.json)
     print_json(as_json(options, f, kernels));
   else
-    print_text(options, f, kernels);
+    print_causal(options, f, kernels);
   return {};
 }
 

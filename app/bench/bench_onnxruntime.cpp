@@ -17,8 +17,8 @@ struct BenchOnnxruntimeOptions {
   bool json = false;
 };
 
-nlohmann::ordered_json peer_figures(const std::string& model, const PeerTimes& times) {
-  nlohmann::ordered_json graphs = nlohmann::ordered_json::array();
+Json peer_figures(const std::string& model, const PeerTimes& times) {
+  Json graphs = Json::array();
   for (const PeerTimes::Graph& graph : times.graphs)
     graphs.push_back({{"steps", graph.steps},
                       {"run_us", 1e6 * graph.run_s},
@@ -54,7 +54,7 @@ Result<void> run_bench_onnxruntime(BenchOnnxruntimeOptions options) {
       MIEN_TRY_ASSIGN(const std::filesystem::path path, find_resource(name));
       options.models.push_back(path.string());
     }
-  nlohmann::ordered_json measured = nlohmann::ordered_json::array();
+  Json measured = Json::array();
   for (const std::string& model : options.models) {
     options.request.model = model;
     MIEN_TRY_ASSIGN(const PeerTimes times, measure_onnxruntime(options.request));

@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/bench/clock.h"
 #include "app/bench/loopback.h"
 #include "app/child_program.h"
 #include "app/json_output.h"
@@ -30,17 +31,11 @@ namespace {
 namespace asio = boost::asio;
 namespace fs = std::filesystem;
 using asio::ip::udp;
-using Clock = std::chrono::steady_clock;
-using nlohmann::ordered_json;
 
 struct StartBench {
   int times = 10;
   bool json = false;
 };
-
-double seconds(Clock::duration duration) {
-  return std::chrono::duration<double>(duration).count();
-}
 
 /// A virtual performer who performs all the while, to one port, whoever listens there.
 class Performer {
@@ -115,19 +110,19 @@ Result<Start> start_session(std::vector<std::string> command) {
   if (!said->succeeded || !first)
     return fail(ErrorCode::internal,
                 said->complaints.empty() ? "the session sent no frame" : said->complaints, "bench start");
-  const ordered_json summary = ordered_json::parse(said->out, nullptr, false);
-  return Start{seconds(*first - from), summary.value("peak_memory_mb", 0.0)};
+  const Json summary = Json::parse(said->out, nullptr, false);
+  return Start{to_seconds(*first - from), summary.value("peak_memory_mb", 0.0)};
 }
 
-ordered_json times_ms(std::vector<double> took_s) {
+Json times_ms(std::vector<double> took_s) {
   std::ranges::sort(took_s);
   return {{"median_ms", 1e3 * took_s[took_s.size() / 2]}, {"worst_ms", 1e3 * took_s.back()}};
 }
 
-ordered_json start_figures(const std::vector<Start>& starts) {
+Json start_figures(const std::vector<Start>& starts) {
   std::vector<double> took_s;
   for (const Start& start : starts) took_s.push_back(start.took_s);
-  ordered_json all = times_ms(took_s);
+  Json all = times_ms(took_s);
   all["peak_memory_mb"] = std::ranges::max(starts | std::views::transform(&Start::peak_memory_mb));
   return all;
 }
@@ -146,7 +141,7 @@ Result<void> run_start_bench(const StartBench& options) {
   for (int round = 0; round <= options.times; ++round) {
     const auto from = Clock::now();
     MIEN_TRY(run_child({program.string(), "--version"}));
-    const double loaded_s = seconds(Clock::now() - from);
+    const double loaded_s = seconds_since(from);
     MIEN_TRY_ASSIGN(const Start without, session("off"));
     MIEN_TRY_ASSIGN(const Start with, session("127.0.0.1:0"));
     if (round > 0) {
@@ -158,15 +153,15 @@ Result<void> run_start_bench(const StartBench& options) {
       return fail(ErrorCode::cancelled, "stopped", "bench start");
   }
   clear_progress();
-  const ordered_json measured = {{"without_page", start_figures(without_page)},
-                                 {"with_page", start_figures(with_page)},
-                                 {"program_alone", times_ms(nothing_s)},
-                                 {"starts", options.times}};
+  const Json measured = {{"without_page", start_figures(without_page)},
+                         {"with_page", start_figures(with_page)},
+                         {"program_alone", times_ms(nothing_s)},
+                         {"starts", options.times}};
   if (options.json) {
     print_json(measured);
     return {};
   }
-  const auto line = [&](const char* what, const ordered_json& f) {
+  const auto line = [&](const char* what, const Json& f) {
     fmt::print("{:<36} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
     fmt::print("{}\n", f.contains("peak_memory_mb")
                            ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>())

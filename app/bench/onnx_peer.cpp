@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 
 #include "app/child_program.h"
+#include "app/json_output.h"
 #include "app/private_folder.h"
 #include "mien/core/files.h"
 #include "mien/core/random.h"
@@ -22,7 +22,6 @@ namespace mien::app {
 namespace fs = std::filesystem;
 namespace {
 
-using PeerJson = nlohmann::json;
 using Floats = std::vector<float>;
 
 constexpr std::size_t kChains[] = {1, 4, 16, 64};
@@ -34,7 +33,7 @@ constexpr const char* kInstall =
 /// One graph to be timed, what goes in, and what must come out.
 struct Job {
   onnx::ExportRequest request;
-  PeerJson inputs;
+  Json inputs;
   Floats expected;
 };
 
@@ -45,7 +44,7 @@ Floats noise(std::size_t count, std::uint64_t seed) {
   return values;
 }
 
-PeerJson tensor(std::vector<std::size_t> dims, const Floats& data) {
+Json tensor(std::vector<std::size_t> dims, const Floats& data) {
   return {{"dims", std::move(dims)}, {"data", data}};
 }
 
@@ -101,7 +100,7 @@ Result<std::vector<Job>> jobs_of(const model::ModelFile& model) {
 /// Writes the graphs, their echoes and the list of both.
 Result<void> write_jobs(const model::ModelFile& model, const std::vector<Job>& jobs,
                         const PeerRequest& request, const fs::path& folder) {
-  PeerJson list = {{"rounds", request.rounds}, {"round_s", request.round_s}, {"graphs", PeerJson::array()}};
+  Json list = {{"rounds", request.rounds}, {"round_s", request.round_s}, {"graphs", Json::array()}};
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     MIEN_TRY_ASSIGN(const std::vector<std::byte> graph, onnx::onnx_of(model, jobs[i].request));
     MIEN_TRY_ASSIGN(const std::vector<std::byte> echo, onnx::echo_of(graph));
@@ -134,12 +133,12 @@ Result<std::string> run_node(const fs::path& script, const fs::path& argument) {
 }
 
 /// What the script told, as its comment says, against what was expected.
-Result<PeerTimes> read_times(const PeerJson& told, const std::vector<Job>& jobs) {
+Result<PeerTimes> read_times(const Json& told, const std::vector<Job>& jobs) {
   PeerTimes times;
   times.version = told.at("onnxruntime").get<std::string>();
   times.node = told.at("node").get<std::string>();
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    const PeerJson& graph = told.at("graphs").at(i);
+    const Json& graph = told.at("graphs").at(i);
     times.graphs.push_back({.steps = jobs[i].request.steps,
                             .run_s = graph.at("run_s"),
                             .echo_s = graph.at("echo_s"),
@@ -177,10 +176,10 @@ Result<PeerTimes> measure_onnxruntime(const PeerRequest& request) {
   MIEN_TRY(write_jobs(model, jobs, request, folder.path()));
   MIEN_TRY_ASSIGN(const std::string out, run_node(*script, folder.path() / "job.json"));
   try {
-    MIEN_TRY_ASSIGN(PeerTimes times, read_times(PeerJson::parse(out), jobs));
+    MIEN_TRY_ASSIGN(PeerTimes times, read_times(Json::parse(out), jobs));
     times.kind = model.architecture.kind == model::NetworkKind::causal ? "causal" : "window";
     return times;
-  } catch (const PeerJson::exception& error) {
+  } catch (const Json::exception& error) {
     return fail(ErrorCode::internal, error.what(), script->string());
   }
 }

@@ -224,10 +224,8 @@ Result<void> run_guided(const CalibrateOptions& options) {
   clear_progress();
   if (!outcome.made) {
     if (options.json)
-      print_json({{"version", nullptr},
-                  {"scores", nlohmann::ordered_json::array()},
-                  {"passed", false},
-                  {"error", outcome.why}});
+      print_json(
+          {{"version", nullptr}, {"scores", Json::array()}, {"passed", false}, {"error", outcome.why}});
     return fail(outcome.code, outcome.why, "calibration");
   }
   if (options.json)

@@ -11,9 +11,8 @@
 namespace mien::app {
 namespace {
 
-using session::CalibrationVersion;
-using nlohmann::ordered_json;
 using sensor::Score;
+using session::CalibrationVersion;
 
 constexpr std::size_t kNameBytes = 40;
 constexpr std::size_t kSentenceBytes = 200;
@@ -96,8 +95,8 @@ void print_comparison(const CalibrationVersion& a, const CalibrationVersion& b) 
                cell(find_score(b, name)));
 }
 
-ordered_json version_json(const CalibrationVersion& version) {
-  ordered_json scores = ordered_json::array();
+Json version_json(const CalibrationVersion& version) {
+  Json scores = Json::array();
   for (const Score& score : version.scores)
     scores.push_back({{"name", score.name},
                       {"value", score.value},
@@ -108,38 +107,36 @@ ordered_json version_json(const CalibrationVersion& version) {
           {"origin", version.origin},
           {"made_s", to_seconds(version.made.time_since_epoch())},
           {"scores", std::move(scores)},
-          {"passed",
-           version.scores.empty() ? ordered_json(nullptr) : ordered_json(sensor::all_pass(version.scores))}};
+          {"passed", version.scores.empty() ? Json(nullptr) : Json(sensor::all_pass(version.scores))}};
 }
 
-ordered_json versions_json(const SessionStatus& status) {
+Json versions_json(const SessionStatus& status) {
   const session::Report::Calibration& calibration = status.calibration;
-  ordered_json versions = ordered_json::array();
+  Json versions = Json::array();
   for (const CalibrationVersion& version : calibration.versions) {
     versions.push_back(version_json(version));
     versions.back()["in_force"] = version.id == calibration.in_force;
   }
-  return {
-      {"state", calibration.state},
-      {"in_force", calibration.in_force == 0 ? ordered_json(nullptr) : ordered_json(calibration.in_force)},
-      {"versions", std::move(versions)}};
+  return {{"state", calibration.state},
+          {"in_force", calibration.in_force == 0 ? Json(nullptr) : Json(calibration.in_force)},
+          {"versions", std::move(versions)}};
 }
 
-ordered_json comparison_json(const CalibrationVersion& a, const CalibrationVersion& b) {
-  ordered_json scores = ordered_json::array();
+Json comparison_json(const CalibrationVersion& a, const CalibrationVersion& b) {
+  Json scores = Json::array();
   for (const std::string& name : names_of(a, b)) {
-    ordered_json values = ordered_json::array();
-    ordered_json pass = ordered_json::array();
+    Json values = Json::array();
+    Json pass = Json::array();
     std::string unit;
     for (const CalibrationVersion* version : {&a, &b}) {
       const Score* score = find_score(*version, name);
-      values.push_back(score == nullptr ? ordered_json(nullptr) : ordered_json(score->value));
-      pass.push_back(score == nullptr ? ordered_json(nullptr) : ordered_json(score->pass));
+      values.push_back(score == nullptr ? Json(nullptr) : Json(score->value));
+      pass.push_back(score == nullptr ? Json(nullptr) : Json(score->pass));
       if (score != nullptr) unit = score->unit;
     }
     scores.push_back({{"name", name}, {"unit", unit}, {"values", values}, {"pass", pass}});
   }
-  ordered_json versions = ordered_json::array();
+  Json versions = Json::array();
   versions.push_back(version_json(a));
   versions.push_back(version_json(b));
   return {{"versions", std::move(versions)}, {"scores", std::move(scores)}};

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
+#include "app/json_output.h"
 #include "app/live/session_message.h"
 #include "mien/session/report.h"
 
@@ -19,14 +18,14 @@ void print_comparison(const session::CalibrationVersion& a, const session::Calib
 
 /// {"version", "origin", "made_s", "scores": [{"name", "value", "unit", "pass", "sentence"}], "passed"};
 /// `passed` is null where nothing was judged.
-[[nodiscard]] nlohmann::ordered_json version_json(const session::CalibrationVersion& version);
+[[nodiscard]] Json version_json(const session::CalibrationVersion& version);
 
 /// {"state", "in_force": id or null, "versions": [version_json's, "in_force"]}.
-[[nodiscard]] nlohmann::ordered_json versions_json(const SessionStatus& status);
+[[nodiscard]] Json versions_json(const SessionStatus& status);
 
 /// {"versions": [a, b], "scores": [{"name", "unit", "values": [a, b], "pass": [a, b]}]}; null where one has
 /// no such score.
-[[nodiscard]] nlohmann::ordered_json comparison_json(const session::CalibrationVersion& a,
-                                                     const session::CalibrationVersion& b);
+[[nodiscard]] Json comparison_json(const session::CalibrationVersion& a,
+                                   const session::CalibrationVersion& b);
 
 }  // namespace mien::app

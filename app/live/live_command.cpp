@@ -17,26 +17,26 @@ namespace mien::app {
 namespace {
 
 /// The most memory that this process ever had resident, in MiB; null where the system does not tell.
-nlohmann::ordered_json peak_memory_mb() {
+Json peak_memory_mb() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
     if (double kb = 0; word == "VmHWM:" && status >> kb) return kb / 1024;
   return nullptr;
 }
 
-nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
+Json summary_json(const live::EngineSummary& summary) {
   const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
-  nlohmann::ordered_json sinks = nlohmann::ordered_json::array();
+  Json sinks = Json::array();
   for (const sink::Status& sink : summary.sinks)
     sinks.push_back({{"address", sink.address}, {"sent", sink.sent}, {"failed", sink.failed}});
-  nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+  Json lines = Json::array();
   for (const live::SerialPort::Status& line : summary.lines)
     lines.push_back({{"address", line.address},
                      {"open", line.open},
                      {"unplugged", line.unplugged},
                      {"bytes", line.bytes},
                      {"overlong", line.overlong}});
-  nlohmann::ordered_json links = nlohmann::ordered_json::array();
+  Json links = Json::array();
   for (const session::Report::Link& link : summary.report.links)
     links.push_back({{"device", link.device},
                      {"state", sensor::link_state_name(link.health.state)},
@@ -60,7 +60,7 @@ nlohmann::ordered_json summary_json(const live::EngineSummary& summary) {
           {"calibrations", summary.report.calibration.versions.size()},
           {"calibration", summary.report.calibration.state},
           {"prompt", summary.report.calibration.prompt},
-          {"take", summary.take ? nlohmann::ordered_json(summary.take->string()) : nlohmann::ordered_json()},
+          {"take", summary.take ? Json(summary.take->string()) : Json()},
           {"recording_error", summary.recording_error},
           {"sinks", std::move(sinks)},
           {"lines", std::move(lines)},

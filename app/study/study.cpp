@@ -39,8 +39,8 @@ struct BoundOptions {
 std::string shown(const std::optional<study::MeanStd>& value) {
   return value ? fmt::format("{:.2f}", value->mean) : "-";
 }
-nlohmann::ordered_json mean_or_null(const std::optional<study::MeanStd>& value) {
-  return value ? nlohmann::ordered_json(value->mean) : nlohmann::ordered_json();
+Json mean_or_null(const std::optional<study::MeanStd>& value) {
+  return value ? Json(value->mean) : Json();
 }
 
 Result<void> run_bound(const BoundOptions& options) {
@@ -50,7 +50,7 @@ Result<void> run_bound(const BoundOptions& options) {
   std::vector<virt::SkinSite> sites;
   for (const std::uint16_t s : rig.face_sensors()) sites.push_back(all[s]);
   const study::Meter meter(face);
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   if (!options.json)
     fmt::print(
         "What {} sensors can see at best on {}: one frame of orientations, linear, independent "
@@ -64,7 +64,7 @@ Result<void> run_bound(const BoundOptions& options) {
       if (!options.json)
         fmt::print("{:6.2f} {:6.1f}° {:8.4f} {:8.2f} {:>8} {:>8}\n", prior, noise_deg, bound.mse,
                    bound.pve_mm.mean, shown(bound.pve_face_mm), shown(bound.lmk_mm));
-      nlohmann::ordered_json left;
+      Json left;
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
         left[std::string(face::kShapeNames[k])] = bound.left[k];
       rows.push_back({{"prior", prior},
@@ -107,7 +107,7 @@ Result<void> run_drift(const DriftOptions& options) {
         "{:>8}\n",
         options.request.performers, options.request.seconds, "re-centre", "every", "RMS", "vertical",
         "median", "worst", "missing");
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Json rows = Json::array();
   for (const study::Drift& drift : drifts) {
     const double sigma_deg = drift.settings.neutral_sigma_rad * 180 / std::numbers::pi;
     if (!options.json)

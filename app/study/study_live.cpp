@@ -19,8 +19,6 @@
 namespace mien::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct StudyLiveOptions {
   study::LiveRequest request;
   std::vector<std::string> rows;

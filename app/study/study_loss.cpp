@@ -79,7 +79,7 @@ void print_loss_table(const study::LossStudy& study) {
   fmt::print("promises {}\n", study.kept() ? "kept" : "not kept");
 }
 
-nlohmann::ordered_json to_json(const study::LossRow& row) {
+Json to_json(const study::LossRow& row) {
   return {{"condition", row.condition.name()},
           {"frames", row.frames},
           {"mse", row.mse},
@@ -98,7 +98,7 @@ nlohmann::ordered_json to_json(const study::LossRow& row) {
 
 void print_loss_study(const study::LossStudy& study, const StudyLossOptions& options,
                       const sensor::Rig& rig) {
-  nlohmann::ordered_json out = {{"model", options.model}, {"rig", rig.name}, {"seed", options.request.seed}};
+  Json out = {{"model", options.model}, {"rig", rig.name}, {"seed", options.request.seed}};
   if (options.motions.empty()) {
     out["performers"] = options.request.performers;
     out["seconds"] = options.request.seconds;

@@ -35,8 +35,6 @@ struct StudySensorsOptions {
   bool json = false;
 };
 
-using Json = nlohmann::ordered_json;
-
 /// Of the whole study's time.
 constexpr double kFaithfulShare = 0.5;
 /// Where the colours of the picture end.
