@@ -1,12 +1,18 @@
 #include "app/child_program.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "app/private_folder.h"
 #include "mien/core/files.h"
@@ -14,7 +20,30 @@
 extern char** environ;
 
 namespace mien::app {
+namespace fs = std::filesystem;
+namespace {
 
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int value = -1) : value_(value) {}
+  Descriptor(Descriptor&& other) noexcept : value_(std::exchange(other.value_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(value_, other.value_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  void close() {
+    if (value_ >= 0) ::close(std::exchange(value_, -1));
+  }
+  [[nodiscard]] int get() const { return value_; }
+
+ private:
+  int value_;
+};
+
+/// As programs are given their arguments and their environment, with a null behind; valid while `texts` is as
+/// it is.
 std::vector<char*> pointers(std::vector<std::string>& texts) {
   std::vector<char*> list;
   for (std::string& text : texts) list.push_back(text.data());
@@ -22,30 +51,112 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return list;
 }
 
-Result<ChildOutput> run_child(std::vector<std::string> command, std::vector<std::string> environment) {
-  // Files, not pipes: nobody has to read both at once.
-  MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
-  const std::filesystem::path out = folder.path() / "out", complaints = folder.path() / "complaints";
+}  // namespace
+
+struct Child::State {
+  explicit State(PrivateFolder made) : folder(std::move(made)) {}
+  // Files, not pipes: what it says is read when it has ended, however much it is.
+  [[nodiscard]] fs::path out() const { return folder.path() / "out"; }
+  [[nodiscard]] fs::path complaints() const { return folder.path() / "complaints"; }
+
+  PrivateFolder folder;
+  std::string name;
+  Descriptor input;
+  pid_t id = -1;  ///< Until it was waited for.
+};
+
+Child::Child(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Child::Child(Child&&) noexcept = default;
+
+Child::~Child() {
+  if (state_ == nullptr || state_->id <= 0) return;
+  ::kill(state_->id, SIGTERM);
+  state_->input.close();  // Whatever it waits for: it ends, and takes away what it began.
+  while (::waitpid(state_->id, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+Result<Child> Child::start(std::vector<std::string> command, Input input,
+                           std::vector<std::string> environment) {
+  MIEN_TRY_ASSIGN(PrivateFolder folder, PrivateFolder::make());
+  auto state = std::make_unique<State>(std::move(folder));
+  state->name = command.front();
+  const fs::path out = state->out(), complaints = state->complaints();
+  Descriptor theirs;
+  if (input == Input::fed) {
+    // A socket rather than a pipe: writing to a child that is gone then gives an error instead of a signal.
+    std::array<int, 2> ends{};
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+      return fail(ErrorCode::io, std::strerror(errno), state->name);
+    state->input = Descriptor(ends[0]);
+    theirs = Descriptor(ends[1]);
+  }
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_addopen(&actions, 2, complaints.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  std::vector<char*> argv = pointers(command), envp = pointers(environment);
-  pid_t process = -1;
-  const int code = ::posix_spawnp(&process, argv.front(), &actions, nullptr, argv.data(),
+  if (input == Input::fed)
+    posix_spawn_file_actions_adddup2(&actions, theirs.get(), STDIN_FILENO);
+  else
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC;
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kNew, 0600);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, complaints.c_str(), kNew, 0600);
+  const std::vector<char*> argv = pointers(command), envp = pointers(environment);
+  const int code = ::posix_spawnp(&state->id, argv.front(), &actions, nullptr, argv.data(),
                                   environment.empty() ? environ : envp.data());
   posix_spawn_file_actions_destroy(&actions);
-  if (code == ENOENT) return fail(ErrorCode::not_found, "there is no program `" + command.front() + "`");
-  if (code != 0) return fail(ErrorCode::io, std::strerror(code), command.front());
-  int status = 0;
-  while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  if (code == 0) return Child(std::move(state));
+  state->id = -1;
+  if (code == ENOENT) return fail(ErrorCode::not_found, "there is no program `" + state->name + "`");
+  return fail(ErrorCode::io, std::strerror(code), state->name);
+}
+
+Result<void> Child::send(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::send(state_->input.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return fail(ErrorCode::io, "it listens no more", state_->name);
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
   }
+  return {};
+}
+
+Result<ChildOutput> Child::wait() {
+  if (state_->id <= 0) return fail(ErrorCode::io, "it has ended already", state_->name);
+  state_->input.close();
+  int status = 0;
+  while (::waitpid(state_->id, &status, 0) < 0 && errno == EINTR) {
+  }
+  state_->id = -1;
   ChildOutput output;
-  output.succeeded = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  MIEN_TRY_ASSIGN(output.out, read_text(out));
-  MIEN_TRY_ASSIGN(output.complaints, read_text(complaints));
+  output.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  MIEN_TRY_ASSIGN(output.out, read_text(state_->out()));
+  MIEN_TRY_ASSIGN(output.complaints, read_text(state_->complaints()));
   return output;
+}
+
+Result<ChildOutput> run_child(std::vector<std::string> command, std::vector<std::string> environment) {
+  MIEN_TRY_ASSIGN(Child child, Child::start(std::move(command), Child::Input::none, std::move(environment)));
+  return child.wait();
+}
+
+Result<void> become_program(std::vector<std::string> command, std::vector<std::string> environment) {
+  ::execve(command.front().c_str(), pointers(command).data(), pointers(environment).data());
+  return fail(ErrorCode::io, std::strerror(errno), command.front());
+}
+
+Result<fs::path> find_helper(const std::string& name) {
+  MIEN_TRY_ASSIGN(const fs::path self, running_program());
+  std::error_code code;
+  const fs::path path = self.parent_path() / name;
+  if (!fs::exists(path, code))
+    return fail(ErrorCode::not_found,
+                fmt::format("the helper {} is not beside {}", name, self.filename().string()),
+                self.parent_path().string(),
+                name == "mien-media"
+                    ? "build Mien with MIEN_MEDIA on; it needs Debian's libavformat-dev, libavcodec-dev, "
+                      "libswscale-dev and libespeak-ng-dev"
+                    : "build Mien with MIEN_TRAIN on; it needs Debian's libtorch-dev");
+  return path;
 }
 
 }  // namespace mien::app

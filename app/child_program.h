@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,19 +13,49 @@ namespace mien::app {
 
 /// What another program said until it ended.
 struct ChildOutput {
-  bool succeeded = false;  ///< Its exit status was 0.
+  int status = -1;         ///< Its exit status; 128 and the signal's number where one ended it.
   std::string out;         ///< Standard output, ...
   std::string complaints;  ///< ... and standard error.
+
+  [[nodiscard]] bool succeeded() const { return status == 0; }
 };
 
-/// As programs are given their arguments and their environment, with a null behind; valid while `texts` is as
-/// it is.
-[[nodiscard]] std::vector<char*> pointers(std::vector<std::string>& texts);
+/// Another program at work. Not thread-safe.
+class Child {
+ public:
+  enum class Input { none, fed };
 
-/// Runs a program, found along PATH where its name has no slash, without standard input, and waits for it.
-/// `command`: name and arguments; `environment`: its whole environment, or empty for this program's own.
-/// Errors: not_found (no such program), io.
+  /// Starts a program, found along PATH where its name has no slash. `command`: name and arguments;
+  /// `environment`: its whole environment, or empty for this program's own. Errors: not_found (no such
+  /// program), io.
+  [[nodiscard]] static Result<Child> start(std::vector<std::string> command, Input input,
+                                           std::vector<std::string> environment = {});
+  Child(Child&&) noexcept;
+  Child& operator=(Child&&) = delete;
+  ~Child();  ///< Without wait() asks it to stop (SIGTERM, and its input's end), and waits until it has.
+
+  /// Feeds its standard input. Errors: io (it listens no more: wait() says why).
+  [[nodiscard]] Result<void> send(std::span<const std::uint8_t> bytes);
+  /// Ends its input and waits for its end. Errors: io (it has been waited for already).
+  [[nodiscard]] Result<ChildOutput> wait();
+
+ private:
+  struct State;
+  explicit Child(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Runs a program without standard input to its end. Errors: Child::start()'s.
 [[nodiscard]] Result<ChildOutput> run_child(std::vector<std::string> command,
                                             std::vector<std::string> environment = {});
+
+/// This process becomes that program, so that its exit status, its terminal and Ctrl-C are this one's; comes
+/// back only with an error. `command` begins with a path. Errors: io.
+[[nodiscard]] Result<void> become_program(std::vector<std::string> command,
+                                          std::vector<std::string> environment);
+
+/// Where a helper program ("mien-media", "mien-train") stands: beside this program's real path. Errors:
+/// not_found, with what to build or install.
+[[nodiscard]] Result<std::filesystem::path> find_helper(const std::string& name);
 
 }  // namespace mien::app

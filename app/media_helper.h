@@ -11,10 +11,6 @@
 
 namespace mien::app {
 
-/// Where a helper program ("mien-media", "mien-train") stands: beside this program's real path. Errors:
-/// not_found, with what to build or install.
-[[nodiscard]] Result<std::filesystem::path> find_helper(const std::string& name);
-
 /// An MP4 that `mien-media` writes while this program draws. The file appears when finish() succeeds, whole
 /// or not at all. Not thread-safe.
 class FilmWriter {

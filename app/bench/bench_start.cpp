@@ -107,7 +107,7 @@ Result<Start> start_session(std::vector<std::string> command) {
   watching.request_stop();
   watching.join();
   if (!said) return std::unexpected(said.error());
-  if (!said->succeeded || !first)
+  if (!said->succeeded() || !first)
     return fail(ErrorCode::internal,
                 said->complaints.empty() ? "the session sent no frame" : said->complaints, "bench start");
   const Json summary = Json::parse(said->out, nullptr, false);

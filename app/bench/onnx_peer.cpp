@@ -123,7 +123,7 @@ Result<std::string> run_node(const fs::path& script, const fs::path& argument) {
   if (!said && said.error().code == ErrorCode::not_found)
     return fail(ErrorCode::not_found, "there is no program `node`", "ONNX Runtime", kInstall);
   if (!said) return std::unexpected(said.error());
-  if (said->succeeded) return said->out;
+  if (said->succeeded()) return said->out;
   // Node shows the line of the script first; what went wrong stands where "Error" does.
   std::string line = said->complaints;
   if (const auto at = line.find("Error"); at != std::string::npos) line = line.substr(at);

@@ -14,6 +14,7 @@
 #include "app/live/page_address.h"
 #include "app/live/perform_network.h"
 #include "app/live/running_session.h"
+#include "app/child_program.h"
 #include "app/media_helper.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"

@@ -2,14 +2,11 @@
 
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <utility>
 
 #include "app/child_program.h"
-#include "app/media_helper.h"
 
 extern char** environ;
 
@@ -53,16 +50,15 @@ Result<std::vector<std::string>> command_of(std::vector<std::string> arguments) 
 
 Result<void> become_trainer(std::vector<std::string> arguments) {
   MIEN_TRY_ASSIGN(std::vector<std::string> command, command_of(std::move(arguments)));
-  std::vector<std::string> variables = environment();
-  ::execve(command.front().c_str(), pointers(command).data(), pointers(variables).data());
-  return fail(ErrorCode::io, std::strerror(errno), command.front(),
-              "build or install it again, with Debian's libtorch-dev");
+  auto become = become_program(std::move(command), environment());
+  if (!become) become.error().fix = "build or install it again, with Debian's libtorch-dev";
+  return become;
 }
 
 Result<std::string> ask_trainer(std::vector<std::string> arguments) {
   MIEN_TRY_ASSIGN(const std::vector<std::string> command, command_of(std::move(arguments)));
   MIEN_TRY_ASSIGN(const ChildOutput said, run_child(command, environment()));
-  if (said.succeeded) return said.out;
+  if (said.succeeded()) return said.out;
   const std::string line = said.complaints.substr(0, said.complaints.find('\n'));
   return fail(ErrorCode::io, line.empty() ? "it stopped without a word" : line, command.front());
 }
