@@ -19,8 +19,6 @@
 namespace mien::app {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct StudyLossOptions {
   study::LossRequest request;
   std::string model;
