@@ -16,6 +16,8 @@
 #include <optional>
 #include <system_error>
 
+#include "mien/core/files.h"
+
 namespace mien::app {
 namespace {
 
@@ -93,6 +95,11 @@ int Commands::main(int argc, char** argv, UsageError usage_error) {
 
 std::string plain_usage_error(const Command& program, const ParseError& error) {
   return fmt::format("{}; see {} --help", error.what, program.name());
+}
+
+Result<std::filesystem::path> path_or(const std::filesystem::path& named, const std::filesystem::path& part) {
+  if (!named.empty()) return named;
+  return find_resource(part);
 }
 
 Result<void> check_output(const std::filesystem::path& path,

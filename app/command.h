@@ -46,6 +46,11 @@ class Commands {
 /// CLI11's own words, for programs that nobody starts by hand.
 [[nodiscard]] std::string plain_usage_error(const Command& program, const ParseError& error);
 
+/// The file that was named or, where none was, one of the program's own: `part` is as find_resource() takes
+/// it. Errors: find_resource()'s.
+[[nodiscard]] Result<std::filesystem::path> path_or(const std::filesystem::path& named,
+                                                    const std::filesystem::path& part);
+
 /// Whether a file of this name may be written: it has one of the endings, and its folder is there. To be
 /// asked before long work. Errors: bad_usage, not_found, io (the folder cannot be written to).
 [[nodiscard]] Result<void> check_output(const std::filesystem::path& path,

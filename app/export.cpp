@@ -31,10 +31,7 @@ bool wants_markers(const ExportOptions& options) {
 
 Result<void> write_markers(const face::Motion& motion, const ExportOptions& options) {
   MIEN_TRY(check_output(options.out, {".csv", ".trc"}));
-  std::filesystem::path path = options.markers;
-  if (path.empty()) {
-    MIEN_TRY_ASSIGN(path, find_resource("rigs/markers.toml"));
-  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, path_or(options.markers, "rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(path));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
   MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed, builtin_face::PlacedMarkers::place(face, set));

@@ -29,10 +29,7 @@ struct ImportOptions {
 
 /// Writes the motion as a take's truth.
 Result<void> write_take(const ImportOptions& options, const face::Motion& motion, const std::string& face) {
-  std::filesystem::path rig = options.rig;
-  if (rig.empty()) {
-    MIEN_TRY_ASSIGN(rig, find_resource("rigs/default.toml"));
-  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig, path_or(options.rig, "rigs/default.toml"));
   take::Header header;
   MIEN_TRY_ASSIGN(header.rig_toml, read_text(rig));
   header.software = "mien " MIEN_VERSION;

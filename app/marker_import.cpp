@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "app/command.h"
 #include "mien/builtin_face/load_face.h"
-#include "mien/core/files.h"
 
 namespace mien::app {
 namespace {
@@ -34,10 +34,7 @@ void MarkerImport::add_to(Command command) {
 }
 
 Result<ImportedMarkers> import_markers(const mocap::MarkerTrack& track, const MarkerImport& options) {
-  std::filesystem::path path = options.set;
-  if (path.empty()) {
-    MIEN_TRY_ASSIGN(path, find_resource("rigs/markers.toml"));
-  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, path_or(options.set, "rigs/markers.toml"));
   ImportedMarkers imported;
   MIEN_TRY_ASSIGN(imported.set, builtin_face::read_markers(path));
   mocap::MarkerNames names;

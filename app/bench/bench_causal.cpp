@@ -16,7 +16,6 @@
 #include "app/bench/clock.h"
 #include "app/command.h"
 #include "app/json_output.h"
-#include "mien/core/files.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
 #include "mien/model/aligned.h"
@@ -241,9 +240,7 @@ Result<void> run_causal_bench(const CausalBench& asked) {
   if (!precision)
     return fail(ErrorCode::bad_usage, "there is no precision " + options.precision, "bench causal",
                 "choose fp32, bf16 or int8");
-  if (options.model.empty()) {
-    MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
-  }
+  MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(const model::ModelFile file, model::read_model(options.model));
   auto created = tracker::CausalTracker::create(file, file.features.sensors, *precision);
   if (!created) {

@@ -17,9 +17,9 @@
 
 #include "app/command.h"
 #include "app/live/page_files.h"
+#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/core/host_port.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/modalities/modalities.h"
 #include "mien/render/gltf_export.h"
 #include "mien/sink/ws_admission.h"
@@ -115,10 +115,7 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
 
 Result<LiveSession> open_live(LiveRequest request) {
   live::EngineSettings settings;
-  if (request.rig.empty()) {
-    MIEN_TRY_ASSIGN(const std::filesystem::path rig, find_resource("rigs/default.toml"));
-    request.rig = rig.string();
-  }
+  MIEN_TRY_ASSIGN(request.rig, path_or(request.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));

@@ -9,7 +9,6 @@
 #include "app/performance.h"
 #include "app/read_aloud.h"
 #include "app/seed_option.h"
-#include "mien/core/files.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -104,11 +103,7 @@ Result<void> run_perform(PerformOptions options) {
   if (options.prologue == "guided") request.prologue = performer::PrologueKind::guided;
   request.real_time = options.pace == "real";
   request.software = "mien " MIEN_VERSION;
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(request.rig, find_resource("rigs/default.toml"));
-  } else {
-    request.rig = options.rig;
-  }
+  MIEN_TRY_ASSIGN(request.rig, path_or(options.rig, "rigs/default.toml"));
   std::error_code code;
   if (!request.face.starts_with("builtin") && std::filesystem::exists(request.face, code)) {
     const auto whole = std::filesystem::weakly_canonical(request.face, code);

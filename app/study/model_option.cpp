@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "app/command.h"
-#include "mien/core/files.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
@@ -149,9 +148,7 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
                   "leave --steps out");
     return OpenModel(std::move(file));
   }
-  if (path.empty()) {
-    MIEN_TRY_ASSIGN(path, find_resource(live ? "models/live.safetensors" : "models/default.safetensors"));
-  }
+  MIEN_TRY_ASSIGN(path, path_or(path, live ? "models/live.safetensors" : "models/default.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   if (file.architecture.kind == model::NetworkKind::causal) {
     if (steps > 0)

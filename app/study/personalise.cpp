@@ -4,7 +4,6 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
-#include "mien/core/files.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/model_file.h"
 #include "mien/study/prompted.h"
@@ -29,9 +28,7 @@ Result<void> run_personalise(PersonaliseOptions options) {
     return fail(ErrorCode::unsupported,
                 "its sensors do not sit on the skin, and how skin turns is what is learnt", options.take,
                 "glasses learn their wearer from a calibration (docs/eyewear.md)");
-  if (options.model.empty()) {
-    MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
-  }
+  MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
   auto made = study::personalise_on(take, features, file);

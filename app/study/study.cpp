@@ -11,7 +11,6 @@
 #include "app/study/study_loss.h"
 #include "app/study/study_sensors.h"
 #include "mien/builtin_face/load_face.h"
-#include "mien/core/files.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/drift.h"
 #include "mien/study/imu/sensor_bound.h"
@@ -21,9 +20,8 @@ namespace mien::app {
 namespace {
 
 Result<sensor::Rig> read_rig_or_default(const std::string& path) {
-  if (!path.empty()) return sensor::read_rig(path);
-  MIEN_TRY_ASSIGN(const std::filesystem::path standard, find_resource("rigs/default.toml"));
-  return sensor::read_rig(standard);
+  MIEN_TRY_ASSIGN(const std::filesystem::path file, path_or(path, "rigs/default.toml"));
+  return sensor::read_rig(file);
 }
 
 struct BoundOptions {

@@ -74,12 +74,8 @@ Result<study::LiveModels::Causal> load_named(const std::string& named) {
 Result<study::LiveModels> load_models(StudyLiveOptions& options,
                                       std::optional<tracker::WindowSolver>& window) {
   study::LiveModels models;
-  if (options.live.empty()) {
-    MIEN_TRY_ASSIGN(options.live, find_resource("models/live.safetensors"));
-  }
-  if (options.window.empty()) {
-    MIEN_TRY_ASSIGN(options.window, find_resource("models/default.safetensors"));
-  }
+  MIEN_TRY_ASSIGN(options.live, path_or(options.live, "models/live.safetensors"));
+  MIEN_TRY_ASSIGN(options.window, path_or(options.window, "models/default.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile live, model::read_model(options.live));
   models.causal.push_back({"live", std::move(live)});
   for (const std::string& named : options.models) {
@@ -172,9 +168,7 @@ Result<void> run_study_live(StudyLiveOptions options) {
   for (const std::string& row : options.rows) {
     MIEN_TRY_ASSIGN(options.request.conditions.emplace_back(), study::parse_live_condition(row));
   }
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
-  }
+  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
   MIEN_TRY_ASSIGN(const std::filesystem::path other, find_resource("rigs/another_simulator.toml"));
   MIEN_TRY_ASSIGN(const std::string other_toml, read_text(other));

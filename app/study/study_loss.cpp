@@ -11,7 +11,6 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "mien/builtin_face/load_face.h"
-#include "mien/core/files.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/loss_report.h"
@@ -122,12 +121,8 @@ void print_loss_study(const study::LossStudy& study, const StudyLossOptions& opt
 
 Result<void> run_study_loss(StudyLossOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/default.toml"));
-  }
-  if (options.model.empty()) {
-    MIEN_TRY_ASSIGN(options.model, find_resource("models/live.safetensors"));
-  }
+  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
   MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(options.model));
   if (!options.motions.empty()) MIEN_TRY(load_motions(options));

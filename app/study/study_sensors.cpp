@@ -12,7 +12,6 @@
 #include "app/performance.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/markers.h"
-#include "mien/core/files.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/marker_network.h"
 #include "mien/sensor/rig.h"
@@ -153,20 +152,14 @@ Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& ri
 
 Result<void> run_study_sensors(StudySensorsOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
-  if (options.rig.empty()) {
-    MIEN_TRY_ASSIGN(options.rig, find_resource("rigs/eyewear.toml"));
-  }
-  if (options.markers.empty()) {
-    MIEN_TRY_ASSIGN(options.markers, find_resource("rigs/markers.toml"));
-  }
+  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/eyewear.toml"));
+  MIEN_TRY_ASSIGN(options.markers, path_or(options.markers, "rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
   if (eyewear::photo_sensors(rig).empty())
     return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", options.rig,
                 "use one of glasses, such as rigs/eyewear.toml");
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(options.markers));
-  if (options.model.empty()) {
-    MIEN_TRY_ASSIGN(options.model, find_resource("models/eyewear.safetensors"));
-  }
+  MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/eyewear.safetensors"));
   MIEN_TRY_ASSIGN(const eyewear::MarkerNetworkFile model, eyewear::read_marker_network(options.model));
   if (!options.face.empty() || !options.motions.empty()) return run_scene(options, rig, markers, model);
   const Progress shown = terminal_progress("sensors");

@@ -32,10 +32,7 @@ constexpr double kDataShare = 0.1;
 Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
   MIEN_TRY_ASSIGN(const train::Recipe recipe, train::parse_recipe(text, arguments.recipe));
-  std::filesystem::path rig_path = arguments.rig;
-  if (rig_path.empty()) {
-    MIEN_TRY_ASSIGN(rig_path, find_resource("rigs/default.toml"));
-  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig_path, path_or(arguments.rig, "rigs/default.toml"));
   train::TrainOptions options = arguments.options;
   options.out = arguments.out;
   options.from = arguments.from;
