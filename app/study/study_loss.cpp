@@ -1,5 +1,4 @@
 #include "app/study/study_loss.h"
-#include "app/seed_option.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 
 #include "app/json_output.h"
 #include "app/performance.h"
+#include "app/seed_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"

@@ -1,5 +1,4 @@
 #include "app/study/study_sensors.h"
-#include "app/seed_option.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +9,7 @@
 
 #include "app/json_output.h"
 #include "app/performance.h"
+#include "app/seed_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/markers.h"
 #include "mien/eyewear/light_grid.h"
