@@ -3,9 +3,19 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace mien::app {
+namespace {
+
+/// To CLI11 a group of options is a command without a name.
+bool is_group(const CLI::App& command) {
+  return command.get_name().empty();
+}
+
+}  // namespace
 
 Option Option::required() const {
   return Option(option_->required());
@@ -136,7 +146,8 @@ std::string Command::full_name() const {
 
 std::vector<Command> Command::commands() const {
   std::vector<Command> own;
-  for (CLI::App* command : command_->get_subcommands(nullptr)) own.emplace_back(command);
+  for (CLI::App* command : command_->get_subcommands(nullptr))
+    if (!is_group(*command)) own.emplace_back(command);
   return own;
 }
 
@@ -144,6 +155,8 @@ std::vector<std::string> Command::option_names() const {
   std::vector<std::string> names;
   for (const CLI::Option* option : command_->get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (CLI::App* group : command_->get_subcommands(nullptr))
+    if (is_group(*group)) std::ranges::copy(Command(group).option_names(), std::back_inserter(names));
   return names;
 }
 

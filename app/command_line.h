@@ -88,7 +88,7 @@ class Command {
   [[nodiscard]] std::string name() const;
   [[nodiscard]] std::string full_name() const;                  ///< As it is typed: "mien take info".
   [[nodiscard]] std::vector<Command> commands() const;          ///< Its own.
-  [[nodiscard]] std::vector<std::string> option_names() const;  ///< "--name".
+  [[nodiscard]] std::vector<std::string> option_names() const;  ///< "--name"; those of its groups too.
 
   // Of the command line that was parsed.
   [[nodiscard]] bool named() const;

@@ -136,6 +136,8 @@ TEST_F(WrongInput, EveryMistakeNamesTheWayOut) {
         "mien: solve: there is no option --quickly; see mien solve --help"},
        {{"solve", "@kept.mien", "b.mien", "c.mien"}, "mien: solve: 'b.mien' is a word too many"},
        {{"take", "info"}, "mien: take info: take is missing; see mien take info --help"},
+       {{"import", "a.csv", "b.csv"}, "mien: import: 'b.csv' is a word too many"},
+       {{"import", "a.csv", "--heda", "a"}, "there is no option --heda; did you mean --head?"},
        {{"perform", "--to", "udp://a:1", "--take", "b.mien"}, "cannot be given together"},
        {{"perform", "--loop"}, "mien: perform: --loop means nothing without --to"},
        {{"perform", "--seed"}, "mien: perform: --seed has no value"},
