@@ -10,8 +10,6 @@
 namespace mien::app {
 namespace {
 
-using nlohmann::json;
-
 const char* const kWhere = "the session's answer";
 /// Thirty years of a device's clock; what is beyond is no time.
 constexpr double kMostSeconds = 1e9;
@@ -20,25 +18,25 @@ std::unexpected<Error> wrong(const char* key, const char* type) {
   return fail(ErrorCode::malformed, fmt::format("\"{}\" is missing or no {}", key, type), kWhere);
 }
 
-const json* find(const json& object, const char* key) {
+const nlohmann::json* find(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
   return found == object.end() ? nullptr : &*found;
 }
 
-Result<std::string> text_in(const json& object, const char* key) {
-  const json* value = find(object, key);
+Result<std::string> text_in(const nlohmann::json& object, const char* key) {
+  const nlohmann::json* value = find(object, key);
   if (value == nullptr || !value->is_string()) return wrong(key, "text");
   return value->get<std::string>();
 }
 
-Result<bool> flag_in(const json& object, const char* key) {
-  const json* value = find(object, key);
+Result<bool> flag_in(const nlohmann::json& object, const char* key) {
+  const nlohmann::json* value = find(object, key);
   if (value == nullptr || !value->is_boolean()) return wrong(key, "true or false");
   return value->get<bool>();
 }
 
-Result<double> number_in(const json& object, const char* key) {
-  const json* value = find(object, key);
+Result<double> number_in(const nlohmann::json& object, const char* key) {
+  const nlohmann::json* value = find(object, key);
   if (value == nullptr || !value->is_number()) return wrong(key, "number");
   const auto number = value->get<double>();
   if (!std::isfinite(number))
@@ -46,15 +44,15 @@ Result<double> number_in(const json& object, const char* key) {
   return number;
 }
 
-Result<double> seconds_in(const json& object, const char* key) {
+Result<double> seconds_in(const nlohmann::json& object, const char* key) {
   MIEN_TRY_ASSIGN(const double seconds, number_in(object, key));
   if (std::abs(seconds) > kMostSeconds)
     return fail(ErrorCode::out_of_range, fmt::format("\"{}\" is no time", key), kWhere);
   return seconds;
 }
 
-Result<std::int64_t> whole_in(const json& object, const char* key) {
-  const json* value = find(object, key);
+Result<std::int64_t> whole_in(const nlohmann::json& object, const char* key) {
+  const nlohmann::json* value = find(object, key);
   if (value == nullptr || !value->is_number_integer()) return wrong(key, "whole number");
   if (value->is_number_unsigned() && value->get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max())
     return fail(ErrorCode::out_of_range, fmt::format("\"{}\" is too large", key), kWhere);
@@ -62,15 +60,15 @@ Result<std::int64_t> whole_in(const json& object, const char* key) {
 }
 
 /// The objects of a list.
-Result<const json*> objects_in(const json& object, const char* key) {
-  const json* list = find(object, key);
+Result<const nlohmann::json*> objects_in(const nlohmann::json& object, const char* key) {
+  const nlohmann::json* list = find(object, key);
   if (list == nullptr || !list->is_array()) return wrong(key, "list");
-  for (const json& item : *list)
+  for (const nlohmann::json& item : *list)
     if (!item.is_object()) return wrong(key, "list of objects");
   return list;
 }
 
-Result<sensor::Score> read_score(const json& object) {
+Result<sensor::Score> read_score(const nlohmann::json& object) {
   sensor::Score score;
   MIEN_TRY_ASSIGN(score.name, text_in(object, "name"));
   MIEN_TRY_ASSIGN(score.value, number_in(object, "value"));
@@ -80,15 +78,15 @@ Result<sensor::Score> read_score(const json& object) {
   return score;
 }
 
-Result<session::Report::Calibration> read_calibration(const json& object) {
+Result<session::Report::Calibration> read_calibration(const nlohmann::json& object) {
   session::Report::Calibration out;
   MIEN_TRY_ASSIGN(out.state, text_in(object, "state"));
   MIEN_TRY_ASSIGN(out.step, text_in(object, "step"));
   MIEN_TRY_ASSIGN(out.prompt, text_in(object, "prompt"));
   MIEN_TRY_ASSIGN(out.progress, number_in(object, "progress"));
   MIEN_TRY_ASSIGN(out.remaining_s, seconds_in(object, "remaining_s"));
-  MIEN_TRY_ASSIGN(const json* versions, objects_in(object, "versions"));
-  for (const json& item : *versions) {
+  MIEN_TRY_ASSIGN(const nlohmann::json* versions, objects_in(object, "versions"));
+  for (const nlohmann::json& item : *versions) {
     session::CalibrationVersion& version = out.versions.emplace_back();
     MIEN_TRY_ASSIGN(version.id, whole_in(item, "id"));
     MIEN_TRY_ASSIGN(const double made_s, seconds_in(item, "time"));
@@ -96,30 +94,30 @@ Result<session::Report::Calibration> read_calibration(const json& object) {
     MIEN_TRY_ASSIGN(version.origin, text_in(item, "origin"));
     MIEN_TRY_ASSIGN(const bool in_force, flag_in(item, "in_force"));
     if (in_force) out.in_force = version.id;
-    MIEN_TRY_ASSIGN(const json* scores, objects_in(item, "scores"));
-    for (const json& score : *scores) {
+    MIEN_TRY_ASSIGN(const nlohmann::json* scores, objects_in(item, "scores"));
+    for (const nlohmann::json& score : *scores) {
       MIEN_TRY_ASSIGN(version.scores.emplace_back(), read_score(score));
     }
   }
   return out;
 }
 
-Result<SessionMessage> read_status(const json& object) {
+Result<SessionMessage> read_status(const nlohmann::json& object) {
   SessionStatus status;
   MIEN_TRY_ASSIGN(status.time_s, seconds_in(object, "time"));
-  MIEN_TRY_ASSIGN(const json* links, objects_in(object, "links"));
-  for (const json& item : *links) {
+  MIEN_TRY_ASSIGN(const nlohmann::json* links, objects_in(object, "links"));
+  for (const nlohmann::json& item : *links) {
     SessionStatus::Link& link = status.links.emplace_back();
     MIEN_TRY_ASSIGN(link.sensor, text_in(item, "sensor"));
     MIEN_TRY_ASSIGN(link.state, text_in(item, "state"));
   }
-  const json* calibration = find(object, "calibration");
+  const nlohmann::json* calibration = find(object, "calibration");
   if (calibration == nullptr || !calibration->is_object()) return wrong("calibration", "object");
   MIEN_TRY_ASSIGN(status.calibration, read_calibration(*calibration));
   return status;
 }
 
-Result<SessionMessage> read_reply(const json& object) {
+Result<SessionMessage> read_reply(const nlohmann::json& object) {
   SessionReply reply;
   MIEN_TRY_ASSIGN(reply.id, whole_in(object, "id"));
   MIEN_TRY_ASSIGN(const bool ok, flag_in(object, "ok"));
@@ -129,7 +127,7 @@ Result<SessionMessage> read_reply(const json& object) {
   return reply;
 }
 
-Result<SessionMessage> read_event(const json& object) {
+Result<SessionMessage> read_event(const nlohmann::json& object) {
   SessionEvent event;
   MIEN_TRY_ASSIGN(event.kind, text_in(object, "kind"));
   MIEN_TRY_ASSIGN(event.text, text_in(object, "text"));
@@ -145,7 +143,7 @@ bool SessionStatus::Link::heard() const {
 Result<SessionMessage> parse_session_message(std::string_view text) {
   if (text.size() > kMaxSessionMessageBytes)
     return fail(ErrorCode::out_of_range, "a message too long", kWhere);
-  const json object = json::parse(text, nullptr, false);
+  const nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
   if (!object.is_object()) return fail(ErrorCode::malformed, "no JSON object", kWhere);
   MIEN_TRY_ASSIGN(const std::string type, text_in(object, "type"));
   if (type == "status") return read_status(object);
