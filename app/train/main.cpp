@@ -32,7 +32,7 @@ constexpr double kDataShare = 0.1;
 Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
   MIEN_TRY_ASSIGN(const train::Recipe recipe, train::parse_recipe(text, arguments.recipe));
-  MIEN_TRY_ASSIGN(const std::filesystem::path rig_path, path_or(arguments.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig_path, app::path_or(arguments.rig, "rigs/default.toml"));
   train::TrainOptions options = arguments.options;
   options.out = arguments.out;
   options.from = arguments.from;
@@ -132,7 +132,7 @@ int main(int argc, char** argv) {
   commands.require_one(true);
 
   TrainArguments train;
-  const Command train_command = commands.add(
+  const app::Command train_command = commands.add(
       "train", "Makes data by a recipe, trains on them and writes a model",
       "mien train models/recipes/default.toml --out mine.safetensors", [&] { return run_train(train); });
   train_command.add_option("recipe", train.recipe, "The recipe, a TOML file").required();
@@ -151,22 +151,22 @@ int main(int argc, char** argv) {
 
   std::string parity_model;
   bool parity_json = false;
-  const Command parity = commands.add("parity", "Compares the run time with libtorch, one call at a time",
-                                      "mien-train parity light.safetensors",
-                                      [&] { return run_parity(parity_model, parity_json); });
+  const app::Command parity = commands.add(
+      "parity", "Compares the run time with libtorch, one call at a time",
+      "mien-train parity light.safetensors", [&] { return run_parity(parity_model, parity_json); });
   parity.add_option("model", parity_model, "The model").required();
   parity.add_flag("--json", parity_json, "Print the result as JSON");
 
   std::string step_model;
   bool step_json = false;
-  const Command step =
+  const app::Command step =
       commands.add("step", "Measures libtorch's step of a causal network, a peer of the run time",
                    "mien-train step live.safetensors", [&] { return run_step(step_model, step_json); });
   step.add_option("model", step_model, "The model").required();
   step.add_flag("--json", step_json, "Print the result as JSON");
 
   SpeedArguments speed;
-  const Command speed_command =
+  const app::Command speed_command =
       commands.add("speed", "Measures how fast this machine trains", "mien-train speed --architecture light",
                    [&] { return run_speed(speed); });
   speed_command.add_option("--architecture", speed.architecture, "light, faithful or causal");
