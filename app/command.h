@@ -21,7 +21,7 @@ class Commands {
  public:
   Commands(const std::string& program, const std::string& does);
 
-  /// How many of the commands a command line must name: none or one, or exactly one.
+  /// Whether --help says that a command line names a command, and parsing asks for it.
   void require_one(bool required) { line_.program().require_commands(required ? 1 : 0, 1); }
   /// `example` is shown at the end of --help, as one would type it.
   Command add(const std::string& name, const std::string& does, const std::string& example,
@@ -70,7 +70,7 @@ class Commands {
 /// Draws the terminal's last line on stderr anew, cut to its width; only where stderr is a terminal.
 void draw_line(std::string_view line);
 
-/// "1:05", and from an hour on "1:01:05".
+/// Minutes and seconds, "1:05"; from an hour on "1:01:05".
 [[nodiscard]] std::string clock_text(double seconds);
 
 /// Clears the line on which terminal_progress() or draw_line() stands, for what is printed next.

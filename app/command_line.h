@@ -6,13 +6,12 @@
 #include <expected>
 #include <filesystem>
 #include <functional>
-#include <initializer_list>
 #include <memory>
 #include <string>
 #include <vector>
 
-// Commands and options as they are typed, with --help. CLI11 is behind it, and nowhere else: a file that
-// includes it takes eleven seconds more to compile.
+// Commands and options as they are typed, with --help. CLI11 is included by command_line.cpp alone: it costs
+// a file eleven seconds.
 namespace CLI {
 class App;
 class Option;
@@ -20,8 +19,8 @@ class Option;
 
 namespace mien::app {
 
-/// An option, or a word without a name, of a command. A handle: copies are the same option, and live no
-/// longer than its CommandLine. Whatever changes it gives it back, to be chained.
+/// An option of a command, or a word told by its place. A handle: copies are the same option, valid as long
+/// as its CommandLine. Each function returns the option, for chaining.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
@@ -29,6 +28,7 @@ class Option {
   Option required() const;
   /// It means nothing without the other.
   Option needs(Option other) const;
+  /// The two cannot be given together.
   Option excludes(Option other) const;
   /// How many values it takes each time that it is given.
   Option expected(int values) const;
@@ -63,8 +63,8 @@ concept OptionValue =
     OneOf<T, std::string, std::filesystem::path, double, float, int, std::int64_t, std::uint64_t,
           std::vector<std::string>, std::vector<double>, std::vector<std::uint64_t>>;
 
-/// A command, or the program as a whole. A handle: copies are the same command, and live no longer than its
-/// CommandLine. Variables outlive it too: options are read into them when the command line is parsed.
+/// A command, or the program as a whole. A handle: copies are the same command, valid as long as its
+/// CommandLine.
 class Command {
  public:
   explicit Command(CLI::App* command) : command_(command) {}
@@ -72,7 +72,8 @@ class Command {
   [[nodiscard]] Command add_command(const std::string& name, const std::string& does) const;
   /// Its options under a heading of their own.
   [[nodiscard]] Command add_group(const std::string& name, const std::string& does) const;
-  /// `name`: "--name", or "name" for a word that is told by its place.
+  /// `name`: "--name", or "name" for a word told by its place. `value` is written by CommandLine::parse(),
+  /// and must live until then.
   template <OptionValue T>
   Option add_option(const std::string& name, T& value, const std::string& does) const;
   Option add_flag(const std::string& name, bool& value, const std::string& does) const;
