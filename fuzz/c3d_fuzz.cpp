@@ -7,7 +7,7 @@
 
 // What was accepted is no larger than its file, and all of it is seen within reach, or lost.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mien::eyewear;
+  using namespace mien::mocap;
   const auto read = parse_c3d(std::as_bytes(std::span(data, size)), "fuzz");
   if (!read) return 0;
   const MarkerTrack& track = read->track;

@@ -5,7 +5,7 @@
 #include "mien/session/command.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mien::live;
+  using namespace mien::session;
   const auto command = parse_command({reinterpret_cast<const char*>(data), size});
   if (!command) return 0;
   // What was accepted is written as text that reads back as the same.

@@ -10,7 +10,7 @@
 // What was accepted and sent anew is accepted again and says the same; a log takes anything.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mien;
-  using namespace mien::eyewear;
+  using namespace mien::mocap;
   const auto bytes = std::as_bytes(std::span(data, size));
   MarkerLog log;
   log.add(HostTime{}, bytes);

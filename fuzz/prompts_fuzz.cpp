@@ -6,7 +6,7 @@
 #include "mien/session/prompt_script.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace mien::live;
+  using namespace mien::session;
   const auto script = parse_prompts({reinterpret_cast<const char*>(data), size}, "input");
   if (!script) return 0;
   if (script->prompts.empty() || script->prompts.size() > kMaxPrompts) std::abort();
