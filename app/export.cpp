@@ -93,7 +93,7 @@ void add_export_command(Commands& commands) {
   const Option motion =
       command.add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");
   const Option model =
-      command.add_option("--model", options->model, "A model file, to write as ONNX (docs/onnx.md)")
+      command.add_option("--model", options->model, "A model file, to write as ONNX (docs/guide/onnx.md)")
           .excludes(motion);
   command
       .add_option(

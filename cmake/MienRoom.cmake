@@ -15,7 +15,7 @@ if(MIEN_CCACHE)
   endif()
 endif()
 
-# Determinism (docs/determinism.md): no contraction of a*b+c that one compiler does and another does not.
+# Determinism (docs/reference/determinism.md): no contraction of a*b+c that one compiler does and another does not.
 add_compile_options(-ffp-contract=off)
 if(MIEN_SANITIZE)
   add_compile_options(-fsanitize=${MIEN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -128,7 +128,7 @@ class Patience {
       const std::string unheard = unheard_text(status.links);
       fmt::print(stderr,
                  "mien: {}: still waiting for frames{}{}; the page there shows every sensor, and "
-                 "docs/links.md says what to do; ends after {:g} s (--wait)\n",
+                 "docs/reference/links.md says what to do; ends after {:g} s (--wait)\n",
                  at, unheard.empty() ? "" : ", not heard are ", unheard, to_seconds(wait_));
       std::fflush(stderr);
     }
@@ -180,11 +180,12 @@ bool all_are_lost(const std::vector<SessionStatus::Link>& links) {
 
 Result<Outcome> guide(SessionClient& session, const CalibrateOptions& options) {
   if (all_are_lost(session.status().links))
-    return Outcome{{},
-                   ErrorCode::io,
-                   fmt::format("no sensor is heard any more ({}); nothing was begun; docs/links.md says what "
-                               "to do",
-                               unheard_text(session.status().links))};
+    return Outcome{
+        {},
+        ErrorCode::io,
+        fmt::format("no sensor is heard any more ({}); nothing was begun; docs/reference/links.md says what "
+                    "to do",
+                    unheard_text(session.status().links))};
   if (session.status().calibration.state == "running")
     return Outcome{{}, ErrorCode::io, "one runs already; wait for its end, or cancel it on the page"};
   const std::int64_t before = newest_id(session.status().calibration);

@@ -12,8 +12,8 @@
 namespace mien::app {
 
 /// A terminal's line to a running `mien live`: says what the page may say, and hears how the session is
-/// (docs/page_protocol.md). Every call blocks until it is done or five seconds have passed in silence; then
-/// the line is broken and later calls fail with the same words. Thread: one at a time.
+/// (docs/reference/page_protocol.md). Every call blocks until it is done or five seconds have passed in
+/// silence; then the line is broken and later calls fail with the same words. Thread: one at a time.
 class SessionClient {
  public:
   /// Connects and waits for the first status. `at` is HOST:PORT, or the page's address as `mien live` prints

@@ -19,7 +19,7 @@ DeviceTime device_time(double seconds) {
 /// The track with its times on the take's line; frames before both clocks are known are left out. What was
 /// known of the clocks when a frame came places it, as in the session itself.
 mocap::MarkerTrack on_line(const mocap::MarkerLog::Heard& heard, const take::Take& take,
-                             std::span<const take::StoredSample> samples) {
+                           std::span<const take::StoredSample> samples) {
   sensor::TimeLines lines(take.rig().sensors.size(), take.rig().find(take.rig().reference));
   sensor::ClockModel server;
   mocap::MarkerTrack track;
@@ -56,7 +56,8 @@ Result<SessionMarkers> session_markers(const take::Take& take, const MarkerImpor
                     ? fmt::format("{} frames of markers whose names nobody told", markers.unnamed)
                     : std::string("no markers were recorded in this take"),
                 take.path().string(),
-                "a motion capture server sends names and positions to a port of mien live: docs/protocol.md");
+                "a motion capture server sends names and positions to a port of mien live: "
+                "docs/reference/protocol.md");
   MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
   const mocap::MarkerTrack track = on_line(heard.front(), take, samples);
   if (track.frames() == 0)

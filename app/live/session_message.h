@@ -9,7 +9,8 @@
 #include "mien/core/error.h"
 #include "mien/session/report.h"
 
-// What a running session says (docs/page_protocol.md), read back as far as a terminal has use for it.
+// What a running session says (docs/reference/page_protocol.md), read back as far as a terminal has use for
+// it.
 namespace mien::app {
 
 struct SessionStatus {

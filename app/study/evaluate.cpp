@@ -119,7 +119,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
     fmt::print(
         "\nMSE is above the mean pose's in shapes that these sensors do not feel (MSE felt leaves them out); "
         "in millimetres they weigh little.\n");
-  fmt::print("\nhold last is the truth of a second ago, which no tracker has (docs/metrics.md)\n");
+  fmt::print("\nhold last is the truth of a second ago, which no tracker has (docs/reference/metrics.md)\n");
   if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);
   return {};
 }

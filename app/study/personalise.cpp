@@ -27,7 +27,7 @@ Result<void> run_personalise(PersonaliseOptions options) {
   if (!modalities::has_window_models(take.rig()))
     return fail(ErrorCode::unsupported,
                 "its sensors do not sit on the skin, and how skin turns is what is learnt", options.take,
-                "glasses learn their wearer from a calibration (docs/eyewear.md)");
+                "glasses learn their wearer from a calibration (docs/guide/eyewear.md)");
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));

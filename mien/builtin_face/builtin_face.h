@@ -45,7 +45,7 @@ struct BuiltinParameters {
 /// then "tongueOut"; landmarks, regions, parts, eyeballs and colours are there. The lips of the neutral face
 /// are closed. The same parameters give the same bits. Thread-safe. Cost: the first call sculpts the default
 /// head (about 0.5 s), which later calls only warp to the identity (under 0.1 s). How it is made:
-/// docs/builtin_face.md.
+/// docs/method/builtin_face.md.
 [[nodiscard]] face::Face make_builtin(const BuiltinParameters& parameters = {});
 /// The default one, made at the first call and kept. Thread-safe.
 [[nodiscard]] const face::Face& default_builtin();

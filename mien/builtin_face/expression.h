@@ -12,7 +12,7 @@ namespace mien::builtin_face {
 [[nodiscard]] std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole);
 
 /// Adds to each shape smooth fields about the sites, so that the skin there turns and stretches as real skin
-/// does (docs/builtin_face.md). `displacements` as from shape_displacements.
+/// does (docs/method/builtin_face.md). `displacements` as from shape_displacements.
 void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements);
 
 }  // namespace mien::builtin_face

@@ -12,9 +12,9 @@ namespace mien::builtin_face {
 namespace {
 
 /// What real skin does under a sensor at weight 1, by shape without side, as measured on the ICT model and
-/// rounded (docs/builtin_face.md has the source): how the patch turns, and how it is stretched before it
-/// turns. Skin at a site that a shape does not name does neither. A site with a side belongs to it alone; one
-/// without stands for the left, and for the right as its mirror image where the shape has no side.
+/// rounded (docs/method/builtin_face.md has the source): how the patch turns, and how it is stretched before
+/// it turns. Skin at a site that a shape does not name does neither. A site with a side belongs to it alone;
+/// one without stands for the left, and for the right as its mirror image where the shape has no side.
 struct SkinChange {
   std::string_view shape, site;
   Vec3 turn_deg;         ///< Rotation vector, frame H.

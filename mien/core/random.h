@@ -11,7 +11,8 @@ namespace mien {
 /// Random numbers that do not depend on the compiler or its library: xoshiro256++ seeded by splitmix64
 /// (Blackman and Vigna 2021, doi:10.1145/3460772), and our own distributions, since std:: ones differ.
 /// bits(), uniform(), below() and chance() are the same on every machine; the others go through the C
-/// library's log, exp, sin and cos, whose last bit may differ between CPU families (docs/determinism.md).
+/// library's log, exp, sin and cos, whose last bit may differ between CPU families
+/// (docs/reference/determinism.md).
 class Random {
  public:
   explicit Random(std::uint64_t seed);

@@ -9,7 +9,7 @@ namespace mien {
 using Vec3 = Eigen::Vector3d;
 using Vec3f = Eigen::Vector3f;
 using Mat3 = Eigen::Matrix3d;
-/// Unit quaternions. A rotation is named q_dst_src and p_dst = q_dst_src * p_src (docs/frames.md).
+/// Unit quaternions. A rotation is named q_dst_src and p_dst = q_dst_src * p_src (docs/reference/frames.md).
 using Quat = Eigen::Quaterniond;
 
 /// The rotation about `vector_rad` by its length in radians.

@@ -13,11 +13,12 @@ namespace {
 using tracker::Step;
 
 /// Estimated markers are millimetres off, and what is not sure is better left at rest: of 0.5 to 1000 the
-/// least squared error of the weights (docs/eyewear.md).
+/// least squared error of the weights (docs/method/eyewear.md).
 constexpr double kRest = 100;
 
-/// A neutral hold of glasses that were not worn before, and of ones that are worn anew (docs/eyewear.md: ten
-/// seconds instead of three took 5 % of the weights' squared error and 15 % of the vertices').
+/// A neutral hold of glasses that were not worn before, and of ones that are worn anew
+/// (docs/method/eyewear.md: ten seconds instead of three took 5 % of the weights' squared error and 15 % of
+/// the vertices').
 constexpr Duration kFirstWorn = std::chrono::seconds(10);
 constexpr Duration kRemounted = std::chrono::seconds(5);
 

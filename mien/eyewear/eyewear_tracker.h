@@ -14,7 +14,7 @@ namespace mien::eyewear {
 
 /// Photo-reflective smart eyewear as a tracker: light on the frames' grid (LightGrid), normalised by the
 /// wearer's calibration (Calibrator), markers by a regressor, weights by face::WeightSolver on the built-in
-/// face. It knows nothing of the head and of the eyes' directions. Cost: docs/eyewear.md.
+/// face. It knows nothing of the head and of the eyes' directions. Cost: docs/method/eyewear.md.
 class EyewearTracker final : public tracker::Tracker {
  public:
   /// `regressor` answers for the rig's photo-reflective sensors, in the rig's order, with the markers of the

@@ -14,7 +14,7 @@
 
 namespace mien::eyewear {
 
-/// A trained regressor of markers, and where it came from: one safetensors file (docs/eyewear.md). The
+/// A trained regressor of markers, and where it came from: one safetensors file (docs/method/eyewear.md). The
 /// network is causal. Its condition is two numbers a sensor: the feature (0 where it is missing) and 1 where
 /// it is there. Its outputs are three a marker.
 struct MarkerNetworkFile {

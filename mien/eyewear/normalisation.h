@@ -15,7 +15,7 @@ namespace mien::eyewear {
 
 /// What the middle nine tenths of a sensor's log light span in a range of motion, of an ordinary wearer and
 /// sensor; what every sensor has before its wearer has made a range of motion. Measured on virtual wearers
-/// (docs/eyewear.md).
+/// (docs/method/eyewear.md).
 inline constexpr double kUsualRange = 1.0;
 
 /// How one sensor's light stands to its wearer's face.

@@ -26,7 +26,7 @@ struct Light {
 };
 
 /// One scan of all sensors of a pair of smart eyewear, version 1. Over UDP a datagram, on a serial line a
-/// COBS frame. Layout, byte by byte, with a test vector: docs/protocol.md.
+/// COBS frame. Layout, byte by byte, with a test vector: docs/reference/protocol.md.
 struct Packet {
   std::uint8_t channels = 0;                       ///< Sensors, 1 to kMaxChannels.
   std::uint8_t adc_bits = 10;                      ///< Of the converter, kMinAdcBits to kMaxAdcBits.

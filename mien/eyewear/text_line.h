@@ -39,7 +39,7 @@ using TextLine = std::variant<TextValues, TextHeader, TextComment>;
 /// spaces); blanks beside a comma or semicolon do not count, and one separator may follow the last value.
 /// Errors: malformed (a value missing or no integer, a header with a word that is unknown, no value at all),
 /// out_of_range (too many values, one beyond 16 bits, bits). No allocation but in errors. Thread-safe.
-/// Format: docs/protocol.md.
+/// Format: docs/reference/protocol.md.
 [[nodiscard]] Result<TextLine> parse_text_line(std::span<const std::byte> line);
 
 }  // namespace mien::eyewear

@@ -42,9 +42,9 @@ double felt_time(double gap_s) {
 }
 
 /// The range, rad/s, at whose end an axis reads; 0 where none does. Samples do not say their range, but
-/// packets have only these (docs/protocol.md), and a node whose chip clips reports full scale. The smaller
-/// ranges are left out: no face needs them to end. A sound reading that stands on such an end by chance is
-/// one in ten thousand, and costs a little certainty.
+/// packets have only these (docs/reference/protocol.md), and a node whose chip clips reports full scale. The
+/// smaller ranges are left out: no face needs them to end. A sound reading that stands on such an end by
+/// chance is one in ten thousand, and costs a little certainty.
 double clipped_range(const Vec3& gyro_rad_s) {
   const double most = gyro_rad_s.cwiseAbs().maxCoeff() * 180 / std::numbers::pi;
   for (const double range : {256.0, 512.0, 1024.0, 2048.0})

@@ -120,7 +120,7 @@ class LowPass {
 /// that motion cancels out of it; a turn about the vertical by the magnetometer. World: +Y up; +Z magnetic
 /// north where fuse_mag is called, else any heading. Any step between samples, also an uneven one. A value
 /// type: a copy is a snapshot. No allocation. About 0.4 us a sample. Source: Laidig and Seel 2023, "VQF",
-/// doi:10.1016/j.inffus.2022.10.014; differences: docs/fusion.md.
+/// doi:10.1016/j.inffus.2022.10.014; differences: docs/method/fusion.md.
 class Fusion {
  public:
   explicit Fusion(const FusionSettings& settings = {});

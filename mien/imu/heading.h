@@ -73,7 +73,7 @@ struct HeadingSettings {
   /// Slow re-centring. Skin comes back to where it rests: a turn about the vertical that is small against
   /// what the heading may be off is taken as a reading of the heading, of this standard deviation, rad (3
   /// deg; 0 switches it off), once in this time, s. Lowering either holds drift tighter, and bends held
-  /// expressions towards rest sooner. All of these chosen by `mien study drift` (docs/fusion.md).
+  /// expressions towards rest sooner. All of these chosen by `mien study drift` (docs/method/fusion.md).
   double neutral_sigma_rad = 0.05;
   double neutral_every_s = 8;
   /// Gravity holds the skin's tilt, and skin that is tilted away from neutral is turned too: each radian of
@@ -87,8 +87,8 @@ struct HeadingSettings {
   /// Where it is known how skin turns (SkinTurns), what is seen beyond that is such a reading instead: of so
   /// many of its own standard deviations (people differ, and hold what they do), once in this time, s; and
   /// skin has a way of its own, one sigma, so many from what is foretold. neutral_sigma_rad of 0 switches
-  /// these off too, the gate is the same. Chosen on virtual people and one real take (docs/fusion.md): fewer
-  /// sigmas or seconds hold drift tighter, and bend held expressions sooner.
+  /// these off too, the gate is the same. Chosen on virtual people and one real take (docs/method/fusion.md):
+  /// fewer sigmas or seconds hold drift tighter, and bend held expressions sooner.
   double foretold_sigmas = 1.67;
   double foretold_every_s = 1.4;
   double foretold_way_sigmas = 1.1;

@@ -80,8 +80,8 @@ struct SensorStatus {
 
 /// From decoded IMU samples to features: fusion, prologue, removal of the head's rotation, head-relative
 /// acceleration. A pure function of the calls, in their order: live and replay give the same bits. Method:
-/// docs/fusion.md. Thread: one at a time. No allocation in add and tick after the first tick, but where a
-/// calibration is made (once a phase).
+/// docs/method/fusion.md. Thread: one at a time. No allocation in add and tick after the first tick, but
+/// where a calibration is made (once a phase).
 class Pipeline {
  public:
   explicit Pipeline(const sensor::Rig& rig, const PipelineSettings& settings = {});

@@ -19,7 +19,7 @@ constexpr double kFirstTurn = 4 * kRadPerDeg;
 constexpr double kMaxStep_s = 0.05;
 /// Of the face's sensors ahead of the ear, m, and what a nod makes of it, m/s^2 for each radian that the head
 /// turns: nods tell which way is ahead where both are more. They are about 0.09 and, at half a hertz, 0.9
-/// (docs/fusion.md); faults of the accelerometers, which turn with the head, come to 0.1 to 0.3.
+/// (docs/method/fusion.md); faults of the accelerometers, which turn with the head, come to 0.1 to 0.3.
 constexpr double kMinAhead_m = 0.03;
 constexpr double kMinSwing_m_s2_rad = 0.4;
 

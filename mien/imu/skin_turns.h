@@ -29,7 +29,7 @@ struct SkinReading {
 /// the third, about the vertical, is as wrong as the sensor's heading. But skin does not turn as it likes:
 /// what gravity holds, of all sensors together, foretells each one's rotation, and what is seen beyond is
 /// heading's error or the skin's own way. A face at rest has hardly any way of its own: how strongly it moves
-/// is told by all tilts, too. Method and what it is worth: docs/fusion.md.
+/// is told by all tilts, too. Method and what it is worth: docs/method/fusion.md.
 class SkinTurns {
  public:
   /// `face_sensors`: names, in the order of see()'s numbers. Of one that `motion` does not tell of, nothing

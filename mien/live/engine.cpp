@@ -285,7 +285,7 @@ void Engine::State::on_beat() {
       tell("nothing_heard", intake.counts().received == 0
                                 ? "nothing is heard yet: are the devices on, and do they send here?"
                                 : "packets come, but no frame of the rig's reference sensor yet; the page's "
-                                  "sensors and docs/links.md say why");
+                                  "sensors and docs/reference/links.md say why");
   }
   if (!told_uncalibrated) {
     const session::Report report = loop.report();
@@ -372,7 +372,7 @@ void Engine::State::on_message(std::uint64_t client, std::string_view text) {
 void Engine::State::answer(std::uint64_t client, std::string_view text) {
   const json command = json::parse(text, nullptr, false);
   if (!command.is_object() || !command.contains("command") || !command["command"].is_string()) {
-    page->send(client, reply_json(0, "not a command; docs/page_protocol.md lists them"));
+    page->send(client, reply_json(0, "not a command; docs/reference/page_protocol.md lists them"));
     return;
   }
   const std::int64_t number =

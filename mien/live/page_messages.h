@@ -15,7 +15,7 @@
 #include "mien/sink/sink.h"
 #include "mien/take/take.h"
 
-// What the page is told, as docs/page_protocol.md has it.
+// What the page is told, as docs/reference/page_protocol.md has it.
 namespace mien::live {
 
 /// One of the places that frames go to, on or off.

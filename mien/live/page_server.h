@@ -34,10 +34,10 @@ struct PageSettings {
   std::vector<Asset> assets;
 };
 
-/// Serves the page and its WebSocket (docs/page_protocol.md). All calls from the thread that runs the
-/// io_context. On loopback without a token only requests whose Host names loopback are answered, and
-/// WebSockets only from pages of this server (docs/threat_model.md). Clients, their queues and what they may
-/// send are capped by constants; a slow one misses frames and is dropped when it misses replies.
+/// Serves the page and its WebSocket (docs/reference/page_protocol.md). All calls from the thread that runs
+/// the io_context. On loopback without a token only requests whose Host names loopback are answered, and
+/// WebSockets only from pages of this server (docs/reference/threat_model.md). Clients, their queues and what
+/// they may send are capped by constants; a slow one misses frames and is dropped when it misses replies.
 class PageServer {
  public:
   /// Called with a client's number and its message.

@@ -206,10 +206,10 @@ Result<CleanMarkers> clean_markers(const MatchedTrack& matched, const builtin_fa
     for (int round = 0; round < (body_worn ? 1 : 2); ++round) {
       const auto body = learn_body(references);
       if (!body)
-        return fail(
-            ErrorCode::not_found, "no frame has three of the markers that tell the head's place",
-            kMarkerCleaning,
-            "see docs/markers.md for which these are, or wear a body on the head and name it with --head");
+        return fail(ErrorCode::not_found, "no frame has three of the markers that tell the head's place",
+                    kMarkerCleaning,
+                    "see docs/method/markers.md for which these are, or wear a body on the head and name it "
+                    "with --head");
       fits = fit_frames(references, *body);
       if (body_worn || round > 0) break;
       MarkerTrack still = moved(named, fits);

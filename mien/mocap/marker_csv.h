@@ -21,7 +21,7 @@ namespace mien::mocap {
 ///
 /// The unit is "mm" or "m", the same in all columns. A marker that was not seen has three empty cells. Lines
 /// that begin with '#' before the names are comments. Errors: malformed (another first cell, a column that is
-/// not the next of x, y, z, mixed units), and those of read_marker_rows. docs/markers.md.
+/// not the next of x, y, z, mixed units), and those of read_marker_rows. docs/guide/markers.md.
 [[nodiscard]] Result<MarkerRecording> parse_marker_csv(std::string_view text, const std::string& name);
 /// In millimetres with three decimals, times with six.
 [[nodiscard]] std::string format_marker_csv(const MarkerTrack& track);

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxPacketMarkers = 100;
 inline constexpr std::size_t kMaxMarkerNameBytes = 64;
 
 /// What a motion capture server says of its markers now and then, version 1: their names, in as many packets
-/// as it takes. Layout, byte by byte, with a test vector: docs/protocol.md.
+/// as it takes. Layout, byte by byte, with a test vector: docs/reference/protocol.md.
 struct MarkerNamesPacket {
   std::uint64_t device = 0;  ///< The server's; the same for all packets of it and for nobody else's.
   std::uint32_t list = 0;    ///< marker_list() of all of its markers.

@@ -34,8 +34,8 @@ struct ReferenceMarker {
 };
 
 /// The markers of a face that tell where the head is: those that all shapes of the face together move least,
-/// eight of them (or all, where there are fewer), by rising slack. docs/markers.md says which of the 37 these
-/// are.
+/// eight of them (or all, where there are fewer), by rising slack. docs/method/markers.md says which of the
+/// 37 these are.
 [[nodiscard]] std::vector<ReferenceMarker> reference_markers(const builtin_face::PlacedMarkers& placed);
 
 }  // namespace mien::mocap

@@ -23,7 +23,7 @@ enum class NetworkKind {
   causal,
 };
 
-/// The size of a network. docs/model.md and docs/live_model.md draw both kinds.
+/// The size of a network. docs/method/window_model.md and docs/method/live_model.md draw both kinds.
 struct Architecture {
   std::string name;  ///< "faithful", "light", "causal", or a recipe's own word.
   NetworkKind kind = NetworkKind::window;

@@ -14,7 +14,7 @@ namespace mien::model {
 /// The recurrent network at run time: one frame's condition in, that frame's weights out, nothing of the
 /// future. One thread. Immutable, so any number of threads may share one; each performance needs a State of
 /// its own. In fp32 it agrees with libtorch to 1e-4 over hundreds of frames (`mien-train parity`); what the
-/// other precisions cost stands in docs/engine.md.
+/// other precisions cost stands in docs/experiments/engine.md.
 class CausalNetwork {
  public:
   /// Lays the weights out for the kernels. Errors: mismatch (tensors or a kind that do not belong here),

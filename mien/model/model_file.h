@@ -15,8 +15,8 @@
 
 namespace mien::model {
 
-/// Everything that turns features into weights, and where it came from: one safetensors file (docs/model.md
-/// lists its tensors and metadata).
+/// Everything that turns features into weights, and where it came from: one safetensors file
+/// (docs/reference/model_file.md lists its tensors and metadata).
 struct ModelFile {
   Architecture architecture;
   FeatureLayout features;

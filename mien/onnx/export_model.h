@@ -25,7 +25,7 @@ struct ExportRequest {
 };
 
 /// An ONNX file's bytes: opset 17, plain operators, fp32, weights inside. Every input, output and the
-/// metadata are described in the file; docs/onnx.md lists them. The same model gives the same bytes.
+/// metadata are described in the file; docs/guide/onnx.md lists them. The same model gives the same bytes.
 /// Errors: not_found (no such part), bad_usage (several steps of what has no state, features that the file
 /// does not know), out_of_range (steps), mismatch (a model that does not hold together).
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of(const model::ModelFile& model,

@@ -25,7 +25,7 @@ struct EstimatedClockSettings {
 /// over the delay holds what follows from that: it keeps the grid's phase through pauses, and the answer is
 /// its mean. Period, mean delay and how often samples are left away are learned on the way. Times are on the
 /// host's clock, but for the least delay, which nobody can tell, and rise strictly. A pure function of the
-/// calls. No allocation. About 2 us a sample. Method, and how well it does: docs/time.md.
+/// calls. No allocation. About 2 us a sample. Method, and how well it does: docs/method/clocks.md.
 class EstimatedClock {
  public:
   EstimatedClock() : EstimatedClock(EstimatedClockSettings()) {}

@@ -11,7 +11,7 @@
 
 namespace mien::sensor {
 
-/// What a person is told of one sensor's link, the gravest that holds (docs/links.md).
+/// What a person is told of one sensor's link, the gravest that holds (docs/reference/links.md).
 enum class LinkState : std::uint8_t {
   unbound,    ///< No device belongs to the sensor: said by the session, never by LinkHealth.
   silent,     ///< Bound, and no sample was ever heard.

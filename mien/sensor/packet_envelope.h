@@ -9,8 +9,8 @@
 #include "mien/core/time.h"
 
 // What all packets of our own have in common, whatever stands in them: they begin with "MIEN", a version and
-// a type, and end with a checksum of all before it. Layout: docs/protocol.md. `where` names the packet in
-// messages. No allocation but in errors. Thread-safe.
+// a type, and end with a checksum of all before it. Layout: docs/reference/protocol.md. `where` names the
+// packet in messages. No allocation but in errors. Thread-safe.
 namespace mien::sensor {
 
 inline constexpr std::uint8_t kPacketVersion = 1;

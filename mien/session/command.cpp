@@ -20,7 +20,7 @@ Result<std::string> text_of(const json& object, const char* key) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_string())
     return fail(ErrorCode::malformed, fmt::format("\"{}\" is missing or no text", key), kCommand,
-                "docs/page_protocol.md lists the fields");
+                "docs/reference/page_protocol.md lists the fields");
   return found->get<std::string>();
 }
 
@@ -123,7 +123,7 @@ Result<Command> parse_command(std::string_view text) {
   const json object = json::parse(text, shallow, false);
   if (deep || !object.is_object())
     return fail(ErrorCode::malformed, "not a JSON object of a command", kCommand,
-                "docs/page_protocol.md lists the commands");
+                "docs/reference/page_protocol.md lists the commands");
   MIEN_TRY_ASSIGN(const std::string name, text_of(object, "command"));
   if (name == "calibrate") {
     MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
@@ -169,7 +169,7 @@ Result<Command> parse_command(std::string_view text) {
     return Prompting{static_cast<Prompting::Do>(found - kPromptingWords.begin())};
   }
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), kCommand,
-              "docs/page_protocol.md lists them");
+              "docs/reference/page_protocol.md lists them");
 }
 
 std::string write_command(const Command& command) {

@@ -12,8 +12,9 @@
 
 namespace mien::session {
 
-// What a person may ask of a session while it runs: those commands of docs/page_protocol.md that change
-// weights or a take's events. They go into the session log as they came, and a replay obeys them again.
+// What a person may ask of a session while it runs: those commands of docs/reference/page_protocol.md that
+// change weights or a take's events. They go into the session log as they came, and a replay obeys them
+// again.
 
 struct Calibrate {
   enum class Kind : std::uint8_t {

@@ -55,7 +55,7 @@ Result<std::vector<std::size_t>> shapes_of(std::string_view name, const std::str
   std::vector<std::size_t> shapes = face::shapes_named(name);
   if (!shapes.empty()) return shapes;
   return fail(ErrorCode::malformed, fmt::format("there is no shape '{}'", name.substr(0, 40)), where,
-              "docs/recording.md names them: jawOpen, mouthSmile_L, or mouthSmile for both sides");
+              "docs/guide/recording.md names them: jawOpen, mouthSmile_L, or mouthSmile for both sides");
 }
 
 Result<face::BlendshapeWeights> weights_of(const toml::table& table, const std::string& where) {

@@ -10,7 +10,7 @@
 
 namespace mien::session {
 
-/// Poses to ask for, one after the other: a data file, prompts/*.toml (docs/recording.md).
+/// Poses to ask for, one after the other: a data file, prompts/*.toml (docs/guide/recording.md).
 struct PromptScript {
   std::string name;
   std::vector<Prompt> prompts;  ///< One or more, kMaxPrompts at most.

@@ -23,7 +23,7 @@ struct CalibrationVersion {
   std::vector<sensor::Score> scores;
 };
 
-/// How a session is, for people: what `status` messages carry (docs/page_protocol.md).
+/// How a session is, for people: what `status` messages carry (docs/reference/page_protocol.md).
 struct Report {
   struct Link {
     std::string device;  ///< Empty while unbound.

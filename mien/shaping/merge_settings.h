@@ -36,7 +36,7 @@ struct MergeSettings {
   static constexpr std::size_t kMostNames = 8;
   static constexpr std::size_t kLongestName = 32;
 
-  /// docs/shaping.md gives the table and its reasons.
+  /// docs/reference/shaping_settings.md gives the table and its reasons.
   [[nodiscard]] static std::array<Order, kMergePlaceCount> default_order();
   bool operator==(const MergeSettings&) const = default;
 };

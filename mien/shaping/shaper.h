@@ -18,14 +18,14 @@ namespace mien::shaping {
 ///
 /// A pure function of the calls; on frame time, which rises: a frame that is not later than the last begins
 /// anew (a replay that was wound back), with settings and centre kept. No allocation. Thread: one at a time.
-/// Cost: docs/shaping.md.
+/// Cost: docs/method/shaping.md.
 class Shaper {
  public:
   explicit Shaper(const ShaperSettings& settings = {});
 
   /// Shapes the frame in place. `sensors_there`: how many of the rig's sensors are there, heard in the last
-  /// 100 ms or unchanged (docs/links.md); 0 begins the fallback, a change is eased over. Where only "any" is
-  /// known, 0 or 1.
+  /// 100 ms or unchanged (docs/reference/links.md); 0 begins the fallback, a change is eased over. Where only
+  /// "any" is known, 0 or 1.
   void apply(face::OutputFrame& frame, std::size_t sensors_there);
 
   /// The present face becomes neutral, the present heading ahead: within 1.5 s.

@@ -12,8 +12,8 @@
 
 namespace mien::sink {
 
-/// The first message of a connection (docs/page_protocol.md). Members without a value are left out: the ws
-/// sink knows no rig.
+/// The first message of a connection (docs/reference/page_protocol.md). Members without a value are left out:
+/// the ws sink knows no rig.
 struct Hello {
   struct Sensor {
     std::string name;

@@ -43,10 +43,10 @@ class Sink {
 };
 
 /// Opens `livelink://`, `vmc://`, `vrchat://`, `ifacialmocap://` or `ws://` with HOST[:PORT], or `csv:FILE`,
-/// with their options: docs/sinks.md. Host names are resolved here and once, which may take seconds.
-/// Errors: bad_usage (an address that cannot be meant; an unknown kind is answered with the known ones),
-/// out_of_range, unsupported, not_found (no such host or file), io, and those of an option's file; each names
-/// the address as it was given.
+/// with their options: docs/reference/sinks.md. Host names are resolved here and once, which may take
+/// seconds. Errors: bad_usage (an address that cannot be meant; an unknown kind is answered with the known
+/// ones), out_of_range, unsupported, not_found (no such host or file), io, and those of an option's file;
+/// each names the address as it was given.
 [[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(boost::asio::io_context& network,
                                                       std::string_view address);
 

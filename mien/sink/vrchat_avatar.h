@@ -9,7 +9,7 @@
 namespace mien::sink {
 
 /// What an avatar of VRChat takes: its OSC configuration, which VRChat writes beside its own files when the
-/// avatar is worn for the first time (docs/sinks.md says where).
+/// avatar is worn for the first time (docs/reference/sinks.md says where).
 struct VrchatAvatar {
   enum class Type { real, whole, truth };  ///< VRChat's Float, Int, Bool.
   struct Parameter {

@@ -19,7 +19,7 @@ struct EvaluationContext {
 /// "4 denoising steps", or "frame by frame" of a causal model.
 [[nodiscard]] std::string asked_how(const EvaluationContext& context);
 
-/// The one JSON object that `mien evaluate --json` prints (docs/metrics.md). Curves are left out.
+/// The one JSON object that `mien evaluate --json` prints (docs/reference/metrics.md). Curves are left out.
 [[nodiscard]] std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context);
 
 }  // namespace mien::study

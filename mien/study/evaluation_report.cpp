@@ -97,7 +97,7 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
       "weights over the "
       "truth's: 1 is as lively as the truth. Blink F1 is 0 where no blink was found: no sensor of the "
       "default rig sits on a "
-      "lid. Definitions: docs/metrics.md.");
+      "lid. Definitions: docs/reference/metrics.md.");
 
   LinePlot vertices;
   vertices.title = "Vertex error, frame by frame";

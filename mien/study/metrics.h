@@ -21,7 +21,7 @@ struct ShapeScore {
   std::optional<double> pearson;  ///< Absent where the truth or the estimate does not move.
 };
 
-/// What `mien evaluate` prints for one estimate (docs/metrics.md has every definition).
+/// What `mien evaluate` prints for one estimate (docs/reference/metrics.md has every definition).
 struct Metrics {
   std::size_t frames = 0;
   double mse = 0;       ///< All 53 shapes, both sides clipped to [0, 1].

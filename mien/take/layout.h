@@ -9,7 +9,7 @@
 #include <span>
 
 // The take file's layout and limits, shared by its writer and its reader. Described for people in
-// docs/take.md; a change of either is a new kUserVersion.
+// docs/reference/take.md; a change of either is a new kUserVersion.
 
 namespace mien::take {
 

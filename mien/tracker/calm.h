@@ -15,7 +15,7 @@ namespace mien::tracker {
 class Calm {
  public:
   /// Together with the low-pass this takes the third difference from ten times the truth's to about the
-  /// truth's, for 3 % of squared error (docs/live_model.md).
+  /// truth's, for 3 % of squared error (docs/experiments/live_model.md).
   static constexpr OneEuroSettings kSettings{.min_cutoff_hz = 0.4, .beta = 4};
   /// Of the low-pass, per frame: 6 Hz. One pole leaves steps in the speed, of which the third difference is
   /// made.

@@ -17,7 +17,7 @@
 namespace mien::tracker {
 
 /// What the live network multiplies in: half of fp32's time, and no error of it moves by a hundredth
-/// (docs/engine.md).
+/// (docs/experiments/engine.md).
 inline constexpr model::Precision kLivePrecision = model::Precision::bf16;
 
 /// The live tracker: one frame of features in, one output frame out, nothing of the future. Which network

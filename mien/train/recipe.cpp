@@ -67,7 +67,7 @@ class Section {
     for (const auto& [key, node] : table_)
       if (!problem_ && !known_.contains(std::string(key.str())))
         problem_ = Error{ErrorCode::bad_usage, fmt::format("{}{} is not a key of recipes", name_, key.str()),
-                         where_, "see docs/model.md"};
+                         where_, "see docs/guide/training.md"};
     if (problem_) return std::unexpected(*problem_);
     return {};
   }

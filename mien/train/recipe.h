@@ -24,8 +24,8 @@ enum class LossKind {
   points,  ///< Mean distance of points, three outputs each.
 };
 
-/// How a model is made, from data to budget: a TOML file (docs/model.md lists its keys). Defaults are the
-/// light network's; a recipe names what differs.
+/// How a model is made, from data to budget: a TOML file (docs/guide/training.md lists its keys). Defaults
+/// are the light network's; a recipe names what differs.
 struct Recipe {
   std::string text;        ///< The file as it was read: it goes into the model.
   std::uint64_t seed = 1;  ///< Fixes weights, order, augmentation and noise.

@@ -34,7 +34,8 @@ std::vector<std::byte> encoded(const Packet& packet) {
   return bytes ? *bytes : std::vector<std::byte>();
 }
 
-// The test vectors of docs/protocol.md: whoever writes a device's firmware checks against the same bytes.
+// The test vectors of docs/reference/protocol.md: whoever writes a device's firmware checks against the same
+// bytes.
 TEST(EyewearPacket, MatchesTheDocumentsBytes) {
   const auto bytes = encoded(three());
   EXPECT_EQ(

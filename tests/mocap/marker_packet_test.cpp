@@ -40,7 +40,8 @@ ErrorCode code_of(std::span<const std::byte> bytes) {
   return packet ? ErrorCode::internal : packet.error().code;
 }
 
-// The test vectors of docs/protocol.md, made by hand: whoever writes a server checks against the same bytes.
+// The test vectors of docs/reference/protocol.md, made by hand: whoever writes a server checks against the
+// same bytes.
 TEST(MarkerPacket, MatchesTheDocumentsBytes) {
   const auto names = encode_marker_names(kServer, kNames);
   ASSERT_TRUE(names) << names.error().message();

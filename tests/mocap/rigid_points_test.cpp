@@ -58,7 +58,7 @@ TEST(FitRigid, PointsInOneLineTellNothing) {
       fit_rigid(line, std::vector<Vec3f>{Vec3f(0, 0, 0), Vec3f(0.05F, 0, 0), Vec3f(0.1F, 0.001F, 0)}));
 }
 
-// docs/markers.md names these; rigs/markers.toml and the built-in face decide.
+// docs/method/markers.md names these; rigs/markers.toml and the built-in face decide.
 TEST(ReferenceMarkers, AreThoseThatExpressionsHardlyMove) {
   const auto set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml");
   ASSERT_TRUE(set);

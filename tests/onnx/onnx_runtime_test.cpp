@@ -145,7 +145,7 @@ double ridge_difference(const model::ModelFile& model, const model::RidgeBaselin
   return largest_difference(answers.at(0).at("weights"), expected);
 }
 
-/// What was measured, for the eyes of who runs it and for docs/onnx.md.
+/// What was measured, for the eyes of who runs it and for docs/method/onnx.md.
 void expect_parity(const std::string& what, double difference) {
   fmt::print("{}: largest difference {:.2g}\n", what, difference);
   EXPECT_LE(difference, kLimit) << what;

@@ -143,7 +143,7 @@ Outcome measure(const Board& board) {
   return outcome;
 }
 
-/// The bounds here are what was measured and a third more; docs/time.md has the table.
+/// The bounds here are what was measured and a third more; docs/method/clocks.md has the table.
 void expect_within(const Board& board, double clock_ms, double moving_ms) {
   const Outcome outcome = measure(board);
   EXPECT_LT(outcome.clock_ms, clock_ms) << "arrivals " << outcome.arrival_ms;

@@ -1,5 +1,5 @@
 /**
- * What the page and the session say to each other (docs/page_protocol.md), typed, and read with care: whatever is missing
+ * What the page and the session say to each other (docs/reference/page_protocol.md), typed, and read with care: whatever is missing
  * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
  * for what cannot be used at all.
  */

@@ -1,5 +1,5 @@
 // A session for developing and testing the page without devices: serves the built page, a face and /ws, and behaves as
-// docs/page_protocol.md says, with made-up but believable data: a talking face, a lossy sensor, a frozen one, a lost one.
+// docs/reference/page_protocol.md says, with made-up but believable data: a talking face, a lossy sensor, a frozen one, a lost one.
 //
 //   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated] [-- --eyewear] [-- --prompts]
 //

@@ -21,7 +21,7 @@ inline constexpr std::size_t kMaxNodeChannels = 16;
 inline constexpr std::size_t kMaxNodeText = 64;  ///< Bytes of a site, a firmware, a host's name.
 
 /// What our nodes and their host say to each other beside samples, version 1. Layout, byte by byte, with test
-/// vectors: docs/protocol.md. All texts are printable ASCII of at most kMaxNodeText characters.
+/// vectors: docs/reference/protocol.md. All texts are printable ASCII of at most kMaxNodeText characters.
 ///
 /// Node to everybody, or to the host it was told of: here I am.
 struct Hello {

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxPacketSamples = 16;
 using sensor::kBatteryUnknown;
 
 /// One datagram of an IMU node, version 1. Values are SI; on the wire raw axes are the chip's own 16-bit
-/// steps. Layout, byte by byte, with test vectors: docs/protocol.md.
+/// steps. Layout, byte by byte, with test vectors: docs/reference/protocol.md.
 struct Packet {
   sensor::SampleKind kind = sensor::SampleKind::imu_raw;
   bool magnetometer = false;    ///< Raw axes only: nine values a sample, else six.

@@ -35,8 +35,8 @@ struct SealHeader {
 inline constexpr std::size_t kMaxSealedInner = 1024;  ///< Bytes of the packet inside.
 
 /// Appends `inner`, a whole packet of ours, to `out` encrypted and authenticated (XChaCha20-Poly1305 by
-/// libsodium). Layout: docs/protocol.md. Errors: bad_usage (another key's id, an inner packet that is empty,
-/// too long or sealed). Thread-safe.
+/// libsodium). Layout: docs/reference/protocol.md. Errors: bad_usage (another key's id, an inner packet that
+/// is empty, too long or sealed). Thread-safe.
 [[nodiscard]] Result<void> seal_packet(const SealKey& key, const SealHeader& header,
                                        std::span<const std::byte> inner, ByteWriter& out);
 

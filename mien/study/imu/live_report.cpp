@@ -119,7 +119,7 @@ std::string live_legend() {
          "beforehand "
          "and as wide as the performer's are around the mean pose: what knows more than that, of faces or of "
          "the past, "
-         "can be below it. All else: docs/metrics.md.";
+         "can be below it. All else: docs/reference/metrics.md.";
 }
 
 Report live_report(const LiveStudy& study, const std::string& subtitle) {

@@ -44,7 +44,7 @@ inline constexpr std::size_t kLiveConditionCount = 13;
 /// All that the rig has sensors enough for.
 [[nodiscard]] std::vector<LiveCondition> live_conditions(const sensor::Rig& rig);
 
-/// What is measured of an estimate (docs/metrics.md).
+/// What is measured of an estimate (docs/reference/metrics.md).
 enum class Measure : std::uint8_t { pve, pve_face, landmarks, mse, mse_felt, jitter, blinks };
 inline constexpr std::size_t kMeasureCount = 7;
 /// "pve_mm", "mse_felt", ...: as `mien evaluate --json` has them.

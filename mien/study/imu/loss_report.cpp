@@ -96,7 +96,7 @@ Report loss_report(const LossStudy& study, const std::string& subtitle) {
       "step is "
       "the largest change of any weight from one frame to the next, beside the truth's own. Unsound are "
       "frames with a weight that is no number or outside 0 to 1; mistold are frames that say measured where "
-      "no sensor was there, or do not where all were. MSE and PVE: docs/metrics.md.");
+      "no sensor was there, or do not where all were. MSE and PVE: docs/reference/metrics.md.");
   return report;
 }
 

@@ -20,8 +20,8 @@ namespace mien::virt {
 [[nodiscard]] bool is_eyewear(const sensor::Rig& rig);
 
 /// A virtual wearer's glasses as the boards that carry their sensors: scan after scan of the simulator in the
-/// packets of docs/protocol.md. The rig's bindings say which sensor is which board's channel. The same stream
-/// gives the same packets, however they are asked for. Not thread-safe.
+/// packets of docs/reference/protocol.md. The rig's bindings say which sensor is which board's channel. The
+/// same stream gives the same packets, however they are asked for. Not thread-safe.
 class EyewearBoards {
  public:
   /// The glasses are put on: the seat is drawn. The wearer must outlive this. Errors: bad_usage (a sensor

@@ -9,8 +9,8 @@
 namespace mien::virt {
 
 /// What simulated photo-reflective eyewear is like and what is wrong with it, as an eyewear rig's [faults]
-/// table states it (docs/eyewear.md gives the reasons): one sigma unless said otherwise. The defaults are a
-/// perfect device in the dark, on even skin, seen by perfect motion capture.
+/// table states it (docs/method/eyewear.md gives the reasons): one sigma unless said otherwise. The defaults
+/// are a perfect device in the dark, on even skin, seen by perfect motion capture.
 struct EyewearFaults {
   // The part.
   double focal_peak_mm = 3;   ///< Where most light comes back.

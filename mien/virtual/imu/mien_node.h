@@ -10,8 +10,8 @@
 
 namespace mien::virt {
 
-/// A node that speaks our own packets (docs/protocol.md): hello with its site every second until it is
-/// welcomed, samples when the simulated radio would deliver them whether it is welcomed or not, heartbeats
+/// A node that speaks our own packets (docs/reference/protocol.md): hello with its site every second until it
+/// is welcomed, samples when the simulated radio would deliver them whether it is welcomed or not, heartbeats
 /// once it is. The samples' bytes are those that a take of the same performance holds.
 class MienNode : public ImuNode {
  public:

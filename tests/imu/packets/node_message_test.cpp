@@ -51,7 +51,7 @@ ErrorCode refusal(const NodeMessage& message) {
   return done ? ErrorCode::internal : done.error().code;
 }
 
-// The test vectors of docs/protocol.md.
+// The test vectors of docs/reference/protocol.md.
 TEST(NodeMessage, MatchesTheDocumentsBytes) {
   EXPECT_EQ(hex(encoded(hello())),
             "4d49454e01020000074e45494d02000080a903000205302e312e30137a79676f"

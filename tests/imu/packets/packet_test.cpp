@@ -66,7 +66,8 @@ std::vector<std::byte> encoded(const Packet& packet) {
   return bytes ? *bytes : std::vector<std::byte>();
 }
 
-// The test vectors of docs/protocol.md: whoever writes a device's firmware checks against the same bytes.
+// The test vectors of docs/reference/protocol.md: whoever writes a device's firmware checks against the same
+// bytes.
 TEST(Packet, MatchesTheDocumentsBytes) {
   EXPECT_EQ(hex(encoded(raw_packet())),
             "4d49454e01010100074e45494d020000020100000102572687d6120000000000"

@@ -27,7 +27,7 @@ std::vector<std::byte> pulse() {
   return writer.release();
 }
 
-// The test vector of docs/protocol.md.
+// The test vector of docs/reference/protocol.md.
 TEST(Seal, MatchesTheDocumentsBytes) {
   ByteWriter writer;
   ASSERT_TRUE(seal_packet(key(), kHeader, pulse(), writer));

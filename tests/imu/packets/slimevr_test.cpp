@@ -55,7 +55,7 @@ std::vector<std::byte> encoded(const ServerMessage& message) {
   return writer.release();
 }
 
-// The vectors of docs/slimevr.md.
+// The vectors of docs/reference/slimevr.md.
 TEST(SlimeVr, MatchesTheDocumentsBytes) {
   EXPECT_EQ(encoded(0, kHandshake), bytes_of(kHandshakeHex));
   EXPECT_EQ(encoded(1, kRotation), bytes_of(kRotationHex));

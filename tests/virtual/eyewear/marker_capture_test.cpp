@@ -68,7 +68,7 @@ TEST(MarkerCapture, CoveredMarkersAreFoundElsewhere) {
 }
 
 // What the cleaning of recordings makes of the published study's capture, on a head that moves:
-// docs/markers.md.
+// docs/method/markers.md.
 TEST(MarkerCapture, ItsMistakesAreFoundAndNoOthers) {
   const auto rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml");
   const auto set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml");
