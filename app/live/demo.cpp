@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "app/child_program.h"
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
@@ -14,7 +15,6 @@
 #include "app/live/page_address.h"
 #include "app/live/perform_network.h"
 #include "app/live/running_session.h"
-#include "app/child_program.h"
 #include "app/media_helper.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"

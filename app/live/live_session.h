@@ -23,11 +23,11 @@ struct LiveRequest {
   std::string token;
   std::string face = "builtin";
   std::string performer;
-  std::string script = "live";        ///< What is performed: goes into takes.
-  std::string key;                    ///< A file; empty: everybody is heard.
-  double seconds = 0;                 ///< 0: until it is stopped.
+  std::string script = "live";           ///< What is performed: goes into takes.
+  std::string key;                       ///< A file; empty: everybody is heard.
+  double seconds = 0;                    ///< 0: until it is stopped.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
-  bool only_record = false;           ///< It ends when its prompts or its recording do.
+  bool only_record = false;              ///< It ends when its prompts or its recording do.
 };
 
 /// A session that is open, and what it shows.

@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <string_view>
 
+#include "mien/builtin_face/markers.h"
 #include "mien/core/files.h"
 #include "mien/core/random.h"
-#include "mien/builtin_face/markers.h"
 #include "mien/study/eyewear/marker_poses.h"
 
 namespace mien::app {

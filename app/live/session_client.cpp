@@ -109,16 +109,17 @@ Result<void> SessionClient::State::connect(const Place& place, const std::atomic
   tcp::resolver::results_type found;
   const auto ended = [&code] { return code.has_value(); };
 
-  resolver.async_resolve(place.host, place.port, [&](BeastCode result, tcp::resolver::results_type endpoints) {
-    code = result;
-    found = std::move(endpoints);
-  });
+  resolver.async_resolve(place.host, place.port,
+                         [&](BeastCode result, tcp::resolver::results_type endpoints) {
+                           code = result;
+                           found = std::move(endpoints);
+                         });
   MIEN_TRY(wait(ended, "the name was not found in time", &stop));
   if (*code) return fail(ErrorCode::bad_usage, "there is no such host", where, kStartOne);
 
   code.reset();
-  beast::get_lowest_layer(socket).async_connect(found,
-                                                [&](BeastCode result, const tcp::endpoint&) { code = result; });
+  beast::get_lowest_layer(socket).async_connect(
+      found, [&](BeastCode result, const tcp::endpoint&) { code = result; });
   MIEN_TRY(wait(ended, "nobody answers there", &stop));
   if (*code) return fail(ErrorCode::io, "no session is there", where, kStartOne);
 

@@ -126,7 +126,8 @@ TEST(Calibrate, AfterAWhileItSaysWhatItWaitsFor) {
 }
 
 TEST(Calibrate, WhereEverySensorIsLostItIsRefusedAtOnce) {
-  std::vector<take::LogEntry> entries = session::test::performance(4).entries;  // They fall silent after 16.5 s.
+  std::vector<take::LogEntry> entries =
+      session::test::performance(4).entries;  // They fall silent after 16.5 s.
   StagedSession session(std::move(entries), 18, 10);
   const session::Report::Calibration before = session.report().calibration;
   const Outcome outcome = calibrate(session, {});
@@ -175,7 +176,8 @@ TEST(Calibrate, VersionsAreListedComparedAndUndone) {
 }
 
 TEST(Calibrate, RecentringWithoutSensorsSaysSo) {
-  std::vector<take::LogEntry> entries = session::test::performance(4).entries;  // They fall silent after 16.5 s.
+  std::vector<take::LogEntry> entries =
+      session::test::performance(4).entries;  // They fall silent after 16.5 s.
   StagedSession session(std::move(entries), 18, 10);
   const Outcome outcome = calibrate(session, {"recentre"});
   EXPECT_EQ(outcome.status, 1);

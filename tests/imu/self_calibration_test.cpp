@@ -47,17 +47,18 @@ Seen watch(const Recording& recording) {
   Seen seen;
   double square = 0;
   std::size_t count = 0;
-  play_unmarked(recording, pipeline, [&](double t, const model::FeatureFrame& frame, const testing_head::ClockedPipeline& p) {
-    if (!p.hint().empty()) seen.hint = p.hint();
-    if (!p.calibration().complete) return;
-    if (seen.calibrated_at < 0) seen.calibrated_at = t;
-    for (const model::SensorFeature& sensor : frame.sensors) {
-      if (!sensor.has_rotation) continue;
-      const double angle = log_rotation(rotation_of(sensor)).norm();
-      square += angle * angle;
-      ++count;
-    }
-  });
+  play_unmarked(recording, pipeline,
+                [&](double t, const model::FeatureFrame& frame, const testing_head::ClockedPipeline& p) {
+                  if (!p.hint().empty()) seen.hint = p.hint();
+                  if (!p.calibration().complete) return;
+                  if (seen.calibrated_at < 0) seen.calibrated_at = t;
+                  for (const model::SensorFeature& sensor : frame.sensors) {
+                    if (!sensor.has_rotation) continue;
+                    const double angle = log_rotation(rotation_of(sensor)).norm();
+                    square += angle * angle;
+                    ++count;
+                  }
+                });
   if (count > 0) seen.rms_deg = std::sqrt(square / static_cast<double>(count)) / kRadPerDeg;
   seen.found = pipeline.found();
   seen.calibration = pipeline.calibration();
@@ -84,7 +85,8 @@ TEST(SelfCalibration, GivesWhatMarksWouldHaveGiven) {
   const Script script;
   const Recording recording = record(script, Faults{}, 5, 41, still_skin);
   testing_head::ClockedPipeline marked(recording.rig);
-  testing_head::play(recording, script, marked, [](double, const model::FeatureFrame&, const testing_head::ClockedPipeline&) {});
+  testing_head::play(recording, script, marked,
+                     [](double, const model::FeatureFrame&, const testing_head::ClockedPipeline&) {});
   const Calibration by_watching = watch(recording).calibration;
   ASSERT_TRUE(by_watching.complete);
   EXPECT_LT(by_watching.q_head_ear.angularDistance(marked.calibration().q_head_ear), 2 * kRadPerDeg);

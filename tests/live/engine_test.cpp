@@ -76,7 +76,8 @@ class Nodes {
 /// An engine on a thread of its own.
 class Running {
  public:
-  explicit Running(EngineSettings settings) : engine_(Engine::open(std::move(settings), session::test::session())) {
+  explicit Running(EngineSettings settings)
+      : engine_(Engine::open(std::move(settings), session::test::session())) {
     if (!engine_) return;
     thread_ = std::jthread([this] { summary_ = (*engine_)->run(stop_, EngineListener()); });
   }

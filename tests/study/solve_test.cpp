@@ -20,8 +20,7 @@ tracker::WindowSolver solver_for(std::vector<std::string> sensors = {"mentalis",
   return tracker::WindowSolver::create(tracker::test::tiny_model(std::move(sensors))).value();
 }
 
-Result<Solution> solve(const take::Take& take,
-                       const tracker::WindowSolver& solver = solver_for()) {
+Result<Solution> solve(const take::Take& take, const tracker::WindowSolver& solver = solver_for()) {
   return solve_take(take, solver, solver.file().sampler, no_progress);
 }
 
@@ -52,8 +51,7 @@ TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
     EXPECT_EQ(solution.hash, solve(take).value().hash) << devices;
     EXPECT_EQ(solution.ridge, solve(take).value().ridge) << devices;
 
-    auto receiver =
-        session::Receiver::create(take.rig(), modalities::make_protocols().value()).value();
+    auto receiver = session::Receiver::create(take.rig(), modalities::make_protocols().value()).value();
     Collector received;
     const auto stored = take.samples().value();
     ASSERT_TRUE(session::replay_samples(take.entries().value(), take.ticks().value(), *receiver, received,
@@ -87,8 +85,7 @@ TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
       tracker.step(features[f], frame);
       EXPECT_EQ(frame.weights, samples.frames[f].weights);
     }
-    const auto stopped =
-        solve_take(take, tracker, [](double, std::string_view) { return false; });
+    const auto stopped = solve_take(take, tracker, [](double, std::string_view) { return false; });
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
   }
@@ -103,8 +100,7 @@ TEST(Solve, SensorsReachTheAnswer) {
   EXPECT_EQ(solution.frames.back().provenance[0], face::Provenance::measured);
   EXPECT_EQ(solution.frames.back().confidence[0], 1);
   EXPECT_EQ(solution.frames.back().head_provenance, face::Provenance::measured);
-  EXPECT_NE(solution.hash,
-            solve(take, solver_for({"buccinator_L", "mentalis"})).value().hash);
+  EXPECT_NE(solution.hash, solve(take, solver_for({"buccinator_L", "mentalis"})).value().hash);
 }
 
 TEST(Solve, RidgeIsThatOfTheTakesProfile) {
@@ -190,8 +186,7 @@ TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
 TEST(Solve, ARigThatLacksAModelsSensorWorksAndOneOfStrangersDoesNot) {
   const test::Folder folder;
   const take::Take take = test::stored(test::lab_session(), folder / "a.mien", "lab");
-  const Solution solution =
-      solve(take, solver_for({"mentalis", "frontalis_L", "buccinator_L"})).value();
+  const Solution solution = solve(take, solver_for({"mentalis", "frontalis_L", "buccinator_L"})).value();
   EXPECT_NEAR(solution.frames.back().confidence[0], 2.0 / 3, 1e-6);
   const auto refused = solve(take, solver_for({"frontalis_L", "frontalis_R"}));
   ASSERT_FALSE(refused);
@@ -202,8 +197,8 @@ TEST(Solve, StopsWhenAsked) {
   const test::Folder folder;
   const take::Take take = test::stored(test::lab_session(), folder / "a.mien", "lab");
   const tracker::WindowSolver solver = solver_for();
-  const auto solution = solve_take(take, solver, solver.file().sampler,
-                                   [](double, std::string_view) { return false; });
+  const auto solution =
+      solve_take(take, solver, solver.file().sampler, [](double, std::string_view) { return false; });
   ASSERT_FALSE(solution);
   EXPECT_EQ(solution.error().code, ErrorCode::cancelled);
 }

@@ -24,8 +24,7 @@ Stage stage(int frames = 91) {
 }
 
 /// What all nodes say, with when, until the performance's time `until_s`.
-std::vector<std::pair<HostTime, std::vector<std::byte>>> perform(NodeGroup& nodes,
-                                                                            double until_s) {
+std::vector<std::pair<HostTime, std::vector<std::byte>>> perform(NodeGroup& nodes, double until_s) {
   std::vector<std::pair<HostTime, std::vector<std::byte>>> all;
   nodes.begin(HostTime());
   for (double t = -0.3; t < until_s && !nodes.finished(); t += 0.001) {

@@ -11,9 +11,9 @@
 
 namespace mien::study {
 
-/// The features of a session, one frame a tick: its log received again (session::Receiver) and put through the
-/// IMU pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in force
-/// at the end. Errors: session::Receiver::create's.
+/// The features of a session, one frame a tick: its log received again (session::Receiver) and put through
+/// the IMU pipeline, with the prologue's events as its marks. `calibration`, when asked for, is the one in
+/// force at the end. Errors: session::Receiver::create's.
 [[nodiscard]] Result<std::vector<model::FeatureFrame>> trace_features(
     const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
     std::span<const take::Tick> ticks, const imu::PipelineSettings& settings = {},

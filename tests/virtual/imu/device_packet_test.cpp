@@ -14,7 +14,8 @@ namespace {
 TEST(DevicePacket, TheDefaultRigBindsTheVirtualNodes) {
   const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
   for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
-    EXPECT_EQ(sensor::parse_device(rig.sensors[s].device).value(), (sensor::DeviceKey{sensor::virtual_device(s), 0}));
+    EXPECT_EQ(sensor::parse_device(rig.sensors[s].device).value(),
+              (sensor::DeviceKey{sensor::virtual_device(s), 0}));
     EXPECT_EQ(rig.sensors[s].device, sensor::format_device({sensor::virtual_device(s), 0}));
   }
 }
@@ -32,7 +33,9 @@ TEST(DevicePacket, HasTheSmallestRangesThatReachTheFaults) {
     DeviceFaults faults;
     faults.gyro_range_dps = dps;
     faults.accel_range_g = g;
-    const imu::Packet parsed = imu::parse_packet(encode_device_packet(packet, {sensor::virtual_device(5), 2}, faults).value()).value();
+    const imu::Packet parsed =
+        imu::parse_packet(encode_device_packet(packet, {sensor::virtual_device(5), 2}, faults).value())
+            .value();
     EXPECT_EQ(parsed.gyro_range, gyro);
     EXPECT_EQ(parsed.accel_range, accel);
     EXPECT_EQ(parsed.device, 0x024D'4945'4E05U);

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "mien/sensor/bindings.h"
 #include "mien/imu/packets/packet.h"
+#include "mien/sensor/bindings.h"
 #include "mien/virtual/imu/device_packet.h"
 #include "mien/virtual/imu/impair.h"
 #include "tests/virtual/three_sensors.h"

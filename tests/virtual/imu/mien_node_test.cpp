@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "mien/sensor/bindings.h"
 #include "mien/imu/packets/node_protocol.h"
+#include "mien/sensor/bindings.h"
 #include "mien/virtual/imu/device_packet.h"
 #include "tests/virtual/conversation.h"
 #include "tests/virtual/three_sensors.h"
