@@ -31,7 +31,7 @@ function eyewearSensors() {
   return text.split("[[sensor]]").slice(1).map((part) => {
     const words = (key) => new RegExp(`^${key} = "(.*)"`, "m").exec(part)?.[1] ?? "";
     const numbers = (key) => JSON.parse(new RegExp(`^${key} = (\\[.*\\])`, "m").exec(part)[1]);
-    return { name: words("name"), kind: "photo", site: words("site"), side: words("side"), role: "face", position_m: numbers("position_m"), aim: numbers("aim") };
+    return { name: words("name"), kind: "eyewear", site: words("site"), side: words("side"), role: "face", position_m: numbers("position_m"), aim: numbers("aim") };
   });
 }
 
@@ -265,7 +265,7 @@ class MockSession {
         reordered: 0, malformed: 0, loss: !heard ? null : state === "lost" ? 1 : state === "lossy" ? 0.12 + 0.02 * this.random() : 0.003 * this.random(),
         offset_ms: heard ? 3187.4 * (i + 1) + 0.2 * this.random() : null, drift_ppm: heard ? 18 * Math.sin(3 * i) : null, uncertainty_ms: heard ? 0.3 + 0.2 * this.random() : null,
         battery: heard && kind === "imu" ? 92 - ((7 * i) % 60) : null, heading_sigma_deg: heard && kind === "imu" ? 1.4 + 0.3 * (i % 4) : null,
-        level: kind === "photo" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
+        level: kind === "eyewear" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
       };
     });
     const run = this.calibration.run;

@@ -136,7 +136,7 @@ test("prompts are read, and none where there are none", () => {
 test("a sensor's aim is made unit, a level a share, and both may be missing", () => {
   const hello = read({
     type: "hello",
-    rig: { name: "glasses", sensors: [{ name: "a", kind: "photo", aim: [0, 0, -2] }, { name: "b", aim: [0, 0, 0] }, { name: "c", aim: [1, "x", 0] }, { name: "d" }] },
+    rig: { name: "glasses", sensors: [{ name: "a", kind: "eyewear", aim: [0, 0, -2] }, { name: "b", aim: [0, 0, 0] }, { name: "c", aim: [1, "x", 0] }, { name: "d" }] },
   });
   assert.deepEqual(hello.sensors.map((one) => one.aim), [[0, 0, -1], null, null, null]);
   const status = read({ type: "status", links: [{ sensor: "a", level: 0.4 }, { sensor: "b", level: 7 }, { sensor: "c" }, { sensor: "d", level: "much" }] });
