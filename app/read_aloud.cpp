@@ -108,7 +108,7 @@ Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
   // espeak-ng's own pace for calm reading; acted lines are quicker.
   constexpr int kCalm = 140, kActed = 170;
   Speaker speaker;
-  Sound heard;
+  Sound mixed;
   double begin_s = 0;
   std::size_t spoken = 0;
   for (performer::Segment& segment : script.segments) {
@@ -127,16 +127,16 @@ Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
                                   segment.block == performer::Block::acted ? kActed : kCalm));
       all.language = segment.language = said->utterance.language;
       append(said->utterance, at_s, all);
-      mix(said->sound, from_s + at_s, from_s + segment_s, heard);
+      mix(said->sound, from_s + at_s, from_s + segment_s, mixed);
       at_s += std::max(said->utterance.duration_s, said->sound.duration_s()) + kPauseS;
     }
     segment.utterance = std::move(all);
   }
-  if (heard.rate_hz == 0)
+  if (mixed.rate_hz == 0)
     return fail(ErrorCode::bad_usage, "nothing in this script is said aloud", script.name,
                 "take --script reading, acted or mixed, or --voice babble");
   progress(1, "read");
-  return heard;
+  return mixed;
 }
 
 }  // namespace mien::app

@@ -19,7 +19,7 @@ endforeach()
 
 # The library without train and media: these are for the helpers, and would bring libtorch and FFmpeg with them.
 foreach(room core face builtin_face sensor take model tracker shaping session performer mocap imu_packets imu eyewear modalities
-        sink render virtual study live)
+        sink render measure virtual study live)
   if(TARGET mien_${room})
     set_target_properties(mien_${room} PROPERTIES EXPORT_NAME ${room})
     install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")

@@ -32,18 +32,43 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
                          -Wno-subobject-linkage)  # In a unit of several files each looks like a header to it.
 endif()
 
+# With MIEN_UNITY the sources are compiled that many at a time, which parses what they share once: names in anonymous
+# namespaces are then unique in a target. The units name their files relative to the project's root (CMake's own unity
+# builds: by absolute paths), so that every clone finds them in one cache. A file that cannot be among others is marked
+# SKIP_UNITY_BUILD_INCLUSION before its target is made.
+function(mien_units out name)
+  set(apart)
+  set(units)
+  set(text "")
+  set(count 0)
+  foreach(source IN LISTS ARGN)
+    get_source_file_property(skipped "${source}" SKIP_UNITY_BUILD_INCLUSION)
+    if(skipped OR NOT MIEN_UNITY)
+      list(APPEND apart "${source}")
+      continue()
+    endif()
+    file(RELATIVE_PATH path "${CMAKE_SOURCE_DIR}" "${source}")
+    string(APPEND text "#include \"${path}\"\n")
+    math(EXPR count "${count} + 1")
+    math(EXPR full "${count} % ${MIEN_UNITY}")
+    if(full EQUAL 0)
+      list(LENGTH units index)
+      list(APPEND units "${CMAKE_CURRENT_BINARY_DIR}/units/${name}_${index}.cpp")
+      file(CONFIGURE OUTPUT "units/${name}_${index}.cpp" CONTENT "${text}" @ONLY)
+      set(text "")
+    endif()
+  endforeach()
+  if(text)
+    list(LENGTH units index)
+    list(APPEND units "${CMAKE_CURRENT_BINARY_DIR}/units/${name}_${index}.cpp")
+    file(CONFIGURE OUTPUT "units/${name}_${index}.cpp" CONTENT "${text}" @ONLY)
+  endif()
+  set(${out} ${units} ${apart} PARENT_SCOPE)
+endfunction()
+
 # mien_room(NAME [FOLDERS folder...] [KNOWS room...] [USES library...] [HIDES library...]): one folder, one library target
 # mien_NAME; FOLDERS are parts of the same target. KNOWS is the only way to reach another room: what it knows is reachable
 # in turn, nothing else is. USES is what the room's headers need of libraries, HIDES what only its sources do.
-#
-# With MIEN_UNITY the sources are compiled several at a time (CMake's unity builds), which parses what they share once: names in
-# anonymous namespaces are then unique in a target. A file that cannot be is marked SKIP_UNITY_BUILD_INCLUSION.
-function(mien_unity target)
-  if(MIEN_UNITY)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${MIEN_UNITY})
-  endif()
-endfunction()
-
 function(mien_room name)
   cmake_parse_arguments(ROOM "" "" "FOLDERS;KNOWS;USES;HIDES" ${ARGN})
   set(patterns "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
@@ -55,9 +80,9 @@ function(mien_room name)
     add_library(mien_${name} INTERFACE)
     set(scope INTERFACE)
   else()
-    add_library(mien_${name} STATIC ${sources})
+    mien_units(units ${name} ${sources})
+    add_library(mien_${name} STATIC ${units})
     set(scope PUBLIC)
-    mien_unity(mien_${name})
     target_link_libraries(mien_${name} PRIVATE $<BUILD_INTERFACE:mien_warnings> ${ROOM_HIDES})
     # libFuzzer's counters, in the asan-ubsan build too: both then compile a room alike, and the second finds it in ccache.
     if(MIEN_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")

@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   MarkerLog log;
   log.add(HostTime{}, bytes);
   log.add(HostTime{}, bytes);
-  if (log.heard().size() > 1) std::abort();
+  if (log.received().size() > 1) std::abort();
   const auto packet = parse_marker_packet(bytes);
   if (!packet) return 0;
   const auto* positions = std::get_if<MarkerPositionsPacket>(&*packet);

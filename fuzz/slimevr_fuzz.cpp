@@ -28,7 +28,7 @@ class Session {
     }
     if (!inbox_.reply.empty() && !mien::imu::slimevr::parse_server_message(inbox_.reply)) std::abort();
     said_.clear();
-    protocol_.say(now_, said_);
+    protocol_.heartbeats(now_, said_);
     for (const auto& outgoing : said_)
       if (!mien::imu::slimevr::parse_server_message(outgoing.datagram)) std::abort();
   }

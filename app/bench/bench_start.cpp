@@ -44,12 +44,12 @@ class Performer {
   static Result<std::unique_ptr<Performer>> begin() {
     MIEN_TRY_ASSIGN(const fs::path rig, find_resource("rigs/default.toml"));
     asio::io_context io;
-    udp::socket heard = loopback(io);
-    auto performer = std::unique_ptr<Performer>(new Performer(rig, heard.local_endpoint().port()));
+    udp::socket received = loopback(io);
+    auto performer = std::unique_ptr<Performer>(new Performer(rig, received.local_endpoint().port()));
     std::array<std::byte, 2048> packet{};
-    heard.non_blocking(true);
+    received.non_blocking(true);
     boost::system::error_code code;
-    while (!performer->over_ && heard.receive(asio::buffer(packet), 0, code) == 0)
+    while (!performer->over_ && received.receive(asio::buffer(packet), 0, code) == 0)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     if (performer->over_) return std::unexpected(performer->performed_.error());
     return performer;

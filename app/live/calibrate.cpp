@@ -174,7 +174,7 @@ Result<Outcome> cancel(SessionClient& session, std::int64_t before) {
 
 /// They were there and are gone: no calibration can begin. (Those that never were may be on their way.)
 bool all_are_lost(const std::vector<SessionStatus::Link>& links) {
-  return std::ranges::none_of(links, &SessionStatus::Link::heard) &&
+  return std::ranges::none_of(links, &SessionStatus::Link::received) &&
          std::ranges::find(links, "lost", &SessionStatus::Link::state) != links.end();
 }
 

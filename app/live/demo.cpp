@@ -23,12 +23,12 @@
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
+#include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
-#include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/perform_take.h"
@@ -95,7 +95,7 @@ Result<Captured> capture_live(const DemoOptions& options, const virt::PerformReq
 struct Pair {
   face::Motion truth, capture;
 };
-Pair motions_of(const study::TakeEstimates& estimates, std::span<const face::OutputFrame> frames) {
+Pair motions_of(const measure::TakeEstimates& estimates, std::span<const face::OutputFrame> frames) {
   Pair out;
   out.truth.name = "truth";
   std::vector<face::OutputFrame> counted;
@@ -160,14 +160,14 @@ Result<void> run_demo(DemoOptions options) {
   const bool same_bits = session->hash() == captured.summary.hash;
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
-  MIEN_TRY_ASSIGN(const study::TakeEstimates estimates, study::with_truth(truth_take, solution));
+  MIEN_TRY_ASSIGN(const measure::TakeEstimates estimates, study::with_truth(truth_take, solution));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(model.mean_pose, mean_pose.values.begin());
   const Progress writing = terminal_progress("4/5 measuring and writing");
   writing(0.1, "the capture beside the truth");
-  MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
-                  study::evaluate(study::Meter(face), {estimates}, mean_pose));
+  MIEN_TRY_ASSIGN(const measure::Evaluation evaluation,
+                  measure::evaluate(measure::Meter(face), {estimates}, mean_pose));
 
   const Pair motions = motions_of(estimates, solution.frames);
   MIEN_TRY(write_motion(motions.capture, request.face, options.out / "capture.csv"));
@@ -184,9 +184,9 @@ Result<void> run_demo(DemoOptions options) {
   MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, motions.truth, motions.capture, 0, film,
                                                        film_path, terminal_progress("5/5 filming")));
 
-  const study::EvaluationContext context{
+  const measure::EvaluationContext context{
       .face = request.face, .model = model_path.string(), .devices = request.devices, .steps = 0};
-  study::Report report = study::evaluation_report(evaluation, context);
+  measure::Report report = measure::evaluation_report(evaluation, context);
   report.heading("Truth, live capture, and the capture's error as colour");
   MIEN_TRY_ASSIGN(const std::vector<std::byte> mp4, read_file(film_path));
   report.film(mp4,

@@ -36,7 +36,7 @@ constexpr Duration kLookUp = std::chrono::milliseconds(20);
 struct Line {
   explicit Line(asio::io_context& io) : socket(io) {}
   udp::socket socket;
-  std::array<std::byte, 2048> heard{};
+  std::array<std::byte, 2048> received{};
 };
 
 /// Nodes, sockets and the one clock: what happens when.
@@ -55,7 +55,7 @@ class Broadcast {
   [[nodiscard]] std::size_t answered();
   void listen(std::size_t node);
   void refused();
-  Result<void> say_what_is_due();
+  Result<void> send_due();
   Result<bool> wait_for_an_answer(const Progress& progress);
   Result<void> simulate_ahead(HostTime at);
   void sleep_until(HostTime time);
@@ -98,11 +98,11 @@ std::size_t Broadcast::answered() {
 
 void Broadcast::listen(std::size_t node) {
   Line& line = *lines_[node];
-  line.socket.async_receive(asio::buffer(line.heard),
+  line.socket.async_receive(asio::buffer(line.received),
                             [this, node, &line](const Code& code, std::size_t size) {
                               if (code == asio::error::operation_aborted) return;
                               if (code == asio::error::connection_refused) refused();
-                              if (!code) nodes_[node].receive(now(), std::span(line.heard).first(size));
+                              if (!code) nodes_[node].receive(now(), std::span(line.received).first(size));
                               listen(node);
                             });
 }
@@ -116,12 +116,12 @@ void Broadcast::refused() {
              options_.to);
 }
 
-Result<void> Broadcast::say_what_is_due() {
+Result<void> Broadcast::send_due() {
   const HostTime at = now();
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     for (;;) {
       const HostTime due = nodes_[n].due();
-      const auto datagram = nodes_[n].say(at);
+      const auto datagram = nodes_[n].next_datagram(at);
       if (!datagram) break;
       Code code;
       udp::socket& socket = lines_[n]->socket;
@@ -154,7 +154,7 @@ Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
   std::optional<HostTime> first_answer;
   bool said = false;
   for (;;) {
-    MIEN_TRY(say_what_is_due());
+    MIEN_TRY(send_due());
     const HostTime at = now();
     const std::size_t count = answered();
     if (count > 0 && !first_answer) first_answer = at;
@@ -198,7 +198,7 @@ Result<NetworkSummary> Broadcast::run() {
   while (!summary_.stopped && !nodes_.finished()) {
     const HostTime at = now();
     MIEN_TRY(simulate_ahead(at));
-    MIEN_TRY(say_what_is_due());
+    MIEN_TRY(send_due());
 
     summary_.performed_s = std::max(0.0, to_seconds(at - *start_));
     const auto [round, share] = nodes_.round_at(summary_.performed_s);

@@ -155,8 +155,8 @@ void SessionClient::State::take(std::string_view text) {
   if (!message)
     return lose("what is there speaks no session's language: " + message.error().what,
                 "see that mien live and this program are of one version");
-  if (auto* heard = std::get_if<SessionStatus>(&*message)) {
-    status = std::move(*heard);
+  if (auto* news = std::get_if<SessionStatus>(&*message)) {
+    status = std::move(*news);
     ++statuses;
   } else if (auto* answer = std::get_if<SessionReply>(&*message)) {
     if (answer->id == commands) reply = std::move(*answer);

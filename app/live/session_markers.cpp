@@ -18,24 +18,24 @@ DeviceTime device_time(double seconds) {
 
 /// The track with its times on the take's line; frames before both clocks are known are left out. What was
 /// known of the clocks when a frame came places it, as in the session itself.
-mocap::MarkerTrack on_line(const mocap::MarkerLog::Heard& heard, const take::Take& take,
+mocap::MarkerTrack on_line(const mocap::MarkerLog::Received& received, const take::Take& take,
                            std::span<const take::StoredSample> samples) {
   sensor::TimeLines lines(take.rig().sensors.size(), take.rig().find(take.rig().reference));
   sensor::ClockModel server;
   mocap::MarkerTrack track;
   track.name = take.path().stem().string();
-  track.markers = heard.track.markers;
+  track.markers = received.track.markers;
   auto sample = samples.begin();
-  for (std::size_t i = 0; i < heard.track.frames(); ++i) {
-    for (; sample != samples.end() && sample->arrival <= heard.arrival[i]; ++sample)
+  for (std::size_t i = 0; i < received.track.frames(); ++i) {
+    for (; sample != samples.end() && sample->arrival <= received.arrival[i]; ++sample)
       lines.add(sample->arrival, sample->sample);
-    const DeviceTime time = device_time(heard.track.time_s[i]);
-    server.add(time, heard.arrival[i]);
+    const DeviceTime time = device_time(received.track.time_s[i]);
+    server.add(time, received.arrival[i]);
     if (!lines.ready()) continue;
     const double line_s = to_seconds(lines.from_host(server.to_host(time)).time_since_epoch());
     if (!track.time_s.empty() && line_s <= track.time_s.back()) continue;
     track.time_s.push_back(line_s);
-    const auto frame = heard.track.frame(i);
+    const auto frame = received.track.frame(i);
     track.position_m.insert(track.position_m.end(), frame.begin(), frame.end());
   }
   return track;
@@ -47,10 +47,10 @@ Result<SessionMarkers> session_markers(const take::Take& take, const MarkerImpor
   MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());
   mocap::MarkerLog log;
   for (const take::LogEntry& entry : entries) log.add(entry.arrival, entry.bytes);
-  const std::vector<mocap::MarkerLog::Heard> heard = log.heard();
+  const std::vector<mocap::MarkerLog::Received> received = log.received();
   SessionMarkers markers;
   markers.unnamed = log.unnamed();
-  if (heard.empty() || heard.front().track.frames() == 0)
+  if (received.empty() || received.front().track.frames() == 0)
     return fail(ErrorCode::not_found,
                 markers.unnamed > 0
                     ? fmt::format("{} frames of markers whose names nobody told", markers.unnamed)
@@ -59,7 +59,7 @@ Result<SessionMarkers> session_markers(const take::Take& take, const MarkerImpor
                 "a motion capture server sends names and positions to a port of mien live: "
                 "docs/reference/protocol.md");
   MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
-  const mocap::MarkerTrack track = on_line(heard.front(), take, samples);
+  const mocap::MarkerTrack track = on_line(received.front(), take, samples);
   if (track.frames() == 0)
     return fail(ErrorCode::not_found, "no marker came while a sensor was heard", take.path().string());
   markers.begin = device_time(track.time_s.front());

@@ -136,7 +136,7 @@ Result<SessionMessage> read_event(const nlohmann::json& object) {
 
 }  // namespace
 
-bool SessionStatus::Link::heard() const {
+bool SessionStatus::Link::received() const {
   return state != "unbound" && state != "silent" && state != "lost";
 }
 

@@ -19,7 +19,7 @@ struct SessionStatus {
     std::string sensor;
     std::string state;  ///< As sensor::link_state_name() spells it, or a later version does.
     /// Whether something comes from it: it is neither unbound nor silent nor lost.
-    [[nodiscard]] bool heard() const;
+    [[nodiscard]] bool received() const;
   };
 
   double time_s = 0;  ///< Of the newest frame, on the reference's time line.

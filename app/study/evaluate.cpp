@@ -9,9 +9,9 @@
 #include "app/study/model_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
+#include "mien/measure/evaluation_json.h"
+#include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
-#include "mien/study/evaluation_json.h"
-#include "mien/study/evaluation_report.h"
 #include "mien/study/solve.h"
 
 namespace mien::app {
@@ -26,15 +26,15 @@ struct EvaluateOptions {
   bool json = false;
 };
 
-void print_row(const char* name, const study::Metrics& m) {
-  const auto mean = [](const std::optional<study::MeanStd>& value) {
+void print_row(const char* name, const measure::Metrics& m) {
+  const auto mean = [](const std::optional<measure::MeanStd>& value) {
     return value ? fmt::format("{:.3f}", value->mean) : "-";
   };
   const auto ratio = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.2f}", *value) : "-";
   };
   fmt::print("{:<10} {:7.3f} {:>7} {:>7} {:8.4f} {:8.4f} {:>7} {:>7}\n", name, m.pve_mm.mean,
-             mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_felt, ratio(m.jitter_ratio),
+             mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_observed, ratio(m.jitter_ratio),
              ratio(m.blink_f1));
 }
 
@@ -77,7 +77,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
-  std::vector<study::TakeEstimates> estimates;
+  std::vector<measure::TakeEstimates> estimates;
   std::size_t adapted = 0;
   double adapt_s = 0;
   for (const take::Take& take : takes) {
@@ -86,13 +86,13 @@ Result<void> run_evaluate(EvaluateOptions options) {
     adapt_s += solution.personalise_s;
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
   }
-  MIEN_TRY_ASSIGN(const study::Evaluation evaluation,
-                  study::evaluate(study::Meter(face), estimates, model.mean_pose()));
+  MIEN_TRY_ASSIGN(const measure::Evaluation evaluation,
+                  measure::evaluate(measure::Meter(face), estimates, model.mean_pose()));
   if (adapted > 0 && adapted < takes.size())
     fmt::print(stderr,
                "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
                adapted, takes.size());
-  const study::EvaluationContext context{
+  const measure::EvaluationContext context{
       .face = face_name,
       .model = options.model.path,
       .devices = devices.size() == 1 ? *devices.begin() : "mixed",
@@ -100,24 +100,25 @@ Result<void> run_evaluate(EvaluateOptions options) {
       .adapted = adapted == takes.size(),
       .adapt_s = adapt_s,
   };
-  if (!options.report.empty()) MIEN_TRY(study::evaluation_report(evaluation, context).write(options.report));
+  if (!options.report.empty())
+    MIEN_TRY(measure::evaluation_report(evaluation, context).write(options.report));
   if (options.json) {
-    const std::string text = study::evaluation_json(evaluation, context) + "\n";
+    const std::string text = measure::evaluation_json(evaluation, context) + "\n";
     std::fwrite(text.data(), 1, text.size(), stdout);
     return {};
   }
   fmt::print("{} frames of {} take{} on {}, {} profile, {}\n\n", evaluation.frames, evaluation.takes,
-             evaluation.takes == 1 ? "" : "s", face_name, context.devices, study::asked_how(context));
+             evaluation.takes == 1 ? "" : "s", face_name, context.devices, measure::asked_how(context));
   fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>7} {:>7}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
-             "MSE felt", "jitter", "blink F1");
+             "MSE observed", "jitter", "blink F1");
   print_row("model", evaluation.model);
   if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
   print_row("hold last", evaluation.hold_last);
   print_row("mean pose", evaluation.mean_pose);
   if (evaluation.model.mse > evaluation.mean_pose.mse &&
-      evaluation.model.mse_felt < evaluation.mean_pose.mse_felt)
+      evaluation.model.mse_observed < evaluation.mean_pose.mse_observed)
     fmt::print(
-        "\nMSE is above the mean pose's in shapes that these sensors do not feel (MSE felt leaves them out); "
+        "\nMSE is above the mean pose's in shapes that these sensors do not observe (MSE observed leaves them out); "
         "in millimetres they weigh little.\n");
   fmt::print("\nhold last is the truth of a second ago, which no tracker has (docs/reference/metrics.md)\n");
   if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);

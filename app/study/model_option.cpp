@@ -50,15 +50,15 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
 /// The same; says on stderr where it stands on few of the sensors or on none.
 study::Solution told(const take::Take& take, study::Solution solution) {
   constexpr double kFew = 0.5;
-  if (solution.felt == 0)
+  if (solution.observed == 0)
     fmt::print(
         stderr,
         "mien: {}: no sensor could be used, so the answer is a guess; a take needs a prologue (a neutral "
         "face, and a nod and a shake where the sensors ask for them) to be calibrated by\n",
         take.path().string());
-  else if (solution.felt < kFew)
+  else if (solution.observed < kFew)
     fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
-               take.path().string(), 100 * solution.felt);
+               take.path().string(), 100 * solution.observed);
   return solution;
 }
 

@@ -35,7 +35,7 @@ Result<void> run_solve(SolveOptions options) {
     print_json({{"take", options.take},
                 {"model", options.model.path},
                 {"frames", solution.frames.size()},
-                {"felt", solution.felt},
+                {"observed", solution.observed},
                 {"kernels", model.kernels()},
                 {"hash", solution.hash},
                 {"seconds", seconds},

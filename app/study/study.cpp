@@ -34,10 +34,10 @@ struct BoundOptions {
 };
 
 /// What a face without regions or landmarks does not have is shown as missing, not as zero.
-std::string shown(const std::optional<study::MeanStd>& value) {
+std::string shown(const std::optional<measure::MeanStd>& value) {
   return value ? fmt::format("{:.2f}", value->mean) : "-";
 }
-Json mean_or_null(const std::optional<study::MeanStd>& value) {
+Json mean_or_null(const std::optional<measure::MeanStd>& value) {
   return value ? Json(value->mean) : Json();
 }
 
@@ -47,7 +47,7 @@ Result<void> run_bound(const BoundOptions& options) {
   MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face, rig));
   std::vector<virt::SkinSite> sites;
   for (const std::uint16_t s : rig.face_sensors()) sites.push_back(all[s]);
-  const study::Meter meter(face);
+  const measure::Meter meter(face);
   Json rows = Json::array();
   if (!options.json)
     fmt::print(

@@ -92,7 +92,7 @@ Result<study::LiveModels> load_models(StudyLiveOptions& options,
   return models;
 }
 
-Json spread_or_null(const std::optional<study::MeanStd>& value) {
+Json spread_or_null(const std::optional<measure::MeanStd>& value) {
   return value ? Json{{"mean", value->mean}, {"std", value->std}} : Json();
 }
 
@@ -118,7 +118,7 @@ Json to_json(const study::LiveSet& set) {
                            {"title", row.title},
                            {"performers", row.methods.front().performers.size()},
                            {"frames", row.frames},
-                           {"felt", row.felt},
+                           {"observed", row.observed},
                            {"rotation_rms_deg", row.rotation_rms_deg},
                            {"methods", std::move(methods)}});
   }

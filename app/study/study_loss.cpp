@@ -60,12 +60,12 @@ std::string performed_by(const StudyLossOptions& options) {
 
 void print_loss_table(const study::LossStudy& study) {
   fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
-             "given up", "felt MSE", "PVE mm", "felt", "rotation", "step", "truth's", "unsound", "mistold");
+             "given up", "MSE observed", "PVE mm", "observed", "rotation", "step", "truth's", "unsound", "mistold");
   for (const study::LossRow& row : study.rows)
     fmt::print(
         "{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:8.5f} {:7.3f} {:5.1f} % {:7.1f}° {:6.3f} {:7.3f} {:7} {:7}\n",
-        row.condition.name(), row.mse, 100 * row.rise, 100 * row.given_up, row.mse_felt, row.pve_mm,
-        100 * row.felt, row.rotation_rms_deg, row.largest_step, row.truth_step, row.unsound, row.mistold);
+        row.condition.name(), row.mse, 100 * row.rise, 100 * row.given_up, row.mse_observed, row.pve_mm,
+        100 * row.observed, row.rotation_rms_deg, row.largest_step, row.truth_step, row.unsound, row.mistold);
   fmt::print("\nmean pose {:.5f}\n", study.mean_pose_mse);
   if (const study::LossRow* tenth = study.find(study::Fault::loss, 10))
     fmt::print("10 % lost: {:+.1f} %, allowed {:+.0f} %\n", 100 * tenth->rise,
@@ -82,9 +82,9 @@ Json to_json(const study::LossRow& row) {
           {"mse", row.mse},
           {"rise", row.rise},
           {"given_up", row.given_up},
-          {"mse_felt", row.mse_felt},
+          {"mse_observed", row.mse_observed},
           {"pve_mm", row.pve_mm},
-          {"felt", row.felt},
+          {"observed", row.observed},
           {"rotation_rms_deg", row.rotation_rms_deg},
           {"largest_step", row.largest_step},
           {"truth_step", row.truth_step},

@@ -181,7 +181,7 @@ Result<void> run_study_sensors(StudySensorsOptions options) {
                                                                       &minute.learned()};
     MIEN_TRY_ASSIGN(const render::Image picture,
                     study::error_picture(markers, shown_methods, kPictureScaleMm));
-    MIEN_TRY_ASSIGN(const study::Report report, study::sensors_report(study, minute, subtitle, picture));
+    MIEN_TRY_ASSIGN(const measure::Report report, study::sensors_report(study, minute, subtitle, picture));
     MIEN_TRY(report.write(options.out));
   }
   if (options.json) {

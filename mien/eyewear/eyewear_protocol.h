@@ -39,7 +39,7 @@ class EyewearProtocol final : public sensor::Protocol {
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
   /// Nothing: eyewear only speaks.
-  void say(HostTime, std::vector<Outgoing>&) override {}
+  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   struct TextDevice {

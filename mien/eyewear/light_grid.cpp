@@ -83,7 +83,7 @@ void LightGrid::tick(DeviceTime frame, const sensor::TimeLines& lines, GridLight
   out.saturated.assign(tracks_.size(), 0);
   if (!lines.ready()) return;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    if (!lines.heard(sensors_[i])) continue;
+    if (!lines.has_samples(sensors_[i])) continue;
     out.saturated[i] = tracks_[i].saturated() ? 1 : 0;
     const auto light = tracks_[i].at(lines.from_line(sensors_[i], frame));
     if (!light) continue;

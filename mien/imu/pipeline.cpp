@@ -276,7 +276,7 @@ void Pipeline::State::add_fused(Channel& channel, const Sample& sample) {
 
 std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTime frame) const {
   const Channel& channel = channels[sensor];
-  if (channel.track.empty() || !lines->ready() || !lines->heard(sensor)) return std::nullopt;
+  if (channel.track.empty() || !lines->ready() || !lines->has_samples(sensor)) return std::nullopt;
   return channel.track.at(lines->from_line(sensor, frame),
                           channel.may_be_unchanged ? settings.unchanged : settings.silence,
                           settings.prediction);

@@ -123,10 +123,10 @@ struct Engine::State {
   [[nodiscard]] Status status() const;
   void on_message(std::uint64_t client, std::string_view text);
   void answer(std::uint64_t client, std::string_view text);
-  Result<std::string> obey(const json& command);
-  Result<std::string> obey_record(const json& command);
-  Result<std::string> obey_sink(const json& command);
-  Result<std::string> obey_replay(const json& command);
+  Result<std::string> execute(const json& command);
+  Result<std::string> execute_record(const json& command);
+  Result<std::string> execute_sink(const json& command);
+  Result<std::string> execute_replay(const json& command);
   [[nodiscard]] std::string list_takes() const;
   void wait_for_play();
   Result<void> start_recording(const std::filesystem::path& path, bool replace);
@@ -194,13 +194,13 @@ void Engine::State::take_answers() {
   while (const auto said = loop.front_said()) {
     const std::string_view text(reinterpret_cast<const char*>(said->bytes.data()), said->bytes.size());
     switch (said->kind) {
-      case Said::Kind::datagram:
+      case OutgoingMessage::Kind::datagram:
         intake.send(static_cast<sensor::Peer>(said->to), said->bytes);
         break;
-      case Said::Kind::reply:
+      case OutgoingMessage::Kind::reply:
         if (page) page->send(said->to, reply_json(said->number, text));
         break;
-      case Said::Kind::event: {
+      case OutgoingMessage::Kind::event: {
         const std::size_t space = text.find(' ');
         tell(std::string(text.substr(0, space)),
              space == std::string_view::npos ? std::string() : std::string(text.substr(space + 1)));
@@ -382,20 +382,20 @@ void Engine::State::answer(std::uint64_t client, std::string_view text) {
       page->send(client, reply_json(number, "the session is busy; try again"));
     return;
   }
-  const Result<std::string> done = obey(command);
+  const Result<std::string> done = execute(command);
   page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
 }
 
-Result<std::string> Engine::State::obey(const json& command) {
+Result<std::string> Engine::State::execute(const json& command) {
   const std::string name = command["command"].get<std::string>();
-  if (name == "record") return obey_record(command);
-  if (name == "sink") return obey_sink(command);
-  if (name == "replay") return obey_replay(command);
+  if (name == "record") return execute_record(command);
+  if (name == "sink") return execute_sink(command);
+  if (name == "replay") return execute_replay(command);
   if (name == "takes") return list_takes();
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }
 
-Result<std::string> Engine::State::obey_record(const json& command) {
+Result<std::string> Engine::State::execute_record(const json& command) {
   const auto on = command.find("on");
   if (on == command.end() || !on->is_boolean())
     return fail(ErrorCode::malformed, "\"on\" is missing", "record");
@@ -408,7 +408,7 @@ Result<std::string> Engine::State::obey_record(const json& command) {
   return text(json({{"take", path.string()}}));
 }
 
-Result<std::string> Engine::State::obey_sink(const json& command) {
+Result<std::string> Engine::State::execute_sink(const json& command) {
   if (const std::string address = text_of(command, "add"); !address.empty()) {
     MIEN_TRY(check_page_sink(address));
     MIEN_TRY(add_sink(address));
@@ -427,7 +427,7 @@ Result<std::string> Engine::State::obey_sink(const json& command) {
   return std::string();
 }
 
-Result<std::string> Engine::State::obey_replay(const json& command) {
+Result<std::string> Engine::State::execute_replay(const json& command) {
   if (const std::string name = text_of(command, "take"); !name.empty()) {
     if (!settings.make_session) return fail(ErrorCode::unsupported, "this session replays nothing", "replay");
     MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, name));
@@ -520,7 +520,7 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   s.stop = &stop;
   s.listener = listener;
   for (const session::Prompt& prompt : s.settings.prompts)
-    MIEN_TRY(s.loop.obey(session::write_command(session::AddPrompt{prompt})));
+    MIEN_TRY(s.loop.execute(session::write_command(session::AddPrompt{prompt})));
   s.begun = std::chrono::steady_clock::now();
   s.wake.assign(s.loop.signal().descriptor());
   s.wait_for_answers();

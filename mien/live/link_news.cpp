@@ -39,14 +39,14 @@ std::vector<LinkNews::Sentence> LinkNews::tell(HostTime now, std::span<const tak
     }
   }
   std::vector<Sentence> out;
-  const auto say = [&out](const char* kind, const std::vector<std::string>& names, const char* word) {
+  const auto add = [&out](const char* kind, const std::vector<std::string>& names, const char* word) {
     if (names.size() >= kMany)
       out.push_back({kind, fmt::format("{} sensors are {}", names.size(), word)});
     else
       for (const std::string& name : names) out.push_back({kind, fmt::format("{} is {}", name, word)});
   };
-  say("sensor_lost", lost, "lost");
-  say("sensor_back", back, "back");
+  add("sensor_lost", lost, "lost");
+  add("sensor_back", back, "back");
 
   // What was held back, when its time is over.
   for (auto& [name, sensor] : sensors_) {

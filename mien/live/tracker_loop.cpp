@@ -13,12 +13,12 @@ namespace {
 
 /// A second of frames.
 constexpr std::size_t kAnswers = 64;
-constexpr std::size_t kSaidBytes = std::size_t{1} << 18U;
+constexpr std::size_t kOutboxBytes = std::size_t{1} << 18U;
 /// How often devices are greeted, and a report is made each second time.
 constexpr Duration kLook = std::chrono::milliseconds(100);
 
-struct SaidHead {
-  Said::Kind kind;
+struct MessageHead {
+  OutgoingMessage::Kind kind;
   std::uint64_t to;
   std::int64_t number;
 };
@@ -35,13 +35,13 @@ TrackerLoop::TrackerLoop(session::Session& session, Intake& intake, Recorder& re
       recorder_(recorder),
       clock_(std::move(clock)),
       answers_(kAnswers),
-      said_(kSaidBytes) {}
+      said_(kOutboxBytes) {}
 
 TrackerLoop::~TrackerLoop() {
   stop();
 }
 
-Result<void> TrackerLoop::obey(std::string_view json) {
+Result<void> TrackerLoop::execute(std::string_view json) {
   recorder_.command(newest_, json);
   return session_.command(newest_, json);
 }
@@ -103,7 +103,7 @@ void TrackerLoop::take(const Arrived& arrived) {
     recorder_.command(arrived.arrival, json);
     const auto done = session_.command(arrived.arrival, json);
     const std::string error = done ? std::string() : done.error().message();
-    say({Said::Kind::reply, arrived.client, arrived.number, bytes_of(error)});
+    post({OutgoingMessage::Kind::reply, arrived.client, arrived.number, bytes_of(error)});
     hand_over_news(arrived.arrival);
     return;
   }
@@ -112,30 +112,30 @@ void TrackerLoop::take(const Arrived& arrived) {
     intake_.vouch(arrived.peer);
     recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples);
   }
-  if (!received.reply.empty()) say({Said::Kind::datagram, arrived.peer, 0, received.reply});
+  if (!received.reply.empty()) post({OutgoingMessage::Kind::datagram, arrived.peer, 0, received.reply});
 }
 
-void TrackerLoop::say(const Said& said) {
-  const std::span<std::byte> room = said_.claim(sizeof(SaidHead) + said.bytes.size());
+void TrackerLoop::post(const OutgoingMessage& said) {
+  const std::span<std::byte> room = said_.claim(sizeof(MessageHead) + said.bytes.size());
   if (room.empty()) return;  // The network's thread stands still: nobody would hear it.
-  const SaidHead head{said.kind, said.to, said.number};
+  const MessageHead head{said.kind, said.to, said.number};
   std::memcpy(room.data(), &head, sizeof(head));
   if (!said.bytes.empty()) std::memcpy(room.data() + sizeof(head), said.bytes.data(), said.bytes.size());
   said_.publish();
   out_.give();
 }
 
-std::optional<Said> TrackerLoop::front_said() {
+std::optional<OutgoingMessage> TrackerLoop::front_said() {
   const std::span<const std::byte> record = said_.front();
   if (record.empty()) return std::nullopt;
-  SaidHead head{};
+  MessageHead head{};
   std::memcpy(&head, record.data(), sizeof(head));
-  return Said{head.kind, head.to, head.number, record.subspan(sizeof(head))};
+  return OutgoingMessage{head.kind, head.to, head.number, record.subspan(sizeof(head))};
 }
 
-void TrackerLoop::say_event(std::string_view kind, std::string_view text) {
+void TrackerLoop::post_event(std::string_view kind, std::string_view text) {
   const std::string both = fmt::format("{} {}", kind, text);
-  say({Said::Kind::event, 0, 0, bytes_of(both)});
+  post({OutgoingMessage::Kind::event, 0, 0, bytes_of(both)});
 }
 
 void TrackerLoop::hand_over_news(HostTime now) {
@@ -143,9 +143,9 @@ void TrackerLoop::hand_over_news(HostTime now) {
   for (const take::Event& event : events) {
     recorder_.event(event);
     if (LinkNews::is_about_a_link(event)) continue;
-    if (const std::string words = event_text(event); !words.empty()) say_event(event.kind, words);
+    if (const std::string words = event_text(event); !words.empty()) post_event(event.kind, words);
   }
-  for (const LinkNews::Sentence& news : link_news_.tell(now, events)) say_event(news.kind, news.text);
+  for (const LinkNews::Sentence& news : link_news_.tell(now, events)) post_event(news.kind, news.text);
   const auto& versions = session_.versions();
   for (; versions_ < static_cast<std::int64_t>(versions.size()); ++versions_) {
     const session::CalibrationVersion& version = versions[static_cast<std::size_t>(versions_)];
@@ -160,9 +160,9 @@ void TrackerLoop::look_around(HostTime now) {
   outgoing_.clear();
   session_.heartbeats(now, outgoing_);
   for (const sensor::Protocol::Outgoing& said : outgoing_)
-    say({Said::Kind::datagram, said.peer, 0, said.datagram});
+    post({OutgoingMessage::Kind::datagram, said.peer, 0, said.datagram});
   if (++looks_ % 2 == 0) return;
-  for (const LinkNews::Sentence& news : link_news_.tell(now, {})) say_event(news.kind, news.text);
+  for (const LinkNews::Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
   session_.report(now, draft_);
   // A reader that holds it gets the next one.
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);

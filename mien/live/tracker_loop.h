@@ -26,7 +26,7 @@ struct Answer {
 };
 
 /// What the tracker's thread says beside frames.
-struct Said {
+struct OutgoingMessage {
   enum class Kind : std::uint8_t { datagram, reply, event };
   Kind kind = Kind::datagram;
   std::uint64_t to = 0;     ///< Peer of a datagram, client of a reply.
@@ -44,7 +44,7 @@ class TrackerLoop {
   ~TrackerLoop();  ///< As stop().
 
   /// Before start(): the session's first commands, logged as the page's. Errors: the session's.
-  [[nodiscard]] Result<void> obey(std::string_view json);
+  [[nodiscard]] Result<void> execute(std::string_view json);
   void start();
   /// Returns when the thread has ended.
   void stop();
@@ -52,7 +52,7 @@ class TrackerLoop {
   // Network thread.
   [[nodiscard]] Answer* front() { return answers_.front(); }
   void release() { answers_.release(); }
-  [[nodiscard]] std::optional<Said> front_said();
+  [[nodiscard]] std::optional<OutgoingMessage> front_said();
   void release_said() { said_.release(); }
   /// There is something to take.
   [[nodiscard]] Signal& signal() { return out_; }
@@ -66,9 +66,9 @@ class TrackerLoop {
   void run();
   void fire(HostTime now, HostTime cause);
   void take(const Arrived& arrived);
-  void say(const Said& said);
+  void post(const OutgoingMessage& said);
   void hand_over_news(HostTime now);
-  void say_event(std::string_view kind, std::string_view text);
+  void post_event(std::string_view kind, std::string_view text);
   void look_around(HostTime now);
 
   session::Session& session_;

@@ -50,20 +50,20 @@ void MarkerLog::add(HostTime arrival, std::span<const std::byte> datagram) {
   list->run.arrival.push_back(arrival);
 }
 
-std::vector<MarkerLog::Heard> MarkerLog::heard() const {
-  std::vector<Heard> all;
+std::vector<MarkerLog::Received> MarkerLog::received() const {
+  std::vector<Received> all;
   const auto add = [&](const Key& key, const Run& run) {
     const List& list = lists_.at(key);
     if (run.time_s.empty() || !list.named() || marker_list(list.names) != key.second) return;
-    Heard& heard = all.emplace_back();
-    heard.device = key.first;
-    heard.track = {
+    Received& received = all.emplace_back();
+    received.device = key.first;
+    received.track = {
         .name = "markers", .markers = list.names, .time_s = run.time_s, .position_m = run.position_m};
-    heard.arrival = run.arrival;
+    received.arrival = run.arrival;
   };
   for (const auto& [key, run] : ended_) add(key, run);
   for (const auto& [key, list] : lists_) add(key, list.run);
-  std::ranges::sort(all, [](const Heard& a, const Heard& b) {
+  std::ranges::sort(all, [](const Received& a, const Received& b) {
     return a.arrival.size() != b.arrival.size() ? a.arrival.size() > b.arrival.size()
            : a.device != b.device               ? a.device < b.device
                                                 : a.arrival < b.arrival;

@@ -21,7 +21,7 @@ namespace mien::mocap {
 class MarkerLog {
  public:
   /// One list of markers of one server, from one start of it.
-  struct Heard {
+  struct Received {
     std::uint64_t device = 0;
     MarkerTrack track;              ///< Times by the server's clock; named "markers".
     std::vector<HostTime> arrival;  ///< Of each frame.
@@ -30,7 +30,7 @@ class MarkerLog {
   /// A datagram of the log; one that is no marker packet changes nothing.
   void add(HostTime arrival, std::span<const std::byte> datagram);
   /// All whose names are known whole, the one with the most frames first. Others have not been named.
-  [[nodiscard]] std::vector<Heard> heard() const;
+  [[nodiscard]] std::vector<Received> received() const;
   /// Frames whose markers nobody named.
   [[nodiscard]] std::size_t unnamed() const;
 

@@ -18,7 +18,7 @@ class MarkerProtocol final : public sensor::Protocol {
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
   /// Nothing: servers are not spoken to.
-  void say(HostTime, std::vector<Outgoing>&) override {}
+  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 
 }  // namespace mien::mocap

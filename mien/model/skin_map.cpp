@@ -21,7 +21,7 @@ constexpr double kUnheard = 1e9;
 
 SkinMap::SkinMap(const Skin& skin, std::span<const float> mean)
     : sensors_(static_cast<Eigen::Index>(skin.wearer.size() / mean.size() / 3)),
-      heard_(static_cast<std::size_t>(sensors_), 0) {
+      masked_for_(static_cast<std::size_t>(sensors_), 0) {
   const Eigen::Index rows = 3 * sensors_, shapes = static_cast<Eigen::Index>(mean.size());
   const Eigen::MatrixXd standard =
       Eigen::Map<const RowMajor>(skin.standard.data(), rows, shapes).cast<double>();
@@ -38,14 +38,14 @@ SkinMap::SkinMap(const Skin& skin, std::span<const float> mean)
   masked_ = spread_;
   factor_ = Eigen::LLT<Eigen::MatrixXd>(rows);
   factor_.compute(masked_);
-  std::ranges::fill(heard_, std::uint8_t{1});
+  std::ranges::fill(masked_for_, std::uint8_t{1});
   turn_.setZero(rows);
   innovation_.setZero(rows);
 }
 
 void SkinMap::listen_to(std::span<const std::uint8_t> present) {
-  if (std::ranges::equal(present, heard_)) return;
-  std::ranges::copy(present, heard_.begin());
+  if (std::ranges::equal(present, masked_for_)) return;
+  std::ranges::copy(present, masked_for_.begin());
   masked_ = spread_;
   for (Eigen::Index s = 0; s < sensors_; ++s)
     if (present[static_cast<std::size_t>(s)] == 0) masked_.diagonal().segment<3>(3 * s).array() += kUnheard;

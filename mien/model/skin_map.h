@@ -49,7 +49,7 @@ class SkinMap {
   Eigen::MatrixXd moved_;   ///< (H0 - H) S H'.
   Eigen::VectorXd rest_;    ///< H m: what the sensors say of the mean pose.
   Eigen::VectorXd shift_;   ///< (H0 - H) m.
-  std::vector<std::uint8_t> heard_;
+  std::vector<std::uint8_t> masked_for_;
   Eigen::MatrixXd masked_;  ///< spread_ with those that are missing as unsure as can be.
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::VectorXd turn_, innovation_;

@@ -81,9 +81,9 @@ class Steps {
                        const std::string& as) {
     const std::string both = graph_.add("Concat", {x, state}, {{"axis", std::int64_t{1}}});
     const auto gates = graph_.split(graph_.add("Sigmoid", {linear(both, layer + ".gates")}), 2, 1);
-    const std::string heard = graph_.add("Mul", {gates[0], linear(state, layer + ".new_from_state")});
+    const std::string recalled = graph_.add("Mul", {gates[0], linear(state, layer + ".new_from_state")});
     const std::string fresh =
-        graph_.add("Tanh", {graph_.add("Add", {linear(x, layer + ".new_from_input"), heard})});
+        graph_.add("Tanh", {graph_.add("Add", {linear(x, layer + ".new_from_input"), recalled})});
     const std::string kept = graph_.add("Mul", {gates[1], graph_.add("Sub", {state, fresh})});
     return graph_.add("Add", {fresh, kept}, {}, as);
   }

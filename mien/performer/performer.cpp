@@ -31,7 +31,7 @@ Manner manner_of(const Segment& segment, const Style& style) {
   Manner manner{
       .loudness = style.articulation, .articulation = style.articulation, .prosody = style.head_liveliness};
   if (segment.block != Block::acted) {
-    manner.prosody *= 0.6;  // Calm.
+    manner.prosody *= 0.6;  // JitterFilter.
     return manner;
   }
   // Active emotions open the mouth and move the head, sadness takes both back.

@@ -167,7 +167,7 @@ Duration ClockModel::uncertainty(DeviceTime device) const {
 TimeLines::TimeLines(std::size_t sensor_count, std::optional<std::uint16_t> reference)
     : clocks_(sensor_count), reference_(reference) {}
 
-bool TimeLines::heard(std::uint16_t sensor) const {
+bool TimeLines::has_samples(std::uint16_t sensor) const {
   return sensor < clocks_.size() && (clocks_[sensor].on_line || clocks_[sensor].model.ready());
 }
 

@@ -108,7 +108,7 @@ class TimeLines {
   /// True once the line is decided; the conversions below need it.
   [[nodiscard]] bool ready() const { return basis_ != Basis::open; }
   [[nodiscard]] bool on_host_time() const { return basis_ == Basis::host; }
-  [[nodiscard]] bool heard(std::uint16_t sensor) const;
+  [[nodiscard]] bool has_samples(std::uint16_t sensor) const;
   /// One sensor's device time on the line, and back. The sensor has been heard.
   [[nodiscard]] DeviceTime to_line(std::uint16_t sensor, DeviceTime device) const;
   [[nodiscard]] DeviceTime from_line(std::uint16_t sensor, DeviceTime line) const;

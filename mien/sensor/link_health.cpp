@@ -239,10 +239,10 @@ void LinkHealth::begin_packet(HostTime arrival, const Sample& sample) {
 }
 
 void LinkHealth::add(HostTime arrival, const Sample& sample, bool saturated) {
-  if (!heard_) first_arrival_ = arrival;
-  const bool goes_on = heard_ && sample.sequence == packet_sequence_ && arrival == packet_arrival_ &&
+  if (!received_) first_arrival_ = arrival;
+  const bool goes_on = received_ && sample.sequence == packet_sequence_ && arrival == packet_arrival_ &&
                        sample.time > packet_time_;
-  heard_ = true;
+  received_ = true;
   estimated_ = sample.time_estimated;
   newest_arrival_ = arrival;
   if (!goes_on) begin_packet(arrival, sample);
@@ -254,7 +254,7 @@ void LinkHealth::add(HostTime arrival, const Sample& sample, bool saturated) {
 }
 
 LinkState LinkHealth::state(HostTime now, double loss, double late_share, std::int64_t breaks) const {
-  if (!heard_) return LinkState::silent;
+  if (!received_) return LinkState::silent;
   const Duration age = now - newest_arrival_;
   if (estimated_) {
     const bool answers = alive_ && now - *alive_ <= kLostAfterEstimated;
@@ -283,7 +283,7 @@ LinkReport LinkHealth::report(HostTime now, const std::optional<LinkClock>& cloc
                     .battery_percent = battery_,
                     .estimated = estimated_,
                     .clock = clock};
-  if (!heard_) return report;
+  if (!received_) return report;
   now = std::max(now, newest_arrival_);
   const std::int64_t present = bucket_number(now);
   std::int64_t packets = 0;

@@ -130,7 +130,7 @@ class LinkHealth {
   DeviceTime packet_time_;  // Of its newest sample.
   News packet_news_ = News::forward;
 
-  bool heard_ = false;
+  bool received_ = false;
   bool estimated_ = false;
   HostTime first_arrival_;
   HostTime newest_arrival_;

@@ -98,7 +98,7 @@ class Protocol {
   };
   /// What is due to be said unasked (heartbeats); to be asked about ten times a second. Changes nothing that
   /// receive() depends on.
-  virtual void say(HostTime now, std::vector<Outgoing>& out) = 0;
+  virtual void heartbeats(HostTime now, std::vector<Outgoing>& out) = 0;
 };
 
 }  // namespace mien::sensor

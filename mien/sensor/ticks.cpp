@@ -21,29 +21,29 @@ std::int64_t frame_at_or_after(DeviceTime time) {
 TickRule::TickRule(const Rig& rig)
     : lines_(rig.sensors.size(), rig.find(rig.reference)),
       reference_(rig.find(rig.reference)),
-      heard_(rig.sensors.size()) {}
+      received_(rig.sensors.size()) {}
 
 void TickRule::begin() {
   // From the earliest of what is there already, so that a line decided late does not skip what came before.
   std::optional<DeviceTime> first;
-  for (std::uint16_t i = 0; i < heard_.size(); ++i) {
-    if (!heard_[i].ever || !lines_.heard(i)) continue;
-    const DeviceTime time = lines_.to_line(i, heard_[i].newest);
+  for (std::uint16_t i = 0; i < received_.size(); ++i) {
+    if (!received_[i].ever || !lines_.has_samples(i)) continue;
+    const DeviceTime time = lines_.to_line(i, received_[i].newest);
     if (!first || time < *first) first = time;
   }
   if (first) next_ = frame_at_or_after(*first);
 }
 
 void TickRule::add(HostTime arrival, const Sample& sample) {
-  if (sample.sensor >= heard_.size()) return;
+  if (sample.sensor >= received_.size()) return;
   lines_.add(arrival, sample);
   newest_arrival_ = std::max(newest_arrival_, arrival);
-  Heard& heard = heard_[sample.sensor];
+  Received& received = received_[sample.sensor];
   // A board that began anew counts from its new time on.
-  const bool anew = heard.ever && heard.newest - sample.time > std::chrono::seconds(1);
-  if (!heard.ever || sample.time > heard.newest || anew) heard.newest = sample.time;
-  heard.arrival = arrival;
-  heard.ever = true;
+  const bool anew = received.ever && received.newest - sample.time > std::chrono::seconds(1);
+  if (!received.ever || sample.time > received.newest || anew) received.newest = sample.time;
+  received.arrival = arrival;
+  received.ever = true;
   if (reference_ == sample.sensor && sample.kind != SampleKind::imu_head_relative) follow_reference(sample);
   if (!next_ && lines_.ready()) begin();
 }
@@ -66,11 +66,11 @@ void TickRule::follow_reference(const Sample& sample) {
 
 bool TickRule::all_have(DeviceTime frame, HostTime now) const {
   bool any = false;
-  for (std::uint16_t i = 0; i < heard_.size(); ++i) {
-    const Heard& heard = heard_[i];
-    if (!heard.ever || now - heard.arrival > kHeard) continue;
+  for (std::uint16_t i = 0; i < received_.size(); ++i) {
+    const Received& received = received_[i];
+    if (!received.ever || now - received.arrival > kFresh) continue;
     any = true;
-    if (lines_.to_line(i, heard.newest) < frame) return false;
+    if (lines_.to_line(i, received.newest) < frame) return false;
   }
   return any;
 }
@@ -90,7 +90,7 @@ std::optional<HostTime> TickRule::deadline() const {
 
 void TickRule::forget(std::uint16_t sensor) {
   lines_.forget(sensor);
-  if (sensor < heard_.size()) heard_[sensor] = {};
+  if (sensor < received_.size()) received_[sensor] = {};
 }
 
 std::optional<FrameTick> TickRule::due(HostTime now) {

@@ -30,7 +30,7 @@ struct FrameTick {
 /// due(arrival) gives. Between entries: due(now) when deadline() has passed.
 class TickRule {
  public:
-  static constexpr Duration kHeard = std::chrono::milliseconds(100);
+  static constexpr Duration kFresh = std::chrono::milliseconds(100);
   static constexpr Duration kWait = std::chrono::milliseconds(8);
 
   explicit TickRule(const Rig& rig);
@@ -49,7 +49,7 @@ class TickRule {
   [[nodiscard]] const TimeLines& lines() const { return lines_; }
 
  private:
-  struct Heard {
+  struct Received {
     HostTime arrival;
     DeviceTime newest;
     bool ever = false;
@@ -60,7 +60,7 @@ class TickRule {
 
   TimeLines lines_;
   std::optional<std::uint16_t> reference_;
-  std::vector<Heard> heard_;
+  std::vector<Received> received_;
   HostTime newest_arrival_ = HostTime::min();
   std::optional<std::int64_t> next_;
   // The reference sends samples in packets; a sample in the middle of one comes with its end.

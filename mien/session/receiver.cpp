@@ -59,7 +59,7 @@ Receiver::Device* Receiver::meet(const DeviceKey& key, sensor::Peer peer, std::s
   Device& met = devices_.emplace_back();
   met.key = key;
   met.peer = peer;
-  met.heard = arrival;
+  met.received = arrival;
   met.protocol = protocol;
   for (const auto& [bound, sensor] : bound_)
     if (bound == key) met.sensor = sensor;
@@ -76,7 +76,7 @@ void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& 
     if (known.sensor) links_[*known.sensor] = Link();
     known.sensor = sensor;
   }
-  const bool was_received = links_[sensor].heard.has_value();
+  const bool was_received = links_[sensor].received.has_value();
   links_[sensor] = Link();
   ticks_.forget(sensor);
   consumer.rebound(sensor, key, was_received);
@@ -90,13 +90,13 @@ void Receiver::take_reading(HostTime arrival, sensor::Peer peer, std::size_t pro
     return;
   }
   // Another place, or another clock, while the one that is known still sends.
-  const Duration silent = arrival - from->heard;
+  const Duration silent = arrival - from->received;
   const Duration off = (reading.sample.time - from->newest) - silent;
   const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
   const bool impostor = (from->peer != peer && silent < kSamePlace) || (other_clock && silent < kSameBoard);
   if (!impostor) {
     from->peer = peer;
-    from->heard = arrival;
+    from->received = arrival;
     from->newest = reading.sample.time;
     if (const auto tapped = tap_.add(arrival, reading)) {
       const auto sensor = rig_.find(tap_.armed());
@@ -108,7 +108,7 @@ void Receiver::take_reading(HostTime arrival, sensor::Peer peer, std::size_t pro
   Link& link = links_[*from->sensor];
   link.health.add(arrival, reading.sample, reading.saturated);
   if (impostor) return;
-  link.heard = arrival;
+  link.received = arrival;
   link.newest = reading.sample.time;
   link.level = sensor::level(reading.sample);
   link.estimated = reading.sample.time_estimated;
@@ -177,14 +177,14 @@ Receiver::Received Receiver::receive(HostTime arrival, sensor::Peer peer, std::s
 }
 
 void Receiver::heartbeats(HostTime now, std::vector<sensor::Protocol::Outgoing>& out) {
-  for (const auto& protocol : protocols_) protocol->say(now, out);
+  for (const auto& protocol : protocols_) protocol->heartbeats(now, out);
 }
 
 void Receiver::watch_links(HostTime fired, const std::function<void(std::uint16_t, bool)>& changed) {
   for (std::uint16_t i = 0; i < links_.size(); ++i) {
     Link& link = links_[i];
-    if (!link.heard) continue;
-    const bool lost = fired - *link.heard > (link.estimated ? kLostEstimated : kLost);
+    if (!link.received) continue;
+    const bool lost = fired - *link.received > (link.estimated ? kLostEstimated : kLost);
     if (lost == link.lost) continue;
     link.lost = lost;
     changed(i, lost);
@@ -202,7 +202,7 @@ void Receiver::report(HostTime now, Report& out) const {
     link.device = bound == bound_.end() ? std::string() : sensor::format_device(bound->first);
     std::optional<sensor::LinkClock> clock;
     const sensor::TimeLines& lines = ticks_.lines();
-    if (links_[i].heard && lines.clock(i).ready()) {
+    if (links_[i].received && lines.clock(i).ready()) {
       const sensor::ClockModel& model = lines.clock(i);
       clock = sensor::LinkClock{
           .offset = model.to_host(links_[i].newest).time_since_epoch() - links_[i].newest.time_since_epoch(),
@@ -217,7 +217,7 @@ void Receiver::report(HostTime now, Report& out) const {
   for (const Device& known : devices_)
     if (!known.sensor)
       out.unbound.push_back({sensor::format_device(known.key), known.announces,
-                             std::string(protocols_[known.protocol]->name()), now - known.heard});
+                             std::string(protocols_[known.protocol]->name()), now - known.received});
 }
 
 }  // namespace mien::session

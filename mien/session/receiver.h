@@ -89,14 +89,14 @@ class Receiver {
     sensor::DeviceKey key;
     std::optional<std::uint16_t> sensor;
     sensor::Peer peer = 0;
-    HostTime heard;
+    HostTime received;
     DeviceTime newest;  // Of accepted samples.
     std::size_t protocol = 0;
     std::string announces;
   };
   struct Link {
     sensor::LinkHealth health;
-    std::optional<HostTime> heard;
+    std::optional<HostTime> received;
     DeviceTime newest;
     std::optional<float> level;
     bool estimated = false;

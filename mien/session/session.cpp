@@ -178,22 +178,22 @@ std::vector<take::Event> Session::take_events() {
 
 Result<void> Session::command(HostTime, std::string_view json) {
   MIEN_TRY_ASSIGN(const Command command, parse_command(json));
-  return std::visit([this](const auto& c) { return obey(c); }, command);
+  return std::visit([this](const auto& c) { return execute(c); }, command);
 }
 
-Result<void> Session::obey(const Calibrate& command) {
+Result<void> Session::execute(const Calibrate& command) {
   MIEN_TRY(check_versions());
   if (command.kind == Calibrate::Kind::wearer && !tracker_->guidance().learns_wearer)
     return fail(
         ErrorCode::unsupported, "nothing here learns a wearer", kSession,
         "it takes sensors on the skin and a model such as models/live.safetensors; or calibrate full");
-  MIEN_TRY(obey(CancelCalibration{}));
+  MIEN_TRY(execute(CancelCalibration{}));
   failure_ = {};
   guide_.begin(command.kind);
   return {};
 }
 
-Result<void> Session::obey(const CancelCalibration&) {
+Result<void> Session::execute(const CancelCalibration&) {
   if (guide_.running()) leave_guide("cancelled; the calibration before it is in force");
   return {};
 }
@@ -204,7 +204,7 @@ Result<void> Session::use_version(std::int64_t id) {
     return fail(ErrorCode::not_found, fmt::format("there is no calibration {}", id), kSession,
                 "choose one of the list");
   MIEN_TRY_ASSIGN(const shaping::Centre centre, shaping::parse_centre(found->centre, kSession));
-  MIEN_TRY(obey(CancelCalibration{}));
+  MIEN_TRY(execute(CancelCalibration{}));
   if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
   shaper_.use_centre(centre);
   in_force_ = id;
@@ -215,7 +215,7 @@ Result<void> Session::use_version(std::int64_t id) {
   return {};
 }
 
-Result<void> Session::obey(const UseCalibration& command) {
+Result<void> Session::execute(const UseCalibration& command) {
   return use_version(command.version);
 }
 
@@ -226,15 +226,15 @@ Result<void> Session::check_versions() const {
               "start a new one");
 }
 
-Result<void> Session::obey(const RestoreCalibration& command) {
+Result<void> Session::execute(const RestoreCalibration& command) {
   MIEN_TRY(check_versions());
-  MIEN_TRY(obey(CancelCalibration{}));
+  MIEN_TRY(execute(CancelCalibration{}));
   MIEN_TRY(tracker_->restore(command.json));
   add_version(newest_frame_, "restored", tracker_->scores());
   return {};
 }
 
-Result<void> Session::obey(const Recentre&) {
+Result<void> Session::execute(const Recentre&) {
   MIEN_TRY(check_versions());
   shaper_.recentre();
   recentring_ = true;
@@ -242,7 +242,7 @@ Result<void> Session::obey(const Recentre&) {
   return {};
 }
 
-Result<void> Session::obey(const Bind& command) {
+Result<void> Session::execute(const Bind& command) {
   const auto sensor = rig().find(command.sensor);
   if (!sensor)
     return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kSession,
@@ -251,14 +251,14 @@ Result<void> Session::obey(const Bind& command) {
   return {};
 }
 
-Result<void> Session::obey(const Tap& command) {
+Result<void> Session::execute(const Tap& command) {
   if (!command.sensor.empty() && !rig().find(command.sensor))
     return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kSession);
   receiver_->bind_by_tap(command.sensor);
   return {};
 }
 
-Result<void> Session::obey(const Shape& command) {
+Result<void> Session::execute(const Shape& command) {
   MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings,
                   shaping::parse_settings(command.json, kSession, shaper_.settings()));
   shaper_.set(settings);
@@ -266,11 +266,11 @@ Result<void> Session::obey(const Shape& command) {
   return {};
 }
 
-Result<void> Session::obey(const AddPrompt& command) {
+Result<void> Session::execute(const AddPrompt& command) {
   return prompter_.add(command.prompt);
 }
 
-Result<void> Session::obey(const Prompting& command) {
+Result<void> Session::execute(const Prompting& command) {
   switch (command.what) {
     case Prompting::Do::skip:
       return prompter_.skip();

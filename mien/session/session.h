@@ -104,16 +104,16 @@ class Session final : private SampleConsumer {
   void add_event(std::string kind, DeviceTime begin, DeviceTime end, std::string json = {});
   Result<void> use_version(std::int64_t id);
 
-  Result<void> obey(const Calibrate& command);
-  Result<void> obey(const CancelCalibration& command);
-  Result<void> obey(const UseCalibration& command);
-  Result<void> obey(const RestoreCalibration& command);
-  Result<void> obey(const Recentre& command);
-  Result<void> obey(const Bind& command);
-  Result<void> obey(const Tap& command);
-  Result<void> obey(const Shape& command);
-  Result<void> obey(const AddPrompt& command);
-  Result<void> obey(const Prompting& command);
+  Result<void> execute(const Calibrate& command);
+  Result<void> execute(const CancelCalibration& command);
+  Result<void> execute(const UseCalibration& command);
+  Result<void> execute(const RestoreCalibration& command);
+  Result<void> execute(const Recentre& command);
+  Result<void> execute(const Bind& command);
+  Result<void> execute(const Tap& command);
+  Result<void> execute(const Shape& command);
+  Result<void> execute(const AddPrompt& command);
+  Result<void> execute(const Prompting& command);
   void report_prompts(Report::Prompts& out) const;
 
   std::unique_ptr<Receiver> receiver_;

@@ -44,7 +44,7 @@ void CombinedTracker::add(HostTime arrival, const sensor::Sample& sample) {
   newest_ = std::max(newest_, arrival);
   if (sample.sensor >= member_of_.size() || member_of_[sample.sensor] == kNobodys) return;
   Member& member = members_[member_of_[sample.sensor]];
-  member.heard = arrival;
+  member.received = arrival;
   member.tracker->add(arrival, sample);
 }
 
@@ -67,12 +67,12 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
 }
 
 bool CombinedTracker::any_there() const {
-  return std::ranges::any_of(members_,
-                             [this](const Member& m) { return m.heard && newest_ - *m.heard <= kThere; });
+  return std::ranges::any_of(
+      members_, [this](const Member& m) { return m.received && newest_ - *m.received <= kThere; });
 }
 
 bool CombinedTracker::counts(const Member& member) const {
-  return (member.heard && newest_ - *member.heard <= kThere) || !any_there();
+  return (member.received && newest_ - *member.received <= kThere) || !any_there();
 }
 
 tracker::Guidance CombinedTracker::guidance() const {

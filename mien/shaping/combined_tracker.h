@@ -62,7 +62,7 @@ class CombinedTracker final : public tracker::Tracker {
   struct Member {
     std::unique_ptr<tracker::Tracker> tracker;
     std::vector<std::uint16_t> sensors;
-    std::optional<HostTime> heard;  // The newest sample of its own sensors.
+    std::optional<HostTime> received;  // The newest sample of its own sensors.
     face::OutputFrame frame;
   };
   [[nodiscard]] bool any_there() const;

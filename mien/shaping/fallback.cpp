@@ -29,7 +29,7 @@ void Fallback::lose(face::OutputFrame& frame) {
     from_ = shown_;
     since_ = phase_ == Phase::waiting ? frame.time : shown_.time;
     phase_ = Phase::lost;
-    letting_go_.stop();
+    ease_out_.stop();
   }
   const Fading fading(to_seconds(frame.time - since_), settings_);
   for (std::size_t part = 0; part < kPartCount; ++part) fading.apply(part, from_, frame);
@@ -39,14 +39,14 @@ void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_there) {
   const bool back = phase_ == Phase::lost;
   if (back) from_ = shown_;
   if (back || (phase_ == Phase::following && sensors_there != sensors_there_)) {
-    if (!letting_go_.going()) returning_ = back;
+    if (!ease_out_.going()) returning_ = back;
     since_ = shown_.time;
-    letting_go_.take_all(shown_, frame);
+    ease_out_.take_all(shown_, frame);
   }
   phase_ = Phase::following;
   sensors_there_ = sensors_there;
-  letting_go_.apply(frame, to_seconds(frame.time - shown_.time), settings_.return_s);
-  if (returning_ && letting_go_.going()) tell_of_return(frame);
+  ease_out_.apply(frame, to_seconds(frame.time - shown_.time), settings_.return_s);
+  if (returning_ && ease_out_.going()) tell_of_return(frame);
 }
 
 void Fallback::tell_of_return(face::OutputFrame& frame) const {

@@ -3,8 +3,8 @@
 #include <cstddef>
 
 #include "mien/face/output_frame.h"
+#include "mien/shaping/ease_out.h"
 #include "mien/shaping/fallback_settings.h"
-#include "mien/shaping/letting_go.h"
 
 namespace mien::shaping {
 
@@ -12,7 +12,7 @@ namespace mien::shaping {
 ///
 /// All lost: the last frame is held, then eased to neutral (Fading).
 /// Back, or another number of sensors there: what is shown goes on from where it was. The difference to the
-/// tracker's face is let go (LettingGo), so the tracker's own movement shows at once. The largest step a
+/// tracker's face is let go (EaseOut), so the tracker's own movement shows at once. The largest step a
 /// 60 Hz frame besides the face's own is 0.1 of the difference on the way back and 0.05 of the weight on the
 /// way to neutral.
 /// On frame time; no allocation; a frame that follows without a change keeps its bits.
@@ -43,7 +43,7 @@ class Fallback {
   face::OutputFrame from_;   // What was shown when sensors were lost, or when they came back.
   DeviceTime since_;         // Of the loss, or of the newest difference.
   bool returning_ = false;   // From a loss of all, not from a change.
-  LettingGo letting_go_;
+  EaseOut ease_out_;
 };
 
 }  // namespace mien::shaping

@@ -77,13 +77,13 @@ void Merge::set(const MergeSettings& settings, const FallbackSettings& times) {
 void Merge::reset() {
   std::ranges::fill(last_, neutral_frame({}));
   answers_.fill(kNobody);
-  letting_go_.stop();
+  ease_out_.stop();
   from_ = neutral_frame({});
   begun_ = known_ = false;
 }
 
-Merge::Say Merge::say(const Source& source, std::size_t part) {
-  Say out;
+Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
+  Vote out;
   const OutputFrame& frame = *source.frame;
   const bool shape = part < face::kShapeCount;
   const Provenance provenance = shape               ? frame.provenance[part]
@@ -100,16 +100,16 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
   const std::vector<std::uint8_t>& order = order_[kPlaces[part]];
   const std::uint8_t present = answers_[part];
   for (const std::uint8_t s : order) {
-    const Say said = say(sources[s], part);
-    if (said.knows && said.confidence >= (s == present ? settings_.unsure : settings_.sure)) return s;
+    const Vote vote = vote_of(sources[s], part);
+    if (vote.knows && vote.confidence >= (s == present ? settings_.unsure : settings_.sure)) return s;
   }
   const float ahead = settings_.sure - settings_.unsure;
   std::uint8_t best = kNobody;
   float most = 0;
   for (const std::uint8_t s : order) {
-    const Say said = say(sources[s], part);
-    const float counts = said.confidence + (s == present ? ahead : 0);
-    if (!said.knows || (best != kNobody && counts <= most)) continue;
+    const Vote vote = vote_of(sources[s], part);
+    const float counts = vote.confidence + (s == present ? ahead : 0);
+    if (!vote.knows || (best != kNobody && counts <= most)) continue;
     best = s;
     most = counts;
   }
@@ -140,17 +140,17 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
     answers_[part] = now;
     if (now != kNobody) {
       copy_part(*sources[now].frame, part, out);
-      if (begun_ && now != before) letting_go_.take(part, shown_, out);
+      if (begun_ && now != before) ease_out_.take(part, shown_, out);
       continue;
     }
     if (before != kNobody) {
       copy_part(shown_, part, from_);
       since_[part] = shown_.time;
-      letting_go_.stop(part);
+      ease_out_.stop(part);
     }
     Fading(to_seconds(time - since_[part]), times_).apply(part, from_, out);
   }
-  if (begun_) letting_go_.apply(out, to_seconds(time - shown_.time), times_.return_s);
+  if (begun_) ease_out_.apply(out, to_seconds(time - shown_.time), times_.return_s);
   shown_ = out;
   begun_ = true;
   return known_ ? behind : there;

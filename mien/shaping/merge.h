@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "mien/face/output_frame.h"
+#include "mien/shaping/ease_out.h"
 #include "mien/shaping/fallback_settings.h"
 #include "mien/shaping/frame_parts.h"
-#include "mien/shaping/letting_go.h"
 #include "mien/shaping/merge_settings.h"
 
 namespace mien::shaping {
@@ -26,7 +26,7 @@ namespace mien::shaping {
 /// 3. else nobody, since none that is there knows the shape (provenance neutral): it is held as it was shown,
 ///    then eased to neutral (Fading).
 ///
-/// A shape that changes hands goes on from what is shown, and the difference is let go (LettingGo). Both are
+/// A shape that changes hands goes on from what is shown, and the difference is let go (EaseOut). Both are
 /// how fallback loses all sensors and takes them up again, a shape at a time and with the same times: so a
 /// tracker that loses its sensors is replaced as softly as fallback brings one back, and one that only fills
 /// in (speech, from audio) needs nothing but a place at the order's end.
@@ -63,11 +63,11 @@ class Merge {
  private:
   static constexpr std::uint8_t kNobody = 0xFF;
   /// What one source says of one part of the frame.
-  struct Say {
+  struct Vote {
     bool knows = false;
     float confidence = 0;
   };
-  [[nodiscard]] static Say say(const Source& source, std::size_t part);
+  [[nodiscard]] static Vote vote_of(const Source& source, std::size_t part);
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;
 
   std::vector<std::string> modalities_;
@@ -76,7 +76,7 @@ class Merge {
   std::array<std::vector<std::uint8_t>, kMergePlaceCount> order_;  // Sources by number.
   std::vector<face::OutputFrame> last_;                            // Of each source, mended.
   std::array<std::uint8_t, kPartCount> answers_{};                 // Who, a part.
-  LettingGo letting_go_;
+  EaseOut ease_out_;
   face::OutputFrame from_;                      // What was shown of each part when nobody knew it any more.
   std::array<DeviceTime, kPartCount> since_{};  // And when.
   face::OutputFrame shown_;

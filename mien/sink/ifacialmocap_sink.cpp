@@ -71,8 +71,8 @@ class IFacialMocapSink final : public Sink {
     if (!code) socket.non_blocking(true, code);
     if (!code) socket.bind({protocol, port}, code);
     if (code) {
-      unheard_ = fmt::format("requests are not heard, port {}: {}", port, code.message());
-      return fail(ErrorCode::io, unheard_, address_);
+      no_requests_ = fmt::format("requests are not heard, port {}: {}", port, code.message());
+      return fail(ErrorCode::io, no_requests_, address_);
     }
     requests_ = std::move(socket);
     return {};
@@ -80,7 +80,7 @@ class IFacialMocapSink final : public Sink {
 
   void send(const face::OutputFrame& frame, std::int64_t frame_index) noexcept override {
     try {
-      hear_requests();
+      receive_requests();
       if (!pace_.due(frame_index)) return;
       const ArkitFrame arkit = arkit_frame(frame);
       std::array<bool, 2> encoded{};
@@ -122,12 +122,12 @@ class IFacialMocapSink final : public Sink {
       receivers = peers_.size();
     std::string note(describe(first_));
     if (note.empty())
-      note = tcp_asked_ ? "somebody asks for TCP, which is not spoken here; let it use UDP" : unheard_;
+      note = tcp_asked_ ? "somebody asks for TCP, which is not spoken here; let it use UDP" : no_requests_;
     return {address_, pace_.sent_count(), pace_.failed_count(), pace_.measured_hz(), receivers, note};
   }
 
  private:
-  void hear_requests() {
+  void receive_requests() {
     if (!requests_) return;
     for (int i = 0; i < kRequestsPerFrame; ++i) {
       std::array<std::byte, 256> bytes;
@@ -164,7 +164,7 @@ class IFacialMocapSink final : public Sink {
   std::array<Datagrams, 2> datagrams_;  ///< One a version.
   Delivery first_ = Delivery::taken;    ///< How the first receiver does.
   bool tcp_asked_ = false;
-  std::string unheard_;
+  std::string no_requests_;
 };
 
 }  // namespace

@@ -15,13 +15,13 @@ namespace {
 /// Adds to the frames what stands beside them.
 void complete(const take::Take& take, const model::ModelFile& file,
               std::span<const model::FeatureFrame> features, Solution& out) {
-  std::size_t felt = 0, all = 0;
+  std::size_t observed = 0, all = 0;
   for (const model::FeatureFrame& frame : features) {
     const auto there = std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation);
-    felt += static_cast<std::size_t>(there);
-    if (felt > 0) all += frame.sensors.size();
+    observed += static_cast<std::size_t>(there);
+    if (observed > 0) all += frame.sensors.size();
   }
-  out.felt = all > 0 ? static_cast<double>(felt) / static_cast<double>(all) : 0;
+  out.observed = all > 0 ? static_cast<double>(observed) / static_cast<double>(all) : 0;
   out.ridge = tracker::solve_ridge(file, features, take.rig().face_sensor_names(),
                                    take.header().devices == "lab" ? "lab" : "device");
   out.hash = hash_frames(out.frames);
@@ -107,8 +107,8 @@ Result<void> check_has_truth(const take::Take& take) {
   return {};
 }
 
-Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution) {
-  TakeEstimates out;
+Result<measure::TakeEstimates> with_truth(const take::Take& take, const Solution& solution) {
+  measure::TakeEstimates out;
   out.take = take.path().string();
   MIEN_TRY_ASSIGN(const std::vector<take::TruthFrame> truth, read_truth(take));
   // Truth stands on the ticks: pair them by time, and leave out ticks that it does not reach (a take cut

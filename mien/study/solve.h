@@ -8,7 +8,7 @@
 
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
-#include "mien/study/evaluation.h"
+#include "mien/measure/evaluation.h"
 #include "mien/take/take.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/personalise.h"
@@ -24,7 +24,7 @@ struct Solution {
       ridge;  ///< One a tick; empty when the model file has none for the profile.
   /// Share of the sensors' rotations that were there from the first on (before it they are calibrated); the
   /// rest was guessed without them. 0: there was none.
-  double felt = 0;
+  double observed = 0;
   /// What the model learnt of the wearer on the take's own prologue first, and how long it took; else none.
   std::optional<tracker::Personalisation> personalised;
   double personalise_s = 0;
@@ -74,6 +74,6 @@ struct Solution {
 [[nodiscard]] Result<void> check_has_truth(const take::Take& take);
 
 /// The solution beside the take's truth, for evaluate(). Errors: not_found (a take without truth).
-[[nodiscard]] Result<TakeEstimates> with_truth(const take::Take& take, const Solution& solution);
+[[nodiscard]] Result<measure::TakeEstimates> with_truth(const take::Take& take, const Solution& solution);
 
 }  // namespace mien::study

@@ -54,7 +54,7 @@ class Collected {
   Solution finish() {
     progress_(1, "frame by frame");
     const std::size_t all = measured_ * sensors_;
-    out_.felt = all > 0 ? static_cast<double>(present_) / static_cast<double>(all) : 0;
+    out_.observed = all > 0 ? static_cast<double>(present_) / static_cast<double>(all) : 0;
     out_.hash = hash_frames(out_.frames);
     return std::move(out_);
   }

@@ -22,7 +22,7 @@ void CausalTracker::use_wearer(const std::vector<float>& slopes) {
 
 void CausalTracker::reset() {
   state_.reset();
-  calm_.reset();
+  jitter_filter_.reset();
 }
 
 Result<CausalTracker> CausalTracker::create(model::ModelFile file,
@@ -44,7 +44,7 @@ void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame&
   input_.encode(features, condition_);
   network_.step(condition_, state_, answer_);
   writer_.write(features, input_, answer_, out);
-  calm_.apply(out.weights);
+  jitter_filter_.apply(out.weights);
 }
 
 }  // namespace mien::tracker

@@ -9,9 +9,9 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
-#include "mien/tracker/calm.h"
 #include "mien/tracker/frame_model.h"
 #include "mien/tracker/frame_writer.h"
+#include "mien/tracker/jitter_filter.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::tracker {
@@ -32,9 +32,9 @@ class CausalTracker final : public FrameModel {
                                                     const std::vector<std::string>& face_sensor_names,
                                                     model::Precision precision = kLivePrecision);
 
-  /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (Calm). No allocation;
-  /// about 25 us with the default model. The same frames after a reset give the same bits on one CPU family
-  /// and build.
+  /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (JitterFilter). No
+  /// allocation; about 25 us with the default model. The same frames after a reset give the same bits on one
+  /// CPU family and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
   /// Forgets the performance so far: as after create().
@@ -57,7 +57,7 @@ class CausalTracker final : public FrameModel {
   std::vector<float> condition_;
   std::array<float, face::kShapeCount> answer_{};
   FrameWriter writer_;
-  Calm calm_;
+  JitterFilter jitter_filter_;
 };
 
 }  // namespace mien::tracker

@@ -12,7 +12,7 @@ Crowd::Crowd(const model::ModelFile& file, model::CausalNetwork network,
              const std::vector<std::string>& face_sensor_names, std::size_t performers)
     : network_(std::move(network)),
       writer_(file),
-      calms_(performers),
+      jitter_filters_(performers),
       workspace_(network_, kTogether),
       inputs_(kTogether, ModelInput(file, face_sensor_names)),
       together_(kTogether),
@@ -52,7 +52,7 @@ void Crowd::step_together(std::span<const std::size_t> due, std::span<const mode
   for (std::size_t i = 0; i < count; ++i) {
     writer_.write(features[i], inputs_[i],
                   std::span(answers_).subspan(i * face::kShapeCount, face::kShapeCount), out[i]);
-    calms_[due[i]].apply(out[i].weights);
+    jitter_filters_[due[i]].apply(out[i].weights);
   }
 }
 

@@ -10,9 +10,9 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
-#include "mien/tracker/calm.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/frame_writer.h"
+#include "mien/tracker/jitter_filter.h"
 #include "mien/tracker/model_input.h"
 
 namespace mien::tracker {
@@ -36,7 +36,7 @@ class Crowd {
   /// Forgets one performer's performance so far.
   void reset(std::size_t performer) {
     states_[performer].reset();
-    calms_[performer].reset();
+    jitter_filters_[performer].reset();
   }
 
   [[nodiscard]] std::size_t performers() const { return states_.size(); }
@@ -54,7 +54,7 @@ class Crowd {
   model::CausalNetwork network_;
   FrameWriter writer_;
   std::vector<model::CausalNetwork::State> states_;
-  std::vector<Calm> calms_;
+  std::vector<JitterFilter> jitter_filters_;
   // Of those who go together:
   model::CausalNetwork::Workspace workspace_;
   std::vector<ModelInput> inputs_;

@@ -43,10 +43,10 @@ void FrameWriter::write(const model::FeatureFrame& features, const ModelInput& i
   out.time = features.time;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) out.weights[k] = model::from_network(answer[k]);
   for (std::size_t s = 0; s < input.sensor_count(); ++s)
-    if (input.felt(s))
+    if (input.present(s))
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
         out.confidence[k] += shares_[s * face::kShapeCount + k];
-  const std::size_t felt = input.felt_count();
+  const std::size_t felt = input.present_count();
   // Shares added up may miss 1 by a rounding.
   if (felt == input.sensor_count()) out.confidence.fill(1);
   for (float& confidence : out.confidence) confidence = std::min(confidence, 1.0F);

@@ -51,7 +51,7 @@ void ModelInput::encode(const model::FeatureFrame& frame, std::span<float> out) 
   model::encode_values(layout_, normalisation_, values_, present_, out);
 }
 
-std::size_t ModelInput::felt_count() const {
+std::size_t ModelInput::present_count() const {
   return static_cast<std::size_t>(
       std::count(present_.begin(), present_.begin() + static_cast<std::ptrdiff_t>(places_.size()), 1));
 }

@@ -32,9 +32,9 @@ class ModelInput {
   /// allocation.
   void encode(const model::FeatureFrame& frame, std::span<float> out);
   /// Whether the model's sensor `index` had a rotation in the last encoded frame.
-  [[nodiscard]] bool felt(std::size_t index) const { return present_[index] != 0; }
+  [[nodiscard]] bool present(std::size_t index) const { return present_[index] != 0; }
   /// Of how many of the model's sensors that is so.
-  [[nodiscard]] std::size_t felt_count() const;
+  [[nodiscard]] std::size_t present_count() const;
   [[nodiscard]] std::size_t sensor_count() const { return places_.size(); }
 
  private:

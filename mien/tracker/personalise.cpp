@@ -92,14 +92,14 @@ struct Posterior {
 
 Posterior answer(const Frame& frame, const MatrixXd& slopes) {
   const auto rows = static_cast<Index>(frame.there.size());
-  MatrixXd heard(rows, kShapes);
+  MatrixXd observation(rows, kShapes);
   VectorXd innovation(rows);
   for (Index i = 0; i < rows; ++i) {
-    heard.row(i) = slopes.row(frame.there[static_cast<std::size_t>(i)]);
-    innovation[i] = frame.turn[frame.there[static_cast<std::size_t>(i)]] - heard.row(i).dot(frame.mean);
+    observation.row(i) = slopes.row(frame.there[static_cast<std::size_t>(i)]);
+    innovation[i] = frame.turn[frame.there[static_cast<std::size_t>(i)]] - observation.row(i).dot(frame.mean);
   }
-  const MatrixXd cross = heard * frame.variance.asDiagonal();
-  MatrixXd spread = cross * heard.transpose();
+  const MatrixXd cross = observation * frame.variance.asDiagonal();
+  MatrixXd spread = cross * observation.transpose();
   spread.diagonal().array() += kNoiseRad * kNoiseRad;
   const Eigen::LLT<MatrixXd> factor(spread);
   const VectorXd solved = factor.solve(innovation);

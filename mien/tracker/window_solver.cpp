@@ -33,7 +33,7 @@ Result<std::vector<face::OutputFrame>> WindowSolver::solve(std::span<const model
   std::vector<std::size_t> felt;
   for (std::size_t f = 0; f < features.size(); ++f) {
     input.encode(features[f], std::span(condition).subspan(f * width, width));
-    felt.push_back(input.felt_count());
+    felt.push_back(input.present_count());
   }
   MIEN_TRY_ASSIGN(const std::vector<float> weights,
                   model::solve_windows(denoiser_, file_.schedule, condition, settings, progress));

@@ -13,7 +13,8 @@ namespace mien::virt {
 
 /// One board of a virtual performer, as the network sees it: when it says what, and what it makes of answers.
 /// A state machine without sockets and clocks: times are the sending machine's, passed in, and never run
-/// back. It speaks from its first say() on, so that a receiver finds it before the performance begins.
+/// back. It speaks from its first next_datagram() on, so that a receiver finds it before the performance
+/// begins.
 class Node {
  public:
   virtual ~Node() = default;
@@ -23,7 +24,7 @@ class Node {
   /// When it next has something to say; what has yet to be played is not known of.
   [[nodiscard]] virtual HostTime due() const = 0;
   /// The next datagram that is due at `now`; ask until there is none.
-  [[nodiscard]] virtual std::optional<std::vector<std::byte>> say(HostTime now) = 0;
+  [[nodiscard]] virtual std::optional<std::vector<std::byte>> next_datagram(HostTime now) = 0;
   /// A datagram from the receiver. What breaks its protocol's rules is ignored.
   virtual void receive(HostTime now, std::span<const std::byte> datagram) = 0;
 

@@ -83,10 +83,10 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   std::size_t sound_written = 0;
   bool stopped = false;
   // Sound goes in as it is heard, in pieces of half a second and what is left at the end.
-  const auto write_sound = [&](DeviceTime heard, bool last) {
+  const auto write_sound = [&](DeviceTime reached, bool last) {
     if (!request.sound) return;
     const Sound& sound = *request.sound;
-    const double at = std::max(0.0, to_seconds(heard - session.motion_start)) * sound.rate_hz;
+    const double at = std::max(0.0, to_seconds(reached - session.motion_start)) * sound.rate_hz;
     const std::size_t end =
         last ? sound.samples.size() : std::min(sound.samples.size(), static_cast<std::size_t>(at));
     if (end <= sound_written || (!last && end - sound_written < sound.rate_hz / 2)) return;

@@ -7,7 +7,7 @@
 #include "tests/app/program.h"
 #include "tests/tracker/tiny_model.h"
 
-namespace mien::app::test {
+namespace mien::app::test::bench_causal_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -69,4 +69,4 @@ TEST_F(BenchCausal, RefusesAPrecisionThatThereIsNot) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::bench_causal_test

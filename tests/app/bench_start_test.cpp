@@ -5,7 +5,7 @@
 
 #include "tests/app/program.h"
 
-namespace mien::app::test {
+namespace mien::app::test::bench_start_test {
 namespace {
 
 TEST(BenchStart, StartsSessionsUntilTheySendAndSaysHowLongItTook) {
@@ -21,4 +21,4 @@ TEST(BenchStart, StartsSessionsUntilTheySendAndSaysHowLongItTook) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::bench_start_test

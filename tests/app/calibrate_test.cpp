@@ -7,7 +7,7 @@
 
 #include "tests/app/program.h"
 
-namespace mien::app::test {
+namespace mien::app::test::calibrate_test {
 namespace {
 
 using nlohmann::json;
@@ -239,4 +239,4 @@ TEST(Calibrate, SomethingElseThereIsNotBelieved) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::calibrate_test

@@ -13,7 +13,7 @@
 
 #include "tests/app/program.h"
 
-namespace mien::app::test {
+namespace mien::app::test::child_program_test {
 namespace {
 
 std::vector<std::string> shell(const std::string& script) {
@@ -128,4 +128,4 @@ TEST(Child, NoProgramCannotBeBecome) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::child_program_test

@@ -10,7 +10,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::app::test {
+namespace mien::app::test::command_line_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -272,4 +272,4 @@ TEST_F(WrongInput, ADemoThatCannotEndDoesNotBegin) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::command_line_test

@@ -17,7 +17,7 @@
 #include "tests/app/program.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::app::test {
+namespace mien::app::test::kill_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -129,7 +129,7 @@ std::size_t rows(const std::string& curve) {
 }
 
 TEST(Killed, ATrainingGoesOnFromItsLastCheckpoint) {
-  if (!std::filesystem::exists(std::filesystem::path(MIEN_PROGRAM).parent_path() / "mien-train"))
+  if (!std::filesystem::exists(std::filesystem::path(test::program_path()).parent_path() / "mien-train"))
     GTEST_SKIP() << "no mien-train is built beside mien";
   const Folder folder;
   write(folder / "rig.toml", virt::test::kRig);
@@ -179,4 +179,4 @@ TEST(Killed, ATrainingGoesOnFromItsLastCheckpoint) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::kill_test

@@ -20,9 +20,10 @@
 #include "mien/take/take.h"
 #include "mien/virtual/session.h"
 #include "tests/app/program.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::app::test {
+namespace mien::app::test::live_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -104,7 +105,7 @@ int finish(pid_t process) {
 class LiveProgram : public testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(std::filesystem::path(MIEN_SOURCE_DIR) / "models/live.safetensors"))
+    if (!std::filesystem::exists(std::filesystem::path(project_path("models/live.safetensors"))))
       GTEST_SKIP() << "there is no models/live.safetensors";
     write(folder / "rig.toml", virt::test::kRig);
   }
@@ -223,9 +224,9 @@ TEST_F(LiveProgram, AFullDiskIsSaidAndTheCaptureGoesOn) {
   // A limit on the size of files stands for the disk: 400 blocks of 512 bytes, and no signal for who exceeds
   // it.
   const std::string take = folder / "full.mien";
-  const std::string line = std::string("ulimit -f 400; trap '' XFSZ; exec ") + MIEN_PROGRAM + " live --rig " +
-                           (folder / "rig.toml") + " --listen udp://127.0.0.1:0 --page off --json --record " +
-                           take;
+  const std::string line = std::string("ulimit -f 400; trap '' XFSZ; exec ") + test::program_path() +
+                           " live --rig " + (folder / "rig.toml") +
+                           " --listen udp://127.0.0.1:0 --page off --json --record " + take;
   Live live;
   live.process = ::fork();
   if (live.process == 0) {
@@ -279,10 +280,10 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
        "mien: --out vmc//there: ");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--record", folder / "x.txt"}, ".mien");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--key", folder / "rig.toml"}, "not a key file");
-  line({"--model", (std::filesystem::path(MIEN_SOURCE_DIR) / "models/default.safetensors").string(), "--page",
+  line({"--model", (std::filesystem::path(project_path("models/default.safetensors"))).string(), "--page",
         "off", "--listen", "udp://127.0.0.1:0"},
        "causal");
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::live_test

@@ -9,7 +9,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::app::test {
+namespace mien::app::test::main_job_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -200,4 +200,4 @@ TEST_F(MainJob, APathOfAnyBytesIsNoDefect) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::main_job_test

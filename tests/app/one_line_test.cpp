@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::app {
+namespace mien::app::one_line_test {
 namespace {
 
 TEST(OneLine, LeavesNothingThatATerminalObeys) {
@@ -20,4 +20,4 @@ TEST(OneLine, CutsWhatIsTooLong) {
 }
 
 }  // namespace
-}  // namespace mien::app
+}  // namespace mien::app::one_line_test

@@ -9,15 +9,16 @@
 #include "mien/model/model_file.h"
 #include "tests/app/program.h"
 #include "tests/model/random_network.h"
+#include "tests/project_path.h"
 
-namespace mien::app::test {
+namespace mien::app::test::onnx_test {
 namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
 
 bool onnxruntime_installed() {
-  return std::filesystem::exists(MIEN_SOURCE_DIR "/script/onnxruntime/node_modules/onnxruntime-node") &&
+  return std::filesystem::exists(project_path("script/onnxruntime/node_modules/onnxruntime-node")) &&
          std::system("node --version > /dev/null 2>&1") == 0;
 }
 
@@ -72,4 +73,4 @@ TEST_F(Onnx, WithoutNodeOneLineSaysWhatToInstall) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::onnx_test

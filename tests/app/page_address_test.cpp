@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mien::app {
+namespace mien::app::page_address_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -32,4 +32,4 @@ TEST(PageAddress, ThisMachineHasItsLoopbackLast) {
 }
 
 }  // namespace
-}  // namespace mien::app
+}  // namespace mien::app::page_address_test

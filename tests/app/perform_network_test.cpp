@@ -22,7 +22,7 @@
 #include "tests/app/program.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::app::test {
+namespace mien::app::test::perform_network_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -51,8 +51,9 @@ class Receiver {
   [[nodiscard]] std::uint16_t port() const { return port_; }
 
   /// Hears until `over`, answering as `answer` says.
-  void hear(const std::function<bool()>& over,
-            const std::function<std::vector<std::byte>(std::uint16_t, std::span<const std::byte>)>& answer) {
+  void receive(
+      const std::function<bool()>& over,
+      const std::function<std::vector<std::byte>(std::uint16_t, std::span<const std::byte>)>& answer) {
     std::array<std::byte, 2048> buffer{};
     for (;;) {
       sockaddr_in from{};
@@ -95,7 +96,7 @@ class PerformNetwork : public ::testing::Test {
       outcome = run(arguments);
       over = true;
     });
-    receiver.hear([&] { return over.load(); }, answer);
+    receiver.receive([&] { return over.load(); }, answer);
     performer.join();
     return outcome;
   }
@@ -183,15 +184,15 @@ TEST_F(PerformNetwork, AStopIsACleanEnd) {
       start(perform({"--to", to, "--wait", "0", "--loop"}), folder_ / "out", folder_ / "err");
   ASSERT_GT(process, 0);
   // Once the performance is on, and no sooner: the first samples say so.
-  bool heard = false;
-  receiver.hear([&] { return heard; },
-                [&](std::uint16_t, std::span<const std::byte> bytes) {
-                  if (imu::is_packet(bytes) && !heard) {
-                    heard = true;
-                    ::kill(process, SIGINT);
-                  }
-                  return std::vector<std::byte>();
-                });
+  bool received = false;
+  receiver.receive([&] { return received; },
+                   [&](std::uint16_t, std::span<const std::byte> bytes) {
+                     if (imu::is_packet(bytes) && !received) {
+                       received = true;
+                       ::kill(process, SIGINT);
+                     }
+                     return std::vector<std::byte>();
+                   });
   int status = 0;
   ::waitpid(process, &status, 0);
   EXPECT_TRUE(WIFEXITED(status));
@@ -224,4 +225,4 @@ TEST_F(PerformNetwork, WrongTargetsAreToldInOneLine) {
 }
 
 }  // namespace
-}  // namespace mien::app::test
+}  // namespace mien::app::test::perform_network_test

@@ -35,9 +35,14 @@ inline void write(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
 
+/// The built program, which stands beside its tests' folder.
+inline std::string program_path() {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path() / "app/mien").string();
+}
+
 /// Starts `mien` with nothing on its standard input; -1 when it cannot be started.
 inline pid_t start(std::vector<std::string> arguments, const std::string& out, const std::string& err) {
-  arguments.insert(arguments.begin(), MIEN_PROGRAM);
+  arguments.insert(arguments.begin(), program_path());
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
@@ -47,9 +52,9 @@ inline pid_t start(std::vector<std::string> arguments, const std::string& out, c
   posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   pid_t process = -1;
-  const int code = ::posix_spawn(&process, MIEN_PROGRAM, &actions, nullptr, argv.data(), environ);
+  const int code = ::posix_spawn(&process, program_path().c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  EXPECT_EQ(code, 0) << MIEN_PROGRAM;
+  EXPECT_EQ(code, 0) << program_path();
   return code == 0 ? process : -1;
 }
 

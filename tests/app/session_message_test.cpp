@@ -7,7 +7,7 @@
 #include "mien/live/page_messages.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::app {
+namespace mien::app::session_message_test {
 namespace {
 
 using nlohmann::json;
@@ -53,9 +53,9 @@ TEST(SessionMessage, AStatusComesBackAsTheSessionWroteIt) {
   EXPECT_EQ(read->links[0].sensor, virt::test::three_sensors().sensors[0].name);
   EXPECT_EQ(read->links[0].state, "good");
   EXPECT_EQ(read->links[1].state, "lost");
-  EXPECT_TRUE(read->links[0].heard());
-  EXPECT_FALSE(read->links[1].heard());
-  EXPECT_FALSE(read->links[2].heard());  // Silent.
+  EXPECT_TRUE(read->links[0].received());
+  EXPECT_FALSE(read->links[1].received());
+  EXPECT_FALSE(read->links[2].received());  // Silent.
   const session::Report::Calibration& calibration = read->calibration;
   EXPECT_EQ(calibration.state, "running");
   EXPECT_EQ(calibration.step, "nod");
@@ -150,4 +150,4 @@ TEST(SessionMessage, WhatCannotBeMeantIsRefused) {
 }
 
 }  // namespace
-}  // namespace mien::app
+}  // namespace mien::app::session_message_test

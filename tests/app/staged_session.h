@@ -54,7 +54,7 @@ class StagedSession {
                   return sink::hello_json(
                       live::hello_for(session_->rig(), "mien 0.0.0", "two shapes", {}, false));
                 },
-                [this](std::uint64_t client, std::string_view text) { obey(client, text); })
+                [this](std::uint64_t client, std::string_view text) { execute(client, text); })
                 .value();
     advance(HostTime(from_seconds(start_s)));
     beat();
@@ -84,7 +84,7 @@ class StagedSession {
  private:
   static constexpr auto kBeat = std::chrono::milliseconds(20);
 
-  void obey(std::uint64_t client, std::string_view text) {
+  void execute(std::uint64_t client, std::string_view text) {
     going_ = true;
     const auto number = nlohmann::json::parse(text).at("id").get<std::int64_t>();
     const auto done = session_->command(now_, text);

@@ -3,14 +3,15 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/app/program.h"
+#include "tests/project_path.h"
 
-namespace mien::app {
+namespace mien::app::study_live_test {
 namespace {
 
 // The smallest study that there is; what it measures, the study's own tests say.
 TEST(StudyLive, LeavesAPageATableAndFigures) {
   const test::Folder folder;
-  const std::string live = std::string(MIEN_SOURCE_DIR) + "/models/live.safetensors";
+  const std::string live = project_path("models/live.safetensors");
   const test::Outcome done = test::run({"study", "live", "--rows", "lab", "seen", "--performers", "1",
                                         "--seconds", "2", "--steps", "1", "--model", "twin=" + live,
                                         "--takes", folder / "none.csv", "--out", folder / "live", "--json"});
@@ -36,4 +37,4 @@ TEST(StudyLive, LeavesAPageATableAndFigures) {
 }
 
 }  // namespace
-}  // namespace mien::app
+}  // namespace mien::app::study_live_test

@@ -18,7 +18,7 @@
 #include "mien/core/rotation.h"
 #include "mien/core/units.h"
 
-namespace mien::builtin_face {
+namespace mien::builtin_face::builtin_face_test {
 namespace {
 
 std::vector<std::array<std::uint32_t, 3>> triangles_of(const face::Face& face, std::string_view part_name) {
@@ -565,4 +565,4 @@ TEST(BuiltinFace, HairComesOff) {
 }
 
 }  // namespace
-}  // namespace mien::builtin_face
+}  // namespace mien::builtin_face::builtin_face_test

@@ -5,8 +5,9 @@
 #include <string>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "tests/project_path.h"
 
-namespace mien::builtin_face {
+namespace mien::builtin_face::markers_test {
 namespace {
 
 const std::string kTwo = R"(name = "two"
@@ -21,7 +22,7 @@ position_m = [0, -0.066, 0.1088]
 )";
 
 TEST(Markers, ThePublishedSetIsThere) {
-  const auto set = read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml");
+  const auto set = read_markers(project_path("rigs/markers.toml"));
   ASSERT_TRUE(set) << set.error().message();
   EXPECT_EQ(set->markers.size(), 37u);
   EXPECT_EQ(set->of(MarkerRegion::eyes_nose).size(), 22u);
@@ -31,7 +32,7 @@ TEST(Markers, ThePublishedSetIsThere) {
 }
 
 TEST(Markers, StickToTheSkinOfEveryHead) {
-  const auto set = read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml");
+  const auto set = read_markers(project_path("rigs/markers.toml"));
   ASSERT_TRUE(set);
   const auto home = PlacedMarkers::place(builtin_face::make_builtin(), *set);
   const auto other =
@@ -115,4 +116,4 @@ TEST(Markers, RefuseNoneAndTooMany) {
 }
 
 }  // namespace
-}  // namespace mien::builtin_face
+}  // namespace mien::builtin_face::markers_test

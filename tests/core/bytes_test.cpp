@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-namespace mien {
+namespace mien::bytes_test {
 namespace {
 
 std::vector<std::byte> bytes_of(std::initializer_list<int> values) {
@@ -102,4 +102,4 @@ TEST(Crc32, SeesEverySingleBit) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::bytes_test

@@ -8,7 +8,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien {
+namespace mien::cobs_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -126,4 +126,4 @@ TEST(Cobs, WritesNothingPastItsRoom) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::cobs_test

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace mien {
+namespace mien::error_test {
 namespace {
 
 Result<int> half(int number) {
@@ -51,4 +51,4 @@ TEST(Error, TellsBadInputFromFailure) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::error_test

@@ -10,7 +10,7 @@
 
 #include "tests/folder.h"
 
-namespace mien {
+namespace mien::files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -129,4 +129,4 @@ TEST(FindResource, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::files_test

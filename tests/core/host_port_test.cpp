@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mien {
+namespace mien::host_port_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -48,4 +48,4 @@ TEST(HostPort, KnowsThisMachineByNamesThatNobodyElseCanHave) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::host_port_test

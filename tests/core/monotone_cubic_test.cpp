@@ -7,7 +7,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien {
+namespace mien::monotone_cubic_test {
 namespace {
 
 TEST(MonotoneCubic, OneSampleIsFlat) {
@@ -76,4 +76,4 @@ TEST(MonotoneCubic, NeverOvershoots) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::monotone_cubic_test

@@ -9,7 +9,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien {
+namespace mien::one_euro_test {
 namespace {
 
 DeviceTime at(double seconds) {
@@ -183,4 +183,4 @@ TEST(OneEuroRotation, TakesEitherSignAndRefusesWhatIsNoRotation) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::one_euro_test

@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-namespace mien {
+namespace mien::random_test {
 namespace {
 
 // splitmix64 from 0 gives E220A8397B1DCDAF, 6E789E6AA1B965F4, 06C45D188009454F, F88BB8A8724C81EC (its
@@ -159,4 +159,4 @@ TEST(Random, RotationDrawsInOrder) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::random_test

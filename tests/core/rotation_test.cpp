@@ -8,7 +8,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien {
+namespace mien::rotation_test {
 namespace {
 
 constexpr double kPi = M_PI;
@@ -180,4 +180,4 @@ TEST(Rotation, FitIsTheBestOne) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::rotation_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien {
+namespace mien::secret_test {
 namespace {
 
 TEST(Secret, IsTheSameOnlyWholly) {
@@ -15,4 +15,4 @@ TEST(Secret, IsTheSameOnlyWholly) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::secret_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace mien {
+namespace mien::sha256_test {
 namespace {
 
 std::string sha256_of(std::string_view text) {
@@ -44,4 +44,4 @@ TEST(Sha256, ValuesAreTheirBytes) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::sha256_test

@@ -6,7 +6,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien {
+namespace mien::sliding_median_test {
 namespace {
 
 double median_of(std::vector<double> values) {
@@ -50,4 +50,4 @@ TEST(SlidingMedian, BeginsAnew) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::sliding_median_test

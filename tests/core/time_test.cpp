@@ -4,7 +4,7 @@
 
 #include <type_traits>
 
-namespace mien {
+namespace mien::time_test {
 namespace {
 
 static_assert(!std::is_convertible_v<DeviceTime, HostTime>, "only a clock model may turn one into the other");
@@ -41,4 +41,4 @@ TEST(Time, FramesDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::time_test

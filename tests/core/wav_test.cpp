@@ -8,7 +8,7 @@
 
 #include "mien/core/bytes.h"
 
-namespace mien {
+namespace mien::wav_test {
 namespace {
 
 std::vector<std::byte> wav_of(std::uint16_t kind, std::uint16_t channels, std::uint32_t rate_hz,
@@ -88,4 +88,4 @@ TEST(Wav, RefusesEachFaultAlone) {
 }
 
 }  // namespace
-}  // namespace mien
+}  // namespace mien::wav_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace mien::eyewear {
+namespace mien::eyewear::ambient_test {
 namespace {
 
 constexpr double kRate_hz = 250;
@@ -112,4 +112,4 @@ TEST(AmbientFilter, AfterAPauseItBeginsAnew) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::ambient_test

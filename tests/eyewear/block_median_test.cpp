@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::eyewear {
+namespace mien::eyewear::block_median_test {
 namespace {
 
 TEST(BlockMedian, GivesOneValueForTen) {
@@ -28,4 +28,4 @@ TEST(BlockMedian, ForgetsAnUnfinishedTen) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::block_median_test

@@ -9,7 +9,7 @@
 #include "mien/core/cobs.h"
 #include "mien/core/random.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::eyewear_protocol_test {
 namespace {
 
 using sensor::DeviceKey;
@@ -54,18 +54,18 @@ struct Host {
 
   explicit Host(EyewearProtocolSettings settings = {}) : protocol(make(settings)) {}
 
-  Verdict hear(std::span<const std::byte> bytes, sensor::Peer peer = 0) {
+  Verdict receive(std::span<const std::byte> bytes, sensor::Peer peer = 0) {
     inbox.clear();
     now_s += 0.01;
     EXPECT_TRUE(protocol.recognises(bytes));
     return protocol.receive(at(now_s), peer, bytes, inbox);
   }
-  Verdict hear(std::string_view text, sensor::Peer peer = 0) {
-    return hear(std::as_bytes(std::span(text)), peer);
+  Verdict receive(std::string_view text, sensor::Peer peer = 0) {
+    return receive(std::as_bytes(std::span(text)), peer);
   }
   /// Lines until their number of values is believed.
   void meet(std::string_view text, sensor::Peer peer = 0) {
-    for (int i = 0; i < 8; ++i) EXPECT_EQ(hear(text, peer), Verdict::taken);
+    for (int i = 0; i < 8; ++i) EXPECT_EQ(receive(text, peer), Verdict::taken);
   }
   [[nodiscard]] float on(std::size_t channel) const { return inbox.readings.at(channel).sample.values[0]; }
   [[nodiscard]] float off(std::size_t channel) const { return inbox.readings.at(channel).sample.values[1]; }
@@ -77,7 +77,7 @@ TEST(EyewearProtocol, AScanGivesEveryChannelASample) {
   packet.battery_percent = 40;
   for (const auto& bytes : {encode_packet(packet).value(), framed(packet)}) {
     Host host;
-    EXPECT_EQ(host.hear(bytes), Verdict::taken);
+    EXPECT_EQ(host.receive(bytes), Verdict::taken);
     ASSERT_EQ(host.inbox.readings.size(), 20u);
     for (std::uint8_t c = 0; c < 20; ++c) {
       const sensor::Reading& reading = host.inbox.readings[c];
@@ -128,33 +128,33 @@ TEST(EyewearProtocol, DamagedFramesAreMalformedAndNothingElse) {
         frame.insert(frame.begin() + static_cast<std::ptrdiff_t>(where), frame[where]);
     }
     if (frame == good) continue;
-    EXPECT_EQ(host.hear(frame), Verdict::malformed);
+    EXPECT_EQ(host.receive(frame), Verdict::malformed);
     EXPECT_TRUE(host.inbox.readings.empty());
   }
-  EXPECT_EQ(host.hear(good), Verdict::taken);
+  EXPECT_EQ(host.receive(good), Verdict::taken);
 }
 
 TEST(EyewearProtocol, ALaterVersionIsIgnored) {
   Host host;
   auto datagram = encode_packet(scan()).value();
   datagram[4] = std::byte{2};
-  EXPECT_EQ(host.hear(datagram), Verdict::ignored);
+  EXPECT_EQ(host.receive(datagram), Verdict::ignored);
   std::vector<std::byte> frame;
   cobs_encode(datagram, frame);
-  EXPECT_EQ(host.hear(frame), Verdict::ignored);
+  EXPECT_EQ(host.receive(frame), Verdict::ignored);
 }
 
 TEST(EyewearProtocol, TextIsBelievedOnceEightLinesAgree) {
   Host host;
-  EXPECT_EQ(host.hear("56,789\r\n"),
+  EXPECT_EQ(host.receive("56,789\r\n"),
             Verdict::taken);  // The end of a line: the port was opened in its middle.
   EXPECT_TRUE(host.inbox.readings.empty());
   for (int i = 0; i < 7; ++i) {
-    EXPECT_EQ(host.hear("123,456,789\r\n"), Verdict::taken);
+    EXPECT_EQ(host.receive("123,456,789\r\n"), Verdict::taken);
     EXPECT_TRUE(host.inbox.readings.empty());
     EXPECT_EQ(host.inbox.alive, (DeviceKey{kTextDevice, 0}));
   }
-  EXPECT_EQ(host.hear("123,456,1023\r\n"), Verdict::taken);
+  EXPECT_EQ(host.receive("123,456,1023\r\n"), Verdict::taken);
   ASSERT_EQ(host.inbox.readings.size(), 3u);
   for (std::uint8_t c = 0; c < 3; ++c) {
     EXPECT_EQ(host.inbox.readings[c].from, (DeviceKey{kTextDevice, c}));
@@ -171,9 +171,9 @@ TEST(EyewearProtocol, LinesOfAnotherLengthAreMalformed) {
   Host host;
   host.meet("1,2,3");
   for (int i = 0; i < 20; ++i) {
-    EXPECT_EQ(host.hear("1,2"), Verdict::malformed);
-    EXPECT_EQ(host.hear("1,2,31,2,3"), Verdict::malformed);
-    EXPECT_EQ(host.hear("1,2,3"), Verdict::taken);
+    EXPECT_EQ(host.receive("1,2"), Verdict::malformed);
+    EXPECT_EQ(host.receive("1,2,31,2,3"), Verdict::malformed);
+    EXPECT_EQ(host.receive("1,2,3"), Verdict::taken);
     EXPECT_EQ(host.inbox.readings.size(), 3u);
   }
 }
@@ -183,31 +183,31 @@ TEST(EyewearProtocol, AnotherSketchIsBelievedInTime) {
   host.meet("1,2,3");
   // Fifty lines, half a second: a device that loses its commas would be believed no sooner.
   int malformed = 0;
-  while (host.hear("1,2,3,4") == Verdict::malformed) ++malformed;
+  while (host.receive("1,2,3,4") == Verdict::malformed) ++malformed;
   EXPECT_NEAR(malformed, 49, 1);
   for (int i = 0; i < 6; ++i) {
     EXPECT_TRUE(host.inbox.readings.empty());
-    EXPECT_EQ(host.hear("1,2,3,4"), Verdict::taken);
+    EXPECT_EQ(host.receive("1,2,3,4"), Verdict::taken);
   }
-  EXPECT_EQ(host.hear("1,2,3,4"), Verdict::taken);
+  EXPECT_EQ(host.receive("1,2,3,4"), Verdict::taken);
   EXPECT_EQ(host.inbox.readings.size(), 4u);
-  EXPECT_EQ(host.hear("1,2,3"), Verdict::malformed);
+  EXPECT_EQ(host.receive("1,2,3"), Verdict::malformed);
 }
 
 TEST(EyewearProtocol, AHeaderSaysThatValuesArePairs) {
   Host host;
   host.meet("1,2,3,4");
-  EXPECT_EQ(host.hear("# mien on off bits 12"), Verdict::taken);
-  for (int i = 0; i < 7; ++i) EXPECT_EQ(host.hear("4000,10,4095,4095"), Verdict::taken);
+  EXPECT_EQ(host.receive("# mien on off bits 12"), Verdict::taken);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(host.receive("4000,10,4095,4095"), Verdict::taken);
   EXPECT_TRUE(host.inbox.readings.empty());
-  EXPECT_EQ(host.hear("4000,10,4095,4095"), Verdict::taken);
+  EXPECT_EQ(host.receive("4000,10,4095,4095"), Verdict::taken);
   ASSERT_EQ(host.inbox.readings.size(), 2u);
   EXPECT_FLOAT_EQ(host.on(0), 4000.0F / 4095);
   EXPECT_FLOAT_EQ(host.off(0), 10.0F / 4095);
   EXPECT_FALSE(host.inbox.readings[0].saturated);
   EXPECT_TRUE(host.inbox.readings[1].saturated);
   for (const char* text : {"1,2,3", "4096,1,1,1", "-1,1,1,1"}) {
-    EXPECT_EQ(host.hear(text), Verdict::malformed) << text;
+    EXPECT_EQ(host.receive(text), Verdict::malformed) << text;
     EXPECT_TRUE(host.inbox.readings.empty());
   }
 }
@@ -218,7 +218,7 @@ TEST(EyewearProtocol, ANegativeDifferenceKeepsItsWorth) {
   EXPECT_FLOAT_EQ(host.on(0) - host.off(0), -5.0F / 1023);
   EXPECT_FLOAT_EQ(host.on(1) - host.off(1), 5.0F / 1023);
   EXPECT_TRUE(host.inbox.readings[2].saturated);
-  EXPECT_EQ(host.hear("-1024,1,1"), Verdict::malformed);
+  EXPECT_EQ(host.receive("-1024,1,1"), Verdict::malformed);
 }
 
 TEST(EyewearProtocol, SettingsSayTheBitsOfText) {
@@ -231,12 +231,12 @@ TEST(EyewearProtocol, SettingsSayTheBitsOfText) {
 
 TEST(EyewearProtocol, EveryPlaceThatTextComesFromIsADevice) {
   Host host;
-  EXPECT_EQ(host.hear("garbage", 99), Verdict::malformed);  // Makes none.
+  EXPECT_EQ(host.receive("garbage", 99), Verdict::malformed);  // Makes none.
   for (sensor::Peer peer = 0; peer < kMaxTextDevices; ++peer) {
     host.meet("1", 7 + peer);
     EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice + peer, 0}));
   }
-  EXPECT_EQ(host.hear("1", 6), Verdict::refused);
+  EXPECT_EQ(host.receive("1", 6), Verdict::refused);
   host.meet("1", 7);
   EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice, 0}));
 }
@@ -244,12 +244,12 @@ TEST(EyewearProtocol, EveryPlaceThatTextComesFromIsADevice) {
 TEST(EyewearProtocol, WhatIsNoScanIsTold) {
   Host host;
   host.meet("1,2");
-  EXPECT_EQ(host.hear("# my eyewear, March"), Verdict::ignored);
-  EXPECT_EQ(host.hear("rst:0x1 (POWERON_RESET)"), Verdict::malformed);
-  EXPECT_EQ(host.hear("1,,2"), Verdict::malformed);
-  EXPECT_EQ(host.hear("1,5000"), Verdict::malformed);
-  EXPECT_EQ(host.hear("# mien off"), Verdict::malformed);
-  EXPECT_EQ(host.hear("1,2"), Verdict::taken);
+  EXPECT_EQ(host.receive("# my eyewear, March"), Verdict::ignored);
+  EXPECT_EQ(host.receive("rst:0x1 (POWERON_RESET)"), Verdict::malformed);
+  EXPECT_EQ(host.receive("1,,2"), Verdict::malformed);
+  EXPECT_EQ(host.receive("1,5000"), Verdict::malformed);
+  EXPECT_EQ(host.receive("# mien off"), Verdict::malformed);
+  EXPECT_EQ(host.receive("1,2"), Verdict::taken);
   EXPECT_EQ(host.inbox.readings.size(), 2u);
 }
 
@@ -340,4 +340,4 @@ TEST(EyewearProtocol, WhatIsMalformedLeavesNoTrace) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::eyewear_protocol_test

@@ -7,7 +7,7 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "tests/eyewear/glasses.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::eyewear_tracker_test {
 namespace {
 
 using face::Provenance;
@@ -247,4 +247,4 @@ TEST(EyewearTracker, RefusesAModelOfOtherMarkersAndARigWithoutEyes) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::eyewear_tracker_test

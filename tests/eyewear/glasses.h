@@ -12,6 +12,7 @@
 #include "mien/eyewear/marker_regressor.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
+#include "tests/project_path.h"
 
 // A pair of glasses without skin, wire and markers of a real set: lights that are given by formula.
 namespace mien::eyewear::test {
@@ -99,7 +100,7 @@ class ClockedGrid : public LightGrid {
 
 /// Markers of lips and jaw, which tell how far a jaw is open and a mouth smiles.
 inline builtin_face::MarkerSet mouth_markers() {
-  builtin_face::MarkerSet set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+  builtin_face::MarkerSet set = builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   const std::vector<std::size_t> mouth = set.of(builtin_face::MarkerRegion::mouth);
   builtin_face::MarkerSet kept;
   kept.name = "mouth";

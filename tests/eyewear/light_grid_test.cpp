@@ -6,7 +6,7 @@
 
 #include "tests/eyewear/glasses.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::light_grid_test {
 namespace {
 
 using test::Glasses;
@@ -127,4 +127,4 @@ TEST(LightGrid, OnlyPhotoReflectiveSensorsCount) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::light_grid_test

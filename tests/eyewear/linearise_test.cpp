@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace mien::eyewear {
+namespace mien::eyewear::linearise_test {
 namespace {
 
 /// Light that rises to 3 mm and falls as 1 / (d + 2 mm)^2 beyond.
@@ -62,4 +62,4 @@ TEST(Linearisation, RefusesBenchesThatSayTooLittle) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::linearise_test

@@ -6,7 +6,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::marker_model_test {
 namespace {
 
 Eigen::MatrixXd drawn(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
@@ -78,4 +78,4 @@ TEST(MarkerModel, RefusesWhatItCannotFit) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::marker_model_test

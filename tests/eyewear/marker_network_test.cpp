@@ -8,7 +8,7 @@
 #include "tests/eyewear/small_marker_network.h"
 #include "tests/folder.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::marker_network_test {
 namespace {
 
 using test::small_marker_network;
@@ -101,4 +101,4 @@ TEST(NetworkRegressor, TakesWhatIsMissingOrNotFiniteAsMissing) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::marker_network_test

@@ -6,7 +6,7 @@
 
 #include "tests/eyewear/glasses.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::normalisation_test {
 namespace {
 
 GridLight lights(double a, double b, bool b_there = true) {
@@ -130,4 +130,4 @@ TEST(Normalisation, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::normalisation_test

@@ -9,7 +9,7 @@
 #include "mien/core/random.h"
 #include "tests/hex.h"
 
-namespace mien::eyewear {
+namespace mien::eyewear::packet_test {
 namespace {
 
 using sensor::Sample;
@@ -224,4 +224,4 @@ TEST(EyewearPacket, WritesNothingThatItWouldNotRead) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::packet_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace mien::eyewear {
+namespace mien::eyewear::text_line_test {
 namespace {
 
 using testing::ElementsAre;
@@ -97,4 +97,4 @@ TEST(TextLine, IsToldFromBytes) {
 }
 
 }  // namespace
-}  // namespace mien::eyewear
+}  // namespace mien::eyewear::text_line_test

@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace mien::face {
+namespace mien::face::anchors_test {
 namespace {
 
 TEST(Anchors, EachAsksForSomethingThatNoOtherAsksFor) {
@@ -35,4 +35,4 @@ TEST(Anchors, TheRangeAsksForBothSidesUnlessItNamesOne) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::anchors_test

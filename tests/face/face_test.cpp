@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace mien::face {
+namespace mien::face::face_test {
 namespace {
 
 /// A square in the XY plane; jawOpen moves one corner, tongueOut another; the last two vertices are eyeballs.
@@ -82,4 +82,4 @@ TEST(Face, PartsOfItAreFoundByName) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::face_test

@@ -16,7 +16,7 @@
 #include "mien/core/files.h"
 #include "tests/folder.h"
 
-namespace mien::face {
+namespace mien::face::gltf_import_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -424,4 +424,4 @@ TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::gltf_import_test

@@ -15,8 +15,9 @@
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/ict_cache.h"
+#include "tests/project_path.h"
 
-namespace mien::face {
+namespace mien::face::ict_import_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -259,7 +260,7 @@ class RealIct : public ::testing::Test {
   }
   static fs::path folder() {
     const char* named = std::getenv("MIEN_ICT_FOLDER");
-    return named != nullptr ? named : MIEN_SOURCE_DIR "/../build/ict/FaceXModel";
+    return named != nullptr ? named : project_path("../build/ict/FaceXModel");
   }
   static const std::optional<IctModel>& model() {
     static const std::optional<IctModel> read = [] {
@@ -365,4 +366,4 @@ TEST_F(RealIct, MakesOtherPeopleWithTheSameExpressions) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::ict_import_test

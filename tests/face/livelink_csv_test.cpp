@@ -14,8 +14,9 @@
 #include "mien/core/random.h"
 #include "mien/face/load_motion.h"
 #include "tests/folder.h"
+#include "tests/project_path.h"
 
-namespace mien::face {
+namespace mien::face::livelink_csv_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -326,7 +327,7 @@ TEST(LiveLinkExport, ClampsMouthCloseAndDerivesTheEyes) {
 class RealPerformance : public ::testing::TestWithParam<const char*> {
  protected:
   std::filesystem::path path() const {
-    return std::filesystem::path(MIEN_SOURCE_DIR "/../shared/data/performances") / GetParam();
+    return std::filesystem::path(project_path("../shared/data/performances")) / GetParam();
   }
 };
 
@@ -370,4 +371,4 @@ TEST(LoadMotion, TellsWhatIsWrongInOneLine) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::livelink_csv_test

@@ -7,7 +7,7 @@
 
 #include "mien/builtin_face/builtin_face.h"
 
-namespace mien::face {
+namespace mien::face::marker_deformation_test {
 namespace {
 
 /// A marker on each of the built-in face's landmarks of brows, nose and lips.
@@ -76,4 +76,4 @@ TEST(MarkerDeformation, RefusesWhatItCannotHold) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::marker_deformation_test

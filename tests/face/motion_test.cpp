@@ -8,8 +8,9 @@
 
 #include "mien/core/random.h"
 #include "mien/face/load_motion.h"
+#include "tests/project_path.h"
 
-namespace mien::face {
+namespace mien::face::motion_test {
 namespace {
 
 constexpr std::size_t kJaw = shape("jawOpen");
@@ -131,7 +132,7 @@ TEST(MotionCurve, OfNothingHasNoFace) {
 }
 
 TEST(MotionCurve, FollowsARealPerformanceOnItsOwnTimeCode) {
-  const std::filesystem::path path = MIEN_SOURCE_DIR "/../shared/data/performances/alex_rom_3.csv";
+  const std::filesystem::path path = project_path("../shared/data/performances/alex_rom_3.csv");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path << ": the real performance is not here";
   auto motion = load_motion(path);
   ASSERT_TRUE(motion) << motion.error().message();
@@ -144,4 +145,4 @@ TEST(MotionCurve, FollowsARealPerformanceOnItsOwnTimeCode) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::motion_test

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace mien::face {
+namespace mien::face::obj_test {
 namespace {
 
 TEST(Obj, ReadsPolygonsOfEveryNotationAsFans) {
@@ -88,4 +88,4 @@ TEST(Obj, WhatIsWrittenReadsBackTheSame) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::obj_test

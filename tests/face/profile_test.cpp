@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-namespace mien::face {
+namespace mien::face::profile_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -99,4 +99,4 @@ TEST(Profile, TheWayBackTakesTheMeanOfTheSidesAndHoldsMouthClose) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::profile_test

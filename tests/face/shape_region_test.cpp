@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace mien::face {
+namespace mien::face::shape_region_test {
 namespace {
 
 TEST(ShapeRegion, EveryShapeStandsWhereItActs) {
@@ -24,4 +24,4 @@ TEST(ShapeRegion, EveryShapeStandsWhereItActs) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::shape_region_test

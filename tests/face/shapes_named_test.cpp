@@ -6,7 +6,7 @@
 
 #include "mien/face/profile.h"
 
-namespace mien::face {
+namespace mien::face::shapes_named_test {
 namespace {
 
 TEST(ShapesNamed, OneOrBothSidesOrNone) {
@@ -19,4 +19,4 @@ TEST(ShapesNamed, OneOrBothSidesOrNone) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::shapes_named_test

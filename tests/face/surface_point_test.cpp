@@ -4,7 +4,7 @@
 
 #include "mien/builtin_face/builtin_face.h"
 
-namespace mien::face {
+namespace mien::face::surface_point_test {
 namespace {
 
 /// Two triangles of a square in z = 0, of which one corner can be lifted.
@@ -43,4 +43,4 @@ TEST(SurfacePoint, LandmarksAlignAFaceWithItself) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::surface_point_test

@@ -10,7 +10,7 @@
 #include "mien/core/random.h"
 #include "mien/core/time.h"
 
-namespace mien::face {
+namespace mien::face::weight_solver_test {
 namespace {
 
 /// The built-in face's landmarks as points: 68 of them, on lids, brows, nose, lips and jaw.
@@ -69,7 +69,7 @@ BlendshapeWeights speaking(double t) {
 }
 
 TEST(WeightSolver, FindsTheFaceThatMovedThePoints) {
-  WeightSolver solver = face::solver();
+  WeightSolver solver = weight_solver_test::solver();
   double worst_mm = 0, error = 0;
   int frames = 0;
   for (int i = 0; i < 300; ++i) {
@@ -86,7 +86,7 @@ TEST(WeightSolver, FindsTheFaceThatMovedThePoints) {
 }
 
 TEST(WeightSolver, KeepsBoundsAndTheRulesOfTheFaceWhateverItIsGiven) {
-  WeightSolver solver = face::solver();
+  WeightSolver solver = weight_solver_test::solver();
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     Eigen::VectorXd wild = points().neutral_m;
@@ -121,7 +121,7 @@ TEST(WeightSolver, IsCalmWhereThePointsShake) {
   const auto jitter = [](double smooth) {
     WeightSolverSettings settings;
     settings.smooth = smooth;
-    WeightSolver solver = face::solver(settings);
+    WeightSolver solver = weight_solver_test::solver(settings);
     Random random(5);
     BlendshapeWeights truth, last;
     truth[shape("jawOpen")] = 0.3F;
@@ -148,7 +148,7 @@ TEST(WeightSolver, LeavesOutWhatIsNotTrustedOrNotThere) {
     seen.segment<3>(static_cast<Eigen::Index>(3 * i)).setConstant(5);
   }
   seen[3 * 60] = std::numeric_limits<double>::quiet_NaN();
-  WeightSolver solver = face::solver();
+  WeightSolver solver = weight_solver_test::solver();
   BlendshapeWeights found;
   for (int i = 0; i < 20; ++i) solver.solve(seen, trust, 1 / 60.0, found);
   EXPECT_LT(points().apart_mm(truth, found), 1.0);
@@ -191,4 +191,4 @@ TEST(WeightSolver, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace mien::face
+}  // namespace mien::face::weight_solver_test

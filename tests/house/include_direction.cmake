@@ -4,7 +4,7 @@
 cmake_minimum_required(VERSION 3.25)
 
 set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear onnx headset speech shaping
-    session modalities sink render virtual study media train live)
+    session modalities sink render measure virtual study media train live)
 set(core_knows)
 set(face_knows core)
 set(builtin_face_knows face)
@@ -26,7 +26,8 @@ set(modalities_knows imu eyewear headset speech mocap session)
 set(sink_knows face)
 set(render_knows face)
 set(virtual_knows performer modalities render)
-set(study_knows virtual)
+set(measure_knows take)
+set(study_knows measure virtual)
 set(media_knows face)
 set(train_knows study)
 set(live_knows modalities sink)

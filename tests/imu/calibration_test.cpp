@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace mien::imu {
+namespace mien::imu::calibration_test {
 namespace {
 
 Calibration example() {
@@ -62,4 +62,4 @@ TEST(Calibration, AnEmptyListOfScoresPassesNothing) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::calibration_test

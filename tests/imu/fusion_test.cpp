@@ -12,8 +12,9 @@
 
 #include "mien/core/random.h"
 #include "mien/core/units.h"
+#include "tests/project_path.h"
 
-namespace mien::imu {
+namespace mien::imu::fusion_test {
 namespace {
 
 /// Angle between where the filter thinks up is and where it is, in the sensor's frame.
@@ -242,7 +243,7 @@ class Broad : public testing::TestWithParam<Trial> {};
 
 TEST_P(Broad, InclinationBeatsAPlainMahonyFilter) {
   const std::filesystem::path path =
-      std::filesystem::path(MIEN_SOURCE_DIR "/../shared/data/imu/broad") / GetParam().file;
+      std::filesystem::path(project_path("../shared/data/imu/broad")) / GetParam().file;
   std::ifstream in(path);
   if (!in) GTEST_SKIP() << "no BROAD trial at " << path << ": nothing measured";
   std::string line;
@@ -299,4 +300,4 @@ TEST(Fusion, ARateAtTheEndOfItsRangeMakesTheOrientationUnsure) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::fusion_test

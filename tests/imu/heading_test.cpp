@@ -8,7 +8,7 @@
 #include "mien/core/random.h"
 #include "mien/core/units.h"
 
-namespace mien::imu {
+namespace mien::imu::heading_test {
 namespace {
 
 Quat about(const Vec3& axis, double angle) {
@@ -257,4 +257,4 @@ TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::heading_test

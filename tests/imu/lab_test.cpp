@@ -3,7 +3,7 @@
 #include "mien/imu/pipeline.h"
 #include "tests/imu/clocked_pipeline.h"
 
-namespace mien::imu {
+namespace mien::imu::lab_test {
 namespace {
 
 sensor::Rig two_sensors() {
@@ -75,4 +75,4 @@ TEST(Lab, UnknownSensorsAndShortSamplesAreIgnored) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::lab_test

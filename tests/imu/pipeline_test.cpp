@@ -13,7 +13,7 @@
 #include "tests/imu/clocked_pipeline.h"
 #include "tests/imu/nodding_head.h"
 
-namespace mien::imu {
+namespace mien::imu::pipeline_test {
 namespace {
 
 using testing_head::Entry;
@@ -510,4 +510,4 @@ TEST(Pipeline, DropsWhatComesTwiceOrLate) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::pipeline_test

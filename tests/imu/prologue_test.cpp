@@ -7,7 +7,7 @@
 
 #include "mien/core/units.h"
 
-namespace mien::imu {
+namespace mien::imu::prologue_test {
 namespace {
 
 constexpr double kFrame_s = 1 / 60.0;
@@ -97,4 +97,4 @@ TEST(Prologue, OfASlowNodAccelerometersFaultsAreNotTakenForItsSwing) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::prologue_test

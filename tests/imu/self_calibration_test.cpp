@@ -9,7 +9,7 @@
 #include "tests/imu/clocked_pipeline.h"
 #include "tests/imu/nodding_head.h"
 
-namespace mien::imu {
+namespace mien::imu::self_calibration_test {
 namespace {
 
 using testing_head::Faults;
@@ -201,4 +201,4 @@ TEST(SelfCalibration, ABoardThatBeganAnewIsBackAtOnce) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::self_calibration_test

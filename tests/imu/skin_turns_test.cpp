@@ -11,7 +11,7 @@
 #include "mien/core/random.h"
 #include "mien/core/units.h"
 
-namespace mien::imu {
+namespace mien::imu::skin_turns_test {
 namespace {
 
 constexpr int kSensors = 4;
@@ -175,4 +175,4 @@ TEST(SkinTurns, ReadsTheSameHoweverItWasAskedBefore) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::skin_turns_test

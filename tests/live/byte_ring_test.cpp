@@ -7,7 +7,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::live {
+namespace mien::live::byte_ring_test {
 namespace {
 
 TEST(ByteRing, RefusesWhatDoesNotFitAndGivesTheRestBackWhole) {
@@ -70,4 +70,4 @@ TEST(ByteRing, CarriesRecordsOfAnyLengthBetweenTwoThreads) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::byte_ring_test

@@ -19,7 +19,7 @@
 #include "tests/session/session_run.h"
 #include "tests/sink/loopback.h"
 
-namespace mien::live {
+namespace mien::live::engine_test {
 namespace {
 
 using boost::asio::ip::udp;
@@ -315,4 +315,4 @@ TEST(Engine, SaysWhyItCannotBegin) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::engine_test

@@ -9,7 +9,7 @@
 
 #include "tests/live/page_client.h"
 
-namespace mien::live {
+namespace mien::live::intake_test {
 namespace {
 
 using boost::asio::ip::udp;
@@ -81,8 +81,8 @@ TEST_F(IntakeTest, HandsOverInOrderWithArrivalAndPeer) {
   // And back.
   const std::array<std::byte, 3> answer{};
   intake.send(peer, answer);
-  std::array<std::byte, 16> heard{};
-  EXPECT_EQ(one.receive(boost::asio::buffer(heard)), 3u);
+  std::array<std::byte, 16> received{};
+  EXPECT_EQ(one.receive(boost::asio::buffer(received)), 3u);
   intake.send(250, answer);  // Nobody.
 }
 
@@ -185,4 +185,4 @@ TEST_F(IntakeTest, SaysWhatIsWrongWithAnAddress) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::intake_test

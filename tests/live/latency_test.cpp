@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::live {
+namespace mien::live::latency_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -55,4 +55,4 @@ TEST(Latencies, AddUp) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::latency_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace mien::live {
+namespace mien::live::link_news_test {
 namespace {
 
 HostTime at(double seconds) {
@@ -70,4 +70,4 @@ TEST(LinkNews, PassesOverWhatIsNoLinkAndWhatNamesNone) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::link_news_test

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace mien::live {
+namespace mien::live::page_messages_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -78,4 +78,4 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::page_messages_test

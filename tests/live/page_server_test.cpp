@@ -11,7 +11,7 @@
 #include <optional>
 #include <span>
 
-namespace mien::live {
+namespace mien::live::page_server_test {
 namespace {
 
 using namespace std::string_literals;
@@ -35,7 +35,7 @@ class PageServerTest : public ::testing::Test {
     auto made = PageServer::open(
         network, settings, [] { return std::string(R"({"type": "hello"})"); },
         [this](std::uint64_t client, std::string_view text) {
-          heard.emplace_back(text);
+          received.emplace_back(text);
           server->send(client, R"({"type": "reply", "id": 0})");
         });
     ASSERT_TRUE(made) << made.error().message();
@@ -70,7 +70,7 @@ class PageServerTest : public ::testing::Test {
   boost::asio::io_context network;
   std::promise<Result<std::vector<std::byte>>> making;
   std::shared_future<Result<std::vector<std::byte>>> late = making.get_future().share();
-  std::vector<std::string> heard;
+  std::vector<std::string> received;
   std::unique_ptr<PageServer> server;
   std::uint16_t port = 0;
 };
@@ -167,7 +167,7 @@ TEST_F(PageServerTest, SpeaksToAllOrOneAndHearsThem) {
   EXPECT_EQ(server->clients(), 2u);
   one.say("hear me");
   EXPECT_TRUE(run_until(network, [&] { return !one.last("reply").is_null(); }));
-  EXPECT_EQ(heard, std::vector<std::string>{"hear me"});
+  EXPECT_EQ(received, std::vector<std::string>{"hear me"});
   EXPECT_TRUE(two.last("reply").is_null());
   server->send(R"({"type": "status"})");
   server->send_frame(R"({"type": "frame", "index": 5})");
@@ -182,10 +182,10 @@ TEST_F(PageServerTest, EndsWhoSaysTooMuchAndForgetsWhoGoes) {
     PageClient loud(network, port), calm(network, port);
     EXPECT_TRUE(run_until(network, [&] { return server->clients() == 2; }));
     loud.say(std::string(1 << 16, 'x'));
-    EXPECT_TRUE(run_until(network, [&] { return heard.size() == 1; }));
+    EXPECT_TRUE(run_until(network, [&] { return received.size() == 1; }));
     loud.say(std::string((1 << 16) + 1, 'x'));
     EXPECT_TRUE(run_until(network, [&] { return loud.ended(); }));
-    EXPECT_EQ(heard.size(), 1u);
+    EXPECT_EQ(received.size(), 1u);
     EXPECT_FALSE(calm.ended());
     EXPECT_TRUE(run_until(network, [&] { return server->clients() == 1; }));
   }
@@ -207,4 +207,4 @@ TEST_F(PageServerTest, SaysWhyItCannotBegin) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::page_server_test

@@ -9,7 +9,7 @@
 #include "tests/folder.h"
 #include "tests/session/session_run.h"
 
-namespace mien::live {
+namespace mien::live::player_test {
 namespace {
 
 HostTime at(double seconds) {
@@ -146,4 +146,4 @@ TEST_F(PlayerTest, AnotherTakeTakesThePlaceOfOneThatIsStillRead) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::player_test

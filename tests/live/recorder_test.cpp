@@ -10,7 +10,7 @@
 
 #include "tests/folder.h"
 
-namespace mien::live {
+namespace mien::live::recorder_test {
 namespace {
 
 constexpr const char* kRig =
@@ -143,4 +143,4 @@ TEST(Recorder, AsksOnlyForTheNamesOfPeersThatAreInTheLog) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::recorder_test

@@ -19,7 +19,7 @@
 #include "tests/live/page_client.h"
 #include "tests/live/pseudo_terminal.h"
 
-namespace mien::live {
+namespace mien::live::serial_port_test {
 namespace {
 
 using namespace std::string_literals;
@@ -181,7 +181,7 @@ struct BadCable {
   double garbage = 0;  ///< Between scans: a run of up to 40 bytes from nowhere.
 };
 
-struct Heard {
+struct Received {
   std::size_t sent = 0;
   std::size_t taken = 0;
   std::size_t wrong = 0;  ///< Taken, and not what was sent.
@@ -223,7 +223,7 @@ class FullRate : public ::testing::Test {
   }
 
   template <class Encode>
-  Heard run(const BadCable& bad, const Encode& encode) {
+  Received run(const BadCable& bad, const Encode& encode) {
     mien::test::Folder folder;
     test::Cable cable(folder / "glasses");
     boost::asio::io_context network;
@@ -231,7 +231,7 @@ class FullRate : public ::testing::Test {
     sensor::LinkHealth health;
     sensor::Inbox inbox;
     HostTime now{};
-    Heard heard;
+    Received received;
     std::uint64_t sent_bytes = 0;
     auto port = SerialPort::open(
                     network, parse_serial_address(cable.address()).value(),
@@ -241,17 +241,17 @@ class FullRate : public ::testing::Test {
                       const auto verdict = protocol.recognises(frame) ? protocol.receive(now, 0, frame, inbox)
                                                                       : sensor::Verdict::malformed;
                       if (verdict == sensor::Verdict::malformed) {
-                        ++heard.malformed;
+                        ++received.malformed;
                         health.add_malformed();
                       }
                       if (inbox.readings.empty()) return;
-                      ++heard.taken;
+                      ++received.taken;
                       const sensor::Sample& first = inbox.readings.front().sample;
                       health.add(now, first, inbox.readings.front().saturated);
                       const eyewear::Packet truth = scan(first.sequence);
                       for (std::size_t c = 0; c < inbox.readings.size() && first.sequence < kScans; ++c)
                         if (inbox.readings[c].sample.values != eyewear::sample_of(truth, c, 0).values) {
-                          ++heard.wrong;
+                          ++received.wrong;
                           break;
                         }
                     })
@@ -262,7 +262,7 @@ class FullRate : public ::testing::Test {
       const auto bytes = worsen(encode(scan(i)), bad, random);
       std::span<const std::byte> left(bytes);
       sent_bytes += bytes.size();
-      ++heard.sent;
+      ++received.sent;
       if (!run_until(network, [&] {
             left = left.subspan(cable.write(left));
             return port->status().bytes == sent_bytes;
@@ -271,10 +271,10 @@ class FullRate : public ::testing::Test {
         break;
       }
     }
-    heard.overlong = port->status().overlong;
-    heard.link = health.report(now, std::nullopt);
+    received.overlong = port->status().overlong;
+    received.link = health.report(now, std::nullopt);
     port->close();
-    return heard;
+    return received;
   }
 
   static std::vector<std::byte> framed(const eyewear::Packet& packet) {
@@ -294,41 +294,42 @@ class FullRate : public ::testing::Test {
 };
 
 TEST_F(FullRate, AGoodCableLosesNothing) {
-  const Heard heard = run({}, framed);
-  EXPECT_EQ(heard.taken, kScans);
-  EXPECT_EQ(heard.wrong, 0u);
-  EXPECT_EQ(heard.malformed, 0u);
-  EXPECT_EQ(heard.link.state, sensor::LinkState::good);
+  const Received received = run({}, framed);
+  EXPECT_EQ(received.taken, kScans);
+  EXPECT_EQ(received.wrong, 0u);
+  EXPECT_EQ(received.malformed, 0u);
+  EXPECT_EQ(received.link.state, sensor::LinkState::good);
 }
 
 TEST_F(FullRate, ABadCableCostsWhatItDamagesAndNothingElse) {
   // Of 118 bytes a scan: 11 % of scans lose a byte, 11 % get one twice, 11 % have a bit flipped.
-  const Heard heard = run({.lost = 0.001, .doubled = 0.001, .flipped = 0.001, .garbage = 0.02}, framed);
-  std::cout << heard.taken << " of " << heard.sent << " scans taken, " << heard.wrong << " wrong, "
-            << heard.malformed << " malformed, " << heard.link.lost << " counted lost\n";
-  EXPECT_EQ(heard.wrong, 0u);
+  const Received received = run({.lost = 0.001, .doubled = 0.001, .flipped = 0.001, .garbage = 0.02}, framed);
+  std::cout << received.taken << " of " << received.sent << " scans taken, " << received.wrong << " wrong, "
+            << received.malformed << " malformed, " << received.link.lost << " counted lost\n";
+  EXPECT_EQ(received.wrong, 0u);
   // A lost end costs two scans; garbage costs the one it stands before.
-  EXPECT_GT(heard.taken, kScans * 66 / 100);
-  EXPECT_LT(heard.taken, kScans * 75 / 100);
-  EXPECT_GT(heard.malformed, kScans / 4);
-  EXPECT_NEAR(static_cast<double>(heard.link.lost), static_cast<double>(kScans - heard.taken), 3);
-  EXPECT_EQ(heard.link.malformed, heard.malformed);
-  EXPECT_EQ(heard.link.state, sensor::LinkState::lossy);
+  EXPECT_GT(received.taken, kScans * 66 / 100);
+  EXPECT_LT(received.taken, kScans * 75 / 100);
+  EXPECT_GT(received.malformed, kScans / 4);
+  EXPECT_NEAR(static_cast<double>(received.link.lost), static_cast<double>(kScans - received.taken), 3);
+  EXPECT_EQ(received.link.malformed, received.malformed);
+  EXPECT_EQ(received.link.state, sensor::LinkState::lossy);
 }
 
 TEST_F(FullRate, TextLinesSurviveABadCableToo) {
-  const Heard good = run({}, printed);
+  const Received good = run({}, printed);
   EXPECT_EQ(good.taken, kScans - 7);  // Until eight lines agreed.
   EXPECT_EQ(good.malformed, 0u);
-  const Heard heard = run({.lost = 0.001, .doubled = 0.001, .garbage = 0.02}, printed);
-  std::cout << heard.taken << " of " << heard.sent << " lines taken, " << heard.malformed << " malformed\n";
+  const Received received = run({.lost = 0.001, .doubled = 0.001, .garbage = 0.02}, printed);
+  std::cout << received.taken << " of " << received.sent << " lines taken, " << received.malformed
+            << " malformed\n";
   // Without a checksum a lost digit is no error: only what breaks the line's form is told. That is a comma
   // lost or doubled (4 % of lines), a digit doubled, since the value is then beyond the range (6 %), and
   // garbage (3 %).
-  EXPECT_GT(heard.taken, kScans * 85 / 100);
-  EXPECT_LT(heard.taken, kScans * 92 / 100);
-  EXPECT_GT(heard.malformed, kScans / 50);
+  EXPECT_GT(received.taken, kScans * 85 / 100);
+  EXPECT_LT(received.taken, kScans * 92 / 100);
+  EXPECT_GT(received.malformed, kScans / 50);
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::serial_port_test

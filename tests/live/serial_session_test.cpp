@@ -22,7 +22,7 @@
 #include "tests/folder.h"
 #include "tests/live/pseudo_terminal.h"
 
-namespace mien::live {
+namespace mien::live::serial_session_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -214,4 +214,4 @@ TEST(SerialSession, SaysAtOnceThatThereIsNoSuchLine) {
 }
 
 }  // namespace
-}  // namespace mien::live
+}  // namespace mien::live::serial_session_test

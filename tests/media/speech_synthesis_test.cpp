@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace mien::media {
+namespace mien::media::speech_synthesis_test {
 namespace {
 
 void expect_sound_times(const SpokenText& spoken) {
@@ -87,4 +87,4 @@ TEST(Speech, JsonHoldsTheTimes) {
 }
 
 }  // namespace
-}  // namespace mien::media
+}  // namespace mien::media::speech_synthesis_test

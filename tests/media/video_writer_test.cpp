@@ -11,7 +11,7 @@
 #include "mien/core/files.h"
 #include "tests/folder.h"
 
-namespace mien::media {
+namespace mien::media::video_writer_test {
 namespace {
 namespace fs = std::filesystem;
 
@@ -114,4 +114,4 @@ TEST_F(VideoWriterTest, RefusesWhatIsNoFilm) {
 }
 
 }  // namespace
-}  // namespace mien::media
+}  // namespace mien::media::video_writer_test

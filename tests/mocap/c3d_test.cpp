@@ -7,7 +7,7 @@
 
 #include "tests/mocap/c3d_bytes.h"
 
-namespace mien::mocap {
+namespace mien::mocap::c3d_test {
 namespace {
 
 C3dFile two() {
@@ -95,4 +95,4 @@ TEST(C3d, WhereverItIsCutItIsRefusedOrWhole) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::c3d_test

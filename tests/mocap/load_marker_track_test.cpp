@@ -6,7 +6,7 @@
 #include "tests/folder.h"
 #include "tests/mocap/c3d_bytes.h"
 
-namespace mien::mocap {
+namespace mien::mocap::load_marker_track_test {
 namespace {
 
 MarkerTrack one() {
@@ -46,4 +46,4 @@ TEST(LoadMarkerTrack, OthersAreNone) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::load_marker_track_test

@@ -7,12 +7,13 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/mocap/marker_retarget.h"
 #include "mien/mocap/rigid_points.h"
+#include "tests/project_path.h"
 
-namespace mien::mocap {
+namespace mien::mocap::marker_cleaning_test {
 namespace {
 
 struct Lab {
-  builtin_face::MarkerSet set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+  builtin_face::MarkerSet set = builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   builtin_face::PlacedMarkers placed =
       builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), set).value();
 };
@@ -141,4 +142,4 @@ TEST(CleanMarkers, WhatCannotBeMeantIsRefused) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_cleaning_test

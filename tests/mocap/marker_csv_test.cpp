@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace mien::mocap {
+namespace mien::mocap::marker_csv_test {
 namespace {
 
 const std::string kTwo =
@@ -143,4 +143,4 @@ TEST(MotiveCsv, WhatIsMissingIsSaid) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_csv_test

@@ -8,7 +8,7 @@
 #include "mien/mocap/marker_track.h"
 #include "tests/hex.h"
 
-namespace mien::mocap {
+namespace mien::mocap::marker_packet_test {
 namespace {
 
 const std::vector<std::string> kNames = {"tip", "chin_L"};
@@ -77,16 +77,16 @@ TEST(MarkerPacket, ManyNamesTakeSeveralPackets) {
   const auto packets = encode_marker_names(kServer, many);
   ASSERT_TRUE(packets);
   EXPECT_GT(packets->size(), 1u);
-  std::vector<std::string> heard(100);
+  std::vector<std::string> received(100);
   for (const auto& bytes : *packets) {
     EXPECT_LE(bytes.size(), 1200u);
     const auto packet = parse_marker_packet(bytes);
     ASSERT_TRUE(packet) << packet.error().message();
     const auto& names = std::get<MarkerNamesPacket>(*packet);
     EXPECT_EQ(names.markers, 100);
-    for (std::size_t i = 0; i < names.count; ++i) heard[names.first + i] = names.names[i];
+    for (std::size_t i = 0; i < names.count; ++i) received[names.first + i] = names.names[i];
   }
-  EXPECT_EQ(heard, many);
+  EXPECT_EQ(received, many);
 }
 
 TEST(MarkerPacket, WhatIsWrongIsRefused) {
@@ -134,4 +134,4 @@ TEST(MarkerPacket, WhatNobodyWouldTakeIsNotSent) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_packet_test

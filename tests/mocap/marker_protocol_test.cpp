@@ -4,7 +4,7 @@
 
 #include "mien/mocap/marker_packet.h"
 
-namespace mien::mocap {
+namespace mien::mocap::marker_protocol_test {
 namespace {
 
 MarkerPositionsPacket one() {
@@ -36,4 +36,4 @@ TEST(MarkerProtocol, DamageIsMalformed) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_protocol_test

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "tests/project_path.h"
 
-namespace mien::mocap {
+namespace mien::mocap::marker_retarget_test {
 namespace {
 
 const builtin_face::MarkerSet& set() {
   static const builtin_face::MarkerSet read =
-      builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   return read;
 }
 
@@ -57,4 +58,4 @@ TEST(RetargetMarkers, NeedsTheFacesMarkers) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_retarget_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace mien::mocap {
+namespace mien::mocap::marker_swaps_test {
 namespace {
 
 constexpr std::size_t kFrames = 500;
@@ -96,4 +96,4 @@ TEST(UsualPlaces, AreMediansOfWhatIsSeen) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_swaps_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::mocap {
+namespace mien::mocap::marker_track_test {
 namespace {
 
 builtin_face::MarkerSet set_of(std::vector<std::string> names) {
@@ -67,4 +67,4 @@ TEST(MatchMarkers, WhatCannotBeMeantIsRefused) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::marker_track_test

@@ -6,7 +6,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::mocap {
+namespace mien::mocap::outliers_test {
 namespace {
 
 Eigen::MatrixXd noise(Eigen::Index rows) {
@@ -38,4 +38,4 @@ TEST(RejectOutliers, TakesNumbersThatDoNotMove) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::outliers_test

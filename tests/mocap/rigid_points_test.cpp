@@ -6,8 +6,9 @@
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/mocap/marker_track.h"
+#include "tests/project_path.h"
 
-namespace mien::mocap {
+namespace mien::mocap::rigid_points_test {
 namespace {
 
 const RigidPoints kBody = {.place_m = {Vec3(0, 0, 0.1), Vec3(0.03, 0, 0.1), Vec3(0, 0.04, 0.1),
@@ -60,7 +61,7 @@ TEST(FitRigid, PointsInOneLineTellNothing) {
 
 // docs/method/markers.md names these; rigs/markers.toml and the built-in face decide.
 TEST(ReferenceMarkers, AreThoseThatExpressionsHardlyMove) {
-  const auto set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml");
+  const auto set = builtin_face::read_markers(project_path("rigs/markers.toml"));
   ASSERT_TRUE(set);
   const auto placed = builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), *set);
   ASSERT_TRUE(placed);
@@ -73,4 +74,4 @@ TEST(ReferenceMarkers, AreThoseThatExpressionsHardlyMove) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::rigid_points_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace mien::mocap {
+namespace mien::mocap::trc_test {
 namespace {
 
 const std::string kTwo =
@@ -72,4 +72,4 @@ TEST(Trc, WhatIsWrongIsRefused) {
 }
 
 }  // namespace
-}  // namespace mien::mocap
+}  // namespace mien::mocap::trc_test

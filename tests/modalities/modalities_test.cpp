@@ -1,13 +1,14 @@
 #include "mien/modalities/modalities.h"
+#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
 
-namespace mien::modalities {
+namespace mien::modalities::modalities_test {
 namespace {
 
 TEST(Registry, ARigOfSeveralKindsTakesAFolderOfModels) {
-  const sensor::Rig imus = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
-  const sensor::Rig both = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/imu_eyewear.toml").value();
+  const sensor::Rig imus = sensor::read_rig(project_path("rigs/default.toml")).value();
+  const sensor::Rig both = sensor::read_rig(project_path("rigs/imu_eyewear.toml")).value();
   EXPECT_TRUE(has_window_models(imus));
   EXPECT_FALSE(has_window_models(both));
   const auto file = live_model(imus, "");
@@ -25,7 +26,7 @@ TEST(Registry, ARigOfSeveralKindsTakesAFolderOfModels) {
 }
 
 TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
-  sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   rig.sensors[3].kind = "camera";
   EXPECT_EQ(live_model(rig, "").error().code, ErrorCode::unsupported);
   EXPECT_EQ(make_tracker(rig, "models").error().code, ErrorCode::unsupported);
@@ -33,4 +34,4 @@ TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace mien::modalities
+}  // namespace mien::modalities::modalities_test

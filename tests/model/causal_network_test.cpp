@@ -7,7 +7,7 @@
 
 #include "tests/model/random_network.h"
 
-namespace mien::model {
+namespace mien::model::causal_network_test {
 namespace {
 
 using Vector = std::vector<double>;
@@ -202,4 +202,4 @@ TEST(CausalNetwork, IsSmall) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::causal_network_test

@@ -8,7 +8,7 @@
 
 #include "tests/model/random_network.h"
 
-namespace mien::model {
+namespace mien::model::denoiser_test {
 namespace {
 
 using Matrix = std::vector<std::vector<double>>;
@@ -225,4 +225,4 @@ TEST(Denoiser, RefusesNetworksOfAnotherSize) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::denoiser_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::model {
+namespace mien::model::features_test {
 namespace {
 
 TEST(Features, MissingValuesBecomeTheMeanAndSaySo) {
@@ -27,4 +27,4 @@ TEST(Features, TheFaithfulLayoutHasNoFlags) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::features_test

@@ -9,7 +9,7 @@
 #include "mien/model/architecture.h"
 #include "tests/model/numbers.h"
 
-namespace mien::model {
+namespace mien::model::kernels_test {
 namespace {
 
 AlignedFloats aligned(const std::vector<float>& values) {
@@ -91,4 +91,4 @@ INSTANTIATE_TEST_SUITE_P(All, Kernels, testing::ValuesIn(available_kernels()),
                          [](const auto& variant) { return std::string(variant.param); });
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::kernels_test

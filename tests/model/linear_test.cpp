@@ -11,7 +11,7 @@
 #include "mien/core/random.h"
 #include "tests/model/numbers.h"
 
-namespace mien::model {
+namespace mien::model::linear_test {
 namespace {
 
 /// Rounded to bf16, halves to even, by way of what lies around it.
@@ -187,4 +187,4 @@ TEST(Precisions, AreFoundByTheirNames) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::linear_test

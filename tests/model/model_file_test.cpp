@@ -7,7 +7,7 @@
 #include "mien/core/files.h"
 #include "tests/model/random_network.h"
 
-namespace mien::model {
+namespace mien::model::model_file_test {
 namespace {
 
 TEST(ModelFile, RoundTripsWhole) {
@@ -179,4 +179,4 @@ TEST(Architecture, TheNamedOnesHaveTheirPublishedSize) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::model_file_test

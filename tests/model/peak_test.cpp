@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::model {
+namespace mien::model::peak_test {
 namespace {
 
 // How fast is this machine's affair; that something was measured is ours.
@@ -13,4 +13,4 @@ TEST(Peak, IsMoreThanNothing) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::peak_test

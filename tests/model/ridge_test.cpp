@@ -4,7 +4,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::model {
+namespace mien::model::ridge_test {
 namespace {
 
 /// Two weights linear in three features, and a feature that never changes.
@@ -67,4 +67,4 @@ TEST(Ridge, WithoutFramesThereIsNone) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::ridge_test

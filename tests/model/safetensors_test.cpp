@@ -7,7 +7,7 @@
 
 #include "mien/core/bytes.h"
 
-namespace mien::model {
+namespace mien::model::safetensors_test {
 namespace {
 
 std::vector<std::byte> file_of(const std::string& header, std::size_t data_bytes, std::uint64_t claimed = 0) {
@@ -113,4 +113,4 @@ TEST(Safetensors, EveryTruncationIsRefused) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::safetensors_test

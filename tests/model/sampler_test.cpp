@@ -6,7 +6,7 @@
 
 #include "tests/model/random_network.h"
 
-namespace mien::model {
+namespace mien::model::sampler_test {
 namespace {
 
 const Architecture kSmall{.name = {},
@@ -139,4 +139,4 @@ TEST_F(Sampler, WeightsMapBackAndForth) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::sampler_test

@@ -7,7 +7,7 @@
 #include "mien/core/random.h"
 #include "mien/core/rotation.h"
 
-namespace mien::model {
+namespace mien::model::skin_map_test {
 namespace {
 
 constexpr std::size_t kSensors = 3, kShapes = 4;
@@ -100,4 +100,4 @@ TEST(SkinMap, AMissingSensorSaysNothingAndIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace mien::model
+}  // namespace mien::model::skin_map_test

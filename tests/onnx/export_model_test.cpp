@@ -8,8 +8,9 @@
 
 #include "tests/folder.h"
 #include "tests/onnx/example_models.h"
+#include "tests/project_path.h"
 
-namespace mien::onnx {
+namespace mien::onnx::export_model_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -166,8 +167,8 @@ TEST(ExportModel, ReadsFilesOfEitherFormatAndNoOther) {
   EXPECT_EQ(onnx_of_file(folder / "causal.safetensors"), onnx_of(test::causal_model()));
   EXPECT_EQ(onnx_of_file(folder / "eyewear.safetensors"), onnx_of(eyewear::test::small_marker_network()));
   EXPECT_EQ(onnx_of_file(folder / "missing.safetensors").error().code, ErrorCode::not_found);
-  EXPECT_EQ(onnx_of_file(MIEN_SOURCE_DIR "/README.md").error().code, ErrorCode::malformed);
+  EXPECT_EQ(onnx_of_file(project_path("README.md")).error().code, ErrorCode::malformed);
 }
 
 }  // namespace
-}  // namespace mien::onnx
+}  // namespace mien::onnx::export_model_test

@@ -16,8 +16,9 @@
 #include "mien/onnx/export_model.h"
 #include "tests/folder.h"
 #include "tests/onnx/example_models.h"
+#include "tests/project_path.h"
 
-namespace mien::onnx {
+namespace mien::onnx::onnx_runtime_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -26,7 +27,7 @@ using Floats = std::vector<float>;
 constexpr double kLimit = 1e-4;
 
 bool installed() {
-  return std::filesystem::exists(MIEN_SOURCE_DIR "/script/onnxruntime/node_modules/onnxruntime-node") &&
+  return std::filesystem::exists(project_path("script/onnxruntime/node_modules/onnxruntime-node")) &&
          std::system("node --version > /dev/null 2>&1") == 0;
 }
 #define MIEN_SKIP_WITHOUT_ONNX_RUNTIME() \
@@ -38,7 +39,7 @@ Json replay(const std::vector<std::byte>& onnx, const Json& calls) {
   EXPECT_TRUE(write_file(folder / "model.onnx", onnx));
   EXPECT_TRUE(write_file(folder / "calls.json", calls.dump()));
   const std::string command = fmt::format("node '{}/script/onnxruntime/replay.mjs' '{}' '{}' > '{}'",
-                                          MIEN_SOURCE_DIR, (folder / "model.onnx").string(),
+                                          project_path(""), (folder / "model.onnx").string(),
                                           (folder / "calls.json").string(), (folder / "out").string());
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   std::ifstream answer(folder / "out");
@@ -167,7 +168,7 @@ TEST(OnnxRuntime, AWindowOfAnyLengthAtAnyLevel) {
 TEST(OnnxRuntime, TheModelsThatAreInstalled) {
   MIEN_SKIP_WITHOUT_ONNX_RUNTIME();
   const auto model_of = [](const char* name) {
-    return model::read_model(std::filesystem::path(MIEN_SOURCE_DIR "/models") / name).value();
+    return model::read_model(std::filesystem::path(project_path("models")) / name).value();
   };
   const model::ModelFile live = model_of("live.safetensors"), window = model_of("default.safetensors");
   expect_parity("live.safetensors, 2 x 300 frames",
@@ -179,7 +180,7 @@ TEST(OnnxRuntime, TheModelsThatAreInstalled) {
   for (const model::ModelFile* model : {&live, &window})
     for (const model::RidgeBaseline& ridge : model->ridge)
       expect_parity("ridge." + ridge.profile + ", 300 frames", ridge_difference(*model, ridge));
-  const auto glasses = eyewear::read_marker_network(MIEN_SOURCE_DIR "/models/eyewear.safetensors").value();
+  const auto glasses = eyewear::read_marker_network(project_path("models/eyewear.safetensors")).value();
   const auto scale = static_cast<float>(glasses.scale_m);
   expect_parity("eyewear.safetensors, 2 x 300 frames, of the network's unit",
                 causal_difference(onnx_of(glasses).value(), "displacement_m", glasses.architecture,
@@ -237,4 +238,4 @@ TEST(OnnxRuntime, WhatSensorsSayBecomesTheCondition) {
 }
 
 }  // namespace
-}  // namespace mien::onnx
+}  // namespace mien::onnx::onnx_runtime_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace mien::performer {
+namespace mien::performer::blink_test {
 namespace {
 
 TEST(Blinks, RateIsTheAskedOne) {
@@ -75,4 +75,4 @@ TEST(Blinks, NoRateNoBlinks) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::blink_test

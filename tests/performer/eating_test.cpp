@@ -10,7 +10,7 @@
 #include "mien/performer/performer.h"
 #include "mien/performer/script.h"
 
-namespace mien::performer {
+namespace mien::performer::eating_test {
 namespace {
 
 using face::shape;
@@ -103,4 +103,4 @@ TEST(Eating, HeadAndEyesGoToTheHandAndBackWithTheCup) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::eating_test

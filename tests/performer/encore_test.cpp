@@ -7,7 +7,7 @@
 
 #include "tests/performer/talking.h"
 
-namespace mien::performer {
+namespace mien::performer::encore_test {
 namespace {
 
 /// Two seconds that end amid a word and a turn of the head, walking half a metre a second.
@@ -60,4 +60,4 @@ TEST(Encore, HasNoSeam) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::encore_test

@@ -9,7 +9,7 @@
 #include "mien/core/time.h"
 #include "mien/core/units.h"
 
-namespace mien::performer {
+namespace mien::performer::gaze_test {
 namespace {
 
 using face::shape;
@@ -93,4 +93,4 @@ TEST(Gaze, WeightsFollowDirections) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::gaze_test

@@ -8,7 +8,7 @@
 #include "mien/core/time.h"
 #include "mien/core/units.h"
 
-namespace mien::performer {
+namespace mien::performer::head_motion_test {
 namespace {
 
 HeadTrack play(HeadActivity activity, std::size_t frames, std::uint64_t seed) {
@@ -139,4 +139,4 @@ TEST(HeadMotion, KeepsTimeCodeAndWeightsOfTheMotion) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::head_motion_test

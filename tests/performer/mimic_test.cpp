@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace mien::performer {
+namespace mien::performer::mimic_test {
 namespace {
 
 using face::shape;
@@ -75,4 +75,4 @@ TEST(Mimic, TheSameDrawsGiveTheSameMotion) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::mimic_test

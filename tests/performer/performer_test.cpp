@@ -11,7 +11,7 @@
 #include "mien/performer/expression_range.h"
 #include "mien/performer/limits.h"
 
-namespace mien::performer {
+namespace mien::performer::performer_test {
 namespace {
 
 using face::kShapeCount;
@@ -288,4 +288,4 @@ TEST(Scripts, NamesComeBack) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::performer_test

@@ -9,7 +9,7 @@
 #include "mien/performer/performer.h"
 #include "tests/performer/talking.h"
 
-namespace mien::performer {
+namespace mien::performer::prologue_test {
 namespace {
 
 using face::kShapeCount;
@@ -191,4 +191,4 @@ TEST(Prologue, AHeadThatGoesOnWithoutAFaceStaysSo) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::prologue_test

@@ -8,7 +8,7 @@
 #include "mien/performer/performer.h"
 #include "mien/performer/script.h"
 
-namespace mien::performer {
+namespace mien::performer::rapid_test {
 namespace {
 
 /// RMS speed of all weights, 1/s.
@@ -43,4 +43,4 @@ TEST(Rapid, HardlyRests) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::rapid_test

@@ -9,7 +9,7 @@
 #include "mien/core/time.h"
 #include "mien/performer/performer.h"
 
-namespace mien::performer {
+namespace mien::performer::speech_test {
 namespace {
 
 using face::shape;
@@ -239,4 +239,4 @@ TEST(ParseUtterance, SurvivesDeepNesting) {
 }
 
 }  // namespace
-}  // namespace mien::performer
+}  // namespace mien::performer::speech_test

@@ -6,7 +6,7 @@
 
 #include "mien/render/tone.h"
 
-namespace mien::render {
+namespace mien::render::error_colours_test {
 namespace {
 
 float luminance(const Vec3f& c) {
@@ -57,4 +57,4 @@ TEST(Tone, RisesAndNeverReachesOne) {
 }
 
 }  // namespace
-}  // namespace mien::render
+}  // namespace mien::render::error_colours_test

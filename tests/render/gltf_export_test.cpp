@@ -13,7 +13,7 @@
 #include "mien/render/base64.h"
 #include "tests/render/ball_face.h"
 
-namespace mien::render {
+namespace mien::render::gltf_export_test {
 namespace {
 
 using nlohmann::json;
@@ -175,4 +175,4 @@ TEST(Base64, KeepsToTheStandard) {
 }
 
 }  // namespace
-}  // namespace mien::render
+}  // namespace mien::render::gltf_export_test

@@ -9,7 +9,7 @@
 #include "mien/core/files.h"
 #include "tests/folder.h"
 
-namespace mien::render {
+namespace mien::render::image_test {
 namespace {
 
 TEST(Image, FillsEveryPixel) {
@@ -60,4 +60,4 @@ TEST(Png, IsWrittenWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace mien::render
+}  // namespace mien::render::image_test

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace mien::render {
+namespace mien::render::lettering_test {
 namespace {
 
 int inked(const Image& picture) {
@@ -73,4 +73,4 @@ TEST(Lettering, OtherCharactersShowAsABox) {
 }
 
 }  // namespace
-}  // namespace mien::render
+}  // namespace mien::render::lettering_test

@@ -8,7 +8,7 @@
 #include "mien/render/error_colours.h"
 #include "tests/render/ball_face.h"
 
-namespace mien::render {
+namespace mien::render::renderer_test {
 namespace {
 
 std::vector<Vec3f> posed(const face::Face& face, std::size_t shape, float weight) {
@@ -146,4 +146,4 @@ TEST(Camera, HoldsTheFaceFromEverySide) {
 }
 
 }  // namespace
-}  // namespace mien::render
+}  // namespace mien::render::renderer_test

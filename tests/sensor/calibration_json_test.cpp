@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace mien::sensor {
+namespace mien::sensor::calibration_json_test {
 namespace {
 
 using nlohmann::json;
@@ -48,4 +48,4 @@ TEST(CalibrationJson, ReadsEntriesOfTheirKindOnly) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::calibration_json_test

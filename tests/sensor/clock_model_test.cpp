@@ -6,7 +6,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::sensor {
+namespace mien::sensor::clock_model_test {
 namespace {
 
 /// A device whose clock reads offset + rate * true time, heard through a radio that only delays.
@@ -119,21 +119,21 @@ TEST(TimeLines, BringTwoDevicesTogether) {
 
 TEST(TimeLines, AnotherBoardInItsPlaceHasAClockOfItsOwn) {
   TimeLines lines(2, std::uint16_t{1});
-  const auto hear = [&](double t, double offset_s) {
+  const auto receive = [&](double t, double offset_s) {
     lines.add(HostTime(from_seconds(t)), sample_of(0, DeviceTime(from_seconds(t + offset_s))));
     lines.add(HostTime(from_seconds(t)), sample_of(1, DeviceTime(from_seconds(t))));
   };
-  for (int i = 0; i < 600; ++i) hear(i / 60.0, 3);
+  for (int i = 0; i < 600; ++i) receive(i / 60.0, 3);
   lines.forget(0);
-  EXPECT_FALSE(lines.heard(0));
+  EXPECT_FALSE(lines.has_samples(0));
   lines.forget(1);  // The reference carries the line.
-  EXPECT_TRUE(lines.heard(1));
+  EXPECT_TRUE(lines.has_samples(1));
   // So near to the one before that it would pass for it; and the reference's, a fifth of a second behind.
-  const auto hear_others = [&](double t) {
+  const auto receive_others = [&](double t) {
     lines.add(HostTime(from_seconds(t)), sample_of(0, DeviceTime(from_seconds(t + 3.05))));
     lines.add(HostTime(from_seconds(t)), sample_of(1, DeviceTime(from_seconds(t - 0.2))));
   };
-  hear_others(10);
+  receive_others(10);
   const auto on_line = [&](std::uint16_t sensor, double device_s) {
     return to_seconds(lines.to_line(sensor, DeviceTime(from_seconds(device_s))).time_since_epoch());
   };
@@ -259,4 +259,4 @@ TEST(TimeLines, LabSamplesStandOnTheLine) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::clock_model_test

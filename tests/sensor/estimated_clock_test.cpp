@@ -9,7 +9,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::sensor {
+namespace mien::sensor::estimated_clock_test {
 namespace {
 
 /// What a board does between two samples that it sends.
@@ -264,4 +264,4 @@ TEST(EstimatedClock, RisesWhateverComes) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::estimated_clock_test

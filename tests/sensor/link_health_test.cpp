@@ -7,7 +7,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::sensor {
+namespace mien::sensor::link_health_test {
 namespace {
 
 constexpr Duration kMs = std::chrono::milliseconds(1);
@@ -499,4 +499,4 @@ TEST(LinkHealth, AskingChangesNothing) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::link_health_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace mien::sensor {
+namespace mien::sensor::packet_envelope_test {
 namespace {
 
 const char* const kWhere = "a packet";
@@ -77,4 +77,4 @@ TEST(PacketEnvelope, TimesAndBatteriesHaveTheirRanges) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::packet_envelope_test

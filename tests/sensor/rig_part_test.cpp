@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::sensor {
+namespace mien::sensor::rig_part_test {
 namespace {
 
 Rig mixed() {
@@ -34,4 +34,4 @@ TEST(RigPart, KeepsNumbersAndTheReferenceAndTakesOthersRoles) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::rig_part_test

@@ -1,10 +1,11 @@
 #include "mien/sensor/rig.h"
+#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-namespace mien::sensor {
+namespace mien::sensor::rig_test {
 namespace {
 
 const std::string kSmall = R"(name = "small"
@@ -41,7 +42,7 @@ std::string with(const std::string& from, const std::string& to) {
 }
 
 TEST(Rig, ReadsTheDefaultRig) {
-  const auto rig = read_rig(MIEN_SOURCE_DIR "/rigs/default.toml");
+  const auto rig = read_rig(project_path("rigs/default.toml"));
   ASSERT_TRUE(rig) << rig.error().message();
   EXPECT_EQ(rig->name, "default");
   EXPECT_EQ(rig->sensors.size(), 12u);
@@ -52,10 +53,10 @@ TEST(Rig, ReadsTheDefaultRig) {
 }
 
 TEST(Rig, TheRigOfBothHasTheSensorsOfEach) {
-  const auto both = read_rig(MIEN_SOURCE_DIR "/rigs/imu_eyewear.toml");
+  const auto both = read_rig(project_path("rigs/imu_eyewear.toml"));
   ASSERT_TRUE(both) << both.error().message();
-  const Rig imus = read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
-  const Rig glasses = read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  const Rig imus = read_rig(project_path("rigs/default.toml")).value();
+  const Rig glasses = read_rig(project_path("rigs/eyewear.toml")).value();
   EXPECT_EQ(both->sensors.size(), 28u);
   EXPECT_EQ(both->reference, imus.reference);
   for (std::size_t i = 0; i < both->sensors.size(); ++i) {
@@ -200,4 +201,4 @@ TEST(Rig, NamesTheLine) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::rig_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::sensor {
+namespace mien::sensor::sensor_places_test {
 namespace {
 
 TEST(SensorPlaces, FindsByNameAndSaysWhatIsMissing) {
@@ -13,4 +13,4 @@ TEST(SensorPlaces, FindsByNameAndSaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::sensor_places_test

@@ -11,7 +11,7 @@
 #include "mien/core/cobs.h"
 #include "mien/core/random.h"
 
-namespace mien::sensor {
+namespace mien::sensor::stream_framer_test {
 namespace {
 
 using namespace std::string_literals;
@@ -77,9 +77,9 @@ TEST(StreamFramer, LongFramesAreDroppedAndCounted) {
 TEST(StreamFramer, TextComesBackAfterNoiseThatHeldAZero) {
   std::string stream = "1,2\n\xfe\0\xfe"s;
   for (int i = 0; i < 200; ++i) stream += "3,4\n";
-  const auto heard = frames(stream);
-  EXPECT_GT(heard.size(), 2 + 200 - StreamFramer::kMaxFrame / 4 - 2);
-  EXPECT_EQ(heard.back(), "3,4");
+  const auto received = frames(stream);
+  EXPECT_GT(received.size(), 2 + 200 - StreamFramer::kMaxFrame / 4 - 2);
+  EXPECT_EQ(received.back(), "3,4");
 }
 
 TEST(StreamFramer, BeginsAnew) {
@@ -108,4 +108,4 @@ TEST(StreamFramer, FindsBackFromNoise) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::stream_framer_test

@@ -6,7 +6,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::sensor {
+namespace mien::sensor::ticks_test {
 namespace {
 
 constexpr Duration kMs = std::chrono::milliseconds(1);
@@ -158,4 +158,4 @@ TEST(Ticks, DependOnNothingButTheCalls) {
 }
 
 }  // namespace
-}  // namespace mien::sensor
+}  // namespace mien::sensor::ticks_test

@@ -11,7 +11,7 @@
 #include "tests/session/session_run.h"
 
 // IMUs and glasses in one session: each on its own clock, one answer.
-namespace mien::session {
+namespace mien::session::combined_session_test {
 namespace {
 
 using face::Provenance;
@@ -277,4 +277,4 @@ TEST(CombinedSession, TheSameLogGivesTheSameBitsAndThePageChoosesWhoAnswers) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::combined_session_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace mien::session {
+namespace mien::session::command_test {
 namespace {
 
 TEST(Command, AreWrittenAsTheyAreRead) {
@@ -114,4 +114,4 @@ TEST(Command, KnowsWhichAreTheSessions) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::command_test

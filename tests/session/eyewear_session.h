@@ -11,13 +11,14 @@
 #include "mien/virtual/eyewear/eyewear_session.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
 #include "tests/eyewear/glasses.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
 // Smart eyewear in a live session: a virtual wearer, and a regressor that can be checked by hand.
 namespace mien::session::test {
 
 inline const sensor::Rig& glasses() {
-  static const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  static const sensor::Rig rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
   return rig;
 }
 

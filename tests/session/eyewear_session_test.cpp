@@ -10,7 +10,7 @@
 #include "tests/session/eyewear_session.h"
 #include "tests/session/session_run.h"
 
-namespace mien::session {
+namespace mien::session::eyewear_session_test {
 namespace {
 
 using face::Provenance;
@@ -160,4 +160,4 @@ TEST(EyewearSession, AllLostHoldsEasesToNeutralAndComesBack) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::eyewear_session_test

@@ -4,7 +4,7 @@
 
 #include "mien/face/anchors.h"
 
-namespace mien::session {
+namespace mien::session::guide_test {
 namespace {
 
 using tracker::Step;
@@ -161,4 +161,4 @@ TEST(Guide, TellsWhereItIs) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::guide_test

@@ -8,7 +8,7 @@
 #include "mien/virtual/imu/impair.h"
 #include "tests/session/session_run.h"
 
-namespace mien::session {
+namespace mien::session::network_test {
 namespace {
 
 using face::Provenance;
@@ -140,4 +140,4 @@ TEST(SessionBehindANetwork, ALostSensorIsNeverGreen) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::network_test

@@ -1,4 +1,5 @@
 #include "mien/session/prompt_script.h"
+#include "tests/project_path.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +7,7 @@
 #include <filesystem>
 #include <string>
 
-namespace mien::session {
+namespace mien::session::prompt_script_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -89,7 +90,7 @@ TEST(PromptScript, TooManyAreRefused) {
 }
 
 TEST(PromptScript, TheShippedOneIsOneMinuteThatBeginsAtRestAndMovesBothSidesAlike) {
-  const auto script = read_prompts(std::filesystem::path(MIEN_SOURCE_DIR) / "prompts/one_minute.toml");
+  const auto script = read_prompts(std::filesystem::path(project_path("prompts/one_minute.toml")));
   ASSERT_TRUE(script) << script.error().message();
   EXPECT_EQ(script->seconds(), 60);
   EXPECT_EQ(script->prompts.front().seconds, 10);
@@ -104,4 +105,4 @@ TEST(PromptScript, TheShippedOneIsOneMinuteThatBeginsAtRestAndMovesBothSidesAlik
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::prompt_script_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace mien::session {
+namespace mien::session::prompter_test {
 namespace {
 
 using State = Prompter::State;
@@ -160,4 +160,4 @@ TEST(Prompter, RefusesEachMistakeAlone) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::prompter_test

@@ -10,7 +10,7 @@
 #include "mien/session/replay.h"
 #include "tests/session/session_run.h"
 
-namespace mien::session {
+namespace mien::session::receiver_test {
 namespace {
 
 using sensor::DeviceKey;
@@ -126,4 +126,4 @@ TEST(Receiver, RefusesARigThatBindsTwoSensorsToOneDevice) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::receiver_test

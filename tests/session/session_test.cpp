@@ -12,7 +12,7 @@
 #include "mien/mocap/marker_protocol.h"
 #include "tests/session/session_run.h"
 
-namespace mien::session {
+namespace mien::session::session_test {
 namespace {
 
 using face::Provenance;
@@ -318,4 +318,4 @@ TEST(Session, MarkersAreLoggedAndMoveNothing) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::session_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::session {
+namespace mien::session::tap_watch_test {
 namespace {
 
 using sensor::DeviceKey;
@@ -92,4 +92,4 @@ TEST(TapWatch, PassesOverWhatHasNoForceAndDevicesWithoutEnd) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::tap_watch_test

@@ -5,7 +5,7 @@
 #include "tests/session/session_run.h"
 
 // A calibration that learns its wearer, from packets to a version that can be put in force again.
-namespace mien::session {
+namespace mien::session::wearer_session_test {
 namespace {
 
 using face::kShapeCount;
@@ -160,4 +160,4 @@ TEST(WearerSession, EndsAtOnceWhenItsStepsMadeNoCalibration) {
 }
 
 }  // namespace
-}  // namespace mien::session
+}  // namespace mien::session::wearer_session_test

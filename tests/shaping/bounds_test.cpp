@@ -7,7 +7,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::bounds_test {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -115,4 +115,4 @@ TEST(BoundSteps, ALargeStepTakesTwoFramesAndASmallOneKeepsItsBits) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::bounds_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::shaping {
+namespace mien::shaping::centre_test {
 namespace {
 
 TEST(Centre, GoesThroughJson) {
@@ -26,4 +26,4 @@ TEST(Centre, RefusesWhatIsNoCentre) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::centre_test

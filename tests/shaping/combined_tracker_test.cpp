@@ -4,7 +4,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::combined_tracker_test {
 namespace {
 
 using face::OutputFrame;
@@ -84,7 +84,7 @@ struct Stage {
     parts.push_back({std::move(second), {2, 3}});
     both = std::make_unique<CombinedTracker>(std::move(parts), settings);
   }
-  void hear(std::uint16_t sensor, double at_s) const {
+  void receive(std::uint16_t sensor, double at_s) const {
     sensor::Sample sample;
     sample.sensor = sensor;
     both->add(HostTime(from_seconds(at_s)), sample);
@@ -94,7 +94,7 @@ struct Stage {
 TEST(CombinedTracker, EveryTrackerGetsTheSamplesOfItsOwnSensors) {
   const Stage stage;
   EXPECT_EQ(stage.both->modality(), "imu+eyewear");
-  for (const std::uint16_t sensor : {0, 2, 4, 9}) stage.hear(sensor, 1);
+  for (const std::uint16_t sensor : {0, 2, 4, 9}) stage.receive(sensor, 1);
   stage.both->forget(3);
   EXPECT_EQ(stage.imu->samples, (std::vector<std::uint16_t>{0, 4}));
   EXPECT_EQ(stage.eyewear->samples, (std::vector<std::uint16_t>{2})) << "the ninth is nobody's";
@@ -164,10 +164,10 @@ TEST(CombinedTracker, CalibrationIsDoneWhenAllThatAreThereAreDone) {
   const Stage stage;
   stage.eyewear->state = {.phase = Phase::watching, .step = Step::neutral, .hint = "hold still"};
   EXPECT_EQ(stage.both->calibration_state().phase, Phase::watching) << "none was heard: all count";
-  stage.hear(0, 10);
+  stage.receive(0, 10);
   EXPECT_EQ(stage.both->calibration_state().phase, Phase::done) << "the glasses are not there";
   EXPECT_TRUE(stage.both->calibration_state().hint.empty());
-  stage.hear(2, 11);
+  stage.receive(2, 11);
   const CalibrationState state = stage.both->calibration_state();
   EXPECT_EQ(state.phase, Phase::watching);
   EXPECT_EQ(state.step, Step::neutral);
@@ -177,7 +177,7 @@ TEST(CombinedTracker, CalibrationIsDoneWhenAllThatAreThereAreDone) {
   EXPECT_EQ(stage.both->calibration_state().phase, Phase::guided);
   EXPECT_EQ(stage.both->calibration_state().step, Step::nod);
   stage.imu->state = {.phase = Phase::done, .step = Step::none, .hint = {}};
-  stage.hear(0, 14);  // The glasses were taken off.
+  stage.receive(0, 14);  // The glasses were taken off.
   EXPECT_EQ(stage.both->calibration_state().phase, Phase::done);
 }
 
@@ -186,7 +186,7 @@ TEST(CombinedTracker, GuidesAllAsLongAsOneWants) {
   stage.eyewear->wants = {.neutral = std::chrono::seconds(5), .gestures = false};
   EXPECT_EQ(stage.both->guidance().neutral, std::chrono::seconds(5));
   EXPECT_TRUE(stage.both->guidance().gestures);
-  stage.hear(3, 1);
+  stage.receive(3, 1);
   EXPECT_FALSE(stage.both->guidance().gestures) << "glasses alone need no nod";
   const DeviceTime begin = frame_time(0), end = frame_time(60);
   stage.both->guide(Step::neutral, begin, end);
@@ -256,4 +256,4 @@ TEST(CombinedTracker, ScoresAndEventsAreThoseOfAll) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::combined_tracker_test

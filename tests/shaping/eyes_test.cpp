@@ -4,7 +4,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::eyes_test {
 namespace {
 
 using face::Provenance;
@@ -55,4 +55,4 @@ TEST(Eyes, AreNoSurerThanTheirShapes) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::eyes_test

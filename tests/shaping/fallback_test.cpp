@@ -7,7 +7,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::fallback_test {
 namespace {
 
 using face::Provenance;
@@ -196,4 +196,4 @@ TEST(Fallback, ForgetsWhenReset) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::fallback_test

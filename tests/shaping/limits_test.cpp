@@ -4,7 +4,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::limits_test {
 namespace {
 
 TEST(Limits, TheDefaultChangesNoBit) {
@@ -33,4 +33,4 @@ TEST(Limits, ScalesThenCuts) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::limits_test

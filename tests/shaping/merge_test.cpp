@@ -8,7 +8,7 @@
 #include "mien/shaping/shaper.h"
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::merge_test {
 namespace {
 
 using face::OutputFrame;
@@ -332,4 +332,4 @@ TEST(Merge, BringsItsFiguresIntoRange) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::merge_test

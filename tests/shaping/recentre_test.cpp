@@ -6,7 +6,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::recentre_test {
 namespace {
 
 using face::Provenance;
@@ -176,4 +176,4 @@ TEST(Recentre, BringsACentreIntoRange) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::recentre_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::shaping {
+namespace mien::shaping::settings_test {
 namespace {
 
 TEST(Settings, GoThroughJson) {
@@ -93,4 +93,4 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::settings_test

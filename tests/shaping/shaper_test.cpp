@@ -6,7 +6,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::shaper_test {
 namespace {
 
 using face::Provenance;
@@ -231,4 +231,4 @@ TEST(Shaper, MouthCloseRuleWinsOverLimits) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::shaper_test

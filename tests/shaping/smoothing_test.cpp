@@ -4,7 +4,7 @@
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::smoothing_test {
 namespace {
 
 TEST(SmoothingFor, GoesFromNothingToADelayThatItNames) {
@@ -105,4 +105,4 @@ TEST(Smoothing, SmoothsTheHeadWhenAsked) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::smoothing_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace mien::sink {
+namespace mien::sink::address_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(Address, ChecksOptions) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::address_test

@@ -26,7 +26,7 @@ std::atomic<std::size_t> allocations = 0;
   std::free(place);
 }
 
-namespace mien::sink {
+namespace mien::sink::allocation_test {
 namespace {
 
 face::OutputFrame frame_at(std::int64_t index) {
@@ -63,4 +63,4 @@ TEST(Allocation, NoneAfterTheFirstFrames) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::allocation_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace mien::sink {
+namespace mien::sink::arkit_frame_test {
 namespace {
 
 TEST(ArkitFrame, HoldsNothingThatMayNotBeSent) {
@@ -51,4 +51,4 @@ TEST(ArkitFrame, SaysWhatIsTracked) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::arkit_frame_test

@@ -12,13 +12,14 @@
 #include "mien/core/bytes.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/sink/live_link.h"
+#include "tests/project_path.h"
 
-namespace mien::sink {
+namespace mien::sink::captured_packets_test {
 namespace {
 
 std::filesystem::path folder() {
   const char* const named = std::getenv("MIEN_LIVELINK_PACKETS");
-  return named != nullptr ? named : MIEN_SOURCE_DIR "/../shared/data/livelink_packets";
+  return named != nullptr ? named : project_path("../shared/data/livelink_packets");
 }
 
 std::vector<std::byte> unzipped(const std::filesystem::path& path) {
@@ -177,4 +178,4 @@ TEST(CapturedPackets, HaveOurOrder) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::captured_packets_test

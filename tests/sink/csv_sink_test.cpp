@@ -13,7 +13,7 @@
 #include "mien/face/livelink_csv.h"
 #include "tests/folder.h"
 
-namespace mien::sink {
+namespace mien::sink::csv_sink_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -39,7 +39,7 @@ face::LiveLinkCsv read(const std::filesystem::path& path) {
 }
 
 TEST(CsvSink, WritesWhatTheReaderReads) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "take.csv";
   {
     auto sink = open("csv:" + path.string());
@@ -65,7 +65,7 @@ TEST(CsvSink, WritesWhatTheReaderReads) {
 }
 
 TEST(CsvSink, HasARate) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   {
     auto sink = open("csv:" + (folder / "a.csv").string() + "?rate=30");
     ASSERT_TRUE(sink);
@@ -77,7 +77,7 @@ TEST(CsvSink, HasARate) {
 }
 
 TEST(CsvSink, ReplacesNothingUnasked) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = (folder / "a.csv").string();
   ASSERT_TRUE(write_file(path, "mine"));
   const auto refused = open("csv:" + path);
@@ -106,7 +106,7 @@ TEST(CsvSink, ReplacesNothingUnasked) {
 
 /// A session that is killed keeps all but its last half second, in whole lines.
 TEST(CsvSink, KeepsWholeLinesWhenKilled) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "killed.csv";
   int news[2];
   ASSERT_EQ(::pipe(news), 0);
@@ -141,7 +141,7 @@ TEST(CsvSink, KeepsWholeLinesWhenKilled) {
 
 /// A disk that is full costs the rows that did not fit, and says so.
 TEST(CsvSink, SurvivesAFullDisk) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "full.csv";
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
@@ -172,4 +172,4 @@ TEST(CsvSink, SurvivesAFullDisk) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::csv_sink_test

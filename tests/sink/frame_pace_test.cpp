@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::sink {
+namespace mien::sink::frame_pace_test {
 namespace {
 
 int due_count(FramePace& pace, std::int64_t from, std::int64_t to, std::int64_t step = 1) {
@@ -78,4 +78,4 @@ TEST(FramePace, CountsWhatBecameOfThem) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::frame_pace_test

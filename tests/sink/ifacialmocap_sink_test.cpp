@@ -5,7 +5,7 @@
 
 #include "tests/sink/loopback.h"
 
-namespace mien::sink {
+namespace mien::sink::ifacialmocap_sink_test {
 namespace {
 
 using boost::asio::ip::udp;
@@ -93,4 +93,4 @@ TEST(IFacialMocapSink, SaysWhenItCannotListen) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::ifacialmocap_sink_test

@@ -9,7 +9,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::sink {
+namespace mien::sink::ifacialmocap_test {
 namespace {
 
 using Request = IFacialMocapRequest;
@@ -106,4 +106,4 @@ TEST(IFacialMocap, TurnsTheHeadAboutTheSameAxes) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::ifacialmocap_test

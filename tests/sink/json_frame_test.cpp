@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace mien::sink {
+namespace mien::sink::json_frame_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -108,4 +108,4 @@ TEST(JsonFrame, StaysJsonWhateverIsInTheFrame) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::json_frame_test

@@ -5,7 +5,7 @@
 #include "mien/core/bytes.h"
 #include "tests/hex.h"
 
-namespace mien::sink {
+namespace mien::sink::live_link_test {
 namespace {
 
 face::OutputFrame speaking() {
@@ -77,4 +77,4 @@ TEST(LiveLink, NamesADeviceByItsSubject) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::live_link_test

@@ -5,7 +5,7 @@
 #include "tests/hex.h"
 #include "tests/sink/osc_reading.h"
 
-namespace mien::sink {
+namespace mien::sink::osc_bundles_test {
 namespace {
 
 /// Known vectors, two messages in a bundle.
@@ -68,4 +68,4 @@ TEST(OscBundles, LeavesOutWhatFitsNowhere) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::osc_bundles_test

@@ -11,9 +11,10 @@
 #include "mien/sink/sink.h"
 #include "mien/sink/unified.h"
 #include "mien/sink/vmc.h"
+#include "tests/project_path.h"
 #include "tests/sink/loopback.h"
 
-namespace mien::sink {
+namespace mien::sink::other_readers_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -22,8 +23,7 @@ using Json = nlohmann::json;
 class Reader {
  public:
   explicit Reader(const std::string& arguments)
-      : pipe_(
-            ::popen(("node '" MIEN_SOURCE_DIR "/tests/sink/other_readers.mjs' " + arguments).c_str(), "r")) {}
+      : pipe_(::popen(("node '" + project_path("tests/sink/other_readers.mjs") + "' " + arguments).c_str(), "r")) {}
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   ~Reader() {
@@ -42,8 +42,8 @@ class Reader {
 };
 
 bool installed() {
-  return std::filesystem::exists(MIEN_SOURCE_DIR "/script/npm/node_modules/osc-js") &&
-         std::filesystem::exists(MIEN_SOURCE_DIR "/script/npm/node_modules/ws") &&
+  return std::filesystem::exists(project_path("script/npm/node_modules/osc-js")) &&
+         std::filesystem::exists(project_path("script/npm/node_modules/ws")) &&
          ::system("node --version > /dev/null 2>&1") == 0;
 }
 #define MIEN_SKIP_WITHOUT_NPM() \
@@ -165,4 +165,4 @@ TEST(OtherReaders, ReadTheWebSocket) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::other_readers_test

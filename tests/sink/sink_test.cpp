@@ -7,7 +7,7 @@
 #include "tests/folder.h"
 #include "tests/sink/loopback.h"
 
-namespace mien::sink {
+namespace mien::sink::sink_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -170,4 +170,4 @@ TEST(Sink, SaysInOneLineWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::sink_test

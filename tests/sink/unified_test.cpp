@@ -9,7 +9,7 @@
 
 #include "mien/core/random.h"
 
-namespace mien::sink {
+namespace mien::sink::unified_test {
 namespace {
 
 ArkitFrame with(std::initializer_list<std::pair<const char*, float>> weights) {
@@ -132,4 +132,4 @@ TEST(Unified, StaysWithinBounds) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::unified_test

@@ -8,7 +8,7 @@
 #include "mien/core/random.h"
 #include "tests/sink/osc_reading.h"
 
-namespace mien::sink {
+namespace mien::sink::vmc_test {
 namespace {
 
 std::vector<test::OscMessage> encoded(const face::OutputFrame& frame, const VmcOptions& options = {}) {
@@ -136,4 +136,4 @@ TEST(Vmc, PresetsStayWithinBounds) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::vmc_test

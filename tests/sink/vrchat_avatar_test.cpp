@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::sink {
+namespace mien::sink::vrchat_avatar_test {
 namespace {
 
 TEST(VrchatAvatar, ReadsWhatVrchatWrites) {
@@ -60,4 +60,4 @@ TEST(VrchatAvatar, RefusesEachMistakeAlone) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::vrchat_avatar_test

@@ -9,7 +9,7 @@
 #include "mien/sink/osc_bundles.h"
 #include "tests/sink/osc_reading.h"
 
-namespace mien::sink {
+namespace mien::sink::vrchat_test {
 namespace {
 
 using Type = VrchatAvatar::Type;
@@ -188,4 +188,4 @@ TEST(Vrchat, SaysWhenAnAvatarHasNoFace) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::vrchat_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace mien::sink {
+namespace mien::sink::ws_admission_test {
 namespace {
 
 TEST(WsAdmission, LetsProgramsAndPagesOfThisMachineIn) {
@@ -45,4 +45,4 @@ TEST(WsAdmission, KnowsWhatATokenIs) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::ws_admission_test

@@ -16,7 +16,7 @@
 
 #include "tests/sink/loopback.h"
 
-namespace mien::sink {
+namespace mien::sink::ws_sink_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -322,4 +322,4 @@ TEST(WsSink, TakesARoleThatItIsGiven) {
 }
 
 }  // namespace
-}  // namespace mien::sink
+}  // namespace mien::sink::ws_sink_test

@@ -6,7 +6,7 @@
 
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::performance_test {
 namespace {
 
 Performance performed(const Wearing& wearing, std::uint64_t seed = 1) {
@@ -55,4 +55,4 @@ TEST(Performance, NeedsAMotion) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::performance_test

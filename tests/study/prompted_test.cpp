@@ -7,7 +7,7 @@
 #include "tests/study/performed_take.h"
 #include "tests/tracker/tiny_model.h"
 
-namespace mien::study {
+namespace mien::study::prompted_test {
 namespace {
 
 take::Event prompt(const std::string& json, double begin_s = 1, double end_s = 3) {
@@ -67,4 +67,4 @@ TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::prompted_test

@@ -11,7 +11,7 @@
 #include "tests/study/performed_take.h"
 #include "tests/tracker/tiny_model.h"
 
-namespace mien::study {
+namespace mien::study::solve_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -77,7 +77,7 @@ TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
     const Solution samples = solve_take(take, tracker, no_progress).value();
     EXPECT_EQ(samples.hash, solve_take(take, tracker, no_progress)->hash) << "again: the tracker is as new";
     EXPECT_EQ(samples.ridge, solve(take).value().ridge) << "the window model's baseline of the same matrix";
-    EXPECT_EQ(samples.felt, solve(take).value().felt);
+    EXPECT_EQ(samples.observed, solve(take).value().observed);
     const auto features = take_features(take).value();
     ASSERT_EQ(samples.frames.size(), features.size());
     face::OutputFrame frame;
@@ -172,7 +172,7 @@ TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
   virt::VirtualSession session = test::lab_session();
   session.truth.resize(session.truth.size() - 20);
   const take::Take take = test::stored(session, folder / "cut.mien", "lab");
-  const TakeEstimates estimates = with_truth(take, solve(take).value()).value();
+  const measure::TakeEstimates estimates = with_truth(take, solve(take).value()).value();
   ASSERT_EQ(estimates.truth.size(), session.ticks.size());
   ASSERT_EQ(estimates.model.size(), session.ticks.size());
   std::size_t counted = 0;
@@ -269,4 +269,4 @@ TEST(HashFrames, ChangesWithEveryField) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::solve_test

@@ -7,9 +7,10 @@
 #include "mien/study/solve.h"
 #include "mien/virtual/perform_take.h"
 #include "tests/eyewear/glasses.h"
+#include "tests/project_path.h"
 #include "tests/study/performed_take.h"
 
-namespace mien::study {
+namespace mien::study::solve_tracked_test {
 namespace {
 
 const std::size_t kJaw = face::shape("jawOpen");
@@ -19,7 +20,7 @@ const take::Take& worn_take() {
   static const test::Folder folder;
   static const take::Take take = [] {
     virt::PerformRequest request;
-    request.rig = MIEN_SOURCE_DIR "/rigs/eyewear.toml";
+    request.rig = project_path("rigs/eyewear.toml");
     request.motion = virt::test::talking(60);
     request.take = folder / "worn.mien";
     request.seed = 5;
@@ -64,7 +65,7 @@ TEST(SolveTracked, PutsTheTakesCalibrationsInForce) {
   ASSERT_EQ(versions.size(), 1U);
   EXPECT_EQ(versions[0].modality, "eyewear");
   const Solution solution = solved().value();
-  EXPECT_GT(solution.felt, 0.99);
+  EXPECT_GT(solution.observed, 0.99);
   for (const face::OutputFrame& frame : solution.frames)
     if (frame.time >= versions[0].made) {
       EXPECT_EQ(frame.provenance[kJaw], face::Provenance::measured);
@@ -81,4 +82,4 @@ TEST(SolveTracked, IsStopped) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::solve_tracked_test

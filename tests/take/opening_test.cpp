@@ -7,7 +7,7 @@
 #include "mien/take/take.h"
 #include "tests/take/example_take.h"
 
-namespace mien::take {
+namespace mien::take::opening_test {
 namespace {
 
 using ::testing::AllOf;
@@ -210,4 +210,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 }  // namespace
-}  // namespace mien::take
+}  // namespace mien::take::opening_test

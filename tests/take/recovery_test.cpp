@@ -17,7 +17,7 @@
 #include "mien/take/take.h"
 #include "tests/take/example_take.h"
 
-namespace mien::take {
+namespace mien::take::recovery_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -356,4 +356,4 @@ TEST(Recovery, SaysAtOnceWhenNothingCanBeWritten) {
 }
 
 }  // namespace
-}  // namespace mien::take
+}  // namespace mien::take::recovery_test

@@ -7,7 +7,7 @@
 
 #include "tests/take/example_take.h"
 
-namespace mien::take {
+namespace mien::take::session_log_test {
 namespace {
 
 LogEntry entry(std::int64_t id) {
@@ -76,4 +76,4 @@ TEST(ReplayOrder, IsTheSameFromTheLogAndFromTheSamples) {
 }
 
 }  // namespace
-}  // namespace mien::take
+}  // namespace mien::take::session_log_test

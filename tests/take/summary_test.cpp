@@ -2,7 +2,7 @@
 
 #include "tests/take/example_take.h"
 
-namespace mien::take {
+namespace mien::take::summary_test {
 namespace {
 
 std::vector<DeviceTime> at_ms(std::initializer_list<int> list) {
@@ -87,4 +87,4 @@ TEST(Summary, CountsEveryTrack) {
 }
 
 }  // namespace
-}  // namespace mien::take
+}  // namespace mien::take::summary_test

@@ -8,7 +8,7 @@
 
 #include "tests/take/example_take.h"
 
-namespace mien::take {
+namespace mien::take::take_test {
 namespace {
 
 using test::device_ms;
@@ -476,4 +476,4 @@ TEST(TakeWriter, RefusesAdditionsAfterTheEnd) {
 }
 
 }  // namespace
-}  // namespace mien::take
+}  // namespace mien::take::take_test

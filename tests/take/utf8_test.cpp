@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mien::take {
+namespace mien::take::utf8_test {
 namespace {
 
 TEST(Utf8, TakesWellFormedText) {
@@ -22,4 +22,4 @@ TEST(Utf8, RefusesAnythingElse) {
 }
 
 }  // namespace
-}  // namespace mien::take
+}  // namespace mien::take::utf8_test

@@ -32,7 +32,7 @@ std::size_t allocations = 0;
   std::free(memory);
 }
 
-namespace mien::tracker {
+namespace mien::tracker::causal_tracker_test {
 namespace {
 
 using ::testing::Each;
@@ -211,4 +211,4 @@ TEST(CausalTracker, RefusesWhatItCannotRun) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::causal_tracker_test

@@ -6,7 +6,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
 
-namespace mien::tracker {
+namespace mien::tracker::crowd_test {
 namespace {
 
 const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
@@ -62,4 +62,4 @@ TEST(Crowd, RefusesWhatATrackerRefuses) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::crowd_test

@@ -7,7 +7,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
 
-namespace mien::tracker {
+namespace mien::tracker::model_input_test {
 namespace {
 
 const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
@@ -52,9 +52,9 @@ TEST(ModelInput, WhatIsNotFiniteIsMissing) {
   ModelInput input(file, kSensors);
   std::vector<float> out(file.features.width());
   input.encode(broken, out);
-  EXPECT_TRUE(input.felt(0));
-  EXPECT_FALSE(input.felt(1));
-  EXPECT_EQ(input.felt_count(), 1U);
+  EXPECT_TRUE(input.present(0));
+  EXPECT_FALSE(input.present(1));
+  EXPECT_EQ(input.present_count(), 1U);
   EXPECT_EQ(input.sensor_count(), 2U);
 }
 
@@ -75,4 +75,4 @@ TEST(SolveRidge, IsThatOfTheProfile) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::model_input_test

@@ -7,7 +7,7 @@
 
 #include "tests/tracker/prompted_minute.h"
 
-namespace mien::tracker {
+namespace mien::tracker::personalise_test {
 namespace {
 
 using test::kAsked;
@@ -93,4 +93,4 @@ TEST(Personalise, SaysWhatItMisses) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::personalise_test

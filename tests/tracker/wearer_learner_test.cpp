@@ -8,7 +8,7 @@
 #include "mien/tracker/tracker.h"
 #include "tests/tracker/prompted_minute.h"
 
-namespace mien::tracker {
+namespace mien::tracker::wearer_learner_test {
 namespace {
 
 using test::kNames;
@@ -105,4 +105,4 @@ TEST(WearerLearner, SaysWhyNothingCouldBeLearnt) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::wearer_learner_test

@@ -7,7 +7,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
 
-namespace mien::tracker {
+namespace mien::tracker::window_solver_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -142,4 +142,4 @@ TEST(WindowSolver, StopsWhenAsked) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::window_solver_test

@@ -5,7 +5,7 @@
 #include "mien/face/profile.h"
 #include "tests/train/toy_data.h"
 
-namespace mien::train {
+namespace mien::train::batches_test {
 namespace {
 
 class Batches : public testing::Test {
@@ -244,4 +244,4 @@ TEST_F(Batches, AKnownSkinIsReadAsTheStandardOne) {
 }
 
 }  // namespace
-}  // namespace mien::train
+}  // namespace mien::train::batches_test

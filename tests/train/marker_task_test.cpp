@@ -9,7 +9,7 @@
 #include "tests/folder.h"
 #include "tests/train/toy_data.h"
 
-namespace mien::train {
+namespace mien::train::marker_task_test {
 namespace {
 
 /// Two sensors and one marker that goes where they say.
@@ -73,4 +73,4 @@ TEST(MarkerTask, RefusesWhatCannotBeTrained) {
 }
 
 }  // namespace
-}  // namespace mien::train
+}  // namespace mien::train::marker_task_test

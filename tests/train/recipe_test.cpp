@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "mien/core/files.h"
+#include "tests/project_path.h"
 
-namespace mien::train {
+namespace mien::train::recipe_test {
 namespace {
 
 TEST(Recipe, ReadsWhatItIsGiven) {
@@ -62,7 +63,7 @@ TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
   EXPECT_EQ(r->held_readings, 0.2);
   EXPECT_EQ(r->heading_drift, 0.5);
   EXPECT_NEAR(r->heading_drift_rad, 0.157, 1e-3);
-  EXPECT_TRUE(parse_recipe(*read_text(MIEN_SOURCE_DIR "/models/recipes/live.toml"), "live.toml"));
+  EXPECT_TRUE(parse_recipe(*read_text(project_path("models/recipes/live.toml")), "live.toml"));
 }
 
 TEST(Recipe, RefusesEachWrongThingInOneLine) {
@@ -99,4 +100,4 @@ TEST(Recipe, RefusesEachWrongThingInOneLine) {
 }
 
 }  // namespace
-}  // namespace mien::train
+}  // namespace mien::train::recipe_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <torch/csrc/autograd/autograd.h>
 
-namespace mien::train {
+namespace mien::train::recurrent_test {
 namespace {
 
 /// The same layer an operation at a time, with libtorch's own gradients.
@@ -54,4 +54,4 @@ TEST_F(Recurrent, ItsGradientsAreLibtorchs) {
 }
 
 }  // namespace
-}  // namespace mien::train
+}  // namespace mien::train::recurrent_test

@@ -13,7 +13,7 @@
 #include "tests/model/random_network.h"
 #include "tests/train/toy_data.h"
 
-namespace mien::train {
+namespace mien::train::trainer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -235,4 +235,4 @@ TEST(Parity, TheRunTimeAgreesWithLibtorch) {
 }
 
 }  // namespace
-}  // namespace mien::train
+}  // namespace mien::train::trainer_test

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace mien::train {
+namespace mien::train::window_places_test {
 namespace {
 
 TEST(WindowPlaces, AreThoseWhereAWindowFits) {
@@ -37,4 +37,4 @@ TEST(WindowPlaces, EvenOnesDoNotLieOverEachOther) {
 }
 
 }  // namespace
-}  // namespace mien::train
+}  // namespace mien::train::window_places_test

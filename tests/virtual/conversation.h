@@ -17,7 +17,7 @@ class Conversation {
   /// Runs until `end`, moment by moment as the node asks, the host ten times a second.
   void run_until(HostTime end) {
     while (now_ < end) {
-      for (auto datagram = node_.say(now_); datagram; datagram = node_.say(now_)) {
+      for (auto datagram = node_.next_datagram(now_); datagram; datagram = node_.next_datagram(now_)) {
         sent_.push_back({now_, *datagram});
         if (host_ == nullptr) continue;
         inbox_.reply.clear();
@@ -27,7 +27,7 @@ class Conversation {
       if (host_ != nullptr && now_ >= next_word_) {
         next_word_ = now_ + std::chrono::milliseconds(100);
         std::vector<sensor::Protocol::Outgoing> words;
-        host_->say(now_, words);
+        host_->heartbeats(now_, words);
         for (const auto& word : words) node_.receive(now_, word.datagram);
         if (!words.empty()) continue;
       }

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-namespace mien::virt {
+namespace mien::virt::network_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -44,18 +44,18 @@ std::vector<Datagram> through(const NetworkSettings& settings, std::uint64_t see
 }
 
 /// Of one source, by number: arrived or not.
-std::vector<bool> heard(const std::vector<Datagram>& arrived, std::uint16_t source) {
-  std::vector<bool> heard(kEach, false);
+std::vector<bool> received(const std::vector<Datagram>& arrived, std::uint16_t source) {
+  std::vector<bool> received(kEach, false);
   for (const Datagram& datagram : arrived)
-    if (datagram.source == source) heard[number(datagram)] = true;
-  return heard;
+    if (datagram.source == source) received[number(datagram)] = true;
+  return received;
 }
 
 /// Lengths of the runs of lost datagrams.
-std::vector<double> gaps(const std::vector<bool>& heard) {
+std::vector<double> gaps(const std::vector<bool>& received) {
   std::vector<double> lengths;
   double run = 0;
-  for (const bool there : heard) {
+  for (const bool there : received) {
     if (there && run > 0) lengths.push_back(run);
     run = there ? 0 : run + 1;
   }
@@ -91,7 +91,7 @@ TEST(Network, LosesTheShareThatItIsTold) {
     const double lost = 1 - static_cast<double>(arrived.size()) / static_cast<double>(sent().size());
     EXPECT_NEAR(lost, loss, 4 * std::sqrt(loss / static_cast<double>(sent().size())));
     // Each by itself: runs are as short as chance makes them.
-    EXPECT_NEAR(mean(gaps(heard(arrived, 1))), 1 / (1 - loss), 0.05);
+    EXPECT_NEAR(mean(gaps(received(arrived, 1))), 1 / (1 - loss), 0.05);
   }
 }
 
@@ -100,15 +100,15 @@ TEST(Network, BurstsHaveTheirShareAndLength) {
     const auto arrived = through({.burst_share = 0.1, .burst_length = length});
     const double lost = 1 - static_cast<double>(arrived.size()) / static_cast<double>(sent().size());
     EXPECT_NEAR(lost, 0.1, 0.02) << length;
-    const std::vector<double> runs = gaps(heard(arrived, 0));
+    const std::vector<double> runs = gaps(received(arrived, 0));
     EXPECT_NEAR(mean(runs), length == 1 ? 1.1 : length, 0.2 * length) << length;
   }
 }
 
 TEST(Network, BurstsOfOneSourceAreNotAnothers) {
   const auto arrived = through({.burst_share = 0.1, .burst_length = 20});
-  const auto one = heard(arrived, 0);
-  const auto other = heard(arrived, 1);
+  const auto one = received(arrived, 0);
+  const auto other = received(arrived, 1);
   double both = 0;
   for (std::size_t i = 0; i < kEach; ++i) both += !one[i] && !other[i] ? 1 : 0;
   EXPECT_NEAR(both / kEach, 0.01, 0.008);
@@ -261,4 +261,4 @@ TEST(Network, EachWrongSettingIsNamed) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::network_test

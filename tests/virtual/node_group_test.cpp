@@ -9,7 +9,7 @@
 #include "mien/virtual/session.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::node_group_test {
 namespace {
 
 Stage stage(int frames = 91) {
@@ -31,7 +31,7 @@ std::vector<std::pair<HostTime, std::vector<std::byte>>> perform(NodeGroup& node
     while (nodes.simulated_s() < t) EXPECT_TRUE(nodes.simulate());
     const HostTime now(from_seconds(t));
     for (std::size_t n = 0; n < nodes.size(); ++n)
-      for (auto datagram = nodes[n].say(now); datagram; datagram = nodes[n].say(now))
+      for (auto datagram = nodes[n].next_datagram(now); datagram; datagram = nodes[n].next_datagram(now))
         all.emplace_back(now, *datagram);
   }
   return all;
@@ -93,4 +93,4 @@ TEST(NodeGroup, SpeaksSlimeVrWhereItIsToldTo) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::node_group_test

@@ -12,7 +12,7 @@
 #include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::perform_take_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,9 +110,9 @@ TEST_F(PerformTake, AFileOfFaultsIsAProfile) {
   const auto all = perform_take(request_, no_progress).value().packets;
   request_.replace = true;
   request_.devices = (folder_ / "lossy.toml").string();
-  const auto heard = perform_take(request_, no_progress).value().packets;
-  EXPECT_GT(heard, all / 4);
-  EXPECT_LT(heard, 3 * all / 4);
+  const auto received = perform_take(request_, no_progress).value().packets;
+  EXPECT_GT(received, all / 4);
+  EXPECT_LT(received, 3 * all / 4);
   EXPECT_EQ(take::Take::open(request_.take).value().header().devices, request_.devices);
 }
 
@@ -245,4 +245,4 @@ TEST_F(PerformTake, RefusesAFolderThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::perform_take_test

@@ -14,9 +14,10 @@
 #include "mien/performer/style.h"
 #include "mien/take/session_log.h"
 #include "tests/imu/clocked_pipeline.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::session_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -278,7 +279,7 @@ TEST(DeviceSession, SensorsFallSilentForSecondsWhenTheFaultsSayTheyDo) {
 
 /// Ten seconds of a performer on the built-in face with the default rig and all of its faults.
 struct Performance {
-  sensor::Rig rig = sensor::read_rig(std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml").value();
+  sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   DeviceFaults faults = parse_faults(rig.faults_toml, "default rig").value();
   std::vector<SkinSite> sites = skin_sites(builtin_face::make_builtin(), rig).value();
   performer::PrologueMotion motion;
@@ -295,11 +296,11 @@ struct Performance {
   }
 };
 
-using HeardTest = std::function<bool(const take::StoredSample&)>;
+using ReceivedTest = std::function<bool(const take::StoredSample&)>;
 
 /// Solves a session as a live one does, but for the samples that were not heard. Calls `see` with every frame
 /// that counts.
-void solve(const VirtualSession& session, const HeardTest& heard,
+void solve(const VirtualSession& session, const ReceivedTest& received,
            const std::function<void(const take::TruthFrame&, const model::FeatureFrame&)>& see) {
   imu::testing_head::ClockedPipeline pipeline(Performance::get().rig);
   for (const take::Event& event : session.events) {
@@ -310,7 +311,7 @@ void solve(const VirtualSession& session, const HeardTest& heard,
   model::FeatureFrame frame;
   std::size_t tick = 0;
   for (const auto& step : take::replay_order(session.samples, session.ticks)) {
-    if (step.item != nullptr && heard(*step.item)) pipeline.add(step.item->arrival, step.item->sample);
+    if (step.item != nullptr && received(*step.item)) pipeline.add(step.item->arrival, step.item->sample);
     if (step.tick == nullptr) continue;
     pipeline.tick(step.tick->frame, frame);
     const take::TruthFrame& truth = session.truth[tick++];
@@ -324,12 +325,12 @@ struct Error {
   double missing = 0;
 };
 
-Error skin_error(const VirtualSession& session, const HeardTest& heard) {
+Error skin_error(const VirtualSession& session, const ReceivedTest& received) {
   const std::vector<std::uint16_t> face_sensors = Performance::get().rig.face_sensors();
   double square = 0;
   double there = 0;
   double all = 0;
-  solve(session, heard, [&](const take::TruthFrame& truth, const model::FeatureFrame& frame) {
+  solve(session, received, [&](const take::TruthFrame& truth, const model::FeatureFrame& frame) {
     for (std::size_t s = 0; s < face_sensors.size(); ++s) {
       ++all;
       if (!frame.sensors[s].has_rotation) continue;
@@ -400,4 +401,4 @@ TEST(DeviceSession, ASilentSensorIsMissingAndTheOthersAreNot) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::session_test

@@ -8,9 +8,10 @@
 
 #include "mien/core/files.h"
 #include "tests/folder.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::stage_test {
 namespace {
 
 /// The stage that a request sets.
@@ -77,7 +78,7 @@ TEST_F(SetStage, DrawsSkinUnlikeTheFaces) {
 }
 
 TEST_F(SetStage, RefusesUnlikeSkinUnderGlasses) {
-  request_.rig = MIEN_SOURCE_DIR "/rigs/eyewear.toml";
+  request_.rig = project_path("rigs/eyewear.toml");
   request_.unlike = 1;
   const auto refused = set_stage(request_);
   ASSERT_FALSE(refused);
@@ -94,11 +95,11 @@ TEST_F(SetStage, RefusesAMotionWithoutFrames) {
 }
 
 TEST_F(SetStage, RefusesSensorsOfSeveralKinds) {
-  request_.rig = MIEN_SOURCE_DIR "/rigs/imu_eyewear.toml";
+  request_.rig = project_path("rigs/imu_eyewear.toml");
   const auto refused = set_stage(request_);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::stage_test

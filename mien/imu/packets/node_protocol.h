@@ -33,7 +33,7 @@ class NodeProtocol final : public sensor::Protocol {
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
   /// Nothing: nodes speak first.
-  void say(HostTime, std::vector<Outgoing>&) override {}
+  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
   explicit NodeProtocol(NodeProtocolSettings settings) : settings_(std::move(settings)) {}

@@ -63,7 +63,7 @@ Verdict SlimeVrProtocol::receive(HostTime arrival, sensor::Peer peer, std::span<
   if (board == nullptr) return Verdict::ignored;
   if (header->number != 0 && header->number <= board->last_number) return Verdict::ignored;
   if (header->number != 0) board->last_number = header->number;
-  board->heard = arrival;
+  board->received = arrival;
 
   const std::size_t readings = inbox.readings.size();
   const std::size_t batteries = inbox.batteries.size();
@@ -92,7 +92,7 @@ Verdict SlimeVrProtocol::greet(HostTime arrival, sensor::Peer peer, const slimev
   board->protocol = handshake.protocol;
   board->firmware = handshake.firmware;
   board->last_number = 0;
-  board->heard = arrival;
+  board->received = arrival;
   for (Channel& channel : board->channels) {
     channel.clock.restart();
     channel.acceleration_age = kMaxAccelerationAge;
@@ -176,7 +176,7 @@ void SlimeVrProtocol::reply(const slimevr::ServerMessage& message, Inbox& inbox)
   inbox.reply.assign(writer_.bytes().begin(), writer_.bytes().end());
 }
 
-void SlimeVrProtocol::say(HostTime now, std::vector<Outgoing>& out) {
+void SlimeVrProtocol::heartbeats(HostTime now, std::vector<Outgoing>& out) {
   const auto add = [&](sensor::Peer peer, const slimevr::ServerMessage& message) {
     ByteWriter writer;
     slimevr::encode_server_message(message, writer);
@@ -185,7 +185,7 @@ void SlimeVrProtocol::say(HostTime now, std::vector<Outgoing>& out) {
   for (Board& board : boards_) {
     for (const slimevr::SensorInfoAck& ack : board.acks) add(board.peer, ack);
     board.acks.clear();
-    if (now - board.heard > kGone || now < board.next_word) continue;
+    if (now - board.received > kGone || now < board.next_word) continue;
     add(board.peer, slimevr::ServerHeartbeat{});
     add(board.peer, slimevr::Ping{++pings_});
     board.next_word = now + kWordPeriod;

@@ -25,7 +25,7 @@ class SlimeVrProtocol final : public sensor::Protocol {
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
   /// A heartbeat and a ping every 500 ms to each board heard within 10 s.
-  void say(HostTime now, std::vector<Outgoing>& out) override;
+  void heartbeats(HostTime now, std::vector<Outgoing>& out) override;
 
  private:
   struct Channel {
@@ -43,7 +43,7 @@ class SlimeVrProtocol final : public sensor::Protocol {
     std::uint64_t last_number = 0;
     std::vector<Channel> channels;
     // For what is said; receive() does not depend on these.
-    HostTime heard;
+    HostTime received;
     HostTime next_word;
     std::vector<slimevr::SensorInfoAck> acks;
   };

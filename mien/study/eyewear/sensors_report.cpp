@@ -18,8 +18,8 @@ std::vector<std::string> cells(const std::string& name, const SensorsRow& row) {
   return {name, mm(row.all.mean_mm), mm(row.all.rmse_mm), mm(row.eyes_nose.mean_mm), mm(row.mouth.mean_mm)};
 }
 
-Table overview(const SensorsStudy& study) {
-  Table table;
+measure::Table overview(const SensorsStudy& study) {
+  measure::Table table;
   table.caption = "Error of the markers, mm, beside the published one";
   table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
   for (const SensorsMethod* method : {&study.faithful, &study.faithful16}) {
@@ -34,8 +34,8 @@ Table overview(const SensorsStudy& study) {
   return table;
 }
 
-Table minute_table(const MinuteStudy& minute) {
-  Table table;
+measure::Table minute_table(const MinuteStudy& minute) {
+  measure::Table table;
   table.caption = "After one minute of the wearer's own, without motion capture but for \"linear\", mm";
   table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
   for (const auto* methods : {&minute.methods, &minute.conditions})
@@ -44,8 +44,8 @@ Table minute_table(const MinuteStudy& minute) {
   return table;
 }
 
-Table wearers(const SensorsStudy& study) {
-  Table table;
+measure::Table wearers(const SensorsStudy& study) {
+  measure::Table table;
   table.caption = "By wearer and by expressions, all sensors, mm";
   table.columns = {"", "mean", "RMSE", "eyes, nose", "mouth"};
   for (std::size_t w = 0; w < study.faithful.wearers.size(); ++w)
@@ -58,8 +58,8 @@ Table wearers(const SensorsStudy& study) {
   return table;
 }
 
-BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
-  BarPlot plot;
+measure::BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
+  measure::BarPlot plot;
   plot.title = "Mean error of each marker";
   plot.value_label = "mm";
   plot.series = {"published method", "without the ear hooks", "mean pose", "learned, one minute"};
@@ -71,12 +71,12 @@ BarPlot by_marker(const SensorsStudy& study, const MinuteStudy& minute) {
   return plot;
 }
 
-LinePlot curve(const SensorsStudy& study) {
-  LinePlot plot;
+measure::LinePlot curve(const SensorsStudy& study) {
+  measure::LinePlot plot;
   plot.title = "Error over all markers through the first wearer's tests";
   plot.x_label = "time (s)";
   plot.y_label = "mean error (mm)";
-  Line line{"all sensors", {}, {}};
+  measure::Line line{"all sensors", {}, {}};
   const std::size_t every = std::max<std::size_t>(1, study.curve_s.size() / kCurvePoints);
   for (std::size_t i = 0; i < study.curve_s.size(); i += every) {
     line.x.push_back(study.curve_s[i]);
@@ -89,9 +89,9 @@ LinePlot curve(const SensorsStudy& study) {
 
 }  // namespace
 
-Result<Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
-                              const std::string& subtitle, const render::Image& picture) {
-  Report report("Markers from photo-reflective eyewear", subtitle);
+Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                                       const std::string& subtitle, const render::Image& picture) {
+  measure::Report report("Markers from photo-reflective eyewear", subtitle);
   report.key_figures({{"Mean error", mm(study.faithful.overall.all.mean_mm) + " mm",
                        fmt::format("published {} mm", mm(kPublished20.mean_mm))},
                       {"Eyes and nose", mm(study.faithful.overall.eyes_nose.mean_mm) + " mm",
@@ -106,7 +106,7 @@ Result<Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minu
                  "Mean error of each marker as colour on the face, and between markers what lies between");
   }
   report.bars(by_marker(study, minute));
-  Table names;
+  measure::Table names;
   names.caption = "Markers by number";
   names.columns = {"", "marker"};
   for (std::size_t m = 0; m < study.markers.size(); ++m)

@@ -2,10 +2,10 @@
 
 #include <string>
 
+#include "mien/measure/report.h"
 #include "mien/render/image.h"
 #include "mien/study/eyewear/minute_study.h"
 #include "mien/study/eyewear/sensors_study.h"
-#include "mien/study/report.h"
 
 namespace mien::study {
 
@@ -21,7 +21,8 @@ inline constexpr PublishedSensors kPublished16{3.95, 1.89, 6.97};
 /// The study as one page: beside the published figures, by region, wearer, set and marker, as colour on the
 /// face, and the error as it goes on through the tests. `subtitle` says whose numbers these are, `picture` is
 /// error_picture()'s; one without pixels is left out. Errors: the picture's encoder.
-[[nodiscard]] Result<Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
-                                            const std::string& subtitle, const render::Image& picture);
+[[nodiscard]] Result<measure::Report> sensors_report(const SensorsStudy& study, const MinuteStudy& minute,
+                                                     const std::string& subtitle,
+                                                     const render::Image& picture);
 
 }  // namespace mien::study

@@ -62,8 +62,8 @@ void WornGlasses::play(const face::Motion& motion, double seconds, const See& se
   const auto frames = static_cast<std::int64_t>(std::llround(seconds * kFrameRateHz));
   std::int64_t frame = 0;
   const auto frame_s = [&] { return static_cast<double>(frame) / kFrameRateHz; };
-  const auto look_until = [&](DeviceTime heard) {
-    for (; frame < frames && simulator_->clock().device(now_s_ + frame_s()) <= heard; ++frame) {
+  const auto look_until = [&](DeviceTime received) {
+    for (; frame < frames && simulator_->clock().device(now_s_ + frame_s()) <= received; ++frame) {
       grid_.tick(simulator_->clock().device(now_s_ + frame_s()), lines_, light_);
       if (see) see(light_, curve.at(frame_s()).weights);
     }

@@ -36,30 +36,30 @@ constexpr std::array<Column, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm
                                                          {Measure::pve_face, "PVE face, mm", 3},
                                                          {Measure::landmarks, "landmarks, mm", 3},
                                                          {Measure::mse, "MSE", 4},
-                                                         {Measure::mse_felt, "MSE felt", 4},
+                                                         {Measure::mse_observed, "MSE observed", 4},
                                                          {Measure::jitter, "jitter", 2},
                                                          {Measure::blinks, "blink F1", 2}}};
 
 /// "0.70 ± 0.14"; of one performer the figure alone.
 std::string figure(const LiveMethod& method, const Column& column) {
-  const std::optional<MeanStd> value = method.over(column.measure);
+  const std::optional<measure::MeanStd> value = method.over(column.measure);
   if (!value) return "-";
   if (method.performers.size() < 2) return fmt::format("{:.{}f}", value->mean, column.decimals);
   return fmt::format("{:.{}f} ± {:.{}f}", value->mean, column.decimals, value->std, column.decimals);
 }
 
-BarPlot plot_of(const Group& group, const LiveSet& set) {
+measure::BarPlot plot_of(const Group& group, const LiveSet& set) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  BarPlot plot{.title = std::string(group.name) + ": vertex error",
-               .value_label = "PVE (mm)",
-               .series = {},
-               .groups = {}};
+  measure::BarPlot plot{.title = std::string(group.name) + ": vertex error",
+                        .value_label = "PVE (mm)",
+                        .series = {},
+                        .groups = {}};
   for (const LiveRow& row : set.rows) {
     if (std::ranges::find(group.conditions, row.condition) == group.conditions.end()) continue;
-    BarPlot::Group bars{row.title, {}, {}};
+    measure::BarPlot::Group bars{row.title, {}, {}};
     plot.series.clear();
     for (const LiveMethod& method : row.methods) {
-      const std::optional<MeanStd> value = method.over(Measure::pve);
+      const std::optional<measure::MeanStd> value = method.over(Measure::pve);
       plot.series.push_back(method.name);
       bars.values.push_back(value ? value->mean : kNone);
       bars.spread.push_back(value ? value->std : kNone);
@@ -70,13 +70,13 @@ BarPlot plot_of(const Group& group, const LiveSet& set) {
 }
 
 /// The first model, where all is as in training, against a line through one frame.
-std::vector<KeyFigure> key_figures(const LiveSet& set) {
-  std::vector<KeyFigure> figures;
+std::vector<measure::KeyFigure> key_figures(const LiveSet& set) {
+  std::vector<measure::KeyFigure> figures;
   for (const LiveRow& row : set.rows) {
     if (row.condition != LiveCondition::lab && row.condition != LiveCondition::seen) continue;
-    const std::optional<MeanStd> live = row.methods.front().over(Measure::pve);
+    const std::optional<measure::MeanStd> live = row.methods.front().over(Measure::pve);
     const LiveMethod* ridge = row.find(kRidge);
-    const std::optional<MeanStd> line = ridge != nullptr ? ridge->over(Measure::pve) : std::nullopt;
+    const std::optional<measure::MeanStd> line = ridge != nullptr ? ridge->over(Measure::pve) : std::nullopt;
     if (live)
       figures.push_back({fmt::format("{}, {}", row.methods.front().name, row.title),
                          fmt::format("{:.3f} mm", live->mean),
@@ -87,17 +87,17 @@ std::vector<KeyFigure> key_figures(const LiveSet& set) {
 
 }  // namespace
 
-Table live_table(const LiveSet& set) {
-  Table table;
+measure::Table live_table(const LiveSet& set) {
+  measure::Table table;
   table.caption = set.who;
   table.columns.emplace_back("");
   for (const Column& column : kColumns) table.columns.emplace_back(column.head);
   for (const LiveRow& row : set.rows) {
     table.strong_rows.push_back(table.rows.size());
     table.rows.push_back({fmt::format(
-        "{} ({} performer{}, {:.0f} s, {:.1f} % felt, {:.1f}° off)", row.title,
+        "{} ({} performer{}, {:.0f} s, {:.1f} % observed, {:.1f}° off)", row.title,
         row.methods.front().performers.size(), row.methods.front().performers.size() == 1 ? "" : "s",
-        static_cast<double>(row.frames) / kFrameRateHz, 100 * row.felt, row.rotation_rms_deg)});
+        static_cast<double>(row.frames) / kFrameRateHz, 100 * row.observed, row.rotation_rms_deg)});
     for (const LiveMethod& method : row.methods) {
       std::vector<std::string>& cells = table.rows.emplace_back();
       cells.push_back(method.name);
@@ -122,14 +122,14 @@ std::string live_legend() {
          "can be below it. All else: docs/reference/metrics.md.";
 }
 
-Report live_report(const LiveStudy& study, const std::string& subtitle) {
-  Report report("The live model beside the others", subtitle);
+measure::Report live_report(const LiveStudy& study, const std::string& subtitle) {
+  measure::Report report("The live model beside the others", subtitle);
   for (const LiveSet& set : study.sets) {
     if (study.sets.size() > 1) report.heading(set.who);
-    if (const std::vector<KeyFigure> figures = key_figures(set); !figures.empty())
+    if (const std::vector<measure::KeyFigure> figures = key_figures(set); !figures.empty())
       report.key_figures(figures);
     for (const Group& group : groups())
-      if (const BarPlot plot = plot_of(group, set); !plot.groups.empty()) report.bars(plot);
+      if (const measure::BarPlot plot = plot_of(group, set); !plot.groups.empty()) report.bars(plot);
     report.table(live_table(set));
   }
   report.text(live_legend());

@@ -9,13 +9,13 @@
 
 #include "mien/core/time.h"
 #include "mien/core/units.h"
+#include "mien/measure/evaluation.h"
 #include "mien/performer/encore.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/script.h"
-#include "mien/study/evaluation.h"
-#include "mien/study/imu/felt_rotations.h"
 #include "mien/study/imu/loss_condition.h"
+#include "mien/study/imu/observed_rotations.h"
 #include "mien/study/imu/sensor_bound.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/study/performers.h"
@@ -55,7 +55,7 @@ constexpr std::array<std::string_view, kLiveConditionCount> kConditionTitles = {
                                                                                 "another simulator",
                                                                                 "long session"};
 constexpr std::array<std::string_view, kMeasureCount> kMeasureNames = {
-    "pve_mm", "pve_face_mm", "lmk_mm", "mse", "mse_felt", "jitter_ratio", "blink_f1"};
+    "pve_mm", "pve_face_mm", "lmk_mm", "mse", "mse_observed", "jitter_ratio", "blink_f1"};
 
 std::string title_of(LiveCondition condition) {
   return std::string(kConditionTitles[static_cast<std::size_t>(condition)]);
@@ -70,7 +70,7 @@ struct Actor {
 };
 
 /// What was heard of a performance.
-struct Heard {
+struct Received {
   std::vector<virt::SkinSite> sites;
   std::vector<model::FeatureFrame> features;
   std::vector<take::TruthFrame> truth;  // One a frame of the features.
@@ -86,7 +86,7 @@ struct Part {
 /// One row of one performer.
 struct LiveOutcome {
   std::size_t frames = 0;  // 0: it was not performed.
-  FeltRotations rotations;
+  ObservedRotations rotations;
   std::vector<Figures> methods;
 };
 
@@ -175,44 +175,45 @@ Wearing wearing_of(LiveCondition condition, const LiveRequest& request, const vi
 }
 
 /// The rows of a condition: all of the session, or the first and the last round of a long one.
-std::vector<Part> parts_of(LiveCondition condition, const LiveRequest& request, const Heard& heard,
+std::vector<Part> parts_of(LiveCondition condition, const LiveRequest& request, const Received& received,
                            double round_s) {
-  if (condition != LiveCondition::long_session) return {{title_of(condition), 0, heard.truth.size()}};
-  const auto runs = evaluated_runs(heard.truth);
-  const auto first = runs.empty() ? heard.truth.size() : runs.front().first;
+  if (condition != LiveCondition::long_session) return {{title_of(condition), 0, received.truth.size()}};
+  const auto runs = measure::evaluated_runs(received.truth);
+  const auto first = runs.empty() ? received.truth.size() : runs.front().first;
   const auto frames = [](double seconds) {
     return static_cast<std::size_t>(std::llround(seconds * kFrameRateHz));
   };
   const auto part = [&](std::string name, std::size_t begin) {
-    begin = std::min(begin, heard.truth.size());
-    return Part{title_of(condition) + name, begin, std::min(begin + frames(round_s - 1), heard.truth.size())};
+    begin = std::min(begin, received.truth.size());
+    return Part{title_of(condition) + name, begin,
+                std::min(begin + frames(round_s - 1), received.truth.size())};
   };
   return {part(fmt::format(", first {:g} s", request.round_s), first),
           part(fmt::format(", after {:.0f} s", (request.rounds - 1) * round_s),
                first + frames((request.rounds - 1) * round_s))};
 }
 
-Figures figures_of(const Metrics& metrics) {
-  const auto mean = [](const std::optional<MeanStd>& value) {
+Figures figures_of(const measure::Metrics& metrics) {
+  const auto mean = [](const std::optional<measure::MeanStd>& value) {
     return value ? std::optional(value->mean) : std::nullopt;
   };
-  return {metrics.pve_mm.mean, mean(metrics.pve_face_mm), mean(metrics.lmk_mm), metrics.mse,
-          metrics.mse_felt,    metrics.jitter_ratio,      metrics.blink_f1};
+  return {metrics.pve_mm.mean,  mean(metrics.pve_face_mm), mean(metrics.lmk_mm), metrics.mse,
+          metrics.mse_observed, metrics.jitter_ratio,      metrics.blink_f1};
 }
 
 Figures figures_of(const SensorBound& bound, double prior) {
-  double felt_variance = 0;
-  double felt = 0;
+  double observed_variance = 0;
+  double observed = 0;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    if (!is_felt(k)) continue;
-    felt_variance += std::pow(prior * bound.left[k], 2);
-    ++felt;
+    if (!measure::is_observable(k)) continue;
+    observed_variance += std::pow(prior * bound.left[k], 2);
+    ++observed;
   }
-  const auto mean = [](const std::optional<MeanStd>& value) {
+  const auto mean = [](const std::optional<measure::MeanStd>& value) {
     return value ? std::optional(value->mean) : std::nullopt;
   };
   return {bound.pve_mm.mean, mean(bound.pve_face_mm), mean(bound.lmk_mm),
-          bound.mse,         felt_variance / felt,    std::nullopt,
+          bound.mse,         observed_variance / observed,    std::nullopt,
           std::nullopt};
 }
 
@@ -236,14 +237,14 @@ class Performing {
   Result<std::vector<std::pair<std::string, LiveOutcome>>> meet(LiveCondition condition) {
     double round_s = 0;
     std::vector<std::pair<std::string, LiveOutcome>> rows;
-    MIEN_TRY_ASSIGN(const std::optional<Heard> heard, hear(condition, round_s));
-    if (!heard) return rows;
+    MIEN_TRY_ASSIGN(const std::optional<Received> received, receive(condition, round_s));
+    if (!received) return rows;
     std::vector<Track> answers;
     for (const LiveModels::Causal& model : setting_.models.causal) {
-      MIEN_TRY_ASSIGN(answers.emplace_back(), answer(model.file, heard->features));
+      MIEN_TRY_ASSIGN(answers.emplace_back(), answer(model.file, received->features));
     }
-    for (const Part& part : parts_of(condition, setting_.request, *heard, round_s)) {
-      MIEN_TRY_ASSIGN(LiveOutcome outcome, measure(condition, *heard, part, answers));
+    for (const Part& part : parts_of(condition, setting_.request, *received, round_s)) {
+      MIEN_TRY_ASSIGN(LiveOutcome outcome, measure(condition, *received, part, answers));
       rows.emplace_back(part.title, std::move(outcome));
     }
     return rows;
@@ -256,10 +257,10 @@ class Performing {
                         std::move(motion), setting_.rig, random);
   }
 
-  Result<std::optional<Heard>> hear(LiveCondition condition, double& round_s) {
+  Result<std::optional<Received>> receive(LiveCondition condition, double& round_s) {
     const std::optional<LossCondition> loss = loss_of(condition);
     std::optional<face::Motion> motion = motion_for(condition, setting_.request, actor_, round_s);
-    if (!motion) return std::optional<Heard>();
+    if (!motion) return std::optional<Received>();
     const bool as_seen = loss || condition == LiveCondition::seen;
     if (as_seen && !seen_) {
       MIEN_TRY_ASSIGN(seen_, perform(LiveCondition::seen, *motion));
@@ -280,7 +281,7 @@ class Performing {
     virt::VirtualSession& session = performance.session;
     MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,
                     trace_features(setting_.rig, session.events, session.entries, session.ticks));
-    return Heard{std::move(performance.sites), std::move(features), std::move(session.truth)};
+    return Received{std::move(performance.sites), std::move(features), std::move(session.truth)};
   }
 
   /// A causal model through the whole session.
@@ -309,21 +310,22 @@ class Performing {
     return out;
   }
 
-  Result<LiveOutcome> measure(LiveCondition condition, const Heard& heard, const Part& part,
+  Result<LiveOutcome> measure(LiveCondition condition, const Received& received, const Part& part,
                               const std::vector<Track>& answers) const {
     const std::size_t count = part.end - part.begin;
-    const auto features = std::span(heard.features).subspan(part.begin, count);
-    const auto truth = std::span(heard.truth).subspan(part.begin, count);
-    LiveOutcome out{.rotations = FeltRotations(setting_.rig)};
-    for (const auto& [begin, end] : evaluated_runs(truth))
+    const auto features = std::span(received.features).subspan(part.begin, count);
+    const auto truth = std::span(received.truth).subspan(part.begin, count);
+    LiveOutcome out{.rotations = ObservedRotations(setting_.rig)};
+    for (const auto& [begin, end] : measure::evaluated_runs(truth))
       for (std::size_t f = begin; f < end; ++f, ++out.frames)
-        out.rotations.add(features[f], truth[f].weights, heard.sites);
+        out.rotations.add(features[f], truth[f].weights, received.sites);
     if (out.frames == 0)
       return fail(ErrorCode::not_found, "no frame of this performance can be evaluated", actor_.motion.name,
                   "give a longer one");
     const auto add = [&](std::span<const face::BlendshapeWeights> track) {
       // A file without a ridge has none to give.
-      out.methods.push_back(track.empty() ? Figures{} : figures_of(measure_track(meter_, truth, track)));
+      out.methods.push_back(track.empty() ? Figures{}
+                                          : figures_of(measure::measure_track(meter_, truth, track)));
     };
     for (const Track& track : answers) add(std::span(track).subspan(part.begin, count));
     if (setting_.models.window != nullptr)
@@ -334,21 +336,22 @@ class Performing {
     const model::ModelFile& file = setting_.models.causal.front().file;
     add(tracker::solve_ridge(file, features, setting_.rig.face_sensor_names(),
                              condition == LiveCondition::lab ? "lab" : "device"));
-    add(std::span<const face::BlendshapeWeights>(hold_last(heard.truth)).subspan(part.begin, count));
+    add(std::span<const face::BlendshapeWeights>(measure::hold_last(received.truth))
+            .subspan(part.begin, count));
     face::BlendshapeWeights mean;
     std::ranges::copy(file.mean_pose, mean.values.begin());
     add(Track(count, mean));
     const double variance = *out.methods.back()[static_cast<std::size_t>(Measure::mse)];
-    out.methods.push_back(bound(heard, out.rotations, variance));
+    out.methods.push_back(bound(received, out.rotations, variance));
     return out;
   }
 
   /// What one frame could tell at best by a linear map.
-  Figures bound(const Heard& heard, const FeltRotations& rotations, double variance) const {
+  Figures bound(const Received& received, const ObservedRotations& rotations, double variance) const {
     const std::vector<std::uint16_t> face_sensors = setting_.rig.face_sensors();
     std::vector<virt::SkinSite> sites;
     for (std::size_t i = 0; i < face_sensors.size(); ++i)
-      if (rotations.share(i) > kMostlyThere) sites.push_back(heard.sites[face_sensors[i]]);
+      if (rotations.share(i) > kMostlyThere) sites.push_back(received.sites[face_sensors[i]]);
     const double noise_rad = rotations.rms_rad() / std::sqrt(3.0);  // An axis.
     const double prior = std::sqrt(variance);
     if (sites.empty() || !(noise_rad > 0) || !(prior > 0)) return {};
@@ -357,7 +360,7 @@ class Performing {
 
   const Setting& setting_;
   Actor actor_;
-  Meter meter_;
+  measure::Meter meter_;
   const std::atomic<bool>& stop_;
   std::optional<Performance> seen_;
 };
@@ -422,7 +425,7 @@ LiveSet pooled_methods(const Setting& setting, std::string who, const std::vecto
     for (std::size_t r = 0; r < rows; ++r) {
       LiveRow row{.condition = setting.conditions[c]};
       for (const std::string& name : setting.methods) row.methods.push_back({name, {}});
-      FeltRotations rotations(setting.rig);
+      ObservedRotations rotations(setting.rig);
       for (std::size_t p = begin; p < end; ++p) {
         if (met[p][c].size() <= r) continue;
         const auto& [title, outcome] = met[p][c][r];
@@ -432,7 +435,7 @@ LiveSet pooled_methods(const Setting& setting, std::string who, const std::vecto
         for (std::size_t m = 0; m < row.methods.size(); ++m)
           row.methods[m].performers.push_back(outcome.methods[m]);
       }
-      row.felt = rotations.share();
+      row.observed = rotations.share();
       row.rotation_rms_deg = kDegPerRad * rotations.rms_rad();
       set.rows.push_back(std::move(row));
     }
@@ -468,12 +471,12 @@ std::string_view measure_name(Measure measure) {
   return kMeasureNames[static_cast<std::size_t>(measure)];
 }
 
-std::optional<MeanStd> LiveMethod::over(Measure measure) const {
+std::optional<measure::MeanStd> LiveMethod::over(Measure measure) const {
   std::vector<double> values;
   for (const Figures& figures : performers)
     if (const auto& value = figures[static_cast<std::size_t>(measure)]) values.push_back(*value);
   if (values.empty()) return std::nullopt;
-  MeanStd out;
+  measure::MeanStd out;
   for (const double value : values) out.mean += value / static_cast<double>(values.size());
   if (values.size() < 2) return out;
   double squares = 0;

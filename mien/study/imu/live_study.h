@@ -10,9 +10,9 @@
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
+#include "mien/measure/metrics.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
-#include "mien/study/metrics.h"
 #include "mien/study/performance.h"
 #include "mien/tracker/window_solver.h"
 #include "mien/virtual/imu/device_faults.h"
@@ -45,9 +45,9 @@ inline constexpr std::size_t kLiveConditionCount = 13;
 [[nodiscard]] std::vector<LiveCondition> live_conditions(const sensor::Rig& rig);
 
 /// What is measured of an estimate (docs/reference/metrics.md).
-enum class Measure : std::uint8_t { pve, pve_face, landmarks, mse, mse_felt, jitter, blinks };
+enum class Measure : std::uint8_t { pve, pve_face, landmarks, mse, mse_observed, jitter, blinks };
 inline constexpr std::size_t kMeasureCount = 7;
-/// "pve_mm", "mse_felt", ...: as `mien evaluate --json` has them.
+/// "pve_mm", "mse_observed", ...: as `mien evaluate --json` has them.
 [[nodiscard]] std::string_view measure_name(Measure measure);
 /// Of one estimate of one performance; nothing where the data or the method lack it.
 using Figures = std::array<std::optional<double>, kMeasureCount>;
@@ -58,7 +58,7 @@ struct LiveMethod {
   std::vector<Figures> performers;  ///< In their order.
 
   /// Mean and standard deviation over the performers that have it (n - 1; 0 of one); nothing where none has.
-  [[nodiscard]] std::optional<MeanStd> over(Measure measure) const;
+  [[nodiscard]] std::optional<measure::MeanStd> over(Measure measure) const;
 };
 
 /// All methods under one condition, on the same performances.
@@ -66,7 +66,7 @@ struct LiveRow {
   LiveCondition condition = LiveCondition::seen;
   std::string title;
   std::size_t frames = 0;  ///< Of all performers.
-  double felt = 0;         ///< Share of the face sensors' rotations that were given.
+  double observed = 0;         ///< Share of the face sensors' rotations that were given.
   /// How far these lie from the truth, in the head frame, degrees, RMS.
   double rotation_rms_deg = 0;
   std::vector<LiveMethod> methods;

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "mien/core/units.h"
+#include "mien/measure/evaluation.h"
 #include "mien/shaping/shaper.h"
-#include "mien/study/evaluation.h"
-#include "mien/study/imu/felt_rotations.h"
+#include "mien/study/imu/observed_rotations.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/study/performers.h"
 #include "mien/tracker/causal_tracker.h"
@@ -30,9 +30,9 @@ struct Played {
 
 /// How one condition went for one performance.
 struct LossOutcome {
-  Metrics metrics;
+  measure::Metrics metrics;
   double mean_pose_mse = 0;  // Of the first condition alone.
-  FeltRotations rotations;
+  ObservedRotations rotations;
   double largest_step = 0;
   double truth_step = 0;
   std::size_t unsound = 0;
@@ -80,19 +80,19 @@ Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalT
     out.weights.push_back(frame.weights);
     const auto sound = [](float w) { return w >= 0 && w <= 1; };  // What is not finite is neither.
     if (!std::ranges::all_of(frame.weights.values, sound)) ++outcome.unsound;
-    const auto felt = std::ranges::count_if(feature.sensors, &model::SensorFeature::has_rotation);
+    const auto observed = std::ranges::count_if(feature.sensors, &model::SensorFeature::has_rotation);
     const bool measured = frame.provenance.front() == face::Provenance::measured;
-    if (measured ? felt == 0 : felt == std::ssize(feature.sensors)) ++outcome.mistold;
-    shaper.apply(frame, static_cast<std::size_t>(felt));
+    if (measured ? observed == 0 : observed == std::ssize(feature.sensors)) ++outcome.mistold;
+    shaper.apply(frame, static_cast<std::size_t>(observed));
     out.shown.push_back(frame.weights);
   }
   return out;
 }
 
-double largest_step(const std::vector<Stretch>& stretches,
-                    std::span<const face::BlendshapeWeights> Stretch::*track) {
+double largest_step(const std::vector<measure::Stretch>& stretches,
+                    std::span<const face::BlendshapeWeights> measure::Stretch::*track) {
   float largest = 0;
-  for (const Stretch& stretch : stretches) {
+  for (const measure::Stretch& stretch : stretches) {
     const std::span<const face::BlendshapeWeights> frames = stretch.*track;
     for (std::size_t f = 1; f < frames.size(); ++f)
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
@@ -102,24 +102,25 @@ double largest_step(const std::vector<Stretch>& stretches,
   return largest;
 }
 
-Result<LossOutcome> hear_one(const LossCondition& condition, const sensor::Rig& rig, const Played& played,
-                             const Meter& meter, tracker::CausalTracker& tracker) {
+Result<LossOutcome> run_condition(const LossCondition& condition, const sensor::Rig& rig,
+                                  const Played& played, const measure::Meter& meter,
+                                  tracker::CausalTracker& tracker) {
   const Performance& performance = played.performance;
   MIEN_TRY_ASSIGN(const Impairment bad,
                   impairment(condition, rig, performance.begin_s, performance.end_s, played.random));
   MIEN_TRY_ASSIGN(
-      const virt::VirtualSession heard,
+      const virt::VirtualSession received,
       virt::impair(performance.session, rig, bad.network, played.random.fork("network"), bad.troubles));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features,
-                  trace_features(rig, heard.events, heard.entries, heard.ticks));
-  LossOutcome out{.rotations = FeltRotations(rig)};
+                  trace_features(rig, received.events, received.entries, received.ticks));
+  LossOutcome out{.rotations = ObservedRotations(rig)};
   const Answer answered = answer(features, tracker, out);
   std::vector<face::BlendshapeWeights> truth;
-  truth.reserve(heard.truth.size());
-  for (const take::TruthFrame& frame : heard.truth) truth.push_back(frame.weights);
+  truth.reserve(received.truth.size());
+  for (const take::TruthFrame& frame : received.truth) truth.push_back(frame.weights);
 
-  std::vector<Stretch> stretches, shown;
-  for (const auto& [begin, end] : evaluated_runs(heard.truth)) {
+  std::vector<measure::Stretch> stretches, shown;
+  for (const auto& [begin, end] : measure::evaluated_runs(received.truth)) {
     const auto run = [&](const std::vector<face::BlendshapeWeights>& track) {
       return std::span(track).subspan(begin, end - begin);
     };
@@ -128,13 +129,14 @@ Result<LossOutcome> hear_one(const LossCondition& condition, const sensor::Rig& 
     for (std::size_t f = begin; f < end; ++f) out.rotations.add(features[f], truth[f], performance.sites);
   }
   out.metrics = meter.measure(stretches);
-  out.largest_step = largest_step(shown, &Stretch::estimate);
-  out.truth_step = largest_step(stretches, &Stretch::truth);
+  out.largest_step = largest_step(shown, &measure::Stretch::estimate);
+  out.truth_step = largest_step(stretches, &measure::Stretch::truth);
   if (condition.fault == Fault::none) {
     face::BlendshapeWeights mean;
     std::ranges::copy(tracker.file().mean_pose, mean.values.begin());
     const std::vector<face::BlendshapeWeights> still(truth.size(), mean);
-    for (Stretch& stretch : stretches) stretch.estimate = std::span(still).first(stretch.truth.size());
+    for (measure::Stretch& stretch : stretches)
+      stretch.estimate = std::span(still).first(stretch.truth.size());
     out.mean_pose_mse = meter.measure(stretches).mse;
   }
   return out;
@@ -144,12 +146,12 @@ Result<LossOutcome> hear_one(const LossCondition& condition, const sensor::Rig& 
 LossRow pooled(const LossCondition& condition, const sensor::Rig& rig,
                const std::vector<LossOutcome>& outcomes) {
   LossRow row{.condition = condition};
-  FeltRotations rotations(rig);
+  ObservedRotations rotations(rig);
   for (const LossOutcome& one : outcomes) {
     const auto frames = static_cast<double>(one.metrics.frames);
     row.frames += one.metrics.frames;
     row.mse += frames * one.metrics.mse;
-    row.mse_felt += frames * one.metrics.mse_felt;
+    row.mse_observed += frames * one.metrics.mse_observed;
     row.pve_mm += frames * one.metrics.pve_mm.mean;
     rotations.add(one.rotations);
     row.largest_step = std::max(row.largest_step, one.largest_step);
@@ -159,8 +161,8 @@ LossRow pooled(const LossCondition& condition, const sensor::Rig& rig,
     row.performance_mse.push_back(one.metrics.mse);
   }
   const double all = std::max(1.0, static_cast<double>(row.frames));
-  for (double* mean : {&row.mse, &row.mse_felt, &row.pve_mm}) *mean /= all;
-  row.felt = rotations.share();
+  for (double* mean : {&row.mse, &row.mse_observed, &row.pve_mm}) *mean /= all;
+  row.observed = rotations.share();
   row.rotation_rms_deg = kDegPerRad * rotations.rms_rad();
   return row;
 }
@@ -217,7 +219,7 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
                                 : request.motions.size();
 
   std::vector<std::vector<LossOutcome>> outcomes(
-      all.size(), std::vector<LossOutcome>(count, LossOutcome{.rotations = FeltRotations(rig)}));
+      all.size(), std::vector<LossOutcome>(count, LossOutcome{.rotations = ObservedRotations(rig)}));
   std::atomic<std::size_t> done = 0;
   std::atomic<bool> stop = false;
   // A performance takes long, so its conditions are what is counted.
@@ -232,10 +234,10 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
     MIEN_TRY_ASSIGN(const Played played, perform_one(request, rig, faults, p));
     MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                     tracker::CausalTracker::create(model, rig.face_sensor_names()));
-    const Meter meter(played.face);
+    const measure::Meter meter(played.face);
     for (std::size_t c = 0; c < all.size(); ++c) {
       if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were heard");
-      MIEN_TRY_ASSIGN(outcomes[c][p], hear_one(all[c], rig, played, meter, tracker));
+      MIEN_TRY_ASSIGN(outcomes[c][p], run_condition(all[c], rig, played, meter, tracker));
       ++done;
     }
     return {};

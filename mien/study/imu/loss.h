@@ -29,14 +29,14 @@ struct LossRequest {
 struct LossRow {
   LossCondition condition;
   std::size_t frames = 0;
-  double mse = 0;  ///< As study::Metrics has these three; each performance on its own face.
-  double mse_felt = 0;
+  double mse = 0;  ///< As measure::Metrics has these three; each performance on its own face.
+  double mse_observed = 0;
   double pve_mm = 0;
   double rise = 0;  ///< mse over that of Fault::none, less one.
   /// Share gone of what the model knows, which is by how much it beats the mean pose with Fault::none: 0 is
   /// as good as there, 1 as good as knowing nothing; may be more or less. 0 where it knows nothing there.
   double given_up = 0;
-  double felt = 0;  ///< Share of the face sensors' rotations that the model was given.
+  double observed = 0;  ///< Share of the face sensors' rotations that the model was given.
   /// How far the rotations that were given lie from the truth, in the head frame, degrees, RMS: what the
   /// condition does to the sensing, whatever the model makes of it.
   double rotation_rms_deg = 0;

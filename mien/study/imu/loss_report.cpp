@@ -16,8 +16,8 @@ std::string allowed(double rise) {
 }
 
 /// Error against the share that was lost, beginning with the clean condition.
-Line curve(const LossStudy& study, Fault fault, const std::string& name) {
-  Line line{name, {0}, {study.rows.front().mse}};
+measure::Line curve(const LossStudy& study, Fault fault, const std::string& name) {
+  measure::Line line{name, {0}, {study.rows.front().mse}};
   for (const LossRow& row : study.rows)
     if (row.condition.fault == fault) {
       line.x.push_back(row.condition.amount);
@@ -26,23 +26,23 @@ Line curve(const LossStudy& study, Fault fault, const std::string& name) {
   return line;
 }
 
-LinePlot curves(const LossStudy& study) {
-  LinePlot plot;
+measure::LinePlot curves(const LossStudy& study) {
+  measure::LinePlot plot;
   plot.title = "Weight error against lost packets";
   plot.x_label = "packets lost beyond the rig's own (%)";
   plot.y_label = "MSE";
   plot.lines = {curve(study, Fault::loss, "each by itself"),
                 curve(study, Fault::bursts, "in bursts of ten packets")};
   double most = 0;
-  for (const Line& line : plot.lines) most = std::max(most, line.x.back());
+  for (const measure::Line& line : plot.lines) most = std::max(most, line.x.back());
   const double promised = (1 + kRiseAllowedAt10Percent) * study.rows.front().mse;
   plot.lines.push_back({"promised at 10 %", {0, most}, {promised, promised}});
   plot.lines.push_back({"mean pose", {0, most}, {study.mean_pose_mse, study.mean_pose_mse}});
   return plot;
 }
 
-BarPlot sensors(const LossStudy& study) {
-  BarPlot plot;
+measure::BarPlot sensors(const LossStudy& study) {
+  measure::BarPlot plot;
   plot.title = "Weight error without one sensor";
   plot.value_label = "MSE";
   plot.series = {"MSE"};
@@ -53,16 +53,17 @@ BarPlot sensors(const LossStudy& study) {
   return plot;
 }
 
-Table conditions(const LossStudy& study) {
-  Table table;
+measure::Table conditions(const LossStudy& study) {
+  measure::Table table;
   table.caption = "Every condition, on the same performances";
-  table.columns = {"",        "MSE",         "rise, %",      "given up, %", "MSE felt", "PVE, mm",
-                   "felt, %", "rotation, °", "largest step", "truth's",     "unsound",  "mistold"};
+  table.columns = {"",        "MSE",         "rise, %",      "given up, %", "MSE observed", "PVE, mm",
+                   "observed, %", "rotation, °", "largest step", "truth's",     "unsound",  "mistold"};
   for (const LossRow& row : study.rows)
     table.rows.push_back({row.condition.name(), fmt::format("{:.5f}", row.mse),
                           fmt::format("{:+.1f}", 100 * row.rise), fmt::format("{:+.1f}", 100 * row.given_up),
-                          fmt::format("{:.5f}", row.mse_felt), fmt::format("{:.3f}", row.pve_mm),
-                          fmt::format("{:.1f}", 100 * row.felt), fmt::format("{:.1f}", row.rotation_rms_deg),
+                          fmt::format("{:.5f}", row.mse_observed), fmt::format("{:.3f}", row.pve_mm),
+                          fmt::format("{:.1f}", 100 * row.observed),
+                          fmt::format("{:.1f}", row.rotation_rms_deg),
                           fmt::format("{:.3f}", row.largest_step), fmt::format("{:.3f}", row.truth_step),
                           fmt::format("{}", row.unsound), fmt::format("{}", row.mistold)});
   table.strong_rows = {0};
@@ -71,11 +72,11 @@ Table conditions(const LossStudy& study) {
 
 }  // namespace
 
-Report loss_report(const LossStudy& study, const std::string& subtitle) {
-  Report report("Accuracy against loss", subtitle);
+measure::Report loss_report(const LossStudy& study, const std::string& subtitle) {
+  measure::Report report("Accuracy against loss", subtitle);
   const LossRow& clean = study.rows.front();
-  std::vector<KeyFigure> figures = {{"Weight MSE, clean", fmt::format("{:.5f}", clean.mse),
-                                     fmt::format("mean pose {:.5f}", study.mean_pose_mse)}};
+  std::vector<measure::KeyFigure> figures = {{"Weight MSE, clean", fmt::format("{:.5f}", clean.mse),
+                                              fmt::format("mean pose {:.5f}", study.mean_pose_mse)}};
   if (const LossRow* tenth = study.find(Fault::loss, 10))
     figures.push_back({"With 10 % lost", percent(tenth->rise), allowed(kRiseAllowedAt10Percent)});
   if (const LossRow* worst = study.worst_sensor())

@@ -7,7 +7,7 @@
 
 namespace mien::study {
 
-SensorBound sensor_bound(const Meter& meter, const std::vector<virt::SkinSite>& sites, double prior,
+SensorBound sensor_bound(const measure::Meter& meter, const std::vector<virt::SkinSite>& sites, double prior,
                          double noise_rad, Random random) {
   constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
   constexpr float kStep = 0.05F;  // Small enough to be the slope at neutral, large enough for float meshes.
@@ -38,9 +38,11 @@ SensorBound sensor_bound(const Meter& meter, const std::vector<virt::SkinSite>& 
       estimate[d][k] = 0.5F + static_cast<float>(error[static_cast<Eigen::Index>(k)] / grow);
     }
   }
-  const Stretch stretch{truth, estimate};
-  const Metrics metrics = meter.measure({&stretch, 1});
-  const auto grown = [grow](const MeanStd& value) { return MeanStd{grow * value.mean, grow * value.std}; };
+  const measure::Stretch stretch{truth, estimate};
+  const measure::Metrics metrics = meter.measure({&stretch, 1});
+  const auto grown = [grow](const measure::MeanStd& value) {
+    return measure::MeanStd{grow * value.mean, grow * value.std};
+  };
   bound.pve_mm = grown(metrics.pve_mm);
   if (metrics.pve_face_mm) bound.pve_face_mm = grown(*metrics.pve_face_mm);
   if (metrics.lmk_mm) bound.lmk_mm = grown(*metrics.lmk_mm);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "mien/face/face.h"
-#include "mien/study/metrics.h"
+#include "mien/measure/metrics.h"
 #include "mien/virtual/imu/skin_site.h"
 
 namespace mien::study {
@@ -12,17 +12,17 @@ namespace mien::study {
 /// beforehand. Posterior covariance C = (H^T H / noise^2 + I / prior^2)^-1, H the rotation (rad) of each site
 /// per unit weight.
 struct SensorBound {
-  double mse = 0;  ///< Mean posterior variance over the 53 shapes.
-  MeanStd pve_mm;  ///< All vertices, by sampling errors from N(0, C).
-  std::optional<MeanStd> pve_face_mm;
-  std::optional<MeanStd> lmk_mm;
+  double mse = 0;           ///< Mean posterior variance over the 53 shapes.
+  measure::MeanStd pve_mm;  ///< All vertices, by sampling errors from N(0, C).
+  std::optional<measure::MeanStd> pve_face_mm;
+  std::optional<measure::MeanStd> lmk_mm;
   /// Posterior over prior standard deviation, a shape: 1 is unseen, 0 is seen exactly.
   std::array<double, face::kShapeCount> left{};
 };
 
 /// `prior` and `noise_rad` (per axis) positive; `sites` those of the face's own sensors. 2,000 draws from
 /// `random`.
-[[nodiscard]] SensorBound sensor_bound(const Meter& meter, const std::vector<virt::SkinSite>& sites,
+[[nodiscard]] SensorBound sensor_bound(const measure::Meter& meter, const std::vector<virt::SkinSite>& sites,
                                        double prior, double noise_rad, Random random);
 
 }  // namespace mien::study

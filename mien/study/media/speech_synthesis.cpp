@@ -12,7 +12,7 @@ namespace mien::media {
 namespace {
 
 /// What espeak-ng says while it speaks; it hands it to a plain function.
-struct Heard {
+struct Synthesised {
   struct Mark {
     int kind;
     double time_s;
@@ -25,10 +25,11 @@ struct Heard {
 
 int listen(short* samples, int count, espeak_EVENT* events) {
   if (events == nullptr || events->user_data == nullptr) return 0;
-  Heard& heard = *static_cast<Heard*>(events->user_data);
-  if (samples != nullptr && count > 0) heard.samples.insert(heard.samples.end(), samples, samples + count);
+  Synthesised& synthesised = *static_cast<Synthesised*>(events->user_data);
+  if (samples != nullptr && count > 0)
+    synthesised.samples.insert(synthesised.samples.end(), samples, samples + count);
   for (const espeak_EVENT* e = events; e->type != espeakEVENT_LIST_TERMINATED; ++e) {
-    Heard::Mark mark{
+    Synthesised::Mark mark{
         .kind = e->type, .time_s = e->audio_position * 1e-3, .phoneme = {}, .position = 0, .length = 0};
     if (e->type == espeakEVENT_PHONEME)
       mark.phoneme.assign(e->id.string, strnlen(e->id.string, sizeof e->id.string));
@@ -38,7 +39,7 @@ int listen(short* samples, int count, espeak_EVENT* events) {
     } else if (e->type != espeakEVENT_END) {
       continue;
     }
-    heard.marks.push_back(std::move(mark));
+    synthesised.marks.push_back(std::move(mark));
   }
   return 0;
 }
@@ -90,18 +91,19 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
   espeak_SetParameter(espeakRATE, words_per_minute, 0);
   espeak_SetSynthCallback(&listen);
 
-  Heard heard;
-  if (espeak_Synth(text.c_str(), text.size() + 1, 0, POS_CHARACTER, 0, espeakCHARS_UTF8, nullptr, &heard) !=
-          EE_OK ||
+  Synthesised synthesised;
+  if (espeak_Synth(text.c_str(), text.size() + 1, 0, POS_CHARACTER, 0, espeakCHARS_UTF8, nullptr,
+                   &synthesised) != EE_OK ||
       espeak_Synchronize() != EE_OK)
     return fail(ErrorCode::io, "espeak-ng gave up on this text", language);
-  if (heard.samples.empty())
+  if (synthesised.samples.empty())
     return fail(ErrorCode::bad_usage, "espeak-ng finds nothing to say", language, "give a text");
 
   SpokenText spoken;
   spoken.sound.rate_hz = static_cast<std::uint32_t>(rate_hz);
-  spoken.sound.samples.reserve(heard.samples.size());
-  for (const std::int16_t s : heard.samples) spoken.sound.samples.push_back(static_cast<float>(s) / 32768.0F);
+  spoken.sound.samples.reserve(synthesised.samples.size());
+  for (const std::int16_t s : synthesised.samples)
+    spoken.sound.samples.push_back(static_cast<float>(s) / 32768.0F);
   const double duration_s = spoken.sound.duration_s();
 
   // A phoneme lasts until the next one, a word until the next one or the end of its clause.
@@ -113,7 +115,7 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
     if (phoneme) in_phoneme = false;
     if (word) in_word = false;
   };
-  for (const Heard::Mark& mark : heard.marks) {
+  for (const Synthesised::Mark& mark : synthesised.marks) {
     const double time_s = std::min(mark.time_s, duration_s);
     if (mark.kind == espeakEVENT_PHONEME) {
       end_both(time_s, true, false);

@@ -9,7 +9,7 @@ HostTime EyewearNode::due() const {
   return *start_ + scans_.front().time.time_since_epoch();
 }
 
-std::optional<std::vector<std::byte>> EyewearNode::say(HostTime now) {
+std::optional<std::vector<std::byte>> EyewearNode::next_datagram(HostTime now) {
   if (now < due()) return std::nullopt;
   std::vector<std::byte> bytes = std::move(scans_.front().bytes);
   scans_.pop_front();

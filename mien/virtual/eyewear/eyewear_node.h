@@ -15,7 +15,7 @@ class EyewearNode final : public Node {
 
   void begin(HostTime start) override { start_ = start; }
   [[nodiscard]] HostTime due() const override;
-  [[nodiscard]] std::optional<std::vector<std::byte>> say(HostTime now) override;
+  [[nodiscard]] std::optional<std::vector<std::byte>> next_datagram(HostTime now) override;
   void receive(HostTime, std::span<const std::byte>) override {}
   [[nodiscard]] bool listens() const override { return false; }
   [[nodiscard]] bool answered() const override { return false; }

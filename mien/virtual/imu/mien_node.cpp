@@ -38,8 +38,8 @@ HostTime MienNode::due() const {
   return due;
 }
 
-std::optional<std::vector<std::byte>> MienNode::say(HostTime now) {
-  if (start_ && welcome_ && now - std::max(heard_, *start_) > kReceiverGone) {
+std::optional<std::vector<std::byte>> MienNode::next_datagram(HostTime now) {
+  if (start_ && welcome_ && now - std::max(received_, *start_) > kReceiverGone) {
     welcome_.reset();
     next_hello_ = now;
   }
@@ -71,11 +71,11 @@ void MienNode::receive(HostTime now, std::span<const std::byte> datagram) {
       welcome && welcome->device == hello_.device) {
     if (!welcome_) next_heartbeat_ = now;
     welcome_ = *welcome;
-    heard_ = now;
+    received_ = now;
     next_hello_.reset();
   } else if (const auto* echo = std::get_if<imu::HeartbeatEcho>(&*message);
              echo && echo->device == hello_.device) {
-    heard_ = now;
+    received_ = now;
     // Another session, which has not seen the hello.
     if (welcome_ && echo->session != welcome_->session) next_hello_ = now;
   }

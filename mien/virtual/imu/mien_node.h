@@ -21,7 +21,7 @@ class MienNode : public ImuNode {
   void begin(HostTime start) override { start_ = start; }
   [[nodiscard]] Result<void> play(std::span<const VirtualPacket> packets) override;
   [[nodiscard]] HostTime due() const override;
-  [[nodiscard]] std::optional<std::vector<std::byte>> say(HostTime now) override;
+  [[nodiscard]] std::optional<std::vector<std::byte>> next_datagram(HostTime now) override;
   void receive(HostTime now, std::span<const std::byte> datagram) override;
   [[nodiscard]] bool answered() const override { return welcome_.has_value(); }
   [[nodiscard]] bool idle() const override { return samples_.empty(); }
@@ -35,7 +35,7 @@ class MienNode : public ImuNode {
   std::optional<HostTime> start_;
   std::multimap<Duration, std::vector<std::byte>> samples_;  // By arrival, from the performance's time 0.
   std::optional<imu::Welcome> welcome_;
-  HostTime heard_;                                   // The host's latest word.
+  HostTime received_;                                // The host's latest word.
   std::optional<HostTime> next_hello_ = HostTime();  // None while welcomed.
   HostTime next_heartbeat_;
 };

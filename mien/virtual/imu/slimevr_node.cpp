@@ -89,14 +89,14 @@ HostTime SlimeVrNode::due() const {
   if (!pending_.empty()) return pending_.front().first;
   HostTime due = start_ && !turns_.empty() ? *start_ + turns_.front().arrival : HostTime::max();
   if (!greeted_) return std::min(due, next_handshake_);
-  due = std::min({due, next_battery_, heard_ + kReceiverGone});
+  due = std::min({due, next_battery_, received_ + kReceiverGone});
   if (next_info_) due = std::min(due, *next_info_);
   if (next_flags_) due = std::min(due, *next_flags_);
   return due;
 }
 
-std::optional<std::vector<std::byte>> SlimeVrNode::say(HostTime now) {
-  if (greeted_ && now - heard_ >= kReceiverGone) {
+std::optional<std::vector<std::byte>> SlimeVrNode::next_datagram(HostTime now) {
+  if (greeted_ && now - received_ >= kReceiverGone) {
     greeted_ = false;
     pending_.clear();
     next_handshake_ = now;
@@ -166,10 +166,10 @@ void SlimeVrNode::receive(HostTime now, std::span<const std::byte> datagram) {
   if (!message) return;
   if (std::holds_alternative<slimevr::Greeting>(*message)) {
     greet(now);
-    heard_ = now;
+    received_ = now;
   }
   if (!greeted_) return;
-  heard_ = now;
+  received_ = now;
   if (std::holds_alternative<slimevr::ServerHeartbeat>(*message)) {
     put(now, slimevr::Heartbeat{});
   } else if (const auto* ping = std::get_if<slimevr::Ping>(&*message)) {

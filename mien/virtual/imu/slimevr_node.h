@@ -25,7 +25,7 @@ class SlimeVrNode : public ImuNode {
   void begin(HostTime start) override { start_ = start; }
   [[nodiscard]] Result<void> play(std::span<const VirtualPacket> packets) override;
   [[nodiscard]] HostTime due() const override;
-  [[nodiscard]] std::optional<std::vector<std::byte>> say(HostTime now) override;
+  [[nodiscard]] std::optional<std::vector<std::byte>> next_datagram(HostTime now) override;
   void receive(HostTime now, std::span<const std::byte> datagram) override;
   [[nodiscard]] bool answered() const override { return greeted_; }
   [[nodiscard]] bool idle() const override { return turns_.empty() && pending_.empty(); }
@@ -64,7 +64,7 @@ class SlimeVrNode : public ImuNode {
   std::deque<std::pair<HostTime, std::vector<std::byte>>> pending_;
   std::uint64_t number_ = 0;
   bool greeted_ = false;
-  HostTime heard_;
+  HostTime received_;
   HostTime next_handshake_;
   std::optional<HostTime> next_info_;   // None: acknowledged.
   std::optional<HostTime> next_flags_;  // None: answered, or asked often enough.

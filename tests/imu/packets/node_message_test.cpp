@@ -6,7 +6,7 @@
 
 #include "tests/hex.h"
 
-namespace mien::imu {
+namespace mien::imu::node_message_test {
 namespace {
 
 constexpr std::uint64_t kDevice = 0x024D49454E07;
@@ -179,4 +179,4 @@ TEST(NodeMessage, WritesNothingThatItWouldNotRead) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::node_message_test

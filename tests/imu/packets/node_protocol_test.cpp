@@ -5,7 +5,7 @@
 #include "mien/imu/packets/packet.h"
 #include "tests/hex.h"
 
-namespace mien::imu {
+namespace mien::imu::node_protocol_test {
 namespace {
 
 using sensor::DeviceKey;
@@ -51,19 +51,19 @@ std::vector<std::byte> samples_packet() {
   return *bytes;
 }
 
-struct Heard {
+struct Received {
   Verdict verdict;
   Inbox inbox;
 };
 
-Heard hear(NodeProtocol& protocol, std::span<const std::byte> datagram) {
-  Heard heard;
-  heard.verdict = protocol.receive(HostTime(std::chrono::seconds(1)), 3, datagram, heard.inbox);
-  return heard;
+Received receive(NodeProtocol& protocol, std::span<const std::byte> datagram) {
+  Received received;
+  received.verdict = protocol.receive(HostTime(std::chrono::seconds(1)), 3, datagram, received.inbox);
+  return received;
 }
 
-NodeMessage reply_of(const Heard& heard) {
-  const auto message = parse_node_message(heard.inbox.reply);
+NodeMessage reply_of(const Received& received) {
+  const auto message = parse_node_message(received.inbox.reply);
   EXPECT_TRUE(message) << message.error().message();
   return message ? *message : NodeMessage();
 }
@@ -75,41 +75,42 @@ bool says_nothing(const Inbox& inbox) {
 
 TEST(NodeProtocol, WelcomesWhoSaysHello) {
   NodeProtocol host = protocol();
-  const auto heard =
-      hear(host, encoded(Hello{.device = kDevice, .firmware = "0.1.0", .sites = {"mentalis", ""}}));
-  EXPECT_EQ(heard.verdict, Verdict::taken);
-  ASSERT_EQ(heard.inbox.announcements.size(), 2U);
-  EXPECT_EQ(heard.inbox.announcements[0].from, (DeviceKey{kDevice, 0}));
-  EXPECT_EQ(heard.inbox.announcements[0].site, "mentalis");
-  EXPECT_EQ(heard.inbox.announcements[0].firmware, "0.1.0");
-  EXPECT_EQ(heard.inbox.announcements[1].from, (DeviceKey{kDevice, 1}));
-  EXPECT_EQ(heard.inbox.announcements[1].site, "");
-  EXPECT_EQ(reply_of(heard), NodeMessage(Welcome{.device = kDevice,
-                                                 .session = kSession,
-                                                 .heartbeat = std::chrono::milliseconds(500),
-                                                 .host = "studio"}));
+  const auto received =
+      receive(host, encoded(Hello{.device = kDevice, .firmware = "0.1.0", .sites = {"mentalis", ""}}));
+  EXPECT_EQ(received.verdict, Verdict::taken);
+  ASSERT_EQ(received.inbox.announcements.size(), 2U);
+  EXPECT_EQ(received.inbox.announcements[0].from, (DeviceKey{kDevice, 0}));
+  EXPECT_EQ(received.inbox.announcements[0].site, "mentalis");
+  EXPECT_EQ(received.inbox.announcements[0].firmware, "0.1.0");
+  EXPECT_EQ(received.inbox.announcements[1].from, (DeviceKey{kDevice, 1}));
+  EXPECT_EQ(received.inbox.announcements[1].site, "");
+  EXPECT_EQ(reply_of(received), NodeMessage(Welcome{.device = kDevice,
+                                                    .session = kSession,
+                                                    .heartbeat = std::chrono::milliseconds(500),
+                                                    .host = "studio"}));
 }
 
 TEST(NodeProtocol, EchoesHeartbeats) {
   NodeProtocol host = protocol();
   const DeviceTime now(std::chrono::microseconds(123'456));
-  auto heard = hear(host, encoded(NodeHeartbeat{.device = kDevice, .battery_percent = 40, .time = now}));
-  EXPECT_EQ(heard.verdict, Verdict::taken);
-  EXPECT_EQ(heard.inbox.alive, (DeviceKey{kDevice, 0}));
-  ASSERT_EQ(heard.inbox.batteries.size(), 1U);
-  EXPECT_EQ(heard.inbox.batteries[0].percent, 40);
-  EXPECT_EQ(reply_of(heard), NodeMessage(HeartbeatEcho{kDevice, now, kSession}));
-  heard = hear(host, encoded(NodeHeartbeat{.device = kDevice, .time = now}));
-  EXPECT_TRUE(heard.inbox.batteries.empty());
+  auto received =
+      receive(host, encoded(NodeHeartbeat{.device = kDevice, .battery_percent = 40, .time = now}));
+  EXPECT_EQ(received.verdict, Verdict::taken);
+  EXPECT_EQ(received.inbox.alive, (DeviceKey{kDevice, 0}));
+  ASSERT_EQ(received.inbox.batteries.size(), 1U);
+  EXPECT_EQ(received.inbox.batteries[0].percent, 40);
+  EXPECT_EQ(reply_of(received), NodeMessage(HeartbeatEcho{kDevice, now, kSession}));
+  received = receive(host, encoded(NodeHeartbeat{.device = kDevice, .time = now}));
+  EXPECT_TRUE(received.inbox.batteries.empty());
 }
 
 TEST(NodeProtocol, ReadsSamplesAndWhatTheirRangesHide) {
   NodeProtocol host = protocol();
-  const auto heard = hear(host, samples_packet());
-  EXPECT_EQ(heard.verdict, Verdict::taken);
-  ASSERT_EQ(heard.inbox.readings.size(), 3U);
+  const auto received = receive(host, samples_packet());
+  EXPECT_EQ(received.verdict, Verdict::taken);
+  ASSERT_EQ(received.inbox.readings.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
-    const sensor::Reading& reading = heard.inbox.readings[i];
+    const sensor::Reading& reading = received.inbox.readings[i];
     EXPECT_EQ(reading.from, (DeviceKey{kDevice, 1}));
     EXPECT_EQ(reading.sample.kind, sensor::SampleKind::imu_raw);
     EXPECT_EQ(reading.sample.sequence, 7U);
@@ -118,20 +119,20 @@ TEST(NodeProtocol, ReadsSamplesAndWhatTheirRangesHide) {
     EXPECT_EQ(reading.sample.time, DeviceTime(std::chrono::milliseconds(20 + 4 * static_cast<int>(i))));
     EXPECT_EQ(reading.saturated, i > 0) << i;
   }
-  ASSERT_EQ(heard.inbox.batteries.size(), 1U);
-  EXPECT_EQ(heard.inbox.batteries[0].percent, 55);
-  EXPECT_TRUE(heard.inbox.reply.empty());
+  ASSERT_EQ(received.inbox.batteries.size(), 1U);
+  EXPECT_EQ(received.inbox.batteries[0].percent, 55);
+  EXPECT_TRUE(received.inbox.reply.empty());
 }
 
 TEST(NodeProtocol, ReadsPulses) {
   NodeProtocol host = protocol();
   const DeviceTime edge(std::chrono::microseconds(5'000'001));
-  const auto heard = hear(host, encoded(Pulse{.device = kDevice, .index = 9, .edge = edge}));
-  EXPECT_EQ(heard.verdict, Verdict::taken);
-  ASSERT_EQ(heard.inbox.pulses.size(), 1U);
-  EXPECT_EQ(heard.inbox.pulses[0].from, (DeviceKey{kDevice, 0}));
-  EXPECT_EQ(heard.inbox.pulses[0].index, 9U);
-  EXPECT_EQ(heard.inbox.pulses[0].edge, edge);
+  const auto received = receive(host, encoded(Pulse{.device = kDevice, .index = 9, .edge = edge}));
+  EXPECT_EQ(received.verdict, Verdict::taken);
+  ASSERT_EQ(received.inbox.pulses.size(), 1U);
+  EXPECT_EQ(received.inbox.pulses[0].from, (DeviceKey{kDevice, 0}));
+  EXPECT_EQ(received.inbox.pulses[0].index, 9U);
+  EXPECT_EQ(received.inbox.pulses[0].edge, edge);
 }
 
 TEST(NodeProtocol, TellsItsLanguageByItsFirstBytes) {
@@ -146,26 +147,26 @@ TEST(NodeProtocol, TellsItsLanguageByItsFirstBytes) {
 TEST(NodeProtocol, LeavesOtherHostsAndLaterVersionsAlone) {
   NodeProtocol host = protocol();
   for (auto bytes : {encoded(Welcome{.session = 5}), encoded(HeartbeatEcho{.session = 5})}) {
-    const auto heard = hear(host, bytes);
-    EXPECT_EQ(heard.verdict, Verdict::ignored);
-    EXPECT_TRUE(says_nothing(heard.inbox));
+    const auto received = receive(host, bytes);
+    EXPECT_EQ(received.verdict, Verdict::ignored);
+    EXPECT_TRUE(says_nothing(received.inbox));
   }
   auto later = encoded(Pulse{});
   later[4] = std::byte{2};
-  EXPECT_EQ(hear(host, later).verdict, Verdict::refused);
+  EXPECT_EQ(receive(host, later).verdict, Verdict::refused);
   auto unknown = encoded(Pulse{});
   unknown[5] = std::byte{99};
   renew_checksum(unknown);
-  EXPECT_EQ(hear(host, unknown).verdict, Verdict::refused);
+  EXPECT_EQ(receive(host, unknown).verdict, Verdict::refused);
 }
 
 TEST(NodeProtocol, TakesNothingFromBrokenPackets) {
   NodeProtocol host = protocol();
   for (auto bytes : {samples_packet(), encoded(Hello{.sites = {""}}), encoded(NodeHeartbeat{})}) {
     bytes.back() ^= std::byte{1};
-    const auto heard = hear(host, bytes);
-    EXPECT_EQ(heard.verdict, Verdict::malformed);
-    EXPECT_TRUE(says_nothing(heard.inbox));
+    const auto received = receive(host, bytes);
+    EXPECT_EQ(received.verdict, Verdict::malformed);
+    EXPECT_TRUE(says_nothing(received.inbox));
   }
 }
 
@@ -197,12 +198,12 @@ TEST(SealedNodes, AreHeardAndAnsweredAlike) {
   NodeProtocol host = protocol({key(4), key(1)});
   Node node{.session = 0};
   const auto plain = encoded(Hello{.device = kDevice, .sites = {"mentalis"}});
-  auto heard = hear(host, node.seal(plain));
-  EXPECT_EQ(heard.verdict, Verdict::taken);
-  EXPECT_EQ(heard.inbox.opened, plain);
-  EXPECT_EQ(heard.inbox.announcements.size(), 1U);
+  auto received = receive(host, node.seal(plain));
+  EXPECT_EQ(received.verdict, Verdict::taken);
+  EXPECT_EQ(received.inbox.opened, plain);
+  EXPECT_EQ(received.inbox.announcements.size(), 1U);
   std::vector<std::byte> inner;
-  auto header = open_sealed(std::vector{key(1)}, heard.inbox.reply, inner);
+  auto header = open_sealed(std::vector{key(1)}, received.inbox.reply, inner);
   ASSERT_TRUE(header) << header.error().message();
   EXPECT_EQ(
       *header,
@@ -211,23 +212,23 @@ TEST(SealedNodes, AreHeardAndAnsweredAlike) {
   ASSERT_TRUE(welcome);
   node.session = std::get<Welcome>(*welcome).session;
 
-  heard = hear(host, node.seal(samples_packet()));
-  EXPECT_EQ(heard.verdict, Verdict::taken);
-  EXPECT_EQ(heard.inbox.readings.size(), 3U);
-  heard = hear(host, node.seal(encoded(NodeHeartbeat{.device = kDevice})));
-  header = open_sealed(std::vector{key(1)}, heard.inbox.reply, inner);
+  received = receive(host, node.seal(samples_packet()));
+  EXPECT_EQ(received.verdict, Verdict::taken);
+  EXPECT_EQ(received.inbox.readings.size(), 3U);
+  received = receive(host, node.seal(encoded(NodeHeartbeat{.device = kDevice})));
+  header = open_sealed(std::vector{key(1)}, received.inbox.reply, inner);
   ASSERT_TRUE(header);
   EXPECT_EQ(header->counter, SealHeader::kFromHost + 1);  // No counter comes twice.
 
   // What was logged replays without keys.
   NodeProtocol replay = protocol();
-  EXPECT_EQ(hear(replay, plain).inbox.announcements.size(), 1U);
+  EXPECT_EQ(receive(replay, plain).inbox.announcements.size(), 1U);
 }
 
 void expect_refused(NodeProtocol& host, std::span<const std::byte> bytes) {
-  const auto heard = hear(host, bytes);
-  EXPECT_EQ(heard.verdict, Verdict::refused);
-  EXPECT_TRUE(says_nothing(heard.inbox));
+  const auto received = receive(host, bytes);
+  EXPECT_EQ(received.verdict, Verdict::refused);
+  EXPECT_TRUE(says_nothing(received.inbox));
 }
 
 TEST(SealedNodes, RefuseWhatIsNotSealed) {
@@ -255,11 +256,11 @@ TEST(SealedNodes, RefuseEveryChangedByte) {
   for (std::size_t i = 8; i + 4 < whole.size(); ++i) {
     auto changed = whole;
     changed[i] ^= std::byte{0x20};
-    EXPECT_EQ(hear(host, changed).verdict, Verdict::malformed) << i;  // The radio may do that.
+    EXPECT_EQ(receive(host, changed).verdict, Verdict::malformed) << i;  // The radio may do that.
     renew_checksum(changed);
     expect_refused(host, changed);
   }
-  EXPECT_EQ(hear(host, whole).verdict, Verdict::taken);
+  EXPECT_EQ(receive(host, whole).verdict, Verdict::taken);
 }
 
 TEST(SealedNodes, RefuseEveryLengthButItsOwn) {
@@ -268,14 +269,14 @@ TEST(SealedNodes, RefuseEveryLengthButItsOwn) {
   for (std::size_t size = 8; size < whole.size(); ++size) {
     std::vector<std::byte> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
     renew_checksum(cut);
-    EXPECT_NE(hear(host, cut).verdict, Verdict::taken) << size;
+    EXPECT_NE(receive(host, cut).verdict, Verdict::taken) << size;
   }
 }
 
 TEST(SealedNodes, RefuseRepeatedAndOldCounters) {
   NodeProtocol host = protocol({key(1)});
   const auto at = [&](std::uint64_t counter) {
-    return hear(host, Node{.counter = counter}.seal(encoded(Pulse{.device = kDevice}))).verdict;
+    return receive(host, Node{.counter = counter}.seal(encoded(Pulse{.device = kDevice}))).verdict;
   };
   EXPECT_EQ(at(100), Verdict::taken);
   EXPECT_EQ(at(100), Verdict::refused);
@@ -287,7 +288,7 @@ TEST(SealedNodes, RefuseRepeatedAndOldCounters) {
   EXPECT_EQ(at(101), Verdict::refused);
   EXPECT_EQ(at(SealHeader::kFromHost | 7), Verdict::refused);  // Our own words, sent back to us.
   // Each device counts for itself.
-  EXPECT_EQ(hear(host, Node{.counter = 1, .device = 8}.seal(encoded(Pulse{.device = 8}))).verdict,
+  EXPECT_EQ(receive(host, Node{.counter = 1, .device = 8}.seal(encoded(Pulse{.device = 8}))).verdict,
             Verdict::taken);
 }
 
@@ -306,10 +307,10 @@ TEST(SealedNodes, TakeNothingFromABrokenPacketInside) {
   NodeProtocol host = protocol({key(1)});
   auto broken = samples_packet();
   broken.back() ^= std::byte{1};
-  const auto heard = hear(host, Node().seal(broken));
-  EXPECT_EQ(heard.verdict, Verdict::malformed);
-  EXPECT_TRUE(says_nothing(heard.inbox));
+  const auto received = receive(host, Node().seal(broken));
+  EXPECT_EQ(received.verdict, Verdict::malformed);
+  EXPECT_TRUE(says_nothing(received.inbox));
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::node_protocol_test

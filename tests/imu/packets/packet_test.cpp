@@ -11,7 +11,7 @@
 #include "mien/core/random.h"
 #include "tests/hex.h"
 
-namespace mien::imu {
+namespace mien::imu::packet_test {
 namespace {
 
 using sensor::SampleKind;
@@ -233,4 +233,4 @@ TEST(Packet, SamplesKeepTheirTimes) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::packet_test

@@ -7,7 +7,7 @@
 #include "mien/imu/packets/node_message.h"
 #include "tests/hex.h"
 
-namespace mien::imu {
+namespace mien::imu::seal_test {
 namespace {
 
 SealKey key() {
@@ -116,4 +116,4 @@ TEST(ReplayWindow, BeginsAnywhere) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::seal_test

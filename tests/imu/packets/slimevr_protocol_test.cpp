@@ -7,7 +7,7 @@
 #include "mien/imu/packets/node_protocol.h"
 #include "tests/hex.h"
 
-namespace mien::imu {
+namespace mien::imu::slimevr_protocol_test {
 namespace {
 
 using sensor::DeviceKey;
@@ -44,9 +44,9 @@ class Server {
   explicit Server(std::uint32_t version = slimevr::kProtocolVersion, std::uint64_t mac = kMac,
                   sensor::Peer peer = 5)
       : peer_(peer) {
-    hear(encoded(0, slimevr::Handshake{.protocol = version, .firmware = "0.5", .mac = mac}));
+    receive(encoded(0, slimevr::Handshake{.protocol = version, .firmware = "0.5", .mac = mac}));
   }
-  Verdict hear(std::span<const std::byte> datagram) {
+  Verdict receive(std::span<const std::byte> datagram) {
     inbox.clear();
     now += std::chrono::milliseconds(10);
     return protocol.receive(now, peer_, datagram, inbox);
@@ -78,7 +78,7 @@ TEST(SlimeVrProtocol, GreetsAndReadsRotations) {
   Server server;
   EXPECT_EQ(server.reply(), slimevr::ServerMessage(slimevr::Greeting{}));
   EXPECT_EQ(server.inbox.alive, (DeviceKey{kMac, 0}));
-  EXPECT_EQ(server.hear(encoded(1, rotation(Quat::Identity(), 3))), Verdict::taken);
+  EXPECT_EQ(server.receive(encoded(1, rotation(Quat::Identity(), 3))), Verdict::taken);
   ASSERT_EQ(server.inbox.announcements.size(), 1U);
   EXPECT_EQ(server.inbox.announcements[0].from, (DeviceKey{kMac, 3}));
   EXPECT_EQ(server.inbox.announcements[0].firmware, "0.5");
@@ -90,14 +90,14 @@ TEST(SlimeVrProtocol, GreetsAndReadsRotations) {
   EXPECT_TRUE(reading.sample.time_estimated);
   EXPECT_FALSE(reading.saturated);
   EXPECT_FALSE(server.inbox.alive);
-  server.hear(encoded(2, rotation(Quat::Identity(), 3)));
+  server.receive(encoded(2, rotation(Quat::Identity(), 3)));
   EXPECT_TRUE(server.inbox.announcements.empty());
 }
 
 // Their sensor at rest with its +Z up is the identity; in our world its +Z then points along +Y.
 TEST(SlimeVrProtocol, TurnsTheirWorldUpright) {
   Server server;
-  server.hear(encoded(1, rotation(Quat::Identity())));
+  server.receive(encoded(1, rotation(Quat::Identity())));
   const Quat upright(Eigen::AngleAxisd(-EIGEN_PI / 2, Vec3::UnitX()));
   expect_sample(server.inbox.readings.at(0), upright, Vec3(0, 0, kStandardGravity_m_s2));
   EXPECT_LT((upright * Vec3::UnitZ() - Vec3::UnitY()).norm(), 1e-12);
@@ -110,9 +110,9 @@ TEST(SlimeVrProtocol, PutsGravityBack) {
   for (std::uint64_t i = 1; i < 100; ++i) {
     const Quat q = random.rotation();  // Sensor to their world, +Z up.
     const Vec3 linear = 5 * random.direction();
-    server.hear(bundle(i, {rotation(q), slimevr::Acceleration{.m_s2 = {static_cast<float>(linear.x()),
-                                                                       static_cast<float>(linear.y()),
-                                                                       static_cast<float>(linear.z())}}}));
+    server.receive(bundle(i, {rotation(q), slimevr::Acceleration{.m_s2 = {static_cast<float>(linear.x()),
+                                                                          static_cast<float>(linear.y()),
+                                                                          static_cast<float>(linear.z())}}}));
     ASSERT_EQ(server.inbox.readings.size(), 1U);
     expect_sample(server.inbox.readings[0], Quat(Eigen::AngleAxisd(-EIGEN_PI / 2, Vec3::UnitX())) * q,
                   linear + q.conjugate() * Vec3(0, 0, kStandardGravity_m_s2));
@@ -123,21 +123,21 @@ TEST(SlimeVrProtocol, PairsAnAccelerationThatComesFirst) {
   Server server;
   const slimevr::Acceleration one{.m_s2 = {1, 0, 0}};
   const slimevr::Acceleration two{.m_s2 = {2, 0, 0}, .sensor = 1};
-  server.hear(bundle(1, {one, two, rotation(Quat::Identity()), rotation(Quat::Identity(), 1)}));
+  server.receive(bundle(1, {one, two, rotation(Quat::Identity()), rotation(Quat::Identity(), 1)}));
   ASSERT_EQ(server.inbox.readings.size(), 2U);
   EXPECT_FLOAT_EQ(server.inbox.readings[0].sample.values[4], 1);
   EXPECT_FLOAT_EQ(server.inbox.readings[1].sample.values[4], 2);
-  server.hear(bundle(2, {rotation(Quat::Identity()), rotation(Quat::Identity(), 1), two, one}));
+  server.receive(bundle(2, {rotation(Quat::Identity()), rotation(Quat::Identity(), 1), two, one}));
   EXPECT_FLOAT_EQ(server.inbox.readings[0].sample.values[4], 1);
   EXPECT_FLOAT_EQ(server.inbox.readings[1].sample.values[4], 2);
 }
 
 TEST(SlimeVrProtocol, UsesTheNewestAccelerationOfBoardsThatDoNotBundle) {
   Server server;
-  EXPECT_EQ(server.hear(encoded(1, slimevr::Acceleration{.m_s2 = {1, 0, 0}})), Verdict::taken);
+  EXPECT_EQ(server.receive(encoded(1, slimevr::Acceleration{.m_s2 = {1, 0, 0}})), Verdict::taken);
   EXPECT_TRUE(server.inbox.readings.empty());
   for (std::uint64_t i = 2; i < 10; ++i) {
-    server.hear(encoded(i, rotation(Quat::Identity())));
+    server.receive(encoded(i, rotation(Quat::Identity())));
     EXPECT_FLOAT_EQ(server.inbox.readings.at(0).sample.values[4], i < 6 ? 1 : 0) << i;  // Not for ever.
     EXPECT_FLOAT_EQ(server.inbox.readings.at(0).sample.values[6], static_cast<float>(kStandardGravity_m_s2));
   }
@@ -146,7 +146,7 @@ TEST(SlimeVrProtocol, UsesTheNewestAccelerationOfBoardsThatDoNotBundle) {
 TEST(SlimeVrProtocol, TurnsTheAccelerationsOfOlderBoards) {
   for (const std::uint32_t version : {21U, 22U}) {
     Server server(version);
-    server.hear(bundle(1, {rotation(Quat::Identity()), slimevr::Acceleration{.m_s2 = {1, 2, 0}}}));
+    server.receive(bundle(1, {rotation(Quat::Identity()), slimevr::Acceleration{.m_s2 = {1, 2, 0}}}));
     const Quat upright(Eigen::AngleAxisd(-EIGEN_PI / 2, Vec3::UnitX()));
     const Vec3 linear = version < 22 ? Vec3(2, -1, 0) : Vec3(1, 2, 0);
     expect_sample(server.inbox.readings.at(0), upright, linear + Vec3(0, 0, kStandardGravity_m_s2));
@@ -155,7 +155,7 @@ TEST(SlimeVrProtocol, TurnsTheAccelerationsOfOlderBoards) {
 
 TEST(SlimeVrProtocol, ReadsBothInOne) {
   Server server;
-  server.hear(
+  server.receive(
       encoded(1, slimevr::RotationAndAcceleration{.xyzw = {0, 0, 0, 32767.0F / 32768}, .m_s2 = {1, 0, 0}}));
   expect_sample(server.inbox.readings.at(0), Quat(Eigen::AngleAxisd(-EIGEN_PI / 2, Vec3::UnitX())),
                 Vec3(1, 0, kStandardGravity_m_s2));
@@ -164,7 +164,7 @@ TEST(SlimeVrProtocol, ReadsBothInOne) {
 TEST(SlimeVrProtocol, DropsWhatComesOutOfOrder) {
   Server server;
   const auto verdict = [&](std::uint64_t number) {
-    return server.hear(encoded(number, rotation(Quat::Identity())));
+    return server.receive(encoded(number, rotation(Quat::Identity())));
   };
   EXPECT_EQ(verdict(7), Verdict::taken);
   EXPECT_EQ(verdict(7), Verdict::ignored);
@@ -174,7 +174,7 @@ TEST(SlimeVrProtocol, DropsWhatComesOutOfOrder) {
   EXPECT_EQ(verdict(0), Verdict::taken);  // Not counted.
   EXPECT_EQ(verdict(9), Verdict::taken);
   // The board began anew.
-  server.hear(encoded(0, slimevr::Handshake{.mac = kMac}));
+  server.receive(encoded(0, slimevr::Handshake{.mac = kMac}));
   EXPECT_EQ(verdict(1), Verdict::taken);
 }
 
@@ -182,8 +182,8 @@ TEST(SlimeVrProtocol, TimesNeverRunBack) {
   Server server;
   DeviceTime last = DeviceTime::min();
   for (std::uint64_t i = 1; i < 50; ++i) {
-    if (i == 20) server.hear(encoded(0, slimevr::Handshake{.mac = kMac}));
-    server.hear(encoded(i, rotation(Quat::Identity())));
+    if (i == 20) server.receive(encoded(0, slimevr::Handshake{.mac = kMac}));
+    server.receive(encoded(i, rotation(Quat::Identity())));
     EXPECT_GT(server.inbox.readings.at(0).sample.time, last);
     last = server.inbox.readings[0].sample.time;
   }
@@ -198,7 +198,7 @@ TEST(SlimeVrProtocol, HearsNobodyWithoutAHandshake) {
   EXPECT_TRUE(inbox.readings.empty());
   EXPECT_TRUE(inbox.reply.empty());
   std::vector<sensor::Protocol::Outgoing> out;
-  protocol.say(at(1000), out);
+  protocol.heartbeats(at(1000), out);
   EXPECT_TRUE(out.empty());  // Else a board that waits for a greeting would wait for ever.
 }
 
@@ -206,7 +206,7 @@ TEST(SlimeVrProtocol, FollowsABoardToAnotherAddress) {
   Server server;
   Inbox inbox;
   server.protocol.receive(at(100), 6, encoded(0, slimevr::Handshake{.mac = kMac}), inbox);
-  EXPECT_EQ(server.hear(encoded(1, rotation(Quat::Identity()))), Verdict::ignored);
+  EXPECT_EQ(server.receive(encoded(1, rotation(Quat::Identity()))), Verdict::ignored);
   EXPECT_EQ(server.protocol.receive(at(110), 6, encoded(1, rotation(Quat::Identity())), inbox),
             Verdict::taken);
   // Another board at that address.
@@ -218,23 +218,23 @@ TEST(SlimeVrProtocol, FollowsABoardToAnotherAddress) {
 
 TEST(SlimeVrProtocol, AnswersWhatATrackerAsks) {
   Server server;
-  EXPECT_EQ(server.hear(encoded(1, slimevr::SensorInfo{.sensor = 1})), Verdict::taken);
+  EXPECT_EQ(server.receive(encoded(1, slimevr::SensorInfo{.sensor = 1})), Verdict::taken);
   EXPECT_EQ(server.reply(), slimevr::ServerMessage(slimevr::SensorInfoAck{1, 1}));
   ASSERT_EQ(server.inbox.announcements.size(), 1U);
   EXPECT_EQ(server.inbox.announcements[0].from, (DeviceKey{kMac, 1}));
-  EXPECT_EQ(server.hear(encoded(2, slimevr::SensorInfo{.sensor = 2, .state = 2})), Verdict::ignored);
+  EXPECT_EQ(server.receive(encoded(2, slimevr::SensorInfo{.sensor = 2, .state = 2})), Verdict::ignored);
   EXPECT_EQ(server.reply(), slimevr::ServerMessage(slimevr::SensorInfoAck{2, 2}));
   EXPECT_TRUE(server.inbox.announcements.empty());
-  EXPECT_EQ(server.hear(encoded(3, slimevr::FeatureFlags{})), Verdict::ignored);
+  EXPECT_EQ(server.receive(encoded(3, slimevr::FeatureFlags{})), Verdict::ignored);
   EXPECT_EQ(server.reply(), slimevr::ServerMessage(slimevr::ServerFlags{slimevr::ServerFlags::kBundle}));
 }
 
 TEST(SlimeVrProtocol, AcknowledgesEverySensorOfABundle) {
   Server server;
-  server.hear(bundle(1, {slimevr::SensorInfo{.sensor = 1}, slimevr::SensorInfo{.sensor = 2}}));
+  server.receive(bundle(1, {slimevr::SensorInfo{.sensor = 1}, slimevr::SensorInfo{.sensor = 2}}));
   EXPECT_EQ(server.reply(), slimevr::ServerMessage(slimevr::SensorInfoAck{1, 1}));
   std::vector<sensor::Protocol::Outgoing> out;
-  server.protocol.say(at(20), out);
+  server.protocol.heartbeats(at(20), out);
   ASSERT_FALSE(out.empty());
   EXPECT_EQ(*slimevr::parse_server_message(out[0].datagram),
             slimevr::ServerMessage(slimevr::SensorInfoAck{2, 1}));
@@ -242,21 +242,21 @@ TEST(SlimeVrProtocol, AcknowledgesEverySensorOfABundle) {
 
 TEST(SlimeVrProtocol, PassesTheBatteryOn) {
   Server server;
-  EXPECT_EQ(server.hear(encoded(1, slimevr::Battery{.volts = 3.7F, .level = 0.456F})), Verdict::taken);
+  EXPECT_EQ(server.receive(encoded(1, slimevr::Battery{.volts = 3.7F, .level = 0.456F})), Verdict::taken);
   ASSERT_EQ(server.inbox.batteries.size(), 1U);
   EXPECT_EQ(server.inbox.batteries[0].percent, 46);
-  server.hear(encoded(2, slimevr::Battery{.level = 7}));
+  server.receive(encoded(2, slimevr::Battery{.level = 7}));
   EXPECT_EQ(server.inbox.batteries[0].percent, 100);
 }
 
 // A sensor that lies still sends nothing; its board goes on to answer.
 TEST(SlimeVrProtocol, SaysThatAQuietBoardIsThere) {
   Server server;
-  EXPECT_EQ(server.hear(encoded(1, slimevr::Heartbeat{})), Verdict::taken);
+  EXPECT_EQ(server.receive(encoded(1, slimevr::Heartbeat{})), Verdict::taken);
   EXPECT_EQ(server.inbox.alive, (DeviceKey{kMac, 0}));
-  EXPECT_EQ(server.hear(encoded(0, slimevr::Pong{3})), Verdict::ignored);
+  EXPECT_EQ(server.receive(encoded(0, slimevr::Pong{3})), Verdict::ignored);
   EXPECT_EQ(server.inbox.alive, (DeviceKey{kMac, 0}));
-  EXPECT_EQ(server.hear(encoded(2, slimevr::Temperature{.celsius = 30})), Verdict::ignored);
+  EXPECT_EQ(server.receive(encoded(2, slimevr::Temperature{.celsius = 30})), Verdict::ignored);
   EXPECT_EQ(server.inbox.alive, (DeviceKey{kMac, 0}));
 }
 
@@ -267,8 +267,8 @@ TEST(SlimeVrProtocol, KeepsInTouch) {
   int pings = 0;
   for (int ms = 0; ms < 5000; ms += 100) {
     out.clear();
-    server.hear(encoded(0, slimevr::Pong{}));
-    server.protocol.say(at(ms), out);
+    server.receive(encoded(0, slimevr::Pong{}));
+    server.protocol.heartbeats(at(ms), out);
     for (const auto& outgoing : out) {
       EXPECT_EQ(outgoing.peer, 5U);
       const auto message = slimevr::parse_server_message(outgoing.datagram);
@@ -280,7 +280,7 @@ TEST(SlimeVrProtocol, KeepsInTouch) {
   EXPECT_NEAR(heartbeats, 10, 1);
   EXPECT_EQ(heartbeats, pings);
   out.clear();
-  server.protocol.say(at(60'000), out);  // It has been away for long.
+  server.protocol.heartbeats(at(60'000), out);  // It has been away for long.
   EXPECT_TRUE(out.empty());
 }
 
@@ -308,11 +308,11 @@ TEST(SlimeVrProtocol, DoesNotGrowWithStrangers) {
 
 TEST(SlimeVrProtocol, TakesNothingFromBrokenPackets) {
   Server server;
-  EXPECT_EQ(server.hear(bytes_of("000000110000000000000001")), Verdict::malformed);
-  EXPECT_EQ(server.hear(encoded(1, slimevr::Rotation{})), Verdict::malformed);
+  EXPECT_EQ(server.receive(bytes_of("000000110000000000000001")), Verdict::malformed);
+  EXPECT_EQ(server.receive(encoded(1, slimevr::Rotation{})), Verdict::malformed);
   EXPECT_TRUE(server.inbox.readings.empty());
   EXPECT_FALSE(server.inbox.alive);
-  EXPECT_EQ(server.hear(encoded(1, rotation(Quat::Identity()))), Verdict::taken);  // It used up no number.
+  EXPECT_EQ(server.receive(encoded(1, rotation(Quat::Identity()))), Verdict::taken);  // It used up no number.
 }
 
 // Two languages on one port.
@@ -335,4 +335,4 @@ TEST(SlimeVrProtocol, IsNotTakenForOurs) {
 }
 
 }  // namespace
-}  // namespace mien::imu
+}  // namespace mien::imu::slimevr_protocol_test

@@ -6,7 +6,7 @@
 
 #include "tests/hex.h"
 
-namespace mien::imu::slimevr {
+namespace mien::imu::slimevr::slimevr_test {
 namespace {
 
 const char* const kHandshakeHex =
@@ -255,4 +255,4 @@ TEST(SlimeVr, ServersWordsComeBackAsTheyWent) {
 }
 
 }  // namespace
-}  // namespace mien::imu::slimevr
+}  // namespace mien::imu::slimevr::slimevr_test

@@ -1,15 +1,16 @@
 #include "mien/study/eyewear/error_picture.h"
+#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-namespace mien::study {
+namespace mien::study::error_picture_test {
 namespace {
 
 TEST(ErrorPicture, IsDarkerWhereTheErrorIsLarge) {
   const builtin_face::MarkerSet markers =
-      builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   SensorsMethod small, large;
   small.name = "small";
   large.name = "large";
@@ -31,4 +32,4 @@ TEST(ErrorPicture, IsDarkerWhereTheErrorIsLarge) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::error_picture_test

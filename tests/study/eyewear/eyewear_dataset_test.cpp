@@ -1,17 +1,18 @@
 #include "mien/study/eyewear/eyewear_dataset.h"
+#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace mien::study {
+namespace mien::study::eyewear_dataset_test {
 namespace {
 
 TEST(EyewearDataset, IsTheSameOnAnyNumberOfThreads) {
-  const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  const sensor::Rig rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
   const builtin_face::MarkerSet markers =
-      builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   EyewearDataRecipe recipe;
   recipe.wearers = 1;
   recipe.validation_wearers = 1;
@@ -53,4 +54,4 @@ TEST(EyewearDataset, ReadsItsTable) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::eyewear_dataset_test

@@ -1,4 +1,5 @@
 #include "mien/study/eyewear/marker_poses.h"
+#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
 
@@ -6,12 +7,12 @@
 #include <array>
 #include <cmath>
 
-namespace mien::study {
+namespace mien::study::marker_poses_test {
 namespace {
 
 const builtin_face::MarkerSet& markers() {
   static const builtin_face::MarkerSet set =
-      builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   return set;
 }
 
@@ -41,4 +42,4 @@ TEST(MarkerPoses, NeedsSomethingToMeasure) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::marker_poses_test

@@ -5,18 +5,19 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/study/eyewear/worn_glasses.h"
 #include "tests/model/random_network.h"
+#include "tests/project_path.h"
 
-namespace mien::study {
+namespace mien::study::minute_study_test {
 namespace {
 
 const sensor::Rig& rig() {
-  static const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  static const sensor::Rig rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
   return rig;
 }
 
 const builtin_face::MarkerSet& markers() {
   static const builtin_face::MarkerSet set =
-      builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   return set;
 }
 
@@ -85,4 +86,4 @@ TEST(MinuteStudy, RefusesModelsOfOtherMarkers) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::minute_study_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace mien::study {
+namespace mien::study::sensors_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(SensorsReport, StandsBesideThePublishedFigures) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::sensors_report_test

@@ -1,18 +1,19 @@
 #include "mien/study/eyewear/sensors_study.h"
+#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
 
-namespace mien::study {
+namespace mien::study::sensors_study_test {
 namespace {
 
 const sensor::Rig& rig() {
-  static const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  static const sensor::Rig rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
   return rig;
 }
 
 const builtin_face::MarkerSet& markers() {
   static const builtin_face::MarkerSet set =
-      builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml").value();
+      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
   return set;
 }
 
@@ -102,4 +103,4 @@ TEST(SensorsStudy, KnowsTheEarHooks) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::sensors_study_test

@@ -6,13 +6,14 @@
 
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
+#include "tests/project_path.h"
 
-namespace mien::study {
+namespace mien::study::worn_glasses_test {
 namespace {
 
 class WornGlassesTest : public testing::Test {
  protected:
-  sensor::Rig rig_ = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  sensor::Rig rig_ = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
   virt::EyewearFaults faults_ = virt::parse_eyewear_faults(rig_.faults_toml, "rig").value();
   virt::EyewearWearer wearer_ = virt::draw_eyewear_wearer(rig_, faults_, Random(5)).value();
   virt::EyewearSimulator simulator_{wearer_, faults_, Random(6)};
@@ -66,4 +67,4 @@ TEST(RangeOfMotion, GoesFarAndBack) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::worn_glasses_test

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::drift_test {
 namespace {
 
 sensor::Rig rig_with(const std::string& faults) {
@@ -42,7 +43,7 @@ TEST(StudyDrift, FaultsShowAndSettingsAreCompared) {
 }
 
 TEST(StudyDrift, KnownSkinHoldsHeadings) {
-  sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   const DriftRequest request{.performers = 3, .seconds = 40, .seed = 8, .threads = 0};
   const imu::HeadingSettings defaults;
   const auto known = study_drift(request, rig, {&defaults, 1}, no_progress);
@@ -62,4 +63,4 @@ TEST(StudyDrift, StopsWhenTold) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::drift_test

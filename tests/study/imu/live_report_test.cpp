@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace mien::study {
+namespace mien::study::live_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -17,7 +17,7 @@ LiveMethod method(std::string name, double pve) {
 
 LiveSet small() {
   LiveRow seen{.condition = LiveCondition::seen, .title = "seen placement", .frames = 600};
-  seen.felt = 0.999;
+  seen.observed = 0.999;
   seen.rotation_rms_deg = 3.84;
   seen.methods = {method("live", 0.7), method("ridge", 0.9)};
   LiveRow eating{.condition = LiveCondition::eating, .title = "eating <fast>", .frames = 60};
@@ -26,11 +26,11 @@ LiveSet small() {
 }
 
 TEST(LiveTable, HasAHeadARowAndItsMethods) {
-  const Table table = live_table(small());
+  const measure::Table table = live_table(small());
   EXPECT_EQ(table.strong_rows, (std::vector<std::size_t>{0, 3}));
   ASSERT_EQ(table.rows.size(), 6U);
   EXPECT_EQ(table.rows[0].size(), 1U);
-  EXPECT_THAT(table.rows[0][0], HasSubstr("seen placement (2 performers, 10 s, 99.9 % felt, 3.8° off)"));
+  EXPECT_THAT(table.rows[0][0], HasSubstr("seen placement (2 performers, 10 s, 99.9 % observed, 3.8° off)"));
   ASSERT_EQ(table.rows[1].size(), table.columns.size());
   EXPECT_EQ(table.rows[1][0], "live");
   EXPECT_EQ(table.rows[1][1], "0.700 ± 0.141");
@@ -49,4 +49,4 @@ TEST(LiveReport, ShowsEachGroupThatWasStudied) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::live_report_test

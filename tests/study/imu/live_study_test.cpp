@@ -10,7 +10,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::live_study_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -116,9 +116,9 @@ TEST(StudyLive, ConditionsDoWhatTheySay) {
   const LiveRow& lab = row_of(LiveCondition::lab);
   EXPECT_NEAR(lab.rotation_rms_deg, std::sqrt(3.0), 0.2) << "a degree an axis";
   const LiveRow& seen = row_of(LiveCondition::seen);
-  EXPECT_GT(seen.felt, 0.95);
-  EXPECT_NEAR(row_of(LiveCondition::one_lost).felt, 0.5, 0.05);
-  EXPECT_LT(row_of(LiveCondition::bursts).felt, seen.felt);
+  EXPECT_GT(seen.observed, 0.95);
+  EXPECT_NEAR(row_of(LiveCondition::one_lost).observed, 0.5, 0.05);
+  EXPECT_LT(row_of(LiveCondition::bursts).observed, seen.observed);
   // Who does the same has the same truth, however it is sensed.
   const auto mean_pose = [](LiveCondition condition) {
     return row_of(condition).find(kMeanPose)->over(Measure::mse)->mean;
@@ -221,4 +221,4 @@ TEST(LiveMethod, SpreadsOverThePerformersThatHaveIt) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::live_study_test

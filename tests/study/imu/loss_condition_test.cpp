@@ -7,7 +7,7 @@
 
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::loss_condition_test {
 namespace {
 
 sensor::Rig rig() {
@@ -54,4 +54,4 @@ TEST(LossConditions, SayWhatTheRigLacks) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::loss_condition_test

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace mien::study {
+namespace mien::study::loss_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST(LossReport, LeavesOutWhatWasNotStudied) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::loss_report_test

@@ -9,7 +9,7 @@
 #include "tests/tracker/tiny_model.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::loss_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -61,7 +61,7 @@ TEST(StudyLoss, HearsEveryPerformanceUnderEveryCondition) {
     // Two performers of three seconds; the last frames of one that is heard late may be missing.
     EXPECT_NEAR(static_cast<double>(row.frames), 360, 40) << row.condition.name();
     EXPECT_GT(row.mse, 0);
-    EXPECT_GT(row.mse_felt, 0);
+    EXPECT_GT(row.mse_observed, 0);
     EXPECT_GT(row.pve_mm, 0);
     EXPECT_GT(row.truth_step, 0);
     EXPECT_LE(row.largest_step, 1);
@@ -78,28 +78,28 @@ TEST(StudyLoss, HearsEveryPerformanceUnderEveryCondition) {
 TEST(StudyLoss, TakesFromTheModelWhatTheConditionSays) {
   const LossRow& clean = whole().rows[0];
   EXPECT_EQ(clean.rise, 0);
-  EXPECT_EQ(clean.felt, 1) << "perfect devices";
+  EXPECT_EQ(clean.observed, 1) << "perfect devices";
   EXPECT_GT(clean.rotation_rms_deg, 0);
   EXPECT_LT(clean.rotation_rms_deg, 1);
   const LossRow* lag = whole().find(Fault::lag, 100);
   ASSERT_NE(lag, nullptr);
-  EXPECT_EQ(lag->felt, 1) << "late alike is not lost";
+  EXPECT_EQ(lag->observed, 1) << "late alike is not lost";
   // The last frames may never be heard of, and clocks are known a little otherwise.
   EXPECT_NEAR(lag->mse, clean.mse, 0.05 * clean.mse);
   for (const LossRow& row : whole().rows)
     if (row.condition.fault == Fault::sensor_silent) {
-      EXPECT_EQ(row.felt, 0.5) << row.condition.sensor;
+      EXPECT_EQ(row.observed, 0.5) << row.condition.sensor;
     }
   const LossRow* fifth = whole().find(Fault::loss, 20);
   ASSERT_NE(fifth, nullptr);
   EXPECT_NE(fifth->mse, clean.mse);
   const LossRow* bursts = whole().find(Fault::bursts, 10);
   ASSERT_NE(bursts, nullptr);
-  EXPECT_LT(bursts->felt, 1);
+  EXPECT_LT(bursts->observed, 1);
   EXPECT_GT(bursts->rotation_rms_deg, clean.rotation_rms_deg);
   const LossRow* head = whole().find(Fault::head_silent, 2);
   ASSERT_NE(head, nullptr);
-  EXPECT_LT(head->felt, 0.7);
+  EXPECT_LT(head->observed, 0.7);
   EXPECT_EQ(whole().find(Fault::loss, 11), nullptr);
 }
 
@@ -181,4 +181,4 @@ TEST(LossStudy, KnowsItsPromises) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::loss_test

@@ -7,7 +7,7 @@
 
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::make_dataset_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -174,4 +174,4 @@ TEST(DataRecipe, EveryWrongSettingIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::make_dataset_test

@@ -9,9 +9,10 @@
 
 #include "mien/core/units.h"
 #include "mien/face/ict_import.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::sensor_bound_test {
 namespace {
 
 constexpr auto kJaw = face::shape("jawOpen");
@@ -31,7 +32,7 @@ face::Face two_vertex_face() {
 }
 
 SensorBound bound(double prior, double noise_rad) {
-  const Meter meter(two_vertex_face());
+  const measure::Meter meter(two_vertex_face());
   return sensor_bound(meter, virt::test::three_sites(), prior, noise_rad, Random(5));
 }
 
@@ -80,7 +81,7 @@ TEST(SensorBound, IsWorseWithMoreNoiseAndFewerSensors) {
     EXPECT_GT(b.left[kJaw], last.left[kJaw]);
     last = b;
   }
-  const Meter meter(two_vertex_face());
+  const measure::Meter meter(two_vertex_face());
   const SensorBound one = sensor_bound(meter, {virt::test::three_sites()[0]}, 0.1, 1 * kRadPerDeg, Random(5));
   EXPECT_GT(one.mse, bound(0.1, 1 * kRadPerDeg).mse);
   EXPECT_NEAR(one.left[kSmile], 1, 1e-9);
@@ -88,17 +89,17 @@ TEST(SensorBound, IsWorseWithMoreNoiseAndFewerSensors) {
 
 TEST(SensorBound, AgreesWithTheTableOnTheIctFace) {
   const char* given = std::getenv("MIEN_ICT_FOLDER");
-  const std::filesystem::path folder =
-      given != nullptr ? std::filesystem::path(given)
-                       : std::filesystem::path(MIEN_SOURCE_DIR "/../build/ict/FaceXModel");
+  const std::filesystem::path folder = given != nullptr
+                                           ? std::filesystem::path(given)
+                                           : std::filesystem::path(project_path("../build/ict/FaceXModel"));
   if (!std::filesystem::exists(folder / "generic_neutral_mesh.obj"))
     GTEST_SKIP() << "no ICT-FaceKit at " << folder << "; set MIEN_ICT_FOLDER";
   const face::Face face = face::import_ict(folder).value();
-  const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  const sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   const auto all = virt::skin_sites(face, rig).value();
   std::vector<virt::SkinSite> sites;
   for (const std::uint16_t s : rig.face_sensors()) sites.push_back(all[s]);
-  const Meter meter(face);
+  const measure::Meter meter(face);
   // What eleven skin IMUs can see at best. The sites differ slightly from those of the table, which matters
   // most where the sensors tell least: at 3 degrees the landmarks are 18 % worse.
   struct Row {
@@ -117,4 +118,4 @@ TEST(SensorBound, AgreesWithTheTableOnTheIctFace) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::sensor_bound_test

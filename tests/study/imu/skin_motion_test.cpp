@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::study {
+namespace mien::study::skin_motion_test {
 namespace {
 
 TEST(StudySkinMotion, IsTheSameOnAnyNumberOfThreads) {
@@ -21,7 +22,7 @@ TEST(StudySkinMotion, IsTheSameOnAnyNumberOfThreads) {
 }
 
 TEST(StudySkinMotion, TheDefaultRigsTableIsOfItsSkin) {
-  const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  const sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   ASSERT_TRUE(rig.skin);
   const auto skin = study_skin_motion({.performers = 100, .seconds = 15}, rig, no_progress);
   ASSERT_TRUE(skin) << skin.error().message();
@@ -31,7 +32,7 @@ TEST(StudySkinMotion, TheDefaultRigsTableIsOfItsSkin) {
     EXPECT_NEAR(found / told, 1, 0.25) << i;
     EXPECT_NEAR(skin->mean_deg[i], rig.skin->mean_deg[i], 0.3 * told) << i;
   }
-  const sensor::Rig both = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/imu_eyewear.toml").value();
+  const sensor::Rig both = sensor::read_rig(project_path("rigs/imu_eyewear.toml")).value();
   ASSERT_TRUE(both.skin);
   EXPECT_EQ(sensor::write_skin(*both.skin), sensor::write_skin(*rig.skin));
 }
@@ -52,4 +53,4 @@ TEST(StudySkinMotion, StopsWhenTold) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::skin_motion_test

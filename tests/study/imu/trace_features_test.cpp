@@ -7,7 +7,7 @@
 
 #include "tests/study/performed_take.h"
 
-namespace mien::study {
+namespace mien::study::trace_features_test {
 namespace {
 
 std::vector<model::FeatureFrame> trace(const virt::VirtualSession& session,
@@ -70,4 +70,4 @@ TEST(TraceFeatures, WithoutAPrologueDevicesStayMissing) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::study::trace_features_test

@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "mien/sensor/rig.h"
+#include "tests/project_path.h"
 
-namespace mien::virt {
+namespace mien::virt::eyewear_faults_test {
 namespace {
 
 TEST(EyewearFaults, TheRigsAreRead) {
-  const auto rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml");
+  const auto rig = sensor::read_rig(project_path("rigs/eyewear.toml"));
   ASSERT_TRUE(rig) << rig.error().message();
   const auto faults = parse_eyewear_faults(rig->faults_toml, rig->name);
   ASSERT_TRUE(faults) << faults.error().message();
@@ -42,4 +43,4 @@ INSTANTIATE_TEST_SUITE_P(EyewearFaults, WrongFaults,
                                          "strobe_ms = 1e9", "pattern = 5", "["));
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::eyewear_faults_test

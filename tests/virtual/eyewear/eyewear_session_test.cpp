@@ -11,9 +11,10 @@
 #include "mien/virtual/node_group.h"
 #include "mien/virtual/prologue_calibration.h"
 #include "mien/virtual/stage.h"
+#include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::eyewear_session_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -22,7 +23,7 @@ using ::testing::ElementsAre;
 const Stage& stage(performer::PrologueKind prologue) {
   const auto make = [](performer::PrologueKind kind) {
     Stage stage;
-    stage.rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+    stage.rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
     WornEyewear& worn = stage.eyewear.emplace();
     worn.faults = parse_eyewear_faults(stage.rig.faults_toml, "rig").value();
     worn.wearer = seat_eyewear(builtin_face::make_builtin(), stage.rig, worn.faults, Random(5)).value();
@@ -105,13 +106,13 @@ TEST(EyewearNodes, SayWhatATakeOfTheSamePerformanceHolds) {
       NodeGroup::create(stage(performer::PrologueKind::none), NodeLanguage::mien, false).value();
   ASSERT_EQ(nodes->size(), 2U);
   EXPECT_FALSE((*nodes)[0].listens());
-  EXPECT_EQ((*nodes)[0].say(HostTime()), std::nullopt) << "it has not begun";
+  EXPECT_EQ((*nodes)[0].next_datagram(HostTime()), std::nullopt) << "it has not begun";
   nodes->begin(HostTime());
   std::map<std::vector<std::byte>, HostTime> said;
   for (double t = 0; t < 3 && !nodes->finished(); t += 0.001) {
     while (nodes->simulated_s() < t) ASSERT_TRUE(nodes->simulate());
     for (std::size_t n = 0; n < nodes->size(); ++n)
-      while (auto datagram = (*nodes)[n].say(HostTime(from_seconds(t))))
+      while (auto datagram = (*nodes)[n].next_datagram(HostTime(from_seconds(t))))
         said.emplace(*datagram, HostTime(from_seconds(t)));
   }
   EXPECT_TRUE(nodes->finished());
@@ -151,7 +152,7 @@ TEST(EyewearBoards, NeedChannelsInARow) {
 
 TEST(EyewearStage, IsSetByTheRigsKind) {
   StageRequest request;
-  request.rig = MIEN_SOURCE_DIR "/rigs/eyewear.toml";
+  request.rig = project_path("rigs/eyewear.toml");
   request.motion = test::talking(30);
   const auto set = set_stage(request);
   ASSERT_TRUE(set) << set.error().message();
@@ -162,4 +163,4 @@ TEST(EyewearStage, IsSetByTheRigsKind) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::eyewear_session_test

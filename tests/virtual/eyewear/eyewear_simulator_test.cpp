@@ -7,14 +7,15 @@
 #include <numbers>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "tests/project_path.h"
 
-namespace mien::virt {
+namespace mien::virt::eyewear_simulator_test {
 namespace {
 
 using face::shape;
 
 const sensor::Rig& rig() {
-  static const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml").value();
+  static const sensor::Rig rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
   return rig;
 }
 
@@ -180,4 +181,4 @@ TEST(SkinPattern, VariesOverTheSkinByWhatIsAsked) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::eyewear_simulator_test

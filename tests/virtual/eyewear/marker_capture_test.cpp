@@ -12,8 +12,9 @@
 #include "mien/performer/script.h"
 #include "mien/performer/style.h"
 #include "mien/sensor/rig.h"
+#include "tests/project_path.h"
 
-namespace mien::virt {
+namespace mien::virt::marker_capture_test {
 namespace {
 
 const std::vector<Vec3> kPlaces = {Vec3(0, 0, 0.1), Vec3(0.01, 0, 0.1), Vec3(0.05, 0, 0.1)};
@@ -70,8 +71,8 @@ TEST(MarkerCapture, CoveredMarkersAreFoundElsewhere) {
 // What the cleaning of recordings makes of the published study's capture, on a head that moves:
 // docs/method/markers.md.
 TEST(MarkerCapture, ItsMistakesAreFoundAndNoOthers) {
-  const auto rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/eyewear.toml");
-  const auto set = builtin_face::read_markers(MIEN_SOURCE_DIR "/rigs/markers.toml");
+  const auto rig = sensor::read_rig(project_path("rigs/eyewear.toml"));
+  const auto set = builtin_face::read_markers(project_path("rigs/markers.toml"));
   ASSERT_TRUE(rig && set);
   const auto faults = parse_eyewear_faults(rig->faults_toml, "rig");
   const auto placed = builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), *set);
@@ -134,4 +135,4 @@ TEST(MarkerCapture, ItsMistakesAreFoundAndNoOthers) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::marker_capture_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace mien::virt {
+namespace mien::virt::photo_sensor_test {
 namespace {
 
 TEST(PhotoResponse, PeaksWhereItIsSaidTo) {
@@ -71,4 +71,4 @@ TEST(PhotoSensor, PartsDifferAndAreTheSameAgain) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::photo_sensor_test

@@ -7,12 +7,13 @@
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
+#include "tests/project_path.h"
 
-namespace mien::virt {
+namespace mien::virt::device_packet_test {
 namespace {
 
 TEST(DevicePacket, TheDefaultRigBindsTheVirtualNodes) {
-  const sensor::Rig rig = sensor::read_rig(MIEN_SOURCE_DIR "/rigs/default.toml").value();
+  const sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   for (std::size_t s = 0; s < rig.sensors.size(); ++s) {
     EXPECT_EQ(sensor::parse_device(rig.sensors[s].device).value(),
               (sensor::DeviceKey{sensor::virtual_device(s), 0}));
@@ -49,4 +50,4 @@ TEST(DevicePacket, WithoutSamplesThereIsNone) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::device_packet_test

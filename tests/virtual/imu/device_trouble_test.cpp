@@ -10,7 +10,7 @@
 
 #include "tests/virtual/imu/impaired_session.h"
 
-namespace mien::virt {
+namespace mien::virt::device_trouble_test {
 namespace {
 
 using test::expect_sound;
@@ -204,4 +204,4 @@ TEST(Troubles, RefuseWhatIsNoPacketOfSamples) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::device_trouble_test

@@ -11,7 +11,7 @@
 #include "tests/imu/clocked_pipeline.h"
 #include "tests/virtual/imu/impaired_session.h"
 
-namespace mien::virt {
+namespace mien::virt::impair_test {
 namespace {
 
 using test::expect_sound;
@@ -123,4 +123,4 @@ TEST(Impair, ThePipelineStillFindsTheSkinThroughABadNetwork) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::impair_test

@@ -8,8 +8,9 @@
 #include "mien/core/files.h"
 #include "mien/core/units.h"
 #include "mien/sensor/rig.h"
+#include "tests/project_path.h"
 
-namespace mien::virt {
+namespace mien::virt::imu_simulator_test {
 namespace {
 
 /// One site 12 cm before the head's origin that jawOpen turns about X.
@@ -148,7 +149,7 @@ TEST(ImuSimulator, LosesThePacketsThatItIsToldToLose) {
 }
 
 TEST(ImuSimulator, OneSeedOneDevice) {
-  const std::string path = std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml";
+  const std::string path = project_path("rigs/default.toml");
   const auto rig = sensor::read_rig(path);
   ASSERT_TRUE(rig.has_value());
   const auto faults = parse_faults(rig->faults_toml, path);
@@ -166,7 +167,7 @@ TEST(ImuSimulator, OneSeedOneDevice) {
 }
 
 TEST(ImuSimulator, StretchByStretchTheDeviceIsTheSame) {
-  const std::string path = std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml";
+  const std::string path = project_path("rigs/default.toml");
   const DeviceFaults faults = parse_faults(sensor::read_rig(path).value().faults_toml, path).value();
   const face::Motion motion = nodding_and_talking(3);
   const face::MotionCurve curve(motion);
@@ -209,4 +210,4 @@ TEST(DeviceFaults, EachWrongTableIsNamed) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::imu_simulator_test

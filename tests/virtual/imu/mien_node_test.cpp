@@ -9,7 +9,7 @@
 #include "tests/virtual/conversation.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::mien_node_test {
 namespace {
 
 using test::at;
@@ -178,4 +178,4 @@ TEST_F(LossyMienNode, WhatIsLostIsNotSent) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::mien_node_test

@@ -11,12 +11,13 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/units.h"
 #include "mien/face/ict_import.h"
+#include "tests/project_path.h"
 
-namespace mien::virt {
+namespace mien::virt::skin_site_test {
 namespace {
 
 sensor::Rig default_rig() {
-  return sensor::read_rig(std::string(MIEN_SOURCE_DIR) + "/rigs/default.toml").value();
+  return sensor::read_rig(project_path("rigs/default.toml")).value();
 }
 
 const std::vector<SkinSite>& builtin_sites_of_default_rig() {
@@ -166,4 +167,4 @@ TEST(SkinSites, TurnedSkinTurnsAsFarAboutAnotherAxis) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::skin_site_test

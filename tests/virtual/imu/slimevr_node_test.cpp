@@ -10,7 +10,7 @@
 #include "tests/virtual/conversation.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt {
+namespace mien::virt::slimevr_node_test {
 namespace {
 
 namespace slimevr = imu::slimevr;
@@ -254,4 +254,4 @@ TEST_F(SlimeVrNodeTest, IgnoresGarbage) {
 }
 
 }  // namespace
-}  // namespace mien::virt
+}  // namespace mien::virt::slimevr_node_test

@@ -1,18 +1,18 @@
-#include "mien/shaping/letting_go.h"
+#include "mien/shaping/ease_out.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/shaping/frames.h"
 
-namespace mien::shaping {
+namespace mien::shaping::ease_out_test {
 namespace {
 
 constexpr double kStep_s = 1.0 / 60;
 constexpr double kReturn_s = 0.3;
 
-TEST(LettingGo, EachPartGoesByItselfAndLeavesTheOthersBits) {
+TEST(EaseOut, EachPartGoesByItselfAndLeavesTheOthersBits) {
   for (std::size_t part = 0; part < kPartCount; ++part) {
-    LettingGo letting_go;
+    EaseOut letting_go;
     face::OutputFrame shown = measured(0, 0.2F);
     const auto next = [](int i) {
       face::OutputFrame frame = measured(i, 0.7F);
@@ -60,8 +60,8 @@ TEST(LettingGo, EachPartGoesByItselfAndLeavesTheOthersBits) {
   }
 }
 
-TEST(LettingGo, FollowsItsClosedForm) {
-  LettingGo letting_go;
+TEST(EaseOut, FollowsItsClosedForm) {
+  EaseOut letting_go;
   letting_go.take(0, measured(0, 1), measured(0, 0));
   const double omega = kConstantsTo5Percent / kReturn_s;
   double before = 1;
@@ -75,8 +75,8 @@ TEST(LettingGo, FollowsItsClosedForm) {
   }
 }
 
-TEST(LettingGo, ATakeInTheMiddleKeepsTheSpeed) {
-  LettingGo letting_go;
+TEST(EaseOut, ATakeInTheMiddleKeepsTheSpeed) {
+  EaseOut letting_go;
   letting_go.take(0, measured(0, 1), measured(0, 0));
   face::OutputFrame out;
   for (int i = 1; i <= 5; ++i) {
@@ -84,7 +84,7 @@ TEST(LettingGo, ATakeInTheMiddleKeepsTheSpeed) {
     letting_go.apply(out, kStep_s, kReturn_s);
   }
   // The same difference to the same source, taken again: nothing changes but the time at which it is done.
-  LettingGo again = letting_go;
+  EaseOut again = letting_go;
   again.take(0, out, measured(6, 0));
   face::OutputFrame one = measured(6, 0), other = measured(6, 0);
   letting_go.apply(one, kStep_s, kReturn_s);
@@ -95,4 +95,4 @@ TEST(LettingGo, ATakeInTheMiddleKeepsTheSpeed) {
 }
 
 }  // namespace
-}  // namespace mien::shaping
+}  // namespace mien::shaping::ease_out_test

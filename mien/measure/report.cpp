@@ -1,4 +1,4 @@
-#include "mien/study/report.h"
+#include "mien/measure/report.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -7,7 +7,7 @@
 #include "mien/core/files.h"
 #include "mien/render/base64.h"
 
-namespace mien::study {
+namespace mien::measure {
 namespace {
 
 // Series colours keep their hue in both modes and differ in lightness too, for the colour-blind.
@@ -195,4 +195,4 @@ Result<void> Report::write(const std::filesystem::path& path) const {
   return write_file(path, html());
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure

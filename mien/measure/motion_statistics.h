@@ -7,7 +7,7 @@
 
 #include "mien/face/motion.h"
 
-namespace mien::study {
+namespace mien::measure {
 
 /// How one shape is used.
 struct ShapeStatistics {
@@ -56,4 +56,4 @@ struct MotionStatistics {
 /// Markdown: one column a motion, one row a summary; then the standard deviation of every shape.
 [[nodiscard]] std::string comparison_markdown(std::span<const MotionStatistics> columns);
 
-}  // namespace mien::study
+}  // namespace mien::measure

@@ -1,4 +1,4 @@
-#include "mien/tracker/calm.h"
+#include "mien/tracker/jitter_filter.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ const std::array kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
 }  // namespace
 
-void Calm::apply(face::BlendshapeWeights& weights) {
+void JitterFilter::apply(face::BlendshapeWeights& weights) {
   const bool first = frames_ == 0;
   const DeviceTime now = DeviceTime{} + frame_offset(frames_++);
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {

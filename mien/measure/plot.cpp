@@ -1,4 +1,4 @@
-#include "mien/study/plot.h"
+#include "mien/measure/plot.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <iterator>
 #include <limits>
 
-namespace mien::study {
+namespace mien::measure {
 namespace {
 
 constexpr double kWidth = 760, kLeft = 66, kRight = 14, kTop = 10, kBottom = 42;
@@ -267,4 +267,4 @@ std::string svg(const BarPlot& plot) {
   return out + "</svg>\n";
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure

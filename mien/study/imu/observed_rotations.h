@@ -13,15 +13,15 @@ namespace mien::study {
 
 /// How many of the face sensors' rotations a model was given, and how far they lie from the truth: what
 /// sensing and calibration cost, whatever the model makes of it.
-class FeltRotations {
+class ObservedRotations {
  public:
-  explicit FeltRotations(const sensor::Rig& rig);
+  explicit ObservedRotations(const sensor::Rig& rig);
 
   /// One frame. Shape: `features` of the rig's face sensors; `sites` of all of its sensors.
   void add(const model::FeatureFrame& features, const face::BlendshapeWeights& truth,
            std::span<const virt::SkinSite> sites);
   /// Others of the same rig.
-  void add(const FeltRotations& others);
+  void add(const ObservedRotations& others);
 
   /// Share of the rotations that there could have been, 0 to 1.
   [[nodiscard]] double share() const;
@@ -33,7 +33,7 @@ class FeltRotations {
  private:
   std::vector<std::uint16_t> face_sensors_;
   std::size_t frames_ = 0;
-  std::vector<std::size_t> felt_;  // Frames with a rotation, a face sensor.
+  std::vector<std::size_t> observed_;  // Frames with a rotation, a face sensor.
   double squares_rad2_ = 0;
 };
 

@@ -1,8 +1,8 @@
-#include "mien/study/evaluation_report.h"
+#include "mien/measure/evaluation_report.h"
 
 #include <gmock/gmock.h>
 
-namespace mien::study {
+namespace mien::measure::evaluation_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -61,4 +61,4 @@ TEST(EvaluationReport, AnEvaluationWithoutAnythingIsStillAPage) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::measure::evaluation_report_test

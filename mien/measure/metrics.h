@@ -8,7 +8,7 @@
 #include "mien/face/face.h"
 #include "mien/face/profile.h"
 
-namespace mien::study {
+namespace mien::measure {
 
 /// Mean and standard deviation over frames.
 struct MeanStd {
@@ -24,9 +24,9 @@ struct ShapeScore {
 /// What `mien evaluate` prints for one estimate (docs/reference/metrics.md has every definition).
 struct Metrics {
   std::size_t frames = 0;
-  double mse = 0;       ///< All 53 shapes, both sides clipped to [0, 1].
-  double mse_felt = 0;  ///< Without gaze, eyeWide and mouthShrugUpper, which skin hardly feels.
-  MeanStd pve_mm;       ///< All vertices.
+  double mse = 0;           ///< All 53 shapes, both sides clipped to [0, 1].
+  double mse_observed = 0;  ///< Without gaze, eyeWide and mouthShrugUpper, which skin hardly feels.
+  MeanStd pve_mm;           ///< All vertices.
   std::optional<MeanStd> pve_face_mm;  ///< Vertices of the region "skin".
   std::optional<MeanStd> lmk_mm;       ///< The 68 landmarks.
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
@@ -44,8 +44,8 @@ struct Stretch {
   std::span<const face::BlendshapeWeights> estimate;
 };
 
-/// Shapes that `mse_felt` counts.
-[[nodiscard]] bool is_felt(std::size_t shape);
+/// Shapes that `mse_observed` counts.
+[[nodiscard]] bool is_observable(std::size_t shape);
 
 /// Measures vertex errors on one face; prepared once, used for many estimates. Thread-safe after
 /// construction.
@@ -73,4 +73,4 @@ class Meter {
 /// eyes of all stretches pooled. Absent when neither side has one.
 [[nodiscard]] std::optional<double> blink_f1(std::span<const Stretch> stretches, int tolerance = 2);
 
-}  // namespace mien::study
+}  // namespace mien::measure

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "mien/study/evaluation.h"
+#include "mien/measure/evaluation.h"
 
-namespace mien::study {
+namespace mien::measure {
 
 /// What an evaluation was made with; printed beside the figures.
 struct EvaluationContext {
@@ -22,4 +22,4 @@ struct EvaluationContext {
 /// The one JSON object that `mien evaluate --json` prints (docs/reference/metrics.md). Curves are left out.
 [[nodiscard]] std::string evaluation_json(const Evaluation& evaluation, const EvaluationContext& context);
 
-}  // namespace mien::study
+}  // namespace mien::measure

@@ -18,7 +18,7 @@ inline constexpr double kConstantsTo5Percent = 4.744;
 /// are taken and let go by themselves. The largest step a 60 Hz frame besides the face's own is 0.03 s over
 /// `return_s` of the difference: 0.1 of it with 0.3 s.
 /// On frame time; no allocation; frames keep the bits of parts that are not being let go.
-class LettingGo {
+class EaseOut {
  public:
   /// Takes the difference of what was `shown` to the `next` source's frame in one part (frame_parts.h). A
   /// part that is still being let go keeps its speed.

@@ -1,4 +1,4 @@
-#include "mien/tracker/calm.h"
+#include "mien/tracker/jitter_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -8,13 +8,13 @@
 
 #include "mien/core/random.h"
 
-namespace mien::tracker {
+namespace mien::tracker::jitter_filter_test {
 namespace {
 
 const std::size_t kMouth = face::shape("mouthSmile_L"), kLid = face::shape("eyeBlink_L");
 
-TEST(Calm, TakesTremblingOutAndFollowsABlink) {
-  Calm calm;
+TEST(JitterFilter, TakesTremblingOutAndFollowsABlink) {
+  JitterFilter calm;
   Random random(1);
   double trembling = 0, left = 0, largest_lag = 0;
   std::array<float, 4> in{}, out{};
@@ -41,8 +41,8 @@ TEST(Calm, TakesTremblingOutAndFollowsABlink) {
   EXPECT_LT(largest_lag, 0.1) << "when it has closed";
 }
 
-TEST(Calm, ALidThatFallsIsHalfShutWhenTheTruthIs) {
-  Calm calm;
+TEST(JitterFilter, ALidThatFallsIsHalfShutWhenTheTruthIs) {
+  JitterFilter calm;
   face::BlendshapeWeights weights;
   const auto half_shut_after = [&](std::size_t shape) {
     calm.reset();
@@ -59,8 +59,8 @@ TEST(Calm, ALidThatFallsIsHalfShutWhenTheTruthIs) {
   EXPECT_GT(half_shut_after(kMouth), half_shut_after(kLid));
 }
 
-TEST(Calm, ALidThatStaysOrOpensGetsNoLead) {
-  Calm calm;
+TEST(JitterFilter, ALidThatStaysOrOpensGetsNoLead) {
+  JitterFilter calm;
   face::BlendshapeWeights weights;
   float before = 1;
   for (int f = 0; f < 60; ++f) {
@@ -72,8 +72,8 @@ TEST(Calm, ALidThatStaysOrOpensGetsNoLead) {
   }
 }
 
-TEST(Calm, AMovementIsHardlyLate) {
-  Calm calm;
+TEST(JitterFilter, AMovementIsHardlyLate) {
+  JitterFilter calm;
   float late = 0;
   for (int f = 0; f < 120; ++f) {
     face::BlendshapeWeights weights;
@@ -89,8 +89,8 @@ TEST(Calm, AMovementIsHardlyLate) {
   EXPECT_LT(late, 0.09F) << "when it begins";
 }
 
-TEST(Calm, ForgetsAtAReset) {
-  Calm calm, fresh;
+TEST(JitterFilter, ForgetsAtAReset) {
+  JitterFilter calm, fresh;
   face::BlendshapeWeights one, two;
   one.values.fill(1);
   calm.apply(one);
@@ -105,4 +105,4 @@ TEST(Calm, ForgetsAtAReset) {
 }
 
 }  // namespace
-}  // namespace mien::tracker
+}  // namespace mien::tracker::jitter_filter_test

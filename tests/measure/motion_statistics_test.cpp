@@ -1,4 +1,4 @@
-#include "mien/study/motion_statistics.h"
+#include "mien/measure/motion_statistics.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,9 @@
 
 #include "mien/face/load_motion.h"
 #include "mien/performer/performer.h"
+#include "tests/project_path.h"
 
-namespace mien::study {
+namespace mien::measure::motion_statistics_test {
 namespace {
 
 using face::shape;
@@ -95,7 +96,7 @@ TEST(MotionStatistics, AMotionAgreesWithItselfMoreThanWithAnother) {
 /// Real performances are only compared with, so the bounds are wide: the same order of range, speed and
 /// number of independent motions.
 TEST(MotionStatistics, VirtualRangeOfMotionIsOfTheSameOrderAsARealOne) {
-  const std::filesystem::path path = MIEN_SOURCE_DIR "/../shared/data/performances/alex_rom_3.csv";
+  const std::filesystem::path path = project_path("../shared/data/performances/alex_rom_3.csv");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no real performance at " << path;
   const auto real_motion = face::load_motion(path);
   ASSERT_TRUE(real_motion.has_value()) << real_motion.error().message();
@@ -125,4 +126,4 @@ TEST(MotionStatistics, TableHasARowAShape) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::measure::motion_statistics_test

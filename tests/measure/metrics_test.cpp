@@ -1,10 +1,10 @@
-#include "mien/study/metrics.h"
+#include "mien/measure/metrics.h"
 
 #include <gtest/gtest.h>
 
-#include "mien/study/evaluation.h"
+#include "mien/measure/evaluation.h"
 
-namespace mien::study {
+namespace mien::measure::metrics_test {
 namespace {
 
 using face::shape;
@@ -48,7 +48,7 @@ TEST(Metrics, ErrorsAreMillimetresOnTheMesh) {
   EXPECT_NEAR(m.pve_face_mm->mean, 2.0, 1e-4);
   EXPECT_NEAR(m.lmk_mm->mean, 2.0, 1e-4);
   EXPECT_NEAR(m.mse, (0.04 + 0.25) / 53, 1e-6);
-  EXPECT_NEAR(m.mse_felt, (0.04 + 0.25) / 42, 1e-6);
+  EXPECT_NEAR(m.mse_observed, (0.04 + 0.25) / 42, 1e-6);
   EXPECT_NEAR(m.per_shape[shape("jawOpen")].mae, 0.2, 1e-6);
   EXPECT_FALSE(m.per_shape[shape("jawOpen")].pearson.has_value());
   EXPECT_FALSE(m.jitter_ratio.has_value());
@@ -65,17 +65,17 @@ TEST(Metrics, BothSidesAreClipped) {
   EXPECT_EQ(m.pve_mm.mean, 0);
 }
 
-TEST(Metrics, UnfeltShapesAreEleven) {
-  int unfelt = 0;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) unfelt += is_felt(k) ? 0 : 1;
-  EXPECT_EQ(unfelt, 11);
+TEST(Metrics, UnobservableShapesAreEleven) {
+  int unobservable = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) unobservable += is_observable(k) ? 0 : 1;
+  EXPECT_EQ(unobservable, 11);
   Track truth(3);
   Track estimate(3);
   for (auto& w : estimate) w[shape("eyeWide_L")] = w[shape("eyeLookUp_R")] = w[shape("mouthShrugUpper")] = 1;
   const Stretch stretch{truth, estimate};
   const Metrics m = Meter(two_vertex_face()).measure({&stretch, 1});
   EXPECT_NEAR(m.mse, 3.0 / 53, 1e-6);
-  EXPECT_EQ(m.mse_felt, 0);
+  EXPECT_EQ(m.mse_observed, 0);
 }
 
 TEST(Metrics, PearsonKnowsSignAndJitterKnowsScale) {
@@ -152,4 +152,4 @@ TEST(Evaluate, LeavesOutPrologueAndLostFaces) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::measure::metrics_test

@@ -1,4 +1,4 @@
-#include "mien/study/report.h"
+#include "mien/measure/report.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <regex>
 #include <string>
 
-namespace mien::study {
+namespace mien::measure::report_test {
 namespace {
 
 int count(const std::string& text, const std::string& part) {
@@ -145,4 +145,4 @@ TEST(PlainText, AlignsColumnsAndLetsHeadsRunAcross) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::measure::report_test

@@ -1,10 +1,10 @@
-#include "mien/study/evaluation_json.h"
+#include "mien/measure/evaluation_json.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
-namespace mien::study {
+namespace mien::measure::evaluation_json_test {
 namespace {
 
 Evaluation some_evaluation() {
@@ -12,7 +12,7 @@ Evaluation some_evaluation() {
   evaluation.frames = 120;
   evaluation.takes = 2;
   evaluation.model.mse = 0.25;
-  evaluation.model.mse_felt = 0.125;
+  evaluation.model.mse_observed = 0.125;
   evaluation.model.pve_mm = {0.75, 0.5};
   evaluation.model.pve_face_mm = MeanStd{1.5, 1};
   evaluation.model.lmk_mm = MeanStd{2.5, 2};
@@ -40,7 +40,7 @@ TEST(EvaluationJson, HasWhatTheContractNames) {
   EXPECT_EQ(json["adapted"], false);
   const auto& model = json["model"];
   EXPECT_EQ(model["mse"], 0.25);
-  EXPECT_EQ(model["mse_felt"], 0.125);
+  EXPECT_EQ(model["mse_observed"], 0.125);
   EXPECT_EQ(model["pve_mm"], (nlohmann::json{{"mean", 0.75}, {"std", 0.5}}));
   EXPECT_EQ(model["pve_face_mm"]["mean"], 1.5);
   EXPECT_EQ(model["lmk_mm"]["std"], 2);
@@ -79,4 +79,4 @@ TEST(EvaluationJson, APathOfAnyBytesDoesNotBreakIt) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::measure::evaluation_json_test

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace mien::study {
+namespace mien::measure {
 
 /// Colours that series have; more of them begin anew.
 inline constexpr std::size_t kSeriesColours = 9;
@@ -52,4 +52,4 @@ struct BarPlot {
 /// Text with the characters that mean something in HTML replaced.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-}  // namespace mien::study
+}  // namespace mien::measure

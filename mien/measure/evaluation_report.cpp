@@ -1,4 +1,4 @@
-#include "mien/study/evaluation_report.h"
+#include "mien/measure/evaluation_report.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "mien/core/time.h"
 
-namespace mien::study {
+namespace mien::measure {
 namespace {
 
 std::string number(double value, int decimals) {
@@ -28,7 +28,7 @@ std::vector<std::string> row(const std::string& name, const Metrics& m) {
           spread(m.pve_face_mm),
           spread(m.lmk_mm),
           number(m.mse, 4),
-          number(m.mse_felt, 4),
+          number(m.mse_observed, 4),
           number(m.jitter_ratio, 2),
           number(m.blink_f1, 2)};
 }
@@ -79,7 +79,7 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
 
   Table table;
   table.caption = "The model beside its baselines, on the same frames";
-  table.columns = {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE felt", "jitter", "blink F1"};
+  table.columns = {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE observed", "jitter", "blink F1"};
   table.rows.push_back(row("model", m));
   if (evaluation.ridge) table.rows.push_back(row("ridge, one frame", *evaluation.ridge));
   table.rows.push_back(row("hold last second", evaluation.hold_last));
@@ -126,9 +126,9 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
     shapes.rows.push_back({std::string(face::kShapeNames[k]), number(m.per_shape[k].mae, 3),
                            number(m.per_shape[k].pearson, 2),
                            evaluation.ridge ? number(evaluation.ridge->per_shape[k].mae, 3) : "–",
-                           is_felt(k) ? "yes" : "hardly"});
+                           is_observable(k) ? "yes" : "hardly"});
   report.table(shapes);
   return report;
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure

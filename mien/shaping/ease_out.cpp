@@ -1,4 +1,4 @@
-#include "mien/shaping/letting_go.h"
+#include "mien/shaping/ease_out.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ constexpr double kDoneAfter = 3;
 
 }  // namespace
 
-void LettingGo::take(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
+void EaseOut::take(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
   const std::size_t first = first_value(part);
   if (part < face::kShapeCount) {
     difference_[first] = static_cast<double>(shown.weights[part]) - next.weights[part];
@@ -35,22 +35,22 @@ void LettingGo::take(std::size_t part, const face::OutputFrame& shown, const fac
   ++going_count_;
 }
 
-void LettingGo::take_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
+void EaseOut::take_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
   for (std::size_t part = 0; part < kPartCount; ++part) take(part, shown, next);
 }
 
-void LettingGo::stop(std::size_t part) {
+void EaseOut::stop(std::size_t part) {
   if (!going_[part]) return;
   going_[part] = false;
   --going_count_;
 }
 
-void LettingGo::stop() {
+void EaseOut::stop() {
   going_.fill(false);
   going_count_ = 0;
 }
 
-void LettingGo::apply(face::OutputFrame& frame, double step_s, double return_s) {
+void EaseOut::apply(face::OutputFrame& frame, double step_s, double return_s) {
   if (!going()) return;
   const double omega = kConstantsTo5Percent / return_s;
   const double fall = std::exp(-omega * step_s);

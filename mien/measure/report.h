@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/study/plot.h"
+#include "mien/measure/plot.h"
 
-namespace mien::study {
+namespace mien::measure {
 
 /// Rows under column heads. Cells are plain text; columns whose cells are all numbers stand to the right. A
 /// row of one cell is a head of its own, across all columns.
@@ -62,4 +62,4 @@ class Report {
   std::string body_;
 };
 
-}  // namespace mien::study
+}  // namespace mien::measure

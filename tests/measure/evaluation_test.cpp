@@ -1,10 +1,10 @@
-#include "mien/study/evaluation.h"
+#include "mien/measure/evaluation.h"
 
 #include <gtest/gtest.h>
 
 #include "mien/builtin_face/builtin_face.h"
 
-namespace mien::study {
+namespace mien::measure::evaluation_test {
 namespace {
 
 /// `frames` of a jaw that opens steadily; the first `easing` are not evaluated, and the face is lost at
@@ -47,4 +47,4 @@ TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
 }
 
 }  // namespace
-}  // namespace mien::study
+}  // namespace mien::measure::evaluation_test

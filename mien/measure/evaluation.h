@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "mien/core/progress.h"
-#include "mien/study/metrics.h"
+#include "mien/measure/metrics.h"
 #include "mien/take/take.h"
 
-namespace mien::study {
+namespace mien::measure {
 
 /// An estimate of the whole of one take, beside its truth; both at the take's ticks.
 struct TakeEstimates {
@@ -46,4 +46,4 @@ struct Evaluation {
 [[nodiscard]] Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
                                           const face::BlendshapeWeights& mean_pose);
 
-}  // namespace mien::study
+}  // namespace mien::measure

@@ -12,7 +12,7 @@ namespace mien::tracker {
 /// fall in time: a One Euro filter a shape on frames a 60th of a second apart; behind it a plain low-pass for
 /// all but the lids, which gives back by the speed some of what both delay; and lids that close quickly are
 /// shown where they are going. One performance's. No allocation.
-class Calm {
+class JitterFilter {
  public:
   /// Together with the low-pass this takes the third difference from ten times the truth's to about the
   /// truth's, for 3 % of squared error (docs/experiments/live_model.md).
@@ -29,7 +29,7 @@ class Calm {
   static constexpr float kBlinkSpeed = 1.8F;
   static constexpr float kBlinkLead = 0.05F;
 
-  Calm() { filters_.fill(OneEuro(kSettings)); }
+  JitterFilter() { filters_.fill(OneEuro(kSettings)); }
 
   /// The next frame's weights; the first frame's stay as they are.
   void apply(face::BlendshapeWeights& weights);

@@ -1,4 +1,4 @@
-#include "mien/study/motion_statistics.h"
+#include "mien/measure/motion_statistics.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace mien::study {
+namespace mien::measure {
 
 using face::kShapeCount;
 using face::kShapeNames;
@@ -214,4 +214,4 @@ std::string comparison_markdown(std::span<const MotionStatistics> columns) {
   return text;
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "mien/study/evaluation.h"
-#include "mien/study/evaluation_json.h"
-#include "mien/study/report.h"
+#include "mien/measure/evaluation.h"
+#include "mien/measure/evaluation_json.h"
+#include "mien/measure/report.h"
 
-namespace mien::study {
+namespace mien::measure {
 
 /// An evaluation as people read it: key figures, the table beside its baselines, errors frame by frame, and
 /// every shape's error and correlation. More parts may be added to what it returns.
 [[nodiscard]] Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& context);
 
-}  // namespace mien::study
+}  // namespace mien::measure

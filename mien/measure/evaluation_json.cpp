@@ -1,10 +1,10 @@
-#include "mien/study/evaluation_json.h"
+#include "mien/measure/evaluation_json.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-namespace mien::study {
+namespace mien::measure {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
@@ -25,7 +25,7 @@ OrderedJson or_null(const std::optional<T>& value) {
 OrderedJson to_json(const Metrics& metrics) {
   OrderedJson out;
   out["mse"] = metrics.mse;
-  out["mse_felt"] = metrics.mse_felt;
+  out["mse_observed"] = metrics.mse_observed;
   out["pve_mm"] = to_json(metrics.pve_mm);
   out["pve_face_mm"] = or_null(metrics.pve_face_mm);
   out["lmk_mm"] = or_null(metrics.lmk_mm);
@@ -64,4 +64,4 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   return out.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure

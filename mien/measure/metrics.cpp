@@ -1,10 +1,10 @@
-#include "mien/study/metrics.h"
+#include "mien/measure/metrics.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string_view>
 
-namespace mien::study {
+namespace mien::measure {
 namespace {
 
 constexpr std::size_t kBatch = 16;  // Frames at once: the inner loops run over these, one SIMD lane a frame.
@@ -50,7 +50,7 @@ std::vector<std::size_t> upward_crossings(std::span<const face::BlendshapeWeight
 
 }  // namespace
 
-bool is_felt(std::size_t shape) {
+bool is_observable(std::size_t shape) {
   const std::string_view name = face::kShapeNames[shape];
   return !name.starts_with("eyeLook") && !name.starts_with("eyeWide") && name != "mouthShrugUpper";
 }
@@ -114,12 +114,12 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
   Metrics out;
   std::vector<float> pve_face_mm;
   double squares = 0;
-  double felt_squares = 0;
+  double observed_squares = 0;
   double truth_jitter = 0;
   double estimate_jitter = 0;
   std::size_t jitter_frames = 0;
   std::size_t felt_count = 0;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) felt_count += is_felt(k) ? 1 : 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) felt_count += is_observable(k) ? 1 : 0;
 
   const std::size_t vertices = in_skin_.size();
   for (const Stretch& stretch : stretches) {
@@ -136,7 +136,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
           error[k][f] = e;
           const double square = static_cast<double>(e) * e;
           frame_squares += square;
-          if (is_felt(k)) felt_squares += square;
+          if (is_observable(k)) observed_squares += square;
           out.per_shape[k].mae += std::abs(e);
         }
         squares += frame_squares;
@@ -200,7 +200,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
 
   const auto count = static_cast<double>(out.frames);
   out.mse = squares / (count * face::kShapeCount);
-  out.mse_felt = felt_squares / (count * static_cast<double>(felt_count));
+  out.mse_observed = observed_squares / (count * static_cast<double>(felt_count));
   out.pve_mm = mean_std(out.pve_mm_curve);
   if (skin_count_ > 0) out.pve_face_mm = mean_std(pve_face_mm);
   if (!landmarks_.empty()) out.lmk_mm = mean_std(out.lmk_mm_curve);
@@ -236,4 +236,4 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
   return out;
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure

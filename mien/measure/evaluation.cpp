@@ -1,6 +1,6 @@
-#include "mien/study/evaluation.h"
+#include "mien/measure/evaluation.h"
 
-namespace mien::study {
+namespace mien::measure {
 namespace {
 
 constexpr std::size_t kHoldFrames = 60;  // hold_last: the truth one second ago.
@@ -86,4 +86,4 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   return out;
 }
 
-}  // namespace mien::study
+}  // namespace mien::measure
