@@ -25,7 +25,7 @@ foreach(room core face builtin_face sensor take model tracker shaping session pe
     install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
     if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}")  # A part of a room comes with its room.
       install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
-              FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE)
+              FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE PATTERN gltf EXCLUDE)  # Headers of its own sources.
     endif()
   endif()
 endforeach()

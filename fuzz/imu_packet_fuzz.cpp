@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <cstdlib>
+#include <span>
 #include <vector>
 
-#include "mien/core/bytes.h"
+#include "fuzz/with_checksum.h"
 #include "mien/imu/packets/packet.h"
 
 namespace {
@@ -21,13 +22,6 @@ void check(std::span<const std::byte> bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto bytes = std::as_bytes(std::span(data, size));
-  check(bytes);
-  if (size < 4) return 0;
-  // Once more with the checksum put right, or hardly any input would get past it.
-  mien::ByteWriter writer;
-  writer.append(bytes.first(size - 4));
-  writer.little(mien::crc32(bytes.first(size - 4)));
-  check(writer.bytes());
+  with_checksum(data, size, check);
   return 0;
 }

@@ -9,6 +9,7 @@
 
 #include "mien/core/error.h"
 #include "mien/face/face.h"
+#include "mien/face/target_names.h"
 
 namespace mien::face {
 
@@ -19,11 +20,6 @@ struct GltfHead {
   std::vector<std::string> missing;  ///< Shapes that the file does not have; they move nothing.
   std::vector<std::string> warnings;
 };
-
-/// The shapes that a morph target's name stands for: "jawOpen", "eyeBlinkLeft", "EyeBlink_L",
-/// "eye_blink_left", "Face.eyeBlink_L" and ICT's own. Indices as in Face::shapes (kShapeCount is tongueOut);
-/// browInnerUp and cheekPuff give both sides. Empty when it is none of them.
-[[nodiscard]] std::vector<std::size_t> shapes_of_name(std::string_view name);
 
 /// Reads a .glb, .gltf or .vrm head with ARKit-named morph targets: names from `targetNames` in the extras of
 /// mesh or primitive; shapes that no target is named after from VRM 0 blend shape groups or VRM 1 custom

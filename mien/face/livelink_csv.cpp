@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 #include <optional>
 
 #include "mien/core/ascii.h"

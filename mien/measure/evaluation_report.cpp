@@ -79,7 +79,8 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
 
   Table table;
   table.caption = "The model beside its baselines, on the same frames";
-  table.columns = {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE observed", "jitter", "blink F1"};
+  table.columns = {"",    "PVE, mm",      "PVE face, mm", "landmarks, mm",
+                   "MSE", "MSE observed", "jitter",       "blink F1"};
   table.rows.push_back(row("model", m));
   if (evaluation.ridge) table.rows.push_back(row("ridge, one frame", *evaluation.ridge));
   table.rows.push_back(row("hold last second", evaluation.hold_last));

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "mien/core/base64.h"
 #include "mien/core/files.h"
-#include "mien/render/base64.h"
 
 namespace mien::measure {
 namespace {
@@ -173,12 +173,12 @@ void Report::bars(const BarPlot& plot) {
 
 void Report::image(std::span<const std::byte> png, const std::string& caption) {
   body_ += "<figure class=\"picture\"><img alt=\"" + escaped(caption) + "\" src=\"data:image/png;base64," +
-           render::base64(png) + "\"><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+           base64(png) + "\"><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
 }
 
 void Report::film(std::span<const std::byte> mp4, const std::string& caption) {
   body_ += "<figure class=\"picture\"><video controls loop muted playsinline src=\"data:video/mp4;base64," +
-           render::base64(mp4) + "\"></video><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+           base64(mp4) + "\"></video><figcaption>" + escaped(caption) + "</figcaption></figure>\n";
 }
 
 std::string Report::html() const {

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "mien/core/base64.h"
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/core/time.h"
-#include "mien/render/base64.h"
 #include "mien/render/surface_paint.h"
 
 namespace mien::render {

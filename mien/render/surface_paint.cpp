@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "mien/core/smoothstep.h"
 #include "mien/render/solid_noise.h"

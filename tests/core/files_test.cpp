@@ -22,7 +22,7 @@ class Files : public testing::Test {
         std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
 
-  test::Folder folder_;
+  mien::test::Folder folder_;
 };
 
 TEST_F(Files, WrittenIsRead) {

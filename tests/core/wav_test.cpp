@@ -68,6 +68,26 @@ TEST(Wav, BelievesNoPromisedSize) {
   EXPECT_EQ(sound->samples, std::vector<float>(5, 0.5F));
 }
 
+TEST(Wav, GoesThroughAListThatPromisesMoreThanIsThere) {
+  // 52 bytes: an item of 4 GB in a list of 1 GB. There are readers that take minutes over them.
+  ByteWriter file;
+  file.append("RIFF");
+  file.little(std::uint32_t{0});
+  file.append("WAVEfmt ");
+  file.little(std::uint32_t{16});
+  file.little(std::uint16_t{1});
+  file.little(std::uint16_t{1});
+  file.little(std::uint32_t{16000});
+  file.little(std::uint32_t{32000});
+  file.little(std::uint16_t{2});
+  file.little(std::uint16_t{16});
+  file.append("LIST");
+  file.little(std::uint32_t{0x40000000});
+  file.little(std::uint32_t{0xFFFFFF00});
+  file.little(std::uint32_t{0xFFFFFFF7});
+  EXPECT_EQ(parse_wav(file.bytes(), "x.wav").error().code, ErrorCode::truncated);
+}
+
 TEST(Wav, RefusesEachFaultAlone) {
   ByteWriter data;
   data.little(std::numeric_limits<float>::quiet_NaN());

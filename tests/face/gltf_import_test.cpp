@@ -401,7 +401,7 @@ TEST(Gltf, ANodeThatIsItsOwnChildIsTakenOnce) {
 }
 
 TEST(Gltf, FilesAreReadFromItsOwnFolderOnly) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   fs::create_directories(folder / "inside");
   const auto glb = Head{}.glb();
   // Taken apart: the JSON with its buffer named, and the binary chunk beside it.

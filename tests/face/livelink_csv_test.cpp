@@ -358,7 +358,7 @@ INSTANTIATE_TEST_SUITE_P(LiveLinkCsv, RealPerformance,
 
 TEST(LoadMotion, TellsWhatIsWrongInOneLine) {
   EXPECT_EQ(load_motion("/nowhere/take.csv").error().code, ErrorCode::not_found);
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto file = folder / "mien_load_motion.csv";
   ASSERT_TRUE(write_file(file, take({"00:00:00:00.000,0", "00:00:00:02.000,0"})));
   EXPECT_EQ(load_motion(file).error().code, ErrorCode::not_found) << "a face in no row";

@@ -17,22 +17,12 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/network.h"
+
 // A browser's part of the page's protocol, by another than our own code.
 namespace mien::live::test {
 
-/// Lets the network work until `done`, and looks after it between; a minute at most.
-template <class Done>
-bool run_until(boost::asio::io_context& network, Done done) {
-  // Without this it would end at once where it has nothing to do, and stay ended.
-  const auto work = boost::asio::make_work_guard(network);
-  network.restart();
-  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > end) return false;
-    network.run_one_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
+using mien::test::run_until;
 
 /// A WebSocket to a page server. Whoever calls runs the network, with run_until.
 class PageClient {

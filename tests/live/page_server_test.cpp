@@ -43,19 +43,7 @@ class PageServerTest : public ::testing::Test {
     port = test::port_of(server->address());
   }
 
-  /// What is answered to these bytes, until the other side hangs up.
-  std::string answer(const std::string& request) {
-    tcp::socket socket(network);
-    socket.connect({boost::asio::ip::address_v4::loopback(), port});
-    boost::system::error_code failed;
-    boost::asio::write(socket, boost::asio::buffer(request), failed);
-    std::string text;
-    bool ended = false;
-    boost::asio::async_read(socket, boost::asio::dynamic_buffer(text),
-                            [&](boost::system::error_code, std::size_t) { ended = true; });
-    EXPECT_TRUE(run_until(network, [&] { return ended; }));
-    return text;
-  }
+  std::string answer(const std::string& request) { return mien::test::answer(network, port, request); }
   std::string get(const std::string& target, const std::string& host = "127.0.0.1",
                   const std::string& method = "GET") {
     return answer(method + " " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n");

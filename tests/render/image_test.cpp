@@ -52,7 +52,7 @@ TEST(Png, RefusesPicturesThatAreNone) {
 }
 
 TEST(Png, IsWrittenWholeOrNotAtAll) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "image.png";
   ASSERT_TRUE(write_png(path, Image(8, 8)).has_value());
   EXPECT_EQ(read_file(path).value(), encode_png(Image(8, 8)).value());

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "tests/network.h"
 #include "tests/sink/loopback.h"
 
 namespace mien::sink::ws_sink_test {
@@ -25,36 +26,14 @@ using ::testing::StartsWith;
 using Json = nlohmann::json;
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
+using mien::test::answer;
+using mien::test::run_until;
 
 /// A port of this machine on which nobody listens.
 std::uint16_t free_port() {
   boost::asio::io_context network;
   tcp::acceptor acceptor(network, {boost::asio::ip::address_v4::loopback(), 0});
   return acceptor.local_endpoint().port();
-}
-
-/// Lets the network work until `done`, at most ten seconds.
-template <class Done>
-bool run_until(boost::asio::io_context& network, Done done) {
-  // Without this it would end at once where it has nothing to do, and stay ended.
-  const auto work = boost::asio::make_work_guard(network);
-  network.restart();
-  for (int i = 0; i < 10'000 && !done(); ++i) network.run_for(std::chrono::milliseconds(1));
-  return done();
-}
-
-/// What is answered to these bytes, until the other side hangs up.
-std::string answer(boost::asio::io_context& network, std::uint16_t port, const std::string& request) {
-  tcp::socket socket(network);
-  socket.connect({boost::asio::ip::address_v4::loopback(), port});
-  boost::system::error_code failed;
-  boost::asio::write(socket, boost::asio::buffer(request), failed);
-  std::string text;
-  bool ended = false;
-  boost::asio::async_read(socket, boost::asio::dynamic_buffer(text),
-                          [&](boost::system::error_code, std::size_t) { ended = true; });
-  EXPECT_TRUE(run_until(network, [&] { return ended; }));
-  return text;
 }
 
 std::string upgrade(const std::string& target, const std::string& headers) {
