@@ -66,6 +66,25 @@ function(mien_units out name)
   set(${out} ${units} ${apart} PARENT_SCOPE)
 endfunction()
 
+# What nearly every file includes, compiled once (with MIEN_UNITY; the plain builds of script/test --full show what a file
+# forgot to include). The first target of a kind makes it, the others of that kind, which are compiled with the same
+# options, take it over.
+function(mien_precompiled target kind)
+  if(NOT MIEN_UNITY)
+    return()
+  endif()
+  get_property(owner GLOBAL PROPERTY MIEN_PRECOMPILED_${kind})
+  if(owner)
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  else()
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+    set_property(GLOBAL PROPERTY MIEN_PRECOMPILED_${kind} ${target})
+  endif()
+endfunction()
+set(MIEN_PRECOMPILED_HEADERS <Eigen/Core> <Eigen/Dense> <Eigen/Geometry> <fmt/format.h> <algorithm> <array> <chrono> <cmath>
+    <filesystem> <functional> <map> <memory> <mutex> <optional> <random> <ranges> <span> <string> <string_view> <thread>
+    <variant> <vector>)
+
 # mien_room(NAME [FOLDERS folder...] [KNOWS room...] [USES library...] [HIDES library...]): one folder, one library target
 # mien_NAME; FOLDERS are parts of the same target. KNOWS is the only way to reach another room: what it knows is reachable
 # in turn, nothing else is. USES is what the room's headers need of libraries, HIDES what only its sources do.
@@ -83,6 +102,9 @@ function(mien_room name)
     mien_units(units ${name} ${sources})
     add_library(mien_${name} STATIC ${units})
     set(scope PUBLIC)
+    if(NOT name STREQUAL "train")  # libtorch's headers come with options of their own.
+      mien_precompiled(mien_${name} room ${MIEN_PRECOMPILED_HEADERS})
+    endif()
     target_link_libraries(mien_${name} PRIVATE $<BUILD_INTERFACE:mien_warnings> ${ROOM_HIDES})
     # libFuzzer's counters, in the asan-ubsan build too: both then compile a room alike, and the second finds it in ccache.
     if(MIEN_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")

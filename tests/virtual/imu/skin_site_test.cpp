@@ -121,9 +121,9 @@ TEST(SkinSites, ForeignFaceWithoutLandmarksIsRefused) {
 
 /// Where the real model has been unpacked, its sites turn as the published measurement says.
 TEST(SkinSites, IctMatchesTheMeasuredRotations) {
-  const char* folder = std::getenv("MIEN_ICT");
+  const char* folder = std::getenv("MIEN_ICT_FOLDER");
   if (folder == nullptr || !std::filesystem::exists(folder))
-    GTEST_SKIP() << "set MIEN_ICT to an ICT-FaceKit FaceXModel folder to compare with the real mesh";
+    GTEST_SKIP() << "set MIEN_ICT_FOLDER to an ICT-FaceKit FaceXModel folder to compare with the real mesh";
   const auto face = face::import_ict(folder);
   ASSERT_TRUE(face.has_value()) << face.error().message();
   const auto sites = skin_sites(*face, default_rig());
