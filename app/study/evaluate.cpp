@@ -118,7 +118,8 @@ Result<void> run_evaluate(EvaluateOptions options) {
   if (evaluation.model.mse > evaluation.mean_pose.mse &&
       evaluation.model.mse_observed < evaluation.mean_pose.mse_observed)
     fmt::print(
-        "\nMSE is above the mean pose's in shapes that these sensors do not observe (MSE observed leaves them out); "
+        "\nMSE is above the mean pose's in shapes that these sensors do not observe (MSE observed leaves "
+        "them out); "
         "in millimetres they weigh little.\n");
   fmt::print("\nhold last is the truth of a second ago, which no tracker has (docs/reference/metrics.md)\n");
   if (!options.report.empty()) fmt::print("\nreport: {}\n", options.report);

@@ -47,8 +47,8 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
   return out;
 }
 
-/// The same; says on stderr where it stands on few of the sensors or on none.
-study::Solution told(const take::Take& take, study::Solution solution) {
+/// Says on stderr where a solution is based on few of the sensors or on none.
+void warn_of_missing_sensors(const take::Take& take, const study::Solution& solution) {
   constexpr double kFew = 0.5;
   if (solution.observed == 0)
     fmt::print(
@@ -59,7 +59,6 @@ study::Solution told(const take::Take& take, study::Solution solution) {
   else if (solution.observed < kFew)
     fmt::print(stderr, "mien: {}: only {:.0f} % of the sensors' readings could be used\n",
                take.path().string(), 100 * solution.observed);
-  return solution;
 }
 
 }  // namespace
@@ -90,39 +89,43 @@ std::string OpenModel::kernels() const {
 Result<study::Solution> OpenModel::solve(const take::Take& take, const std::string& title) const {
   study::Solution solution;
   const Progress progress = terminal_progress(title);
-  const bool live = study::recorded_live(take);
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, settings_, progress));
-    return told(take, std::move(solution));
+  } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
+    MIEN_TRY_ASSIGN(solution, solve_causal(take, *causal, progress));
+  } else {
+    MIEN_TRY_ASSIGN(solution, solve_tracked(take, progress));
+  }
+  warn_of_missing_sensors(take, solution);
+  return solution;
+}
+
+Result<study::Solution> OpenModel::solve_causal(const take::Take& take, model::ModelFile file,
+                                                const Progress& progress) const {
+  const bool live = study::recorded_live(take);
+  std::vector<model::FeatureFrame> features;
+  if (!live || adapt_) {
+    MIEN_TRY_ASSIGN(features, study::take_features(take));
   }
   Adapted adapted;
-  if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
-    model::ModelFile file = *causal;
-    std::vector<model::FeatureFrame> features;
-    if (!live || adapt_) {
-      MIEN_TRY_ASSIGN(features, study::take_features(take));
-    }
-    if (adapt_ && file.skin && file.skin->wearer.empty()) {
-      progress(0, "learning the wearer");
-      MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
-    }
-    if (!live || adapted.personalised) {
-      MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
-                      tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
-      MIEN_TRY_ASSIGN(solution, study::solve_take(take, features, tracker, progress));
-      solution.personalised = adapted.personalised;
-      solution.personalise_s = adapted.seconds;
-      return told(take, std::move(solution));
-    }
+  if (adapt_ && file.skin && file.skin->wearer.empty()) {
+    progress(0, "learning the wearer");
+    MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
   }
-  if (live) {
-    MIEN_TRY_ASSIGN(solution, study::replay_take(take, path_, progress));
-  } else {
-    MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
-                    modalities::make_tracker(take.rig(), path_));
-    MIEN_TRY_ASSIGN(solution, study::solve_take(take, *tracker, progress));
-  }
-  return told(take, std::move(solution));
+  if (live && !adapted.personalised) return solve_tracked(take, progress);
+  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
+                  tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
+  MIEN_TRY_ASSIGN(study::Solution solution, study::solve_take(take, features, tracker, progress));
+  solution.personalised = adapted.personalised;
+  solution.personalise_s = adapted.seconds;
+  return solution;
+}
+
+Result<study::Solution> OpenModel::solve_tracked(const take::Take& take, const Progress& progress) const {
+  if (study::recorded_live(take)) return study::replay_take(take, path_, progress);
+  MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
+                  modalities::make_tracker(take.rig(), path_));
+  return study::solve_take(take, *tracker, progress);
 }
 
 void ModelOption::add_to(Command command) {

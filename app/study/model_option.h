@@ -6,6 +6,7 @@
 
 #include "app/command_line.h"
 #include "mien/core/error.h"
+#include "mien/core/progress.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/solve.h"
 #include "mien/take/take.h"
@@ -35,6 +36,12 @@ class OpenModel {
   [[nodiscard]] Result<study::Solution> solve(const take::Take& take, const std::string& title) const;
 
  private:
+  /// Frame by frame; a live take that is not personalised is replayed (solve_tracked()).
+  [[nodiscard]] Result<study::Solution> solve_causal(const take::Take& take, model::ModelFile file,
+                                                     const Progress& progress) const;
+  /// By the rig's own trackers: the replay of a live take, else frame by frame.
+  [[nodiscard]] Result<study::Solution> solve_tracked(const take::Take& take, const Progress& progress) const;
+
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
   std::variant<std::monostate, tracker::WindowSolver, model::ModelFile> model_;
   std::filesystem::path path_;  ///< Of a model that goes frame by frame.

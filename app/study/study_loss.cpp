@@ -60,7 +60,8 @@ std::string performed_by(const StudyLossOptions& options) {
 
 void print_loss_table(const study::LossStudy& study) {
   fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
-             "given up", "MSE observed", "PVE mm", "observed", "rotation", "step", "truth's", "unsound", "mistold");
+             "given up", "MSE observed", "PVE mm", "observed", "rotation", "step", "truth's", "unsound",
+             "mistold");
   for (const study::LossRow& row : study.rows)
     fmt::print(
         "{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:8.5f} {:7.3f} {:5.1f} % {:7.1f}° {:6.3f} {:7.3f} {:7} {:7}\n",

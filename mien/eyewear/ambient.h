@@ -9,21 +9,21 @@
 
 namespace mien::eyewear {
 
-/// What one photo-reflective sensor's own LED gave back, without ambient light and without the strobes of
-/// motion capture cameras: the median of the last ten differences between LED on and LED off. Ambient light
-/// is in both, and lamps change little between them; a strobe falls into one of the two, brightens it, and
-/// does so in fewer than half of ten samples. It answers 4.5 samples late: 18 ms at 250 Hz. A pure function
-/// of the calls. No allocation.
+/// Ambient light rejection for one photo-reflective sensor: the sliding median of the last ten differences
+/// LED on less LED off. The difference cancels ambient light, which hardly changes between the two; the
+/// median rejects strobes of motion capture cameras, which hit fewer than half of ten samples. Delay: 4.5
+/// samples, 18 ms at 250 Hz. A pure function of the calls. No allocation. Source: Asano et al. 2017
+/// (docs/method/eyewear.md).
 class AmbientFilter {
  public:
-  /// After a longer pause the samples before it do not count: the face has moved on.
+  /// After a pause longer than this the earlier samples are dropped.
   static constexpr Duration kForget = std::chrono::milliseconds(200);
 
-  /// A photo_reflective sample, in the order of device times. Returns the reflected light as a share of full
-  /// scale, -1 to 1; below 0 only by noise. One that is not newer than the last (doubled, overtaken) changes
-  /// nothing, unless it is by more than kForget: then the device began anew.
+  /// An eyewear_light sample, in the order of device times. Returns the reflected light as a share of full
+  /// scale, -1 to 1; below 0 only by noise. A sample not newer than the last (doubled, out of order) changes
+  /// nothing, unless it is older by more than kForget: then the device restarted.
   double add(const sensor::Sample& sample);
-  /// Nothing that was heard before counts any more.
+  /// Drops all samples.
   void reset();
 
  private:

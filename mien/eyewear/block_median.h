@@ -7,17 +7,17 @@
 
 namespace mien::eyewear {
 
-/// How many consecutive samples the published system takes the median of: light that flashes for less than
-/// half of them (motion capture's lamps) leaves no trace.
+/// Length of the published system's median filter, in samples: flashes that hit fewer than half of them
+/// (motion capture's strobes) leave no trace.
 inline constexpr std::size_t kMedianSamples = 10;
 
-/// The median of every ten consecutive values, once each: a sensor of 230 readings a second gives 23. The
-/// median of ten is the mean of the middle two. No allocation.
+/// Decimating median: one value for every ten consecutive ones (a sensor of 230 Hz gives 23 Hz), the mean of
+/// the middle two. No allocation.
 class BlockMedian {
  public:
-  /// The median when `value` completes ten, which then begin anew.
+  /// The median where `value` completes a block of ten; none otherwise.
   std::optional<float> add(float value);
-  /// Forgets an unfinished ten, as after a gap.
+  /// Drops an unfinished block, as after a gap.
   void reset() { median_.reset(); }
 
  private:

@@ -80,7 +80,7 @@ Calibrator::Change Calibrator::add(DeviceTime frame, const GridLight& light) {
 
 Calibrator::Change Calibrator::lead(DeviceTime frame, const GridLight& light) {
   Change change = Change::none;
-  // What is over ends before what begins at the same frame; a failure ends all.
+  // Stretches that end at this frame are finished before others begin; a failure ends all.
   for (std::size_t i = 0; i < stretches_.size();) {
     if (frame < stretches_[i].end) {
       ++i;

@@ -12,18 +12,18 @@ namespace {
 using sensor::Inbox;
 using sensor::Verdict;
 
-/// A datagram of kMaxChannels, and no frame of more is decoded.
+/// Size of a packet of kMaxChannels; longer COBS frames are not decoded.
 constexpr std::size_t kMaxPacketBytes = 36 + 4 * kMaxChannels;
-/// Lines in a row that must agree on their number of values: two damaged ones may look alike, not eight.
+/// Successive lines that must agree on their number of values: two damaged ones may, eight will not.
 constexpr int kAgreed = 8;
-/// After so long without a line of the right number others are looked at: another sketch was uploaded.
+/// After this time without a line of the accepted number another is considered: a new sketch was uploaded.
 constexpr Duration kDoubt = std::chrono::milliseconds(500);
 /// Sketches print 10 to 1000 lines a second.
 const sensor::EstimatedClockSettings kTextClock = {.min_period = std::chrono::milliseconds(1),
                                                    .max_period = std::chrono::milliseconds(100)};
 
-/// A COBS frame of our packet: the first zero of one stands behind its type, so the code before it hides
-/// nothing.
+/// Whether it begins like a COBS frame of our packet: the first zero of a packet is behind its type, so the
+/// first code byte hides nothing before it.
 bool is_frame(std::span<const std::byte> bytes) {
   return !bytes.empty() && is_packet(bytes.subspan(1));
 }
@@ -98,7 +98,7 @@ Verdict EyewearProtocol::take_line(HostTime arrival, sensor::Peer peer, std::spa
     return Verdict::taken;
   }
   const Verdict verdict = take_values(arrival, *device, std::get<TextValues>(*line), inbox);
-  // What is malformed gives nobody a number: a replay, which does not hear it, would give it to another.
+  // A malformed line creates no device: logs lack it, so a replay would number devices differently.
   if (verdict == Verdict::malformed && devices_.size() > met) devices_.pop_back();
   return verdict;
 }
@@ -115,9 +115,9 @@ Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const
       !std::ranges::all_of(values, within))
     return Verdict::malformed;
 
-  // What is malformed leaves no trace here: a log does not keep it, and a replay must decode alike.
+  // Malformed lines leave the state unchanged: logs lack them, and a replay must decode alike.
   if (values.size() != device.columns) {
-    if (device.columns != 0 && arrival - device.believed < kDoubt) return Verdict::malformed;
+    if (device.columns != 0 && arrival - device.accepted < kDoubt) return Verdict::malformed;
     device.agreed = device.candidate == values.size() ? device.agreed + 1 : 1;
     device.candidate = values.size();
     if (device.agreed < kAgreed) {
@@ -126,7 +126,7 @@ Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const
     }
     device.columns = values.size();
   }
-  device.believed = arrival;
+  device.accepted = arrival;
   device.agreed = 0;
 
   ++device.lines;
@@ -137,8 +137,8 @@ Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const
   sample.time_estimated = true;
   sample.count = 2;
   for (std::size_t c = 0; c < values.size() / per_channel; ++c) {
-    // Of a difference alone the light by the LED stands where the LED is on; a negative one, which noise
-    // makes, where it is off: what is left of the two is the same.
+    // A difference alone becomes the LED-on value; a negative one, by noise, the LED-off value: on less off
+    // stays the same.
     const std::int32_t on = per_channel == 2 ? values[2 * c] : std::max(values[c], 0);
     const std::int32_t off = per_channel == 2 ? values[2 * c + 1] : std::max(-values[c], 0);
     sample.values[0] = static_cast<float>(static_cast<double>(on) / full_scale);

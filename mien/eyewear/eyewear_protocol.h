@@ -10,25 +10,26 @@
 
 namespace mien::eyewear {
 
-/// Text lines carry no name. Their devices are "02:4D:49:54:58:00" and on: the last octet counts the places
-/// that lines come from, in the order in which they first spoke.
+/// Text lines carry no device name. Their devices are "02:4D:49:54:58:00" and up: the last octet counts the
+/// peers, in the order of their first lines.
 inline constexpr std::uint64_t kTextDevice = 0x024D'4954'5800ULL;
 inline constexpr std::size_t kMaxTextDevices = 16;
 
 struct EyewearProtocolSettings {
-  /// The converter behind text lines whose header does not say it, kMinAdcBits to kMaxAdcBits.
+  /// Resolution of the converter, bits, kMinAdcBits to kMaxAdcBits, for text lines without a header that
+  /// gives it (10: Arduino Uno). Raising by one halves the light that a step stands for.
   std::uint8_t text_bits = 10;
 };
 
-/// The host's side of smart eyewear: our packets (eyewear/packet.h), as they are or as COBS frames, and plain
-/// text lines (eyewear/text_line.h). Every channel is a device of its own, "id/channel", and gives one
-/// photo_reflective sample a scan; it is saturated at the upper end of the converter's range.
+/// Host side of the eyewear protocols: packets (eyewear/packet.h), plain or as COBS frames, and text lines
+/// (eyewear/text_line.h). Every channel is a device, "id/channel", with one eyewear_light sample a scan,
+/// saturated at the upper end of the converter's range.
 ///
-/// Of a text device nothing is believed before eight lines in a row have one number of values: the first may
-/// be half a line. From then on a line with another number is malformed; but when none with the right one
-/// came for half a second, eight others in a row are believed. A header begins anew. Lines carry no time: it
-/// is estimated from the arrivals, for all sensors of a line alike, from 10 to 1000 lines a second. A
-/// sample's sequence counts the lines that were understood.
+/// A text device is accepted after eight successive lines with the same number of values, since the first may
+/// be partial. Then a line with another number is malformed; after half a second without a right one, eight
+/// successive lines with another number are accepted. A header restarts this. Lines carry no time: it is
+/// estimated from arrivals, one clock for all sensors of a line, at 10 to 1000 lines a second. A sample's
+/// sequence counts the accepted lines.
 class EyewearProtocol final : public sensor::Protocol {
  public:
   /// Errors: bad_usage (bits).
@@ -38,7 +39,7 @@ class EyewearProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: eyewear only speaks.
+  /// Nothing: eyewear only sends.
   void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
@@ -46,10 +47,10 @@ class EyewearProtocol final : public sensor::Protocol {
     sensor::Peer peer = 0;
     std::uint64_t id = 0;
     TextHeader header;
-    std::size_t columns = 0;    // Values of a line; 0 until they are believed.
-    HostTime believed;          // The newest line of so many.
-    std::size_t candidate = 0;  // Values of the newest lines while none is believed,
-    int agreed = 0;             // and how many such lines there were in a row.
+    std::size_t columns = 0;    // Values of a line; 0 until accepted.
+    HostTime accepted;          // Arrival of the newest such line.
+    std::size_t candidate = 0;  // Values of the newest lines of another number, ...
+    int agreed = 0;             // ... and the length of their run.
     std::uint64_t lines = 0;
     sensor::EstimatedClock clock;
   };

@@ -12,17 +12,16 @@ namespace {
 
 using tracker::Step;
 
-/// Estimated markers are millimetres off, and what is not sure is better left at rest: of 0.5 to 1000 the
-/// least squared error of the weights (docs/method/eyewear.md).
+/// face::WeightSolverSettings::rest for estimated markers, which are millimetres off: of 0.5 to 1000 the
+/// least squared error of the weights (docs/experiments/eyewear.md).
 constexpr double kRest = 100;
 
-/// A neutral hold of glasses that were not worn before, and of ones that are worn anew
-/// (docs/method/eyewear.md: ten seconds instead of three took 5 % of the weights' squared error and 15 % of
-/// the vertices').
+/// Duration of the neutral hold for glasses not worn before, and for remounted ones. Ten seconds instead of
+/// three took 31 % off the weights' squared error and 15 % off the vertices' (docs/experiments/eyewear.md).
 constexpr Duration kFirstWorn = std::chrono::seconds(10);
 constexpr Duration kRemounted = std::chrono::seconds(5);
 
-/// A frame this long after the last begins anew, for the solver's calm.
+/// Longest time between frames that the solver's smoothing is given, s.
 constexpr double kLongestStepS = 1;
 
 }  // namespace
@@ -93,7 +92,7 @@ tracker::TickResult EyewearTracker::tick(DeviceTime frame, const sensor::TimeLin
   out.time = frame;
   if (!calibrator_.in_force().complete) {
     out.provenance.fill(face::Provenance::neutral);
-    result.sensors_present = sensors_.size();  // Nothing is lost: nothing was there yet.
+    result.sensors_present = sensors_.size();  // Not a loss: there was no calibration yet.
     return result;
   }
   if (std::exchange(renewed_, false)) regressor_->reset();

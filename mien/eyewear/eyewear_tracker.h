@@ -12,14 +12,15 @@
 
 namespace mien::eyewear {
 
-/// Photo-reflective smart eyewear as a tracker: light on the frames' grid (LightGrid), normalised by the
-/// wearer's calibration (Calibrator), markers by a regressor, weights by face::WeightSolver on the built-in
-/// face. It knows nothing of the head and of the eyes' directions. Cost: docs/method/eyewear.md.
+/// Tracker of the modality "eyewear": light on the 60 Hz grid (LightGrid), normalised by the wearer's
+/// calibration (Calibrator), markers by a regressor, weights by face::WeightSolver on the built-in face. Head
+/// and eye directions are not observable: neutral, with that provenance. Method and cost:
+/// docs/method/eyewear.md.
 class EyewearTracker final : public tracker::Tracker {
  public:
-  /// `regressor` answers for the rig's photo-reflective sensors, in the rig's order, with the markers of the
-  /// set. Errors: mismatch (another number of markers; a rig without such sensors), the face's. Cost: sculpts
-  /// the built-in face (half a second).
+  /// `regressor`: from the rig's photo-reflective sensors, in the rig's order, to the markers of the set.
+  /// Errors: mismatch (another number of markers; a rig without such sensors), the face's. Cost: makes the
+  /// built-in face (half a second).
   [[nodiscard]] static Result<std::unique_ptr<EyewearTracker>> create(
       const sensor::Rig& rig, const builtin_face::MarkerSet& markers,
       std::unique_ptr<MarkerRegressor> regressor);
@@ -27,9 +28,10 @@ class EyewearTracker final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
-  /// Confidence of every shape: the share of the sensors that are there and calibrated.
+  /// Confidence of every shape: the share of sensors present and calibrated.
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
-  /// Five seconds of neutral, since folds and sway come and go in one; heads need not move.
+  /// Ten seconds of neutral, five with a calibration in force, since folds and sway last about a second; no
+  /// gestures.
   [[nodiscard]] tracker::Guidance guidance() const override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   void guide_range(DeviceTime begin, DeviceTime end) override;
@@ -43,7 +45,7 @@ class EyewearTracker final : public tracker::Tracker {
  private:
   EyewearTracker(const sensor::Rig& rig, std::unique_ptr<MarkerRegressor> regressor,
                  Eigen::VectorXd neutral_m, face::WeightSolver solver);
-  /// The features of light_ by the calibration in force; returns how many sensors are there.
+  /// Features of light_ by the calibration in force; returns the number of sensors present.
   std::size_t normalise();
 
   std::vector<std::uint16_t> sensors_;  // Numbers in the rig.
@@ -56,7 +58,7 @@ class EyewearTracker final : public tracker::Tracker {
   GridLight light_;
   LightFrame features_;
   Eigen::VectorXd markers_m_;
-  bool renewed_ = false;  // The calibration in force is another than the one of the regressor's memory.
+  bool renewed_ = false;  // The calibration has changed since the regressor's last frame: it is reset first.
   std::optional<DeviceTime> last_frame_;
 };
 

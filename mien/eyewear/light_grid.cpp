@@ -6,7 +6,8 @@
 namespace mien::eyewear {
 namespace {
 
-/// A reading as high as this stands at the end of its converter's range, which has 16 bits at the most.
+/// At or above this share of full scale a reading is at the end of the range, for converters of up to 16
+/// bits.
 constexpr float kFullScale = 1 - 1e-5F;
 
 }  // namespace
@@ -34,7 +35,7 @@ void LightGrid::Track::add(const sensor::Sample& sample) {
   if (next_ > 0) {
     const Duration since = sample.time - light(0).time;
     if (since < -AmbientFilter::kForget)
-      reset();  // The board began anew.
+      reset();  // The board restarted.
     else if (since <= Duration::zero())
       return;
   }
@@ -56,7 +57,7 @@ std::optional<double> LightGrid::Track::at(DeviceTime time) const {
     const double share = to_seconds(time - before.time) / to_seconds(after.time - before.time);
     return before.log_light + share * (after.log_light - before.log_light);
   }
-  // Before all that is kept: the sensor has only just been heard, or the frame comes very late.
+  // Before the buffer: the first samples have just come, or the frame is very late.
   const Light& oldest = light(std::min(next_, kKept) - 1);
   return oldest.time - time > kSilence ? std::nullopt : std::optional(oldest.log_light);
 }

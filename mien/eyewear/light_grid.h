@@ -15,37 +15,41 @@
 
 namespace mien::eyewear {
 
-/// The rig's photo-reflective sensors (of the kind "eyewear"), by their numbers in the rig, in its order.
+/// The rig's photo-reflective sensors (kind "eyewear"), by their numbers in the rig, in its order.
 [[nodiscard]] std::vector<std::uint16_t> photo_sensors(const sensor::Rig& rig);
 [[nodiscard]] std::vector<std::string> photo_sensor_names(const sensor::Rig& rig);  ///< Of the same.
 
-/// What the sensors see at one frame of the grid; an entry a photo-reflective sensor, in the rig's order.
+/// Light at one frame of the grid; one entry a photo-reflective sensor, in the rig's order.
 struct GridLight {
-  /// Natural logarithm of its own LED's light, as a share of full scale. Rises as skin comes nearer.
+  /// Natural logarithm of the own LED's reflected light, as a share of full scale; log(kDimmest) to 0. Rises
+  /// as skin comes nearer.
   std::vector<double> log_light;
-  std::vector<std::uint8_t> present;    ///< 0: not heard lately, or blinded; log_light then says nothing.
-  std::vector<std::uint8_t> saturated;  ///< 1: its newest reading stood at the end of its range.
+  std::vector<std::uint8_t> present;    ///< 0: not received lately, or blinded; log_light is then invalid.
+  std::vector<std::uint8_t> saturated;  ///< 1: its newest sample was saturated.
 };
 
-/// From samples as they arrive to every sensor's light at the frames of the grid: ambient light and strobes
-/// taken off (AmbientFilter), the logarithm, and linear interpolation between the two samples that stand
-/// about the frame; after the newest sample its light is held, so that nothing of the future is used. Where
-/// the reading with the LED off stands at the end of the range other light blinds the sensor, and the sample
-/// is passed over. A pure function of the calls. Thread: one at a time. No allocation after the first tick.
+/// From samples as they arrive to every sensor's light at the frames of the 60 Hz grid: ambient light and
+/// strobes removed (AmbientFilter), logarithm, linear interpolation between the two samples about the frame;
+/// after the newest sample its light is held, so that it is causal. A sample whose LED-off reading is at the
+/// end of the range is ignored: other light blinds the sensor. A pure function of the calls. Thread: one at a
+/// time. No allocation after the first tick.
 class LightGrid {
  public:
-  /// Light below half a step of a converter of ten bits counts as this: its logarithm would only be noise.
+  /// Floor of the light, share of full scale: half a step of a ten-bit converter, below which the logarithm
+  /// is noise.
   static constexpr double kDimmest = 0.5 / 1023;
-  /// A sensor whose newest sample is older than this at a frame is missing.
+  /// Time-out: a sensor whose newest sample is older than this at a frame is missing. Raising: drop-outs hide
+  /// behind held values. Lowering: sensors are missing sooner.
   static constexpr Duration kSilence = std::chrono::milliseconds(100);
 
   explicit LightGrid(const sensor::Rig& rig);
 
   /// A decoded sample as it arrives; those of other kinds are ignored.
   void add(const sensor::Sample& sample);
-  /// The sensor's next samples are another board's.
+  /// The sensor's next samples come from another board: drops the earlier ones.
   void forget(std::uint16_t sensor);
-  /// At a frame of the grid. `lines`: every sensor's clock, with all samples that were added.
+  /// The light at a frame of the grid, reference sensor's clock. `lines`: every sensor's clock model, with
+  /// all samples that were added.
   void tick(DeviceTime frame, const sensor::TimeLines& lines, GridLight& out) const;
 
  private:
@@ -54,12 +58,12 @@ class LightGrid {
    public:
     void add(const sensor::Sample& sample);
     void reset();
-    /// The logarithm of the light at `time`; none when nothing was heard lately.
+    /// Log light at `time`, the sensor's clock; none where nothing was received lately.
     [[nodiscard]] std::optional<double> at(DeviceTime time) const;
     [[nodiscard]] bool saturated() const { return saturated_; }
 
    private:
-    static constexpr std::size_t kKept = 64;  // A frame's wait and more, of 1000 samples a second.
+    static constexpr std::size_t kKept = 64;  // Longer than a frame's latency at 1000 samples a second.
     struct Light {
       DeviceTime time;
       double log_light = 0;

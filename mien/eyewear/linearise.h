@@ -7,18 +7,18 @@
 
 namespace mien::eyewear {
 
-/// One reading on the bench: how much light came back from a card of skin's reflectance at a known distance.
+/// One bench reading: the light reflected by a card of skin's reflectance at a known distance.
 struct BenchReading {
   double distance_m = 0;
-  double light = 0;  ///< LED on less LED off, share of full scale.
+  double light = 0;  ///< LED on less LED off, share of full scale, > 0.
 };
 
-/// From a photo-reflective sensor's light back to the distance of what it looks at: a polynomial of the
-/// light's logarithm, since the light falls as a power of the distance and a polynomial of the light itself
-/// swings where the light is dim. Such parts have a peak of light some millimetres off, nearer than which it
-/// falls again: the polynomial holds beyond the peak only, and light above the peak's, or below the dimmest
-/// of the bench, is held to these. On skin that is darker or brighter than the card the distance is off by an
-/// amount that a linear model after it takes up.
+/// Linearisation of a photo-reflective sensor, light to distance: a polynomial in the light's logarithm,
+/// since light falls as a power of the distance (a polynomial in the light itself oscillates where it is
+/// dim). The response peaks at some millimetres and falls again nearer by, so the polynomial is valid beyond
+/// the peak only; light is clamped to the bench's range, peak to dimmest. On skin of another reflectance than
+/// the card's the distance has a nearly constant offset, which a linear model behind it absorbs. Method:
+/// docs/method/eyewear.md; the degree is not in the paper (Asano et al. 2017).
 class Linearisation {
  public:
   /// Least squares over the readings beyond the brightest. `degree` 1 to 8. Errors: bad_usage (degree; fewer
@@ -26,16 +26,16 @@ class Linearisation {
   /// not finite, a light or distance that is not above 0).
   [[nodiscard]] static Result<Linearisation> fit(std::span<const BenchReading> readings, int degree = 4);
 
-  /// Metres; any finite light is allowed. No allocation.
+  /// Distance, m; any finite light (clamped). No allocation.
   [[nodiscard]] double distance_m(double light) const;
-  /// The light that distances are told between.
+  /// The range of valid light.
   [[nodiscard]] double dimmest() const { return dimmest_; }
   [[nodiscard]] double brightest() const { return brightest_; }
 
  private:
   double dimmest_ = 0;
   double brightest_ = 1;
-  double centre_ = 0;  ///< Of the logarithm, so that the powers stay small.
+  double centre_ = 0;  ///< Centre and scale of the logarithm, for conditioning.
   double scale_ = 1;
   std::vector<double> coefficients_;  ///< Ascending powers.
 };

@@ -35,7 +35,7 @@ Result<MarkerModel> MarkerModel::fit(const Eigen::MatrixXd& sensors, const Eigen
   model.share_ = held / all;
   model.basis_ = solver.eigenvectors().rowwise().reverse().leftCols(components);
 
-  // Centred, so that the constant costs no column.
+  // Centred, so that the constant needs no column.
   const Eigen::RowVectorXd sensor_mean = sensors.colwise().mean();
   const Eigen::MatrixXd scores = centred * model.basis_;
   const Eigen::MatrixXd slopes =

@@ -6,32 +6,33 @@
 
 namespace mien::eyewear {
 
-/// How a marker model is fitted.
+/// Settings of the fit; defaults are the published method's.
 struct MarkerModelSettings {
-  int components =
-      20;  ///< Principal components at most, >= 1; fewer where there are fewer numbers or samples.
-  /// Above 0 and up to 1: components are taken until they hold this share of the variance, `components` at
-  /// most. 1 takes `components` of them.
+  /// Largest number of principal components, >= 1; limited by markers and samples. Raising: finer shapes and
+  /// more noise. Lowering: smoother, coarser markers. 20: Asano et al. 2017.
+  int components = 20;
+  /// Share of the training variance at which components stop, above 0, up to 1; 1 takes all `components`.
+  /// Lowering: fewer components.
   double share = 1;
 };
 
-/// The published method (Asano et al. 2017, sections 3.3 to 3.5): the markers' 3V numbers are the mean and a
-/// weighted sum of principal components, each weight a linear function of all sensors, by least squares.
-/// Metres, frame H, in and out.
+/// The published method (Asano et al. 2017, sections 3.3 to 3.5): principal component regression. The
+/// markers' 3V coordinates are their mean and a weighted sum of principal components, each weight a linear
+/// function of all sensors' distances, by least squares. Metres; markers in frame H.
 class MarkerModel {
  public:
-  /// Shapes: `sensors` samples x sensors (distances, m), `markers` samples x 3V. A sensor that says nothing
-  /// new (constant, or the sum of others) gets the least weights that do. Errors: mismatch (rows differ),
-  /// bad_usage (fewer samples than sensors + 2; settings), out_of_range (a number that is not finite).
+  /// Shapes: `sensors` samples x sensors (distances, m), `markers` samples x 3V. Linearly dependent sensors
+  /// get the minimum-norm solution. Errors: mismatch (rows differ), bad_usage (fewer samples than sensors +
+  /// 2; settings), out_of_range (a number that is not finite).
   [[nodiscard]] static Result<MarkerModel> fit(const Eigen::MatrixXd& sensors, const Eigen::MatrixXd& markers,
                                                const MarkerModelSettings& settings = {});
 
-  /// The markers of one sample of distances. Shape: sensors() in, 3V out.
+  /// The markers for one sample of distances. Sizes: sensors() in, 3V out.
   [[nodiscard]] Eigen::VectorXd markers(const Eigen::VectorXd& sensors) const;
 
   [[nodiscard]] Eigen::Index sensors() const { return weights_.cols(); }
   [[nodiscard]] Eigen::Index components() const { return basis_.cols(); }
-  /// Share of the training markers' variance that its components hold.
+  /// Share of the training markers' variance in its components, 0 to 1.
   [[nodiscard]] double share() const { return share_; }
   /// The mean markers, 3V.
   [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }

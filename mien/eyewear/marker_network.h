@@ -14,17 +14,17 @@
 
 namespace mien::eyewear {
 
-/// A trained regressor of markers, and where it came from: one safetensors file (docs/method/eyewear.md). The
-/// network is causal. Its condition is two numbers a sensor: the feature (0 where it is missing) and 1 where
-/// it is there. Its outputs are three a marker.
+/// A trained regressor of markers with its provenance: one safetensors file (docs/method/eyewear.md). A
+/// causal network: condition of two values a sensor, the feature (0 where missing) and its presence (1 or 0);
+/// outputs of three a marker, displacement / scale_m.
 struct MarkerNetworkFile {
   model::Architecture architecture;
   std::vector<std::string> sensors;  ///< Names, in the condition's order.
   std::vector<std::string> markers;  ///< Names, in the outputs' order.
-  double scale_m = 0.01;             ///< Displacement that an output of 1 stands for; above 0.
-  std::string rig;                   ///< The rig file's text that it was trained for; may be empty.
-  std::string recipe;                ///< The recipe's text (TOML) that it was trained by.
-  std::string results;               ///< What was measured while training, as JSON; may be empty.
+  double scale_m = 0.01;             ///< Displacement, m, of an output of 1; above 0.
+  std::string rig;                   ///< Text of the rig file it was trained for; may be empty.
+  std::string recipe;                ///< Text of the training recipe (TOML).
+  std::string results;               ///< Measurements of the training, JSON; may be empty.
   std::vector<model::Tensor> network;
 };
 
@@ -33,20 +33,20 @@ struct MarkerNetworkFile {
 [[nodiscard]] Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
                                                              std::string_view where);
 [[nodiscard]] Result<MarkerNetworkFile> read_marker_network(const std::filesystem::path& path);
-/// The bytes that parse_marker_network reads back. Errors: as parse_marker_network.
+/// Inverse of parse_marker_network, with the same errors.
 [[nodiscard]] Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& file);
-/// The same into a file, whole or not at all. Errors: io.
+/// Writes the file atomically. Errors: as format_marker_network, io.
 [[nodiscard]] Result<void> write_marker_network(const std::filesystem::path& path,
                                                 const MarkerNetworkFile& file);
 
 /// The condition of one frame: out.size() == 2 light.values.size(). No allocation.
 void encode_light(const LightFrame& light, std::span<float> out);
 
-/// The network as a regressor for a rig's sensors.
+/// MarkerRegressor by a MarkerNetworkFile, for a rig's sensors.
 class NetworkRegressor final : public MarkerRegressor {
  public:
-  /// `sensors` names the entries of the frames that will come; those of the network that the rig lacks are
-  /// missing. Errors: mismatch (no sensor in common), the network's.
+  /// `sensors`: names of the frames' entries; sensors of the network that the rig lacks are missing. Errors:
+  /// mismatch (no sensor in common), the network's.
   [[nodiscard]] static Result<std::unique_ptr<NetworkRegressor>> create(
       MarkerNetworkFile file, const std::vector<std::string>& sensors);
 
@@ -62,7 +62,7 @@ class NetworkRegressor final : public MarkerRegressor {
   MarkerNetworkFile file_;
   model::CausalNetwork network_;
   model::CausalNetwork::State state_;
-  std::vector<std::ptrdiff_t> places_;  // For each of the network's sensors its place in the frames, or -1.
+  std::vector<std::ptrdiff_t> places_;  // For each of the network's sensors its index in the frames, or -1.
   LightFrame light_;                    // In the network's order.
   std::vector<float> condition_;
   std::vector<float> answer_;

@@ -7,14 +7,13 @@
 
 namespace mien::eyewear {
 
-/// One frame of what a regressor reads, a sensor each, in the rig's order.
+/// Input of a regressor at one frame; one entry a sensor, in the rig's order.
 struct LightFrame {
-  std::vector<float> values;          ///< Normalised log light change from neutral; 0 where missing.
+  std::vector<float> values;  ///< Feature: (log light - neutral) / range, within kLimit; 0 where missing.
   std::vector<std::uint8_t> present;  ///< 0 where missing.
 };
 
-/// What turns the sensors' light into markers, frame by frame, with nothing of the future: whatever model is
-/// behind it. Thread: one at a time.
+/// Interface of causal models from the sensors' light to markers, frame by frame. Thread: one at a time.
 class MarkerRegressor {
  public:
   virtual ~MarkerRegressor() = default;
@@ -22,7 +21,7 @@ class MarkerRegressor {
   /// marker set on the built-in face's default identity, x, y, z of marker 0, then of marker 1; metres, frame
   /// H. No allocation once it has that size.
   virtual void step(const LightFrame& light, Eigen::VectorXd& displacement_m) = 0;
-  /// Forgets what came before.
+  /// Resets the state.
   virtual void reset() = 0;
   [[nodiscard]] virtual std::size_t marker_count() const = 0;
 };

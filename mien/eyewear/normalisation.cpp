@@ -20,17 +20,17 @@ using sensor::Score;
 
 constexpr std::size_t kMostSensors = 256;
 constexpr std::size_t kMostScores = 1024;
-/// Of a stretch's frames a sensor must be there in this share.
+/// Least share of a stretch's frames in which a sensor must be present.
 constexpr double kThere = 0.8;
-/// A normal distribution's middle 68 % lie within one sigma.
+/// Quantiles of one standard deviation either way, of a normal distribution.
 constexpr double kSigmaLow = 0.16, kSigmaHigh = 0.84;
-/// The range of motion's ends.
+/// Quantiles that bound the range of motion.
 constexpr double kRangeLow = 0.05, kRangeHigh = 0.95;
-/// The frames after which a measured range counts as much as the usual one: ten seconds.
+/// Frames at which a measured range weighs as much as the usual one: ten seconds.
 constexpr double kRangeFrames = 600;
 
-// What scores pass at.
-constexpr double kRestless = 0.25;     // Unrest of the middle sensor in the hold, log light.
+// Limits of the scores.
+constexpr double kRestless = 0.25;     // Median sensor's unrest in the hold, log light.
 constexpr double kDim = 0.01;          // Light, share of full scale: ten steps of a converter of ten bits.
 constexpr double kSaturated = 0.1;     // Share of the hold's frames.
 constexpr double kHardlyMoved = 0.04;  // Of the log light in the range of motion.
@@ -148,7 +148,8 @@ Normalisation NormalisationMaker::solve(const Normalisation& before) const {
       std::vector<double> sorted = range_.light[i];
       std::ranges::sort(sorted);
       s.moved = quantile_of_sorted(sorted, kRangeHigh) - quantile_of_sorted(sorted, kRangeLow);
-      // Shrunk towards the usual one by how much was seen, as ranges differ: by factors.
+      // Shrinkage towards the usual range by the number of frames, in the logarithm, since ranges differ by
+      // factors.
       const auto frames = static_cast<double>(range_.frames);
       const double trust = frames / (frames + kRangeFrames);
       s.range =

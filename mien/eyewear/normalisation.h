@@ -13,63 +13,62 @@
 
 namespace mien::eyewear {
 
-/// What the middle nine tenths of a sensor's log light span in a range of motion, of an ordinary wearer and
-/// sensor; what every sensor has before its wearer has made a range of motion. Measured on virtual wearers
-/// (docs/method/eyewear.md).
+/// Usual range: width of the middle 90 % of a sensor's log light (natural logarithm) in a range of motion;
+/// the prior of every sensor's range. Measured on virtual wearers (docs/method/eyewear.md).
 inline constexpr double kUsualRange = 1.0;
 
-/// How one sensor's light stands to its wearer's face.
+/// Normalisation of one sensor's light for its wearer.
 struct SensorNormalisation {
-  std::string sensor;          ///< The rig's name.
-  bool valid = false;          ///< It was there through the neutral hold; else it is missing.
+  std::string sensor;          ///< Its name in the rig.
+  bool valid = false;          ///< Present through the neutral hold; else the sensor is missing.
   double neutral = 0;          ///< Log light of the neutral face.
-  double unrest = 0;           ///< Of the log light in that hold, one sigma, robust.
+  double unrest = 0;           ///< Robust standard deviation of the log light in that hold.
   double range = kUsualRange;  ///< Log light that counts as 1; above 0.
-  double moved = 0;            ///< What the range of motion spanned; 0: there was none.
+  double moved = 0;            ///< Width measured in the range of motion; 0: none.
   bool operator==(const SensorNormalisation&) const = default;
 
-  /// The feature: change of the log light from neutral, in ranges; held to [-kLimit, kLimit].
+  /// The feature: (log_light - neutral) / range, clamped to [-kLimit, kLimit].
   static constexpr double kLimit = 4;
   [[nodiscard]] float feature(double log_light) const;
 };
 
-/// A calibration of a pair of smart eyewear on its wearer.
+/// Calibration of smart eyewear on its wearer.
 struct Normalisation {
-  bool complete = false;                     ///< A neutral hold is in.
+  bool complete = false;                     ///< A neutral hold was observed.
   std::vector<SensorNormalisation> sensors;  ///< One a photo-reflective sensor, in the rig's order.
   std::vector<sensor::Score> scores;
   bool operator==(const Normalisation&) const = default;
 };
 
-/// What a regressor reads of a frame: features of the sensors that are there and calibrated. Resizes `out`
-/// the first time.
+/// Features of the sensors present and calibrated, the others missing. Resizes `out` the first time.
 void read_features(const Normalisation& normalisation, const GridLight& light, LightFrame& out);
 
-/// JSON, one object; parse_normalisation takes it back to an equal value.
+/// One JSON object; parse_normalisation restores an equal value.
 [[nodiscard]] std::string write_normalisation(const Normalisation& normalisation);
-/// Errors: malformed, out_of_range (more than 256 sensors, not finite, a range that is not above 0).
+/// Errors: malformed, out_of_range (more than 256 sensors, not finite, a range that is not above 0). `where`
+/// names the source in messages.
 [[nodiscard]] Result<Normalisation> parse_normalisation(std::string_view json, const std::string& where);
 
-/// Gathers a neutral hold and a range of motion, frame by frame, and makes the normalisation of them. Every
-/// frame's light is kept until solve(), which takes medians: a blink in the hold leaves no trace. Allocates.
-/// Thread: one at a time.
+/// Accumulates a neutral hold and a range of motion, frame by frame, and solves for the normalisation. Stores
+/// every frame's light, for medians: a blink in the hold has no influence. Allocates. Thread: one at a time.
+/// Method: docs/method/eyewear.md.
 class NormalisationMaker {
  public:
-  /// Of one stretch as many frames are kept as ten minutes have; later ones are passed over.
+  /// Most frames stored of one stretch: ten minutes; later ones are ignored.
   static constexpr std::size_t kMostFrames = 36'000;
 
   explicit NormalisationMaker(const sensor::Rig& rig);
 
-  /// Forgets what was gathered.
+  /// Drops all frames.
   void reset();
   void begin_neutral();
   void add_neutral(const GridLight& light) { neutral_.add(light); }
   void begin_range();
   void add_range(const GridLight& light) { range_.add(light); }
 
-  /// The normalisation by what was gathered since the last reset; what was not comes from `before`: glasses
-  /// that moved on the same face keep their ranges and get a new neutral. Complete where half of the sensors
-  /// were there through the hold. Scores judge what was gathered.
+  /// The normalisation by the stretches since the last reset; a missing one is taken from `before` (glasses
+  /// that moved on the same face get a new neutral and keep their ranges). Complete where half of the sensors
+  /// were present through the hold. Scores for the stretches observed.
   [[nodiscard]] Normalisation solve(const Normalisation& before) const;
 
  private:

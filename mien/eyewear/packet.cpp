@@ -21,7 +21,7 @@ constexpr std::size_t kReservedBytes = 3;
 
 const char* const kEyewearPacket = "eyewear packet";
 
-/// What holds for a packet whichever way it goes.
+/// Checks for parsing and encoding.
 Result<void> check(const Packet& packet) {
   if (packet.channels < 1 || packet.channels > kMaxChannels)
     return fail(ErrorCode::out_of_range,
@@ -65,7 +65,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
     return fail(ErrorCode::malformed, "a reserved byte is set", kEyewearPacket);
   MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kEyewearPacket));
 
-  // What the length and the range depend on, before either is believed.
+  // First the fields that determine the length and the range.
   MIEN_TRY(check(packet));
   const std::size_t expected = kHeaderBytes + packet.channels * kChannelBytes + kChecksumBytes;
   MIEN_TRY(sensor::check_length(bytes.size(), expected, kEyewearPacket));

@@ -18,10 +18,10 @@ inline constexpr std::uint8_t kMinAdcBits = 8;
 inline constexpr std::uint8_t kMaxAdcBits = 16;
 using sensor::kBatteryUnknown;
 
-/// What one photo-reflective sensor saw in a scan, in steps of the converter, 0 to 2^bits - 1.
+/// One photo-reflective sensor's readings in a scan, converter steps, 0 to 2^bits - 1.
 struct Light {
   std::uint16_t on = 0;   ///< With its LED on: reflection and ambient light.
-  std::uint16_t off = 0;  ///< With its LED off: ambient light alone.
+  std::uint16_t off = 0;  ///< With its LED off: ambient light.
   bool operator==(const Light&) const = default;
 };
 
@@ -30,18 +30,18 @@ struct Light {
 struct Packet {
   std::uint8_t channels = 0;                       ///< Sensors, 1 to kMaxChannels.
   std::uint8_t adc_bits = 10;                      ///< Of the converter, kMinAdcBits to kMaxAdcBits.
-  std::uint64_t device = 0;                        ///< Never two alike: the board's MAC in the low 48 bits.
+  std::uint64_t device = 0;                        ///< Unique: the board's MAC in the low 48 bits.
   std::uint32_t sequence = 0;                      ///< Counts scans; wraps.
   std::uint8_t battery_percent = kBatteryUnknown;  ///< 0 to 100, or kBatteryUnknown.
   DeviceTime time;                                 ///< Middle of the scan; whole microseconds, 0 to 1e14.
   std::array<Light, kMaxChannels> light{};         ///< Of each channel; those beyond `channels` are zero.
 
-  /// The converter's highest value, which is what saturation reads.
+  /// The converter's highest value: a saturated reading.
   [[nodiscard]] std::uint16_t full_scale() const { return static_cast<std::uint16_t>((1U << adc_bits) - 1U); }
   bool operator==(const Packet&) const = default;
 };
 
-/// True when the bytes begin as our eyewear packets do; says nothing about the rest.
+/// Whether the bytes begin like an eyewear packet; checks no more.
 [[nodiscard]] bool is_packet(std::span<const std::byte> bytes);
 
 /// Errors: truncated; malformed (magic, length, checksum, reserved bytes); unsupported (version, type);
@@ -49,20 +49,19 @@ struct Packet {
 /// errors. Thread-safe.
 [[nodiscard]] Result<Packet> parse_packet(std::span<const std::byte> bytes);
 
-/// The datagram; times are rounded to microseconds. What parse_packet gave goes back to the same bytes.
-/// Errors: those that parse_packet would find.
+/// Inverse of parse_packet, to the byte; times are rounded to microseconds. Errors: as parse_packet, for
+/// invalid fields.
 [[nodiscard]] Result<std::vector<std::byte>> encode_packet(const Packet& packet);
 
-/// A packet of one scan: a sample a channel, in the order of channels, 1 to kMaxChannels of them, all of one
-/// time and number; for devices that we play ourselves. Shares are rounded to steps, and saturate at 0 and 1.
-/// Errors: bad_usage (none, too many, another kind, unlike times or numbers), out_of_range (bits, values that
-/// are not finite).
+/// A packet of one scan, for simulated devices: one sample a channel, in channel order, 1 to kMaxChannels,
+/// with equal time and sequence. Light is rounded to steps and saturates at 0 and 1. Errors: bad_usage (none,
+/// too many, another kind, unequal times or sequences), out_of_range (bits, values that are not finite).
 [[nodiscard]] Result<Packet> make_packet(std::span<const sensor::Sample> scan, std::uint8_t adc_bits);
 
 /// The sample of one channel (below `channels`) as that of sensor number `sensor` of a rig.
 [[nodiscard]] sensor::Sample sample_of(const Packet& packet, std::size_t channel, std::uint16_t sensor);
 
-/// True when the channel's value, LED on or off, stands at the end of the converter's range.
+/// Whether the channel's reading, LED on or off, is at the upper end of the converter's range.
 [[nodiscard]] bool is_saturated(const Packet& packet, std::size_t channel);
 
 }  // namespace mien::eyewear

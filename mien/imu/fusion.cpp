@@ -10,13 +10,13 @@ namespace mien::imu {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-/// A living body that holds still: rest is found this much sooner and coarser when it was asked for.
+/// While a wearer was asked to hold still, rest_min_s and the rest thresholds are multiplied by these.
 constexpr double kExpectedRestTime = 1.0 / 3;
 constexpr double kExpectedRestTolerance = 2.0;
-/// A step longer than this many of the one before is a gap.
+/// A step longer than this many times the one before is a gap.
 constexpr double kGapSteps = 2.5;
-/// After this time, s, an unseen rate has little to do with the one seen before.
-constexpr double kRateForgotten_s = 0.25;
+/// Correlation time of a head's or skin's angular rate, s.
+constexpr double kRateCorrelation_s = 0.25;
 
 double wrap(double angle) {
   return std::remainder(angle, kTurn);
@@ -34,17 +34,16 @@ Vec3 turn_between(const Vec3& rate0, const Vec3& rate1, double dt_s) {
   return 0.5 * dt_s * (rate0 + rate1) + (dt_s * dt_s / 12) * rate0.cross(rate1);
 }
 
-/// How long the rates at both ends of a gap count for what lies between: heads and skin turn back and forth,
-/// and a rate is forgotten exponentially (the mean of an Ornstein-Uhlenbeck process that is pinned at both
-/// ends).
-double felt_time(double gap_s) {
-  return 2 * kRateForgotten_s * std::tanh(0.5 * gap_s / kRateForgotten_s);
+/// The time over which the mean of a gap's end rates is integrated, s. Heads and skin turn back and forth, so
+/// the rate is taken as an Ornstein-Uhlenbeck process pinned at both ends: the integral of its mean.
+double effective_time(double gap_s) {
+  return 2 * kRateCorrelation_s * std::tanh(0.5 * gap_s / kRateCorrelation_s);
 }
 
-/// The range, rad/s, at whose end an axis reads; 0 where none does. Samples do not say their range, but
-/// packets have only these (docs/reference/protocol.md), and a node whose chip clips reports full scale. The
-/// smaller ranges are left out: no face needs them to end. A sound reading that stands on such an end by
-/// chance is one in ten thousand, and costs a little certainty.
+/// The full-scale range, rad/s, at whose end an axis reads; 0 where none does. Samples do not carry their
+/// range, but packets allow only these (docs/reference/protocol.md), and a chip that clips reports full
+/// scale. The smaller ranges are left out: no face reaches their ends on purpose. One valid reading in ten
+/// thousand lies on such an end by chance, and costs a little certainty.
 double clipped_range(const Vec3& gyro_rad_s) {
   const double most = gyro_rad_s.cwiseAbs().maxCoeff() * 180 / std::numbers::pi;
   for (const double range : {256.0, 512.0, 1024.0, 2048.0})
@@ -110,12 +109,12 @@ double Fusion::bias_sigma_rad_s() const {
 
 void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
   if (!started_) {
-    // Upright at once: the first force is all that is known of the vertical.
+    // The first force initialises the inclination.
     started_ = true;
     dt_s = 0;
     last_raw_ = gyro_rad_s;
   } else if (last_dt_s_ > 0 && dt_s > kGapSteps * last_dt_s_) {
-    // The rate between the two ends is a guess; so much may it be off.
+    // Standard deviation of the angle between the two ends of the gap.
     const double change =
         std::hypot(0.25 * (gyro_rad_s - last_raw_).norm(), settings_.unseen_rate_rad_s) * dt_s;
     gap_sigma_ = std::hypot(gap_sigma_, change);
@@ -137,8 +136,7 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
   if (dt_s > 0 && !gap) last_dt_s_ = dt_s;
 
   if (const double range = clipped_range(gyro_rad_s); range > 0) {
-    // Clipped samples that follow one another hide the same way: what they hide adds up, and not only in
-    // squares.
+    // Consecutive clipped samples err in the same direction: their errors add linearly, not in squares.
     const double before = clipped_rad_;
     clipped_rad_ += settings_.clip_excess * range * dt_s;
     gap_sigma_ = std::sqrt(gap_sigma_ * gap_sigma_ + clipped_rad_ * clipped_rad_ - before * before);
@@ -147,11 +145,11 @@ void Fusion::add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2) {
   }
   last_rate_ = gyro_rad_s - bias_;
   const Vec3 rate_before = settings_.gyro_is_step_mean ? last_rate_ : Vec3(last_raw_ - bias_);
-  q_gyro_ = q_gyro_ * exp_rotation(turn_between(rate_before, last_rate_, gap ? felt_time(dt_s) : dt_s));
+  q_gyro_ = q_gyro_ * exp_rotation(turn_between(rate_before, last_rate_, gap ? effective_time(dt_s) : dt_s));
   q_gyro_.normalize();
   last_raw_ = gyro_rad_s;
 
-  // The filters need a step; the very first sample counts as one of a nominal length.
+  // The filters need a step; the first sample gets a nominal one.
   const double step_s = dt_s > 0 ? dt_s : 1e-3;
   detect_rest(step_s, gyro_rad_s, accel_m_s2);
   correct_inclination(gap || dt_s == 0 ? std::numeric_limits<double>::infinity() : step_s, accel_m_s2);
@@ -171,21 +169,20 @@ void Fusion::detect_rest(double dt_s, const Vec3& gyro, const Vec3& accel) {
   const Vec3& accel_mean = rest_accel_.add(dt_s, accel);
   const Vec3& quick_gyro = quick_gyro_.add(dt_s, gyro);
   const Vec3& quick_accel = quick_accel_.add(dt_s, accel);
-  // Slow even motion looks like rest with another bias; believe it only as far as the bias is unknown, unless
-  // the wearer was asked to hold still.
-  const double believable = rest_expected_
-                                ? settings_.rest_bias_clip_rad_s
-                                : std::max(3 * bias_sigma_rad_s(), settings_.rest_bias_tolerance_rad_s);
+  // Slow even motion looks like rest with another bias: gated by the bias's uncertainty, unless the wearer
+  // was asked to hold still.
+  const double gate = rest_expected_ ? settings_.rest_bias_clip_rad_s
+                                     : std::max(3 * bias_sigma_rad_s(), settings_.rest_bias_tolerance_rad_s);
   const bool moving = (quick_gyro - gyro_mean).norm() > tolerance * settings_.rest_gyro_rad_s ||
                       (quick_accel - accel_mean).norm() > tolerance * settings_.rest_accel_m_s2 ||
                       gyro_mean.cwiseAbs().maxCoeff() > settings_.rest_bias_clip_rad_s ||
-                      (gyro_mean - bias_).cwiseAbs().maxCoeff() > believable;
+                      (gyro_mean - bias_).cwiseAbs().maxCoeff() > gate;
   rest_s_ = moving ? 0 : rest_s_ + dt_s;
   at_rest_ = rest_s_ >= settings_.rest_min_s * (rest_expected_ ? kExpectedRestTime : 1.0);
 }
 
 void Fusion::correct_inclination(double dt_s, const Vec3& accel) {
-  if (accel.squaredNorm() < 1e-6) return;  // Free fall tells nothing.
+  if (accel.squaredNorm() < 1e-6) return;  // Free fall: the vertical is not observable.
   const bool step_known = std::isfinite(dt_s);
   const double filter_dt_s = step_known ? dt_s : std::max(last_dt_s_, 1e-3);
   const Vec3 up = (q_accel_ * force_.add(filter_dt_s, q_gyro_ * accel)).normalized();
@@ -198,8 +195,7 @@ void Fusion::correct_inclination(double dt_s, const Vec3& accel) {
 }
 
 void Fusion::estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_up) {
-  // Everything that the force's low-pass delays is delayed alike, so that the error and the bias it came from
-  // meet.
+  // Rotation and rotated bias pass the force's low-pass too, so that the innovation compares equal delays.
   const Vec3 rotated = rotation * bias_;
   const Eigen::Vector2d delayed_bias = rotated_bias_.add(dt_s, Eigen::Vector2d(rotated.x(), rotated.z()));
   Eigen::Matrix<double, 9, 1> flat;
@@ -228,7 +224,8 @@ void Fusion::estimate_bias(double dt_s, const Mat3& rotation, const Vec3& error_
   } else if (settings_.motion_bias_estimation) {
     for (Eigen::Index row = 0; row < 3; ++row) observed.row(row) = delayed.segment<3>(3 * row).transpose();
     error = -(observed * bias_);
-    // The correction undoes what the bias did in one step.
+    // The inclination correction of one step, as a rate, is the bias seen in the world's horizontal axes. The
+    // vertical row is an artificial zero measurement (bias_vertical_forgetting).
     error.x() += error_up.z() / dt_s + delayed_bias.x();
     error.z() += -error_up.x() / dt_s + delayed_bias.y();
     const double horizontal = weight(settings_.bias_sigma_motion_rad_s);
@@ -274,7 +271,7 @@ void Fusion::fuse_mag(const Vec3& mag) {
       m.undisturbed_s = 0;
       m.disturbed = true;
     }
-    // Another steady field, seen from several sides, becomes the new reference.
+    // Another homogeneous field, held while the sensor turns, becomes the new reference.
     if (near(m.candidate_norm, m.candidate_dip)) {
       if (last_rate_.norm() >= settings_.mag_new_min_gyro_rad_s) m.candidate_s += dt_s;
       m.candidate_norm += follow * (m.norm - m.candidate_norm);

@@ -7,82 +7,120 @@
 
 namespace mien::imu {
 
-/// Settings of the orientation filter. Defaults follow Laidig and Seel 2023 where not said otherwise.
+/// Settings of the orientation filter. "VQF" marks a default of Laidig and Seel 2023
+/// (doi:10.1016/j.inffus.2022.10.014); the others were chosen as docs/method/fusion.md and
+/// docs/experiments/fusion.md say. Times, rates and standard deviations are above 0.
 struct FusionSettings {
-  /// Time constant of the inclination correction, s. Raising trusts the gyroscope longer: better under
-  /// acceleration, worse under a gyroscope's bias.
+  /// Time constant of the accelerometer's low-pass, which corrects the inclination, s (VQF). Raising trusts
+  /// the gyroscope longer: better under acceleration. Lowering: better under gyroscope bias.
   double tau_accel_s = 3.0;
-  /// Time constant of the heading correction by the magnetometer, s.
+  /// Time constant of the heading correction by the magnetometer, s (VQF). Raising: a steadier heading.
+  /// Lowering: drift is corrected sooner, the heading is noisier.
   double tau_mag_s = 9.0;
-  /// What a gyroscope's reading says. False: the rate at the sample's time (the middle of the reading, as our
-  /// packets have it). True: the mean over the step that ends there, as of recordings that number their
-  /// samples and tell no time.
+  /// What a gyroscope sample is. False: the rate at the sample's time (the middle of the reading, as in our
+  /// packets). True: the mean rate over the step that ends there, as in recordings that number their samples
+  /// and have no times.
   bool gyro_is_step_mean = false;
-  /// Estimate the gyroscope's bias while moving (from the inclination correction) and at rest.
+  /// Whether gyroscope bias is estimated in motion (from inclination corrections) and at rest (from the
+  /// low-passed rate). Without both it stays 0.
   bool motion_bias_estimation = true;
   bool rest_bias_estimation = true;
-  /// Hold the heading against disturbed magnetic fields.
+  /// Whether the heading is held while the magnetic field is disturbed (norm or dip off the reference).
+  /// False: every sample corrects the heading, and the mag_ settings below tau_mag_s have no effect.
   bool mag_disturbance_rejection = true;
 
-  /// Standard deviation of the bias at start, rad/s (1.5 deg/s; the paper's 0.5 is too sure for small sensors
-  /// on skin; what lies beyond is learnt while the wearer holds still).
+  /// Gyroscope bias: a Kalman filter of three states, sensor frame.
+  /// Initial standard deviation of each axis, rad/s (1.5 deg/s, docs/method/fusion.md: small chips; VQF has
+  /// 0.5). Raising: large first biases are learnt sooner. Lowering: the bias is taken as nearer to 0 at
+  /// first.
   double bias_sigma_init_rad_s = 0.0262;
-  /// Time after which the bias, known exactly, is uncertain by 0.1 deg/s again, s. Raising follows warming up
-  /// less.
+  /// Process noise: the time in which an exactly known bias becomes uncertain by 0.1 deg/s, s (VQF). Raising
+  /// (less noise): a warming chip is followed later. Lowering: the bias may change faster, and is noisier.
   double bias_forgetting_s = 100.0;
-  /// Largest error of the bias believed in motion, rad/s (5 deg/s).
+  /// Limit of the innovation in motion, rad/s an axis (5 deg/s; VQF has 2). Raising: outliers move the bias
+  /// more. Lowering: a large bias is learnt more slowly.
   double bias_clip_rad_s = 0.0873;
-  /// Largest bias believed, rad/s (15 deg/s), and the largest mean rate that may count as rest.
+  /// Limit of the bias itself, of the innovation at rest, and of the mean rate that may count as rest, rad/s
+  /// an axis (15 deg/s: chips without factory calibration). Raising accepts worse chips. Lowering: slow turns
+  /// pass for rest less often.
   double rest_bias_clip_rad_s = 0.26;
-  /// Standard deviation of the converged bias while moving, rad/s (0.1 deg/s). Lowering follows motion more
-  /// slowly.
+  /// Standard deviation to which the bias converges in motion, rad/s (0.1 deg/s, VQF); sets the measurement
+  /// noise of inclination corrections. Raising: slower convergence, a steadier bias. Lowering: faster,
+  /// noisier.
   double bias_sigma_motion_rad_s = 0.001745;
-  /// Weight of the vertical axis' bias, which motion does not show, against the others': holds it near where
-  /// it was.
+  /// Weight, against the horizontal components', of an artificial zero measurement of the vertical component,
+  /// which motion does not make observable (VQF). Raising: that component decays to 0 sooner. Lowering: it
+  /// keeps its last value longer.
   double bias_vertical_forgetting = 0.0001;
-  /// Standard deviation of the converged bias at rest, rad/s (0.03 deg/s).
+  /// Standard deviation to which the bias converges at rest, rad/s (0.03 deg/s, VQF). Raising: slower
+  /// convergence, a steadier bias. Lowering: faster, noisier.
   double bias_sigma_rest_rad_s = 0.000524;
 
-  /// Rest is detected after this time, s, without a deviation from the low-passed rates beyond the two
-  /// thresholds.
+  /// Rest detection: all thresholds below must hold for this time, s (VQF); a third of it while rest is
+  /// expected. Raising: rest is found later and more safely. Lowering: short pauses pass for rest.
   double rest_min_s = 1.5;
+  /// Time constant of the low-passes whose values are the rest's mean rate and force, s (VQF). Raising: a
+  /// smoother bias, rest found later. Lowering: slow motion passes for rest.
   double rest_filter_tau_s = 0.5;
-  /// What is compared with them is low-passed by this, s: a noisy sensor's single readings are no motion.
+  /// Time constant of the low-pass before the comparison with those means, s. Raising: noisier sensors can
+  /// rest, and short jerks pass for rest. Lowering: single noisy samples count as motion.
   double rest_noise_tau_s = 0.05;
-  double rest_gyro_rad_s = 0.0349;  ///< 2 deg/s. Raising calls slow motion rest and learns it as bias.
+  /// Largest deviation from the mean rate, rad/s (2 deg/s, VQF), and from the mean specific force, m/s^2
+  /// (VQF); both twice as large while rest is expected. Raising: slow motion passes for rest and is learnt as
+  /// bias. Lowering: noise or sway prevents rest.
+  double rest_gyro_rad_s = 0.0349;
   double rest_accel_m_s2 = 0.5;
-  /// A resting rate farther than this (0.3 deg/s), and farther than three sigmas, from the known bias is slow
-  /// motion, unless rest is expected.
+  /// Gate on the mean rate at rest: it may differ from the bias by this, rad/s an axis (0.3 deg/s), or by
+  /// three standard deviations of the bias if these are more; not applied while rest is expected. Raising:
+  /// slow even turns are learnt as bias. Lowering: a bias that has changed is rejected.
   double rest_bias_tolerance_rad_s = 0.00524;
 
-  /// Magnetometer: low-pass of norm and dip, s; of the reference, s; tolerances (share, rad); times, s; rate,
-  /// rad/s.
+  /// Magnetic disturbance rejection; all defaults are VQF's.
+  /// Time constant of the low-pass of the field's norm and dip, s. Raising: short disturbances are
+  /// overlooked. Lowering: noise counts as disturbance.
   double mag_current_tau_s = 0.05;
+  /// Time constant with which the reference norm and dip follow an undisturbed field, s. Raising: slow
+  /// changes are followed less. Lowering: disturbances leak into the reference.
   double mag_reference_tau_s = 20.0;
+  /// Gates about the reference: of the norm, as a share of it, and of the dip, rad (10 deg). Raising:
+  /// stronger disturbances are let through. Lowering: more samples count as disturbed.
   double mag_norm_tolerance = 0.1;
   double mag_dip_tolerance_rad = 0.1745;
+  /// How long another field must be homogeneous, while the sensor turns, to become the reference, s; the
+  /// second applies while there is none. Raising: a changed field is accepted later. Lowering: sooner, a
+  /// false one too.
   double mag_new_s = 20.0;
   double mag_new_first_s = 5.0;
+  /// Least rate at which that time counts, rad/s (20 deg/s). Raising: faster turning is needed. Lowering:
+  /// slow turning suffices, which tells a homogeneous field less surely.
   double mag_new_min_gyro_rad_s = 0.349;
+  /// How long the field must be within the gates to count as undisturbed, s. Raising: corrections resume
+  /// later after a disturbance. Lowering: sooner.
   double mag_min_undisturbed_s = 0.5;
+  /// Full rejection of a disturbed field lasts this long, s; then it corrects at reduced gain. Raising: it is
+  /// ignored longer. Lowering: it is followed sooner.
   double mag_max_rejection_s = 60.0;
+  /// Divisor of the gain after that time, and the rate at which the time is regained while undisturbed.
+  /// Raising: less gain, faster recovery. Lowering: more gain, slower recovery.
   double mag_rejection_factor = 2.0;
 
-  /// A rate at the end of its sensor's range hides how fast the turn was; by this share of the range it may
-  /// have been faster. Raising lets other readings put the heading right sooner.
+  /// Clipping: how far, as a share of the range, the true rate may lie beyond a sample at the range's end
+  /// (docs/experiments/fusion.md, clipped gyroscopes). Raising: clipped samples make the orientation less
+  /// certain, so that heading measurements correct it sooner. Lowering: clipped rates are trusted more.
   double clip_excess = 0.5;
 
-  /// A gap between samples longer than this restarts the inclination correction, s: the held rate cannot be
-  /// trusted.
+  /// Longest gap, s, that is bridged by the rates at its ends; after a longer one the inclination is begun
+  /// anew from gravity. (A step of more than 2.5 times the one before is a gap.) Raising: longer gaps are
+  /// bridged, inclinations may be wrong. Lowering: inclinations are begun anew more often.
   double max_gap_s = 0.25;
-  /// How fast a sensor may have turned there and stopped again, unseen between the two ends of a gap, rad/s,
-  /// one standard deviation (17 deg/s).
+  /// Standard deviation of the mean rate within a gap that its two ends do not show, rad/s (17 deg/s).
+  /// Raising: gaps make a sensor less certain, and it is left out sooner. Lowering: gaps are trusted more.
   double unseen_rate_rad_s = 0.3;
 };
 
-/// Second-order low-pass of N values with a free step: a Butterworth filter as a state-variable filter, whose
-/// state stays meaningful when the time step changes. Its first tau seconds give the plain mean, so that it
-/// starts without a transient. Source: Zavalishin 2012, "The Art of VA Filter Design", section 4
+/// Second-order Butterworth low-pass of N values for variable time steps: a state-variable filter, whose
+/// state does not depend on the step. During its first tau seconds it gives the plain mean, which avoids a
+/// start-up transient (VQF). Source: Zavalishin 2012, "The Art of VA Filter Design", section 4
 /// (topology-preserving transform).
 template <int N>
 class LowPass {
@@ -94,7 +132,7 @@ class LowPass {
 
   const Vector& add(double dt_s, const Vector& value);
   [[nodiscard]] const Vector& value() const { return value_; }
-  /// The next values count from the start again, the present one as the first.
+  /// Begins the initial averaging again, with the next value.
   void restart() {
     elapsed_s_ = 0;
     count_ = 0;
@@ -112,29 +150,30 @@ class LowPass {
   Vector value_ = Vector::Zero();
 };
 
-/// Orientation of one IMU from gyroscope and accelerometer, and from a magnetometer where there is one, with
-/// the gyroscope's bias estimated at rest and in motion.
+/// Orientation of one IMU from gyroscope and accelerometer, and a magnetometer where there is one, with
+/// online estimation of the gyroscope's bias at rest and in motion.
 ///
-/// q_world_sensor = q_delta * q_accel * q_gyro: strap-down integration; a slow correction of the inclination
-/// by the low-passed specific force, filtered in the almost inertial frame that the integration gives, so
-/// that motion cancels out of it; a turn about the vertical by the magnetometer. World: +Y up; +Z magnetic
-/// north where fuse_mag is called, else any heading. Any step between samples, also an uneven one. A value
-/// type: a copy is a snapshot. No allocation. About 0.4 us a sample. Source: Laidig and Seel 2023, "VQF",
+/// q_world_sensor = q_delta * q_accel * q_gyro: strap-down integration; inclination correction by the
+/// specific force, low-passed in the almost inertial frame of the integration, where motion averages out;
+/// heading correction about the vertical by the magnetometer. World: +Y up; +Z magnetic north where fuse_mag
+/// is called, else an arbitrary heading. Steps between samples may vary. A value type: a copy is a snapshot.
+/// No allocation. About 0.4 us a sample. Source: Laidig and Seel 2023, "VQF",
 /// doi:10.1016/j.inffus.2022.10.014; differences: docs/method/fusion.md.
 class Fusion {
  public:
   explicit Fusion(const FusionSettings& settings = {});
 
-  /// One sample. `dt_s` since the last, > 0; ignored for the first. Frame S. Numbers are finite.
+  /// One sample, frame S: angular rate (bias included) and specific force (+g upward at rest). `dt_s`: since
+  /// the last sample, > 0; ignored for the first. All finite.
   void add(double dt_s, const Vec3& gyro_rad_s, const Vec3& accel_m_s2);
-  /// The magnetometer's reading of the sample just added; any unit, always the same one.
+  /// The magnetometer's reading of the sample just added, frame S; any unit, always the same one.
   void fuse_mag(const Vec3& mag);
 
-  /// The board began anew: nothing stands but the gyroscope's bias, which is the chip's own.
+  /// The board restarted: resets everything but the gyroscope's bias, which belongs to the chip.
   void restart();
 
-  /// A wearer who was asked to hold still does: rest is then found sooner and with tolerance for a living
-  /// body.
+  /// Whether a wearer was asked to hold still: rest is then detected in a third of the time, at twice the
+  /// tolerance, and at any rate within rest_bias_clip_rad_s.
   void expect_rest(bool expected) { rest_expected_ = expected; }
 
   /// q_world_sensor. With fuse_mag its heading is magnetic.
@@ -142,15 +181,15 @@ class Fusion {
   /// The last rate without its bias, frame S.
   [[nodiscard]] Vec3 rate_rad_s() const { return last_rate_; }
   [[nodiscard]] const Vec3& bias_rad_s() const { return bias_; }
-  /// Standard deviation of the bias, the largest of any direction, about.
+  /// Standard deviation of the bias: the largest of the three axes', rad/s.
   [[nodiscard]] double bias_sigma_rad_s() const;
   [[nodiscard]] bool at_rest() const { return at_rest_; }
-  /// Standard deviation that gaps and clipped rates have added to the orientation and that has not been
-  /// corrected since, rad.
+  /// Standard deviation that gaps and clipped rates have added to the orientation since the start, rad. Only
+  /// grows: callers take its increments.
   [[nodiscard]] double gap_sigma_rad() const { return gap_sigma_; }
-  /// How often a gap was so long that the inclination was begun anew (max_gap_s).
+  /// How often the inclination was begun anew: gaps beyond max_gap_s, and restart().
   [[nodiscard]] std::uint64_t restarts() const { return restarts_; }
-  /// The magnetic field is not that of before; the heading is held by the gyroscope.
+  /// Whether the magnetic field is outside the gates about its reference; true before there is one.
   [[nodiscard]] bool mag_disturbed() const { return mag_.disturbed; }
 
  private:
@@ -195,7 +234,7 @@ class Fusion {
   Mat3 bias_cov_;
   double gap_sigma_ = 0;
   std::uint64_t restarts_ = 0;
-  double clipped_rad_ = 0;  // What the running stretch of clipped rates may have hidden.
+  double clipped_rad_ = 0;  // Possible angle hidden by the current run of clipped samples.
   MagState mag_;
 };
 

@@ -9,12 +9,11 @@ namespace mien::imu {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Errors of successive nods are hardly independent: so many looks a prologue counts for.
+/// Errors of successive nods are correlated: independent measurements that a prologue counts for.
 constexpr double kIndependentLooks = 2;
-/// Where in a tracker's state the skin's way begins and its turn about the vertical stands, and where the
-/// slip begins.
-constexpr Eigen::Index kWay = 2, kWayY = 3, kSlip = 5;
-/// Three numbers' squared sigmas that are as rare as one's of two and a half, over the latter's.
+/// Indices in the state: the wearer-specific skin rotation, its turn about the vertical, and the creep.
+constexpr Eigen::Index kWearer = 2, kWearerY = 3, kSlip = 5;
+/// Chi-square quantile of three degrees of freedom over that of one, at the probability of 2.5 sigmas.
 constexpr double kThreeNumbers = 1.74;
 
 double wrap_heading(double angle) {
@@ -70,8 +69,7 @@ HeadingSums::Best HeadingSums::find() const {
   Best best;
   best.sigma_rad = kPi;
   if (count_ < 2) return best;
-  // The sum of squares is a trigonometric polynomial of degree two: a coarse search finds its hill, halving
-  // its top.
+  // The sum of squares is a trigonometric polynomial of degree two: coarse search, then golden section.
   constexpr int kCoarse = 72;
   double top = -1;
   for (int i = 0; i < kCoarse; ++i) {
@@ -98,25 +96,26 @@ HeadingSums::Best HeadingSums::find() const {
   return best;
 }
 
-void HeadingTracker::start(double heading_rad, double sigma_rad, const std::optional<Mat3>& strays_rad2) {
+void HeadingTracker::start(double heading_rad, double sigma_rad,
+                           const std::optional<Mat3>& residual_cov_rad2) {
   *this = HeadingTracker(settings_);
   move_to(heading_rad, sigma_rad);
-  if (strays_rad2)
-    cov_.block<3, 3>(kWay, kWay) =
-        settings_.foretold_way_sigmas * settings_.foretold_way_sigmas * *strays_rad2;
+  if (residual_cov_rad2)
+    cov_.block<3, 3>(kWearer, kWearer) =
+        settings_.wearer_rotation_sigmas * settings_.wearer_rotation_sigmas * *residual_cov_rad2;
   else
-    cov_(kWayY, kWayY) = settings_.rest_sigma_rad * settings_.rest_sigma_rad;
+    cov_(kWearerY, kWearerY) = settings_.rest_sigma_rad * settings_.rest_sigma_rad;
 }
 
 void HeadingTracker::move_to(double heading_rad, double sigma_rad) {
   heading_ = heading_rad;
   rate_ = 0;
-  cov_.topRows<kWay>().setZero();
-  cov_.leftCols<kWay>().setZero();
+  cov_.topRows<kWearer>().setZero();
+  cov_.leftCols<kWearer>().setZero();
   cov_(0, 0) = sigma_rad * sigma_rad;
   cov_(1, 1) = settings_.rate_sigma_rad_s * settings_.rate_sigma_rad_s;
   still_s_ = 0;
-  away_s_ = 0;
+  lost_s_ = 0;
 }
 
 double HeadingTracker::sigma_rad() const {
@@ -127,7 +126,7 @@ void HeadingTracker::predict(double dt_s) {
   heading_ = wrap_heading(heading_ + rate_ * dt_s);
   const double keep = std::exp(-dt_s / settings_.rate_tau_s);
   rate_ *= keep;
-  // What the step does to the state it does to the covariance, from both sides.
+  // Covariance: F P F^T, then the process noise.
   cov_.row(0) += dt_s * cov_.row(1);
   cov_.row(1) *= keep;
   cov_.col(0) += dt_s * cov_.col(1);
@@ -150,73 +149,75 @@ void HeadingTracker::begin(const Quat& q_ear_face) {
 void HeadingTracker::skip(double dt_s) {
   predict(dt_s);
   still_s_ = 0;
-  away_s_ = 0;
+  lost_s_ = 0;
 }
 
 void HeadingTracker::move_by(const StateVec& change) {
-  // The first is Z's excess, the heading less the true one; and the rate is that excess' own.
+  // The error states are estimate less truth, so they are subtracted.
   heading_ = wrap_heading(heading_ - change[0]);
   rate_ -= change[1];
-  way_ += change.segment<3>(kWay);
+  wearer_rotation_ += change.segment<3>(kWearer);
   slip_ += change.segment<3>(kSlip);
 }
 
-void HeadingTracker::correct(const StateVec& shares, double beyond_rad, double sigma_rad) {
-  const StateVec spread = cov_ * shares;
-  const StateVec kalman = spread / (shares.dot(spread) + sigma_rad * sigma_rad);
-  move_by(kalman * beyond_rad);
+void HeadingTracker::correct(const StateVec& observation, double innovation_rad, double sigma_rad) {
+  const StateVec spread = cov_ * observation;
+  const StateVec kalman = spread / (observation.dot(spread) + sigma_rad * sigma_rad);
+  move_by(kalman * innovation_rad);
   cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
 
-bool HeadingTracker::find_again(double dt_s, double turn_rad, double way_rad) {
+bool HeadingTracker::recover_lost_heading(double dt_s, double turn_rad, double wearer_rad) {
   const bool away = std::abs(turn_rad) > settings_.lost_turn_rad && sigma_rad() > settings_.lost_sigma_rad;
-  if (!away || turn_rad * away_least_rad_ < 0) away_s_ = 0;
+  if (!away || turn_rad * lost_least_rad_ < 0) lost_s_ = 0;
   if (!away) return false;
-  if (away_s_ == 0 || std::abs(turn_rad) < std::abs(away_least_rad_)) {
-    away_least_rad_ = turn_rad;
-    away_way_rad_ = way_rad;
+  if (lost_s_ == 0 || std::abs(turn_rad) < std::abs(lost_least_rad_)) {
+    lost_least_rad_ = turn_rad;
+    lost_wearer_rad_ = wearer_rad;
   }
-  away_s_ += dt_s;
-  if (away_s_ <= settings_.lost_after_s) return false;
-  heading_ = wrap_heading(heading_ - (away_least_rad_ - away_way_rad_));
-  away_s_ = 0;
-  still_s_ = 0;  // A stretch that runs knows the heading from before.
+  lost_s_ += dt_s;
+  if (lost_s_ <= settings_.lost_after_s) return false;
+  heading_ = wrap_heading(heading_ - (lost_least_rad_ - lost_wearer_rad_));
+  lost_s_ = 0;
+  still_s_ = 0;  // The current stretch is about the heading before.
   return true;
 }
 
 void HeadingTracker::add_turn_from_neutral(double dt_s, double turn_rad, double tilt_rad) {
-  const double way_rad = way_.y();
-  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || find_again(dt_s, turn_rad, way_rad)) return;
+  const double wearer_rad = wearer_rotation_.y();
+  if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0 || recover_lost_heading(dt_s, turn_rad, wearer_rad))
+    return;
   const double skin_sigma_rad = std::hypot(settings_.neutral_sigma_rad, settings_.neutral_tilt * tilt_rad);
-  const StateVec shares =
-      StateVec::Unit(0) + StateVec::Unit(kWayY);  // The turn is the heading's excess and the rest.
-  const double beyond_rad = turn_rad - way_rad;
-  const double expected2 = shares.dot(cov_ * shares) + skin_sigma_rad * skin_sigma_rad;
-  if (beyond_rad * beyond_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
-  correct(shares, beyond_rad, skin_sigma_rad * std::sqrt(settings_.neutral_every_s / dt_s));
+  // The turn is the heading error plus where the skin rests.
+  const StateVec observation = StateVec::Unit(0) + StateVec::Unit(kWearerY);
+  const double innovation_rad = turn_rad - wearer_rad;
+  const double expected2 = observation.dot(cov_ * observation) + skin_sigma_rad * skin_sigma_rad;
+  if (innovation_rad * innovation_rad > settings_.neutral_gate * settings_.neutral_gate * expected2) return;
+  correct(observation, innovation_rad, skin_sigma_rad * std::sqrt(settings_.neutral_every_s / dt_s));
 }
 
-void HeadingTracker::add_skin(double dt_s, const SkinReading& reading) {
+void HeadingTracker::add_skin(double dt_s, const SkinMeasurement& measurement) {
   if (settings_.neutral_sigma_rad <= 0 || dt_s <= 0) return;
-  // The heading's excess if the skin went exactly as foretold, and the part of it that is the skin's way.
-  const Vec3 weighed = reading.strays_rad2.inverse() * reading.about;
-  const double whole = weighed.dot(reading.about);
-  if (find_again(dt_s, weighed.dot(reading.beyond_rad) / whole, reading.strength * weighed.dot(way_) / whole))
+  // The heading error if the skin turned exactly as predicted, and the wearer's part of it.
+  const Vec3 weighed = measurement.residual_cov_rad2.inverse() * measurement.heading_jacobian;
+  const double whole = weighed.dot(measurement.heading_jacobian);
+  if (recover_lost_heading(dt_s, weighed.dot(measurement.residual_rad) / whole,
+                           measurement.strength * weighed.dot(wearer_rotation_) / whole))
     return;
-  Eigen::Matrix<double, 3, kStates> shares = Eigen::Matrix<double, 3, kStates>::Zero();
-  shares.col(0) = reading.about;
-  shares.middleCols<3>(kWay) = reading.strength * Mat3::Identity();
-  shares.middleCols<3>(kSlip) = Mat3::Identity();
-  const Eigen::Matrix<double, kStates, 3> spread = cov_ * shares.transpose();
-  const Mat3 expected = shares * spread;
-  const double sigmas = settings_.foretold_sigmas * reading.strength;
-  const Mat3 noise = sigmas * sigmas * reading.strays_rad2;
-  const Vec3 beyond = reading.beyond_rad - reading.strength * way_;
-  const double far2 = beyond.dot(Mat3(expected + noise).inverse() * beyond);
-  if (far2 > kThreeNumbers * settings_.neutral_gate * settings_.neutral_gate) return;
+  Eigen::Matrix<double, 3, kStates> observation = Eigen::Matrix<double, 3, kStates>::Zero();
+  observation.col(0) = measurement.heading_jacobian;
+  observation.middleCols<3>(kWearer) = measurement.strength * Mat3::Identity();
+  observation.middleCols<3>(kSlip) = Mat3::Identity();
+  const Eigen::Matrix<double, kStates, 3> spread = cov_ * observation.transpose();
+  const Mat3 expected = observation * spread;
+  const double sigmas = settings_.predicted_sigmas * measurement.strength;
+  const Mat3 noise = sigmas * sigmas * measurement.residual_cov_rad2;
+  const Vec3 innovation = measurement.residual_rad - measurement.strength * wearer_rotation_;
+  const double distance2 = innovation.dot(Mat3(expected + noise).inverse() * innovation);
+  if (distance2 > kThreeNumbers * settings_.neutral_gate * settings_.neutral_gate) return;
   const Eigen::Matrix<double, kStates, 3> kalman =
-      spread * Mat3(expected + noise * (settings_.foretold_every_s / dt_s)).inverse();
-  move_by(kalman * beyond);
+      spread * Mat3(expected + noise * (settings_.predicted_every_s / dt_s)).inverse();
+  move_by(kalman * innovation);
   cov_ = (cov_ - kalman * spread.transpose()).eval();
 }
 
@@ -242,14 +243,14 @@ void HeadingTracker::add(double dt_s, const Quat& q_ear_face, const Quat& q_worl
   world_turn_sum_ += world_ear * turn;
   turn_turn_ += turn.squaredNorm();
 
-  // Least squares of turn = R_h^T e + constant, the constant taken out, the inclinations held near nought.
+  // Least squares of turn = R_h^T e + constant, the constant eliminated, the inclinations by their prior.
   const double frame2 = settings_.frame_sigma_rad * settings_.frame_sigma_rad * settings_.correlated_frames;
   const double hold = frame2 / (settings_.tilt_sigma_rad * settings_.tilt_sigma_rad);
   const Mat3 normal = Mat3(Mat3::Identity() * n_ - world_sum_ * world_sum_.transpose() / n_);
   Mat3 held = normal;
   held(0, 0) += hold;
   held(2, 2) += hold;
-  // A pure turn about the vertical tells nothing of it: a row of noughts, no inverse.
+  // A pure turn about the vertical leaves the heading unobservable: a row of zeros, no inverse.
   if (normal(1, 1) < settings_.min_information) return;
   const Mat3 inverse = held.inverse();
   const double information = 1 / inverse(1, 1);

@@ -35,7 +35,7 @@ Step to_step(Phase phase) {
 
 }  // namespace
 
-PipelineSettings ImuTracker::watching() {
+PipelineSettings ImuTracker::live_settings() {
   PipelineSettings settings;
   settings.calibrates_itself = true;
   return settings;
@@ -62,42 +62,42 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
                                      face::OutputFrame& out) {
   using Event = tracker::CalibrationEvent;
   tracker::TickResult result;
-  const auto tell = [&](Event::Kind kind) { result.calibration.push_back({kind, modality(), {}}); };
+  const auto report = [&](Event::Kind kind) { result.calibration.push_back({kind, modality(), {}}); };
 
   const CalibrationChange change = pipeline_.tick(frame, lines, features_);
   if (change.kind != CalibrationChange::Kind::none) {
-    tell(change.kind == CalibrationChange::Kind::judged ? Event::Kind::judged : Event::Kind::calibrated);
+    report(change.kind == CalibrationChange::Kind::judged ? Event::Kind::judged : Event::Kind::calibrated);
     for (const FoundPhase& found : change.found)
       result.calibration.back().found.push_back({to_step(found.phase), found.begin, found.end});
   }
-  // The nod puts a calibration in force; one that does not hold together is shown by no frame.
+  // The nod puts a calibration in force; one that fails its checks reaches no frame.
   if (guided_until_ && change.kind != CalibrationChange::Kind::none && pipeline_.calibration().complete &&
-      !holds_together()) {
-    undo();
-    tell(Event::Kind::withdrawn);
+      !passes_checks()) {
+    revert_guidance();
+    report(Event::Kind::withdrawn);
     features_.sensors.assign(face_.size(), model::SensorFeature{});
     features_.has_head = false;
   }
   if (guided_until_ && frame >= *guided_until_) {
     guided_until_.reset();
-    if (!holds_together()) {
-      undo();
-      tell(Event::Kind::withdrawn);
+    if (!passes_checks()) {
+      revert_guidance();
+      report(Event::Kind::withdrawn);
     }
   }
   if (const model::ModelFile* file = model_->personal())
     if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file)) {
       use({.slopes = std::move(learnt->slopes), .score = std::move(learnt->score)});
-      tell(Event::Kind::calibrated);
+      report(Event::Kind::calibrated);
     }
-  if (asked_until_ && frame >= *asked_until_) settle();
+  if (asked_until_ && frame >= *asked_until_) end_guidance();
   const auto present =
       static_cast<std::size_t>(std::ranges::count_if(features_.sensors, &model::SensorFeature::has_rotation));
   if (present == 0 && !pipeline_.calibration().complete) {
     out = {};
     out.time = frame;
     out.provenance.fill(face::Provenance::neutral);
-    result.sensors_present = face_.size();  // Nothing is lost: nothing was there yet.
+    result.sensors_present = face_.size();  // Not a loss: there was no calibration yet.
     return result;
   }
   model_->step(features_, out);
@@ -112,7 +112,7 @@ tracker::Guidance ImuTracker::guidance() const {
 void ImuTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (step == Step::none) return;
   if (!guided_until_) {
-    settle();
+    end_guidance();
     wearer_before_ = wearer_;
     wearer_.score.reset();
   }
@@ -133,17 +133,17 @@ void ImuTracker::guide_expression(const tracker::PromptedExpression& asked) {
 }
 
 void ImuTracker::cancel_guidance() {
-  if (asked_until_) undo();
+  if (asked_until_) revert_guidance();
 }
 
-void ImuTracker::settle() {
+void ImuTracker::end_guidance() {
   learner_.cancel();
   guided_until_.reset();
   asked_until_.reset();
 }
 
-void ImuTracker::undo() {
-  settle();
+void ImuTracker::revert_guidance() {
+  end_guidance();
   pipeline_.cancel_marks();
   use(std::move(wearer_before_));
 }
@@ -153,7 +153,7 @@ void ImuTracker::use(Wearer wearer) {
   wearer_ = std::move(wearer);
 }
 
-bool ImuTracker::holds_together() {
+bool ImuTracker::passes_checks() {
   const Calibration& made = pipeline_.calibration();
   const auto failed = [&](std::string_view name) {
     return std::ranges::any_of(made.scores,
@@ -201,11 +201,11 @@ std::vector<sensor::Score> ImuTracker::scores() const {
 Result<void> ImuTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
   MIEN_TRY(pipeline_.restore(calibration));
-  settle();
+  end_guidance();
   Wearer wearer{.slopes = calibration.wearer, .score = {}};
   const model::ModelFile* file = model_->personal();
   if (!wearer.slopes.empty() && (file == nullptr || file->skin->standard.size() != wearer.slopes.size())) {
-    // The rest of the calibration holds all the same.
+    // The rest of the calibration is valid.
     wearer.slopes.clear();
     wearer.score = sensor::Score{.name = "wearer",
                                  .value = 0,

@@ -12,14 +12,15 @@
 
 namespace mien::imu {
 
-/// The skin's IMUs as a tracker: fusion, calibration and removal of the head (Pipeline), then a frame model.
+/// Tracker of the modality "imu": fusion, calibration and removal of the head's motion (Pipeline), then a
+/// frame model.
 class ImuTracker final : public tracker::Tracker {
  public:
-  /// `model` answers for the rig's face sensors, in the rig's order.
+  /// `model` takes features of the rig's face sensors, in the rig's order.
   ImuTracker(const sensor::Rig& rig, std::unique_ptr<tracker::FrameModel> model,
-             const PipelineSettings& settings = watching());
-  /// The live session's settings: calibrates itself.
-  [[nodiscard]] static PipelineSettings watching();
+             const PipelineSettings& settings = live_settings());
+  /// Default settings with self-calibration, for live sessions.
+  [[nodiscard]] static PipelineSettings live_settings();
 
   [[nodiscard]] std::string_view modality() const override { return "imu"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
@@ -37,28 +38,28 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
 
  private:
-  /// The wearer in force.
+  /// The wearer's skin in force.
   struct Wearer {
     std::vector<float> slopes;           // Empty: the model's own.
-    std::optional<sensor::Score> score;  // Of the calibration that was guided last.
+    std::optional<sensor::Score> score;  // Of the last guided calibration.
   };
-  /// Of the calibration that guidance made; says in hint_ why not.
-  bool holds_together();
-  /// Guidance is over: what it made stays.
-  void settle();
-  /// What guidance made is undone.
-  void undo();
+  /// Whether the guided calibration passes its scores; sets hint_ otherwise.
+  bool passes_checks();
+  /// Ends guidance and keeps its calibration.
+  void end_guidance();
+  /// Ends guidance and restores what was in force before it.
+  void revert_guidance();
   void use(Wearer wearer);
 
   std::vector<std::uint16_t> face_;  // Numbers in the rig.
   Pipeline pipeline_;
   std::unique_ptr<tracker::FrameModel> model_;
   model::FeatureFrame features_;
-  std::optional<DeviceTime> guided_until_;  // Its steps' end.
-  std::optional<DeviceTime> asked_until_;   // The end of all that it asks for and learns.
+  std::optional<DeviceTime> guided_until_;  // End of the guided steps.
+  std::optional<DeviceTime> asked_until_;   // End of guidance, learning included.
   std::string_view hint_;
   tracker::WearerLearner learner_;
-  Wearer wearer_, wearer_before_;  // The latter: when guidance began.
+  Wearer wearer_, wearer_before_;  // The latter: in force when guidance began.
 };
 
 }  // namespace mien::imu

@@ -42,7 +42,7 @@ std::optional<FusedSample> OrientationTrack::at(DeviceTime time, Duration silenc
     std::size_t i = 1;
     while (i < size && back(i).time > time) ++i;
     if (i == size) {
-      // Older than all that is kept: the oldest stands for a moment before it.
+      // Older than the buffer: the oldest sample is held backwards for `silence`.
       out = back(size - 1);
       if (out.time - time > silence) return std::nullopt;
     } else {

@@ -9,15 +9,15 @@
 
 namespace mien::imu {
 
-/// One fused sample.
+/// One fused sample, at the sensor's own device time.
 struct FusedSample {
   DeviceTime time;
-  Quat orientation = Quat::Identity();   ///< q_world_sensor.
+  Quat orientation = Quat::Identity();   ///< q_world_sensor, its fusion's world.
   Vec3 force_world_m_s2 = Vec3::Zero();  ///< Specific force in that fusion's world; +g along +Y at rest.
-  Vec3 rate_rad_s = Vec3::Zero();        ///< Without bias, frame S.
+  Vec3 rate_rad_s = Vec3::Zero();        ///< Bias removed, frame S.
 };
 
-/// The newest fused samples of one sensor, and what lies between them. No allocation.
+/// Ring buffer of one sensor's newest fused samples, with interpolation. No allocation.
 class OrientationTrack {
  public:
   /// Times rise from call to call.
@@ -26,9 +26,10 @@ class OrientationTrack {
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] const FusedSample& newest() const { return entries_[(count_ - 1) % kSize]; }
 
-  /// What the sensor read at `time`: interpolated between samples; beyond the newest turned on at its rate
-  /// for `prediction` at most, then held. The force is the mean over a 60th of a second around. None when the
-  /// nearest sample before, or the gap around, is farther than `silence`.
+  /// The sample at `time`: orientation and rate interpolated (slerp, linear) between samples; after the
+  /// newest extrapolated by its rate for `prediction` at most, then held. The force is the mean over a 60th
+  /// of a second about `time`. None where the newest sample before `time`, or the gap about it, is longer
+  /// than `silence`.
   [[nodiscard]] std::optional<FusedSample> at(DeviceTime time, Duration silence, Duration prediction) const;
 
  private:
@@ -37,7 +38,7 @@ class OrientationTrack {
   [[nodiscard]] Vec3 force_around(DeviceTime time) const;
 
   std::array<FusedSample, kSize> entries_;
-  std::size_t count_ = 0;  // Ever added.
+  std::size_t count_ = 0;  // Samples since clear().
 };
 
 }  // namespace mien::imu

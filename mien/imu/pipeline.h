@@ -18,70 +18,77 @@
 
 namespace mien::imu {
 
-/// The steps of the prologue.
+/// Steps of the calibration prologue (docs/method/calibration.md).
 enum class Phase : std::uint8_t {
   neutral,  ///< Face and head still, upright, looking ahead.
   nod,      ///< Face still, the head nods; begins downwards.
   shake,    ///< Face still, the head shakes about the vertical.
 };
 
-/// A phase that was found by watching.
+/// A phase found by self-calibration, [begin, end) on the reference sensor's clock.
 struct FoundPhase {
   Phase phase;
   DeviceTime begin, end;
 };
 
-/// The step that a take's event of this kind marks ("neutral", "nod", "shake"); none for any other.
+/// The phase named by a take's event kind: "neutral", "nod", "shake"; none for any other.
 [[nodiscard]] std::optional<Phase> phase_of(std::string_view event_kind);
 
-/// What became of the calibration at a frame.
+/// Change of the calibration at a frame.
 struct CalibrationChange {
   enum class Kind : std::uint8_t {
     none,
-    calibrated,  ///< A prologue's phase, or watching, put one in force.
-    judged,      ///< The shake scored the one in force.
+    calibrated,  ///< A guided phase or self-calibration put one in force.
+    judged,      ///< A shake scored the one in force.
   };
   Kind kind = Kind::none;
-  std::vector<FoundPhase> found;  ///< The phases by which watching made or judged it.
+  std::vector<FoundPhase> found;  ///< The phases of a self-calibration.
 };
 
+/// Settings of the pipeline. Defaults: docs/method/fusion.md, "Settings of the pipeline".
 struct PipelineSettings {
   FusionSettings fusion;
   HeadingSettings heading;
-  /// Fuse the magnetometer where samples carry one. All headings are then magnetic ones, and Z_i is the
-  /// identity. Off: a heading from a magnetometer near electronics is worse (5 deg) than the relative one
-  /// that nods give.
+  /// Fuse the magnetometer where samples carry one. True: all headings are magnetic, Z_i is the identity, and
+  /// no heading is tracked. False: headings are relative, from nods (a magnetometer near electronics is off
+  /// by 5 deg).
   bool magnetometer = false;
-  /// Follow the headings' drift after the prologue. Off: they stay as the prologue found them.
+  /// Track heading drift after the calibration (HeadingTracker). False: headings stay as the calibration
+  /// found them, and no sensor is left out for its uncertainty.
   bool track_heading = true;
-  /// A sensor whose heading is followed, and with what gaps left of its tilt less sure than this, is missing,
-  /// rad (17 deg): a wrong rotation costs a face more than none. Above what a self-calibration accepts.
+  /// Gating by uncertainty (no hysteresis): a sensor is missing while the standard deviation of its rotation,
+  /// heading (HeadingTracker) and tilt (after gaps) together as a root sum of squares, is above this, rad (17
+  /// deg). A wrong rotation costs a face more than none. Applies while headings are tracked. Raising:
+  /// uncertain sensors stay, more rotations, some of them wrong. Lowering: more sensors are missing. Must
+  /// stay above the 15 deg that a self-calibration accepts, or its sensors are missing from the start.
   double unsure_rad = 0.3;
-  /// While there is no calibration, watch for a still face, a nod and a shake, and calibrate by them.
+  /// Self-calibration: while there is no calibration, detect a still face, a nod and a shake, and calibrate
+  /// by them (docs/method/calibration.md). Live sessions set it (ImuTracker::live_settings()).
   bool calibrates_itself = false;
-  /// A sensor whose newest sample is older than this at a frame is missing. Raising hides drop-outs behind
-  /// held values.
+  /// Time-out: a sensor whose newest sample is older than this at a frame is missing (100 ms). Raising:
+  /// drop-outs hide behind held values. Lowering: sensors are missing sooner.
   Duration silence = std::chrono::milliseconds(100);
-  /// The same for a board that sends nothing while its rotation stays as it is, and no device time.
+  /// The same for a board without device time that sends only changes of its rotation (1 s). Raising and
+  /// lowering: likewise.
   Duration unchanged = std::chrono::seconds(1);
-  /// A frame later than the newest sample is predicted with the last rate, this far at most, and held beyond
-  /// it.
+  /// Longest extrapolation by the last rate where the frame is later than the newest sample; held beyond it
+  /// (25 ms). Raising: less lag behind late samples, more overshoot. Lowering: values are held sooner.
   Duration prediction = std::chrono::milliseconds(25);
 };
 
-/// How well a sensor's rotation is known now, for people and for trackers.
+/// Uncertainty and packet losses of one sensor. Headings are 0 for the ear sensor and with a magnetometer.
 struct SensorStatus {
-  double heading_rad = 0;        ///< Z_i in force.
-  double heading_sigma_rad = 0;  ///< Its standard deviation; grows while nothing tells it.
-  double tilt_sigma_rad = 0;     ///< What gaps left of its tilt, and gravity has not mended.
-  std::uint64_t dropped = 0;     ///< Samples that came out of order or twice.
-  std::uint64_t lost = 0;        ///< Samples that never came, as the gaps in device time tell.
+  double heading_rad = 0;        ///< Z_i now, (-pi, pi].
+  double heading_sigma_rad = 0;  ///< Its standard deviation; grows without measurements.
+  double tilt_sigma_rad = 0;     ///< Of its tilt after gaps, until gravity has corrected it.
+  std::uint64_t dropped = 0;     ///< Samples that arrived out of order or twice.
+  std::uint64_t lost = 0;        ///< Samples that never arrived, by gaps in device time.
 };
 
-/// From decoded IMU samples to features: fusion, prologue, removal of the head's rotation, head-relative
+/// From decoded IMU samples to features: fusion, calibration, removal of the head's rotation, head-relative
 /// acceleration. A pure function of the calls, in their order: live and replay give the same bits. Method:
-/// docs/method/fusion.md. Thread: one at a time. No allocation in add and tick after the first tick, but
-/// where a calibration is made (once a phase).
+/// docs/method/fusion.md; symbols (Z_i, N_i, P_i, C): docs/reference/frames.md. Thread: one at a time. No
+/// allocation in add and tick after the first tick, but where a calibration is made (once a phase).
 class Pipeline {
  public:
   explicit Pipeline(const sensor::Rig& rig, const PipelineSettings& settings = {});
@@ -89,39 +96,39 @@ class Pipeline {
   Pipeline& operator=(Pipeline&&) noexcept;
   ~Pipeline();
 
-  /// A prologue phase in reference-device time, [begin, end); given before the tick of its begin.
+  /// A guided phase, [begin, end) on the reference sensor's clock; given before the tick of its begin. An
+  /// empty one is ignored.
   void mark(Phase phase, DeviceTime begin, DeviceTime end);
-  /// Forgets the marks; what was in force before the first of them, since none ran, is in force again.
+  /// Cancels guidance: the calibration in force before the first mark is restored.
   void cancel_marks();
 
-  /// A decoded sample as it arrives. Order of calls is the log's order. Samples of unknown sensors and of
-  /// other modalities are ignored.
+  /// A decoded sample as it arrives, in the log's order. Ignored: samples of unknown sensors, of other
+  /// modalities, with values that are not finite, out of order.
   void add(const sensor::Sample& sample);
-  /// The sensor's next samples are another board's: another bias, clock and heading, and fixed in another
-  /// way. Without a neutral of its own a face sensor is missing until the next calibration; without the
-  /// ear's there is none.
+  /// The sensor's next samples come from another board, with another bias, clock, heading and mounting. A
+  /// face sensor is then missing until the next calibration; for the ear sensor the calibration is discarded.
   void forget(std::uint16_t sensor);
 
   /// Features of the frame at `frame` (reference sensor's clock): orientations interpolated between fused
-  /// samples, or predicted, then held, when nothing newer came; a sensor silent for longer than the limit is
-  /// missing, and so is every one before a calibration. `out.sensors` gets one entry a face sensor. Samples
-  /// of the lab profile need no calibration. `lines`: every sensor's clock, with all samples that were added.
+  /// samples, or extrapolated, then held. Missing are sensors silent for longer than the limit, sensors too
+  /// uncertain (unsure_rad), and all before a calibration. `out.sensors`: one entry a face sensor, in the
+  /// rig's order: rotation E_i and acceleration, frame H. Samples of the profile "lab" need no calibration.
+  /// `lines`: every sensor's clock model, with all samples that were added.
   CalibrationChange tick(DeviceTime frame, const sensor::TimeLines& lines, model::FeatureFrame& out);
 
-  /// After the prologue; identity before, and for lab.
+  /// The calibration in force; identity before one, and for the profile "lab".
   [[nodiscard]] const Calibration& calibration() const;
-  /// The same with the headings as they are followed now, and neutrals with what the adhesive has crept: what
-  /// restore() may put in force again.
+  /// The same with the present headings and the adhesive's creep in the neutrals: for restore().
   [[nodiscard]] Calibration calibration_now() const;
-  /// The phase that runs, or that is watched for; none when a calibration is in force and nothing runs.
+  /// The guided phase in progress, or the one that self-calibration waits for; none otherwise.
   [[nodiscard]] std::optional<Phase> phase() const;
-  /// Why the last nod that was watched did not do; empty when it did.
+  /// Why self-calibration rejected the last nod; empty otherwise. A string literal.
   [[nodiscard]] std::string_view hint() const;
-  /// Puts an earlier calibration in force. Headings of six-axis fusions hold only within one session.
+  /// Puts an earlier calibration in force. Headings of six-axis fusions are valid only within one session.
   /// Errors: mismatch (another number of sensors).
   [[nodiscard]] Result<void> restore(const Calibration& calibration);
 
-  /// Of one sensor of the rig, by its number in the rig.
+  /// Status of one sensor, by its number in the rig; zeros for any other number.
   [[nodiscard]] SensorStatus status(std::uint16_t sensor) const;
 
  private:

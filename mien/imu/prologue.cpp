@@ -11,35 +11,36 @@
 namespace mien::imu {
 namespace {
 
-/// Frames of neutral, and of a nod, that a calibration is made of at least: half a second.
+/// Least number of frames of a hold, and of a nod: half a second.
 constexpr std::size_t kMinFrames = 30;
-/// A head that turned so far from neutral has begun its nod.
+/// A nod has begun when the head has turned this far from neutral.
 constexpr double kFirstTurn = 4 * kRadPerDeg;
-/// Frames further apart, s, tell no angular acceleration.
+/// Longest interval of frames from which angular acceleration is differentiated, s.
 constexpr double kMaxStep_s = 0.05;
-/// Of the face's sensors ahead of the ear, m, and what a nod makes of it, m/s^2 for each radian that the head
-/// turns: nods tell which way is ahead where both are more. They are about 0.09 and, at half a hertz, 0.9
-/// (docs/method/fusion.md); faults of the accelerometers, which turn with the head, come to 0.1 to 0.3.
+/// Least lever arm of the face sensors ahead of the ear, m, and least acceleration that a nod makes of it,
+/// m/s^2 per radian of the head's turn, for the sign of ahead to be taken from the nod's swing. Usual are
+/// 0.09 and, at half a hertz, 0.9 (docs/method/calibration.md); accelerometer errors, which turn with the
+/// head, reach 0.1 to 0.3.
 constexpr double kMinAhead_m = 0.03;
 constexpr double kMinSwing_m_s2_rad = 0.4;
 
-// What passes. A nod of 10 degrees finds the heading to a few degrees; the others tell a step that was not
-// done as asked.
-constexpr double kMaxStillRate = 4 * kRadPerDeg;   // Of the head in the hold, RMS, rad/s.
-constexpr double kMaxFaceSpread = 2 * kRadPerDeg;  // Of the worst sensor against the head in the hold.
+// Limits of the scores. A nod of 10 degrees determines the heading to a few degrees; the others show a step
+// that was not done as asked.
+constexpr double kMaxStillRate = 4 * kRadPerDeg;   // Head's RMS rate in the hold, rad/s.
+constexpr double kMaxFaceSpread = 2 * kRadPerDeg;  // Worst sensor against the head in the hold, rad.
 constexpr double kMinNod = 10 * kRadPerDeg;
 constexpr double kMinShake = 10 * kRadPerDeg;
 constexpr double kMinAxisShare = 0.8;
-constexpr double kMaxNodTilt = 20 * kRadPerDeg;    // Of the nod's axis out of the horizontal.
-constexpr double kMaxShakeTilt = 20 * kRadPerDeg;  // Of the shake's axis off the vertical.
+constexpr double kMaxNodTilt = 20 * kRadPerDeg;    // Nod's axis from the horizontal, rad.
+constexpr double kMaxShakeTilt = 20 * kRadPerDeg;  // Shake's axis from the vertical, rad.
 constexpr double kMaxHeadingSigma = 3 * kRadPerDeg;
 
 sensor::Score score(std::string name, double value, const char* unit, bool pass, std::string sentence) {
   return {std::move(name), value, unit, pass, std::move(sentence)};
 }
 
-/// Whether the face's sensors are ahead of the head's (1), behind it (-1) or neither, where a rig says; ahead
-/// where it does not.
+/// Whether the face sensors are ahead of the head's sensor (1), behind it (-1) or beside it (0), by the rig's
+/// positions; 1 without positions.
 double face_side(const sensor::Rig& rig) {
   double sum_m = 0, count = 0;
   for (const std::uint16_t index : rig.face_sensors()) {
@@ -99,9 +100,9 @@ double Prologue::ahead_m(const Vec3& left) const {
     count += static_cast<double>(swing.count);
   }
   if (!(variance > 0)) return 0;
-  // A head that begins to go down takes what is ahead of the ear down: left x ahead = -up.
+  // A head that starts to nod down moves what is ahead of the ear down: left x ahead = -up.
   const double ahead = -face_side_ * covariance / variance;
-  // A slow nod hardly swings, and what an accelerometer is off turns with the head, too.
+  // A slow nod gives little acceleration, and accelerometer errors turn with the head.
   const double rate2 = left.dot(nodding_.rate_square * left) / static_cast<double>(nodding_.count);
   const double swing_m_s2_rad = std::abs(ahead) * (variance / count) / rate2;
   return std::abs(ahead) >= kMinAhead_m && swing_m_s2_rad >= kMinSwing_m_s2_rad ? ahead : 0;
@@ -213,7 +214,7 @@ Calibration Prologue::solve() const {
                                  ? "the face held still"
                                  : "the face moved while holding still; relax and hold still again"));
 
-  // C: up from gravity, left from the nod's axis, which turns positively when the head goes down.
+  // C: up from gravity, left from the nod's axis, about which a nod down is positive.
   const Vec3 up = ear_up_sum_.normalized();
   const Vec3 nod_axis = nodding_.axis();
   const Vec3 level = nod_axis - up * up.dot(nod_axis);
@@ -232,8 +233,8 @@ Calibration Prologue::solve() const {
   Vec3 left = level.normalized();
   if (left.dot(*first_turn_) < 0) left = -left;
 
-  // The face is ahead of the ear, as its swing tells, and its mean outward direction is forward: both
-  // overrule the nod's beginning, which may have been lost or done the other way.
+  // The lever arm by the nod's swing, then the mean outward axis, take precedence over the nod's beginning,
+  // which may have been lost or done the other way.
   Vec3 outward = Vec3::Zero();
   for (std::size_t i = 0; i < names_.size(); ++i)
     if (outward_[i] && out.sensors[i].valid) outward += out.sensors[i].neutral * *outward_[i];

@@ -10,28 +10,29 @@ namespace {
 
 constexpr double kSmoothing_s = 0.1;
 
-// Stillness: a living head sways at a degree a second, and a gyroscope whose bias is not found yet adds some.
+// Stillness: a head held still sways at a degree a second, and a gyroscope adds its bias until that is
+// estimated.
 constexpr double kStillHead = 5 * kRadPerDeg;  // rad/s.
 constexpr double kStillFace = 6 * kRadPerDeg;
-constexpr double kStill_s = 0.8;  // Before a hold counts: biases are being found.
-/// Frames of hold that a calibration is made of at least, s.
+constexpr double kStill_s = 0.8;  // Before a hold begins: biases are being estimated.
+/// Least length of the hold of a calibration, s.
 constexpr double kMinHold_s = 0.6;
-/// A hold is forgotten after this time, when one that began half of it later takes its place, s.
+/// Longest hold, s; a later one, begun after half of it, then takes its place.
 constexpr double kMaxHold_s = 10;
 
-// Gestures: a head that turns faster than this has begun one, and one that is slow and back where it was for
-// a moment has ended it.
+// Gestures begin when the head's rate exceeds kOnset, and end when it has been slow and within kBack of the
+// hold for kSettled_s.
 constexpr double kOnset = 8 * kRadPerDeg;  // rad/s.
 constexpr double kBack = 8 * kRadPerDeg;   // From where the hold ended, rad.
-constexpr double kCalm_s = 0.25;
+constexpr double kSettled_s = 0.25;
 constexpr double kMinGesture_s = 0.7;
 constexpr double kMaxGesture_s = 12;
 constexpr double kWaitForShake_s = 4;
-constexpr double kNod = 10 * kRadPerDeg;  // Smaller is none.
+constexpr double kNod = 10 * kRadPerDeg;  // Least amplitude of a nod, rad.
 constexpr double kVerticalShare = 0.8;
-/// A heading as unsure as this is still better than none: the trackers go on from it, and its score says so.
-/// Boards without a time of their own reach 4 to 12 degrees in their first seconds; a face that talks through
-/// the nod, 20 and more.
+/// Largest standard deviation of an accepted heading, rad: HeadingTracker goes on from it, and its score
+/// shows it. Boards without device time reach 4 to 12 degrees in their first seconds; a face that talks
+/// during the nod, 20 and more.
 constexpr double kUsefulHeading = 15 * kRadPerDeg;
 
 bool turns_about_vertical(const Prologue::Frame& frame) {
@@ -85,7 +86,7 @@ void SelfCalibration::forget() {
   solution_ = {};
   last_.reset();
   head_rate_ = face_rate_ = 0;
-  segment_s_ = calm_s_ = farthest_ = 0;
+  segment_s_ = settled_s_ = farthest_ = 0;
 }
 
 void SelfCalibration::measure(const Prologue::Frame& frame, double dt_s) {
@@ -95,7 +96,7 @@ void SelfCalibration::measure(const Prologue::Frame& frame, double dt_s) {
   for (const Prologue::Frame::Face& face : frame.face)
     if (face.present) rates_.push_back(face.rate_rad_s.norm());
   if (rates_.empty()) return;
-  // The middle one: a sensor that lies must not hold everybody up.
+  // The median: one faulty sensor must not prevent calibration.
   const auto middle = rates_.begin() + static_cast<std::ptrdiff_t>(rates_.size() / 2);
   std::nth_element(rates_.begin(), middle, rates_.end());
   face_rate_ += share * (*middle - face_rate_);
@@ -127,7 +128,7 @@ void SelfCalibration::hold(DeviceTime time, const Prologue::Frame& frame, double
 void SelfCalibration::begin_shake(DeviceTime time) {
   prologue_.begin_shake();
   spans_[2].begin = time;
-  segment_s_ = calm_s_ = 0;
+  segment_s_ = settled_s_ = 0;
   state_ = State::shaking;
 }
 
@@ -149,7 +150,7 @@ SelfCalibration::Outcome SelfCalibration::end_nod(DeviceTime time) {
   }
   const sensor::Score* axis = find(made.scores, "nod axis");
   if (axis != nullptr && !axis->pass) {
-    // Who shakes first may nod at once.
+    // After a shake a nod may follow at once.
     hint_ = "that was no nod; nod straight down and up";
     state_ = State::holding;
     return Outcome::nothing;
@@ -171,7 +172,7 @@ SelfCalibration::Outcome SelfCalibration::add(DeviceTime time, const Prologue::F
   measure(frame, dt_s);
   const bool still = head_rate_ < kStillHead && face_rate_ < kStillFace;
   const bool back = head_rate_ < kOnset && hold_ear_.angularDistance(frame.q_world_ear) < kBack;
-  calm_s_ = back ? calm_s_ + dt_s : 0;
+  settled_s_ = back ? settled_s_ + dt_s : 0;
 
   switch (state_) {
     case State::restless:
@@ -191,12 +192,12 @@ SelfCalibration::Outcome SelfCalibration::add(DeviceTime time, const Prologue::F
         }
         prologue_.begin_nod();
         spans_[1].begin = time;
-        segment_s_ = calm_s_ = farthest_ = 0;
+        segment_s_ = settled_s_ = farthest_ = 0;
         state_ = State::nodding;
       } else if (still) {
         hold(time, frame, dt_s);
       } else if (head_rate_ < kStillHead) {
-        restart();  // The face moves while the head does not.
+        restart();  // The face moved while the head was still.
       }
       return Outcome::nothing;
 
@@ -205,7 +206,7 @@ SelfCalibration::Outcome SelfCalibration::add(DeviceTime time, const Prologue::F
       segment_s_ += dt_s;
       const double turned = hold_ear_.angularDistance(frame.q_world_ear);
       farthest_ = std::max(farthest_, turned);
-      if (segment_s_ >= kMinGesture_s && calm_s_ >= kCalm_s) return end_nod(time);
+      if (segment_s_ >= kMinGesture_s && settled_s_ >= kSettled_s) return end_nod(time);
       // A shake may follow without a rest: the head then turns about the vertical, from where it was.
       if (segment_s_ >= kMinGesture_s && farthest_ >= kNod && turned < kBack && head_rate_ >= kOnset &&
           turns_about_vertical(frame)) {
@@ -233,7 +234,7 @@ SelfCalibration::Outcome SelfCalibration::add(DeviceTime time, const Prologue::F
       prologue_.add_shake(frame);
       segment_s_ += dt_s;
       if (segment_s_ > kMaxGesture_s) state_ = State::finished;
-      if (segment_s_ < kMinGesture_s || calm_s_ < kCalm_s) return Outcome::nothing;
+      if (segment_s_ < kMinGesture_s || settled_s_ < kSettled_s) return Outcome::nothing;
       solution_.scores = prologue_.solve().scores;
       spans_[2].end = time;
       state_ = State::finished;

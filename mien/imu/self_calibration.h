@@ -12,38 +12,39 @@
 
 namespace mien::imu {
 
-/// Watches a wearer who has no calibration for a still face, a nod and a shake, and makes one of them: the
-/// first second of stillness is neutral until a nod follows. A shake that follows the nod adds its score.
-/// Nothing else that a head does calibrates; a nod that does not do is said in hint(). Fed with one frame of
-/// the grid after the other. Thread: one at a time; allocates where a nod has ended.
+/// Self-calibration: detects a still face, a nod and a shake in the frames of the 60 Hz grid, and calibrates
+/// by them (Prologue). A second of stillness is the neutral hold until a nod follows; a shake after the nod
+/// adds its score. A nod that fails a check gives hint(). Thresholds: docs/method/calibration.md. Thread: one
+/// at a time; allocates where a nod has ended.
 class SelfCalibration {
  public:
   explicit SelfCalibration(const sensor::Rig& rig);
 
   enum class Outcome {
     nothing,
-    calibrated,  ///< solution() is a new calibration: a nod was good.
-    judged,      ///< solution() has the shake's score besides.
+    calibrated,  ///< solution() is a new calibration, by hold and nod.
+    judged,      ///< solution() now includes the shake's score.
   };
-  /// `frame.face[i].rate_rad_s` is needed; frames without the ear sensor are not given.
+  /// The next frame, with the ear sensor present and `frame.face[i].rate_rad_s` of each present face sensor.
   Outcome add(DeviceTime time, const Prologue::Frame& frame);
   [[nodiscard]] const Calibration& solution() const { return solution_; }
 
-  /// Begins anew, as if nothing had been seen: the ear sensor is another one.
+  /// Resets everything: the ear sensor was replaced.
   void forget();
 
-  /// What is waited for, or runs: "neutral", "nod", "shake".
+  /// The step in progress or waited for: "neutral", "nod", "shake".
   [[nodiscard]] std::string_view step() const;
+  /// Why the last nod was rejected; empty otherwise. A string literal.
   [[nodiscard]] std::string_view hint() const { return hint_; }
-  /// The wearer may well be holding still: fusion looks for rest.
+  /// Whether the wearer may be holding still: for Fusion::expect_rest().
   [[nodiscard]] bool expects_rest() const { return state_ == State::restless || state_ == State::holding; }
-  /// After a nod was good a shake is waited for; then all is said.
+  /// True once the nod was accepted and the shake has come or its time has passed.
   [[nodiscard]] bool finished() const { return state_ == State::finished; }
 
   struct Span {
     DeviceTime begin, end;
   };
-  /// When the steps of solution() were: neutral, nod, shake (empty when none came).
+  /// Times of the steps of solution(): neutral, nod, shake (empty without one).
   [[nodiscard]] const std::array<Span, 3>& spans() const { return spans_; }
 
  private:
@@ -54,8 +55,8 @@ class SelfCalibration {
   void begin_shake(DeviceTime time);
   void restart();
 
-  Prologue prologue_;  // Its hold is the one that counts.
-  Prologue next_;      // A hold that began later, for those who sit still for minutes.
+  Prologue prologue_;  // With the current hold.
+  Prologue next_;      // A later hold, which replaces one that lasts for minutes.
   Calibration solution_;
   std::array<Span, 3> spans_{};
   State state_ = State::restless;
@@ -65,10 +66,10 @@ class SelfCalibration {
   double face_rate_ = 0;  // Median of the face's sensors, smoothed.
   double still_s_ = 0;
   double hold_s_ = 0;
-  double next_s_ = -1;  // Below 0: not begun.
+  double next_s_ = -1;  // Length of the later hold; below 0: none.
   double segment_s_ = 0;
-  double calm_s_ = 0;
-  double farthest_ = 0;               // Of the head from the hold, in this nod, rad.
+  double settled_s_ = 0;
+  double farthest_ = 0;               // Largest angle of the head from the hold in this nod, rad.
   Quat hold_ear_ = Quat::Identity();  // The head at the hold's end.
   std::vector<double> rates_;
 };

@@ -12,25 +12,26 @@ namespace {
 
 using Eigen::Index;
 
-/// What a component of a rotation is off besides the heading, rad (0.7 deg): inclination, slip, mounting.
+/// Standard deviation of a rotation's component besides the heading error, rad (0.7 deg): inclination, creep,
+/// mounting.
 constexpr double kOffRad = 0.012;
-/// How far skin of which nothing is known turns, rad (10 deg).
+/// Prior standard deviation of a component for sensors without statistics, rad (10 deg).
 constexpr double kUnknownRad = 0.17;
-/// Of a sensor that was not seen, rad^2: it says nothing.
+/// Variance of a missing sensor's components, rad^2: no information.
 constexpr double kUnseenRad2 = 1e6;
-/// Of a heading, rad^2: its own turn says nothing of how others turn.
+/// Prior variance of a heading, rad^2: a turn about the vertical carries no information on other sensors.
 constexpr double kHeadingRad2 = 1;
-/// A face that hardly moves still strays a little; and one that moves most strongly is told from no more.
+/// Bounds of SkinMeasurement::strength: residuals never vanish, and few sensors overestimate it.
 constexpr double kLeastStrength = 0.15, kMostStrength = 4;
 
 }  // namespace
 
 SkinTurns::SkinTurns(const sensor::SkinMotion& motion, std::span<const std::string> face_sensors)
-    : seen_(face_sensors.size()), readings_(face_sensors.size()) {
+    : present_(face_sensors.size()), measurements_(face_sensors.size()) {
   const auto size = static_cast<Index>(3 * face_sensors.size());
   noise_rad2_ = turn_rad_ = weighed_ = Eigen::VectorXd::Zero(size);
   factor_ = inverse_ = Eigen::MatrixXd::Zero(size, size);
-  // A face at rest is at neutral, so what counts is the square about that, not about the mean.
+  // A face at rest is at neutral, so the second moment is about neutral, not about the mean.
   Eigen::VectorXd mean_rad = Eigen::VectorXd::Zero(size);
   Eigen::MatrixXd muscles = Eigen::MatrixXd::Zero(size, motion.factor_deg.cols());
   Eigen::VectorXd own_rad2 = Eigen::VectorXd::Constant(size, kOffRad * kOffRad);
@@ -48,20 +49,21 @@ SkinTurns::SkinTurns(const sensor::SkinMotion& motion, std::span<const std::stri
   moment_rad2_ = muscles * muscles.transpose() + mean_rad * mean_rad.transpose();
   moment_rad2_.diagonal() += own_rad2;
   clear();
-  for (std::size_t i = 0; i < face_sensors.size(); ++i) see(i, Vec3::Zero());
+  for (std::size_t i = 0; i < face_sensors.size(); ++i) add(i, Vec3::Zero());
   solve(Vec3::UnitY());
-  for (const SkinReading& reading : readings_) usual_strays_rad2_.push_back(reading.strays_rad2);
+  for (const SkinMeasurement& measurement : measurements_)
+    nominal_cov_rad2_.push_back(measurement.residual_cov_rad2);
 }
 
 void SkinTurns::clear() {
-  seen_.assign(seen_.size(), false);
+  present_.assign(present_.size(), false);
   turn_rad_.setZero();
   noise_rad2_.setConstant(kUnseenRad2);
 }
 
-void SkinTurns::see(std::size_t sensor, const Vec3& rotation_vector, double tilt_sigma_rad) {
+void SkinTurns::add(std::size_t sensor, const Vec3& rotation_vector, double tilt_sigma_rad) {
   const auto at = static_cast<Index>(3 * sensor);
-  seen_[sensor] = true;
+  present_[sensor] = true;
   turn_rad_.segment<3>(at) = rotation_vector;
   noise_rad2_.segment<3>(at).setConstant(tilt_sigma_rad * tilt_sigma_rad);
 }
@@ -70,33 +72,35 @@ void SkinTurns::solve(const Vec3& up) {
   factor_ = moment_rad2_;
   factor_.diagonal() += noise_rad2_;
   double tilts = 0;
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    if (!seen_[i]) continue;
+  for (std::size_t i = 0; i < present_.size(); ++i) {
+    if (!present_[i]) continue;
     tilts += 2;
     const auto at = static_cast<Index>(3 * i);
     // log(exp(e up) exp(r)) to the first order of e and the second of r.
     const Vec3 turn = turn_rad_.segment<3>(at), sideways = turn.cross(up);
-    readings_[i].about = up - 0.5 * sideways + turn.cross(sideways) / 12;
-    factor_.block<3, 3>(at, at) += kHeadingRad2 * readings_[i].about * readings_[i].about.transpose();
+    measurements_[i].heading_jacobian = up - 0.5 * sideways + turn.cross(sideways) / 12;
+    factor_.block<3, 3>(at, at) +=
+        kHeadingRad2 * measurements_[i].heading_jacobian * measurements_[i].heading_jacobian.transpose();
   }
   Eigen::Ref<Eigen::MatrixXd> all(factor_);
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(all);
   inverse_.setIdentity();
   factor.solveInPlace(inverse_);
   weighed_.noalias() = inverse_ * turn_rad_;
-  // Headings count for nothing in this square, so what is left are two tilts a sensor.
+  // Headings are marginalised, so this is a Mahalanobis distance over two tilts a sensor.
   const double strength =
       std::clamp(std::sqrt(turn_rad_.dot(weighed_) / std::max(tilts, 1.0)), kLeastStrength, kMostStrength);
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    if (!seen_[i]) continue;
-    // Of jointly normal numbers with the inverse covariance K, x_i given all others has the covariance
-    // K_ii^-1, and x_i less its mean given them is K_ii^-1 (K x)_i.
+  for (std::size_t i = 0; i < present_.size(); ++i) {
+    if (!present_[i]) continue;
+    // Conditional Gaussian with the precision matrix K: x_i given all others has the covariance K_ii^-1, and
+    // the residual x_i less its conditional mean is K_ii^-1 (K x)_i.
     const auto at = static_cast<Index>(3 * i);
-    SkinReading& reading = readings_[i];
+    SkinMeasurement& measurement = measurements_[i];
     const Mat3 given_others = inverse_.block<3, 3>(at, at).inverse();
-    reading.beyond_rad = given_others * weighed_.segment<3>(at);
-    reading.strays_rad2 = given_others - kHeadingRad2 * reading.about * reading.about.transpose();
-    reading.strength = strength;
+    measurement.residual_rad = given_others * weighed_.segment<3>(at);
+    measurement.residual_cov_rad2 =
+        given_others - kHeadingRad2 * measurement.heading_jacobian * measurement.heading_jacobian.transpose();
+    measurement.strength = strength;
   }
 }
 

@@ -11,51 +11,52 @@
 
 namespace mien::imu {
 
-/// What a sensor's rotation says of its heading, from how skin turns. All of frame H.
-struct SkinReading {
-  /// Its rotation vector beyond what all sensors' tilts foretell of it, rad.
-  Vec3 beyond_rad = Vec3::Zero();
-  /// What an error of the heading adds to a rotation vector, for each radian: about the vertical, as seen
-  /// from the rotation that there is.
-  Vec3 about = Vec3::UnitY();
-  /// How far skin strays from what is foretold while a face moves as people's do on the whole, rad^2, ...
-  Mat3 strays_rad2 = Mat3::Identity();
-  /// ... and how strongly it moves now: skin strays in that proportion, both as people differ, and from one
-  /// moment to the next.
+/// A sensor's rotation as a measurement of its heading error. All of frame H.
+struct SkinMeasurement {
+  /// Residual: rotation vector less its prediction by all sensors' tilts, rad.
+  Vec3 residual_rad = Vec3::Zero();
+  /// Change of the rotation vector per radian of heading error: u_i of docs/method/fusion.md. Length about 1.
+  Vec3 heading_jacobian = Vec3::UnitY();
+  /// Covariance of the prediction while a face moves as strongly as people do on average: C_i, rad^2.
+  Mat3 residual_cov_rad2 = Mat3::Identity();
+  /// How strongly the face moves now, against that average, 0.15 to 4: the residual's standard deviation and
+  /// the wearer-specific skin rotation are proportional to it.
   double strength = 1;
 };
 
-/// Tells headings by how skin turns. Gravity holds two of the three components of every sensor's rotation;
-/// the third, about the vertical, is as wrong as the sensor's heading. But skin does not turn as it likes:
-/// what gravity holds, of all sensors together, foretells each one's rotation, and what is seen beyond is
-/// heading's error or the skin's own way. A face at rest has hardly any way of its own: how strongly it moves
-/// is told by all tilts, too. Method and what it is worth: docs/method/fusion.md.
+/// Predicts each sensor's rotation from all sensors' tilts, to make heading errors observable. Gravity
+/// determines two components of every sensor's rotation; the third, about the vertical, contains the heading
+/// error. Rotations of skin are correlated over the face, so the tilts together predict each rotation
+/// (Gaussian conditioning on the rig's `[skin]` statistics), and the residual is heading error or
+/// wearer-specific. Deviations scale with how strongly the face moves, which the tilts show too. Formulas:
+/// docs/method/fusion.md, "How skin turns". Thread: one at a time.
 class SkinTurns {
  public:
-  /// `face_sensors`: names, in the order of see()'s numbers. Of one that `motion` does not tell of, nothing
-  /// is foretold.
+  /// `face_sensors`: names, in the order of the numbers of add(). A sensor that `motion` lacks gets a broad
+  /// prior (10 degrees an axis, uncorrelated).
   SkinTurns(const sensor::SkinMotion& motion, std::span<const std::string> face_sensors);
 
-  /// A new frame, in which no sensor was seen.
+  /// Begins a frame: no sensor is present.
   void clear();
-  /// A face sensor's rotation vector against its neutral, frame H, rad, by the heading it has now; and how
-  /// unsure what gravity holds of it is, rad, one sigma, beyond what any sensor's is.
-  void see(std::size_t sensor, const Vec3& rotation_vector, double tilt_sigma_rad = 0);
-  /// Works out the readings of the sensors that were seen, for the vertical `up`, frame H. No allocation.
+  /// A present sensor's rotation vector from its neutral, at its current heading, frame H, rad; and the
+  /// additional standard deviation of its tilt (after gaps), rad.
+  void add(std::size_t sensor, const Vec3& rotation_vector, double tilt_sigma_rad = 0);
+  /// Computes the measurements of the present sensors, for the vertical `up`, unit, frame H. No allocation.
   void solve(const Vec3& up);
-  [[nodiscard]] const SkinReading& operator[](std::size_t sensor) const { return readings_[sensor]; }
-  /// strays_rad2 of its readings while the face rests, the head is upright and all sensors are there.
-  [[nodiscard]] const Mat3& usual_strays_rad2(std::size_t sensor) const { return usual_strays_rad2_[sensor]; }
+  /// Of a sensor that was present at the last solve().
+  [[nodiscard]] const SkinMeasurement& operator[](std::size_t sensor) const { return measurements_[sensor]; }
+  /// Its residual_cov_rad2 for a face at neutral, the head upright and all sensors present.
+  [[nodiscard]] const Mat3& nominal_cov_rad2(std::size_t sensor) const { return nominal_cov_rad2_[sensor]; }
 
  private:
-  Eigen::MatrixXd
-      moment_rad2_;  // Mean square of rotation vectors and of what every sensor is off, 3 n x 3 n.
-  std::vector<bool> seen_;
-  std::vector<SkinReading> readings_;
-  std::vector<Mat3> usual_strays_rad2_;
-  Eigen::VectorXd noise_rad2_;  // Of this frame's components besides.
-  Eigen::VectorXd turn_rad_;    // What was seen.
-  // Of solve(): the factor of all of the mean square, its inverse, and the inverse times what was seen.
+  // M: second moment of the rotation vectors about neutral, and every sensor's own error, 3n x 3n.
+  Eigen::MatrixXd moment_rad2_;
+  std::vector<bool> present_;
+  std::vector<SkinMeasurement> measurements_;
+  std::vector<Mat3> nominal_cov_rad2_;
+  Eigen::VectorXd noise_rad2_;  // This frame's additional variance of each component.
+  Eigen::VectorXd turn_rad_;    // Rotation vectors of the present sensors.
+  // Of solve(): the factor of M and its additions, the inverse K, and K times the rotation vectors.
   Eigen::MatrixXd factor_, inverse_;
   Eigen::VectorXd weighed_;
 };

@@ -21,13 +21,13 @@ constexpr std::byte kKey{0x50};
 constexpr std::uint8_t kIntel = 84;
 constexpr std::uint8_t kDec = 85;
 constexpr std::uint8_t kMips = 86;
-/// A file of thousands of parameters is none.
+/// Most parameters of a plausible file.
 constexpr std::size_t kMaxParameters = 4096;
 constexpr double kMaxRateHz = 100'000;
-/// What 16 bits say when there are more frames than they can count.
+/// Frame count in 16 bits when there are more frames.
 constexpr double kManyFrames = 65535;
 
-/// One parameter, as it lies in the file.
+/// One parameter, as stored in the file.
 struct Parameter {
   std::int8_t group = 0;
   std::string_view name;
@@ -53,7 +53,7 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// The records of the parameter section, each of which says where the next one is.
+/// The records of the parameter section: a list linked by offsets.
 Result<Parameters> read_parameters(std::span<const std::byte> section, const std::string& name) {
   Parameters parameters;
   std::size_t at = 4;
@@ -75,7 +75,7 @@ Result<Parameters> read_parameters(std::span<const std::byte> section, const std
       const auto dimensions = reader.little<std::uint8_t>();
       if (dimensions > 7)
         return fail(ErrorCode::malformed, "a parameter of more than seven dimensions", name);
-      // At most 255^7 would overflow nothing here: each step is held to what is left.
+      // No overflow: each factor is checked against the bytes left.
       std::size_t size = static_cast<std::size_t>(std::abs(int{parameter.type}));
       for (std::uint8_t d = 0; d < dimensions; ++d) {
         parameter.sizes.push_back(reader.little<std::uint8_t>());
@@ -94,7 +94,7 @@ Result<Parameters> read_parameters(std::span<const std::byte> section, const std
   return parameters;
 }
 
-/// The first number of a parameter; integers without sign, since counts beyond 32767 are written so.
+/// First number of a parameter; integers as unsigned, since counts beyond 32767 are stored so.
 Result<double> number_of(const Parameters& parameters, std::string_view what, const std::string& name) {
   const Parameter* parameter = parameters.of_points(what);
   if (parameter != nullptr && !parameter->data.empty()) {
@@ -108,7 +108,7 @@ Result<double> number_of(const Parameters& parameters, std::string_view what, co
   return fail(ErrorCode::malformed, fmt::format("POINT:{} is no number, or is not there", what), name);
 }
 
-/// Names of the points: LABELS, LABELS2, ... each of some rows of letters.
+/// Names of the points: LABELS, LABELS2, ..., each a table of characters.
 std::vector<std::string> labels_of(const Parameters& parameters, std::size_t points) {
   std::vector<std::string> labels;
   for (std::size_t list = 1; labels.size() < points; ++list) {
@@ -141,7 +141,7 @@ Vec3f point_from(ByteReader& reader, double scale) {
   return residual >= 0 && position.allFinite() ? Vec3f(position.cast<float>()) : kLostMarker;
 }
 
-/// How many frames at the end are nothing but zeros, in the last block: C3D files end with a whole one.
+/// Number of all-zero frames at the end, within the padding of the last block.
 std::size_t padding_frames(std::span<const std::byte> data, std::size_t frame_bytes, std::size_t frames) {
   std::size_t count = 0;
   while (count < frames && (count + 1) * frame_bytes < kBlockBytes &&
@@ -185,7 +185,7 @@ Result<MarkerRecording> parse_c3d(std::span<const std::byte> bytes, const std::s
   if (units == nullptr || units->type != -1) return fail(ErrorCode::malformed, "it says no unit", name);
   MIEN_TRY_ASSIGN(const double metres, unit_m(trimmed(as_text(units->data)), name));
 
-  // A scale below 0 says that points are floats, already scaled.
+  // A negative scale marks points as floats, already scaled.
   const bool floats = scale < 0;
   const auto points = static_cast<std::size_t>(used);
   const std::size_t number_bytes = floats ? 4 : 2;
@@ -196,8 +196,7 @@ Result<MarkerRecording> parse_c3d(std::span<const std::byte> bytes, const std::s
   const std::span<const std::byte> data =
       bytes.subspan((static_cast<std::size_t>(data_block) - 1) * kBlockBytes);
   const std::size_t there = data.size() / frame_bytes;
-  // Integers of 16 bits end at 65535; who has more frames writes that, and all that is there is meant, but
-  // for the zeros that fill the last block.
+  // A count of 65535 also means more frames: then all frames in the file, less the padding of the last block.
   const std::size_t frames =
       promised == kManyFrames
           ? there - padding_frames(data, frame_bytes, there)

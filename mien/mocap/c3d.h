@@ -9,17 +9,16 @@
 
 namespace mien::mocap {
 
-/// Whether bytes begin as a C3D file does: the key 50 (hex) is its second byte, behind the place of its
+/// Whether the bytes begin like a C3D file: key 0x50 in the second byte, behind the block number of the
 /// parameters.
 [[nodiscard]] bool is_c3d(std::span<const std::byte> bytes);
 
-/// The 3-D points of a C3D file (the binary format of biomechanics): Intel's byte order, points as scaled
-/// integers or as floats. Their names, rate, unit and number are the POINT group's; analogue channels are
-/// passed over. A point is lost where its residual is below 0. Points without a label of their own are called
-/// "*1", "*2", ... by their place. The first frame is at 0 s. Errors: malformed, truncated (fewer frames than
-/// it says), unsupported (another processor's byte order, a unit), out_of_range (no rate, a position beyond
-/// kMaxTrackPositionM, too many points). No size that the file states is believed beyond the bytes that are
-/// there.
+/// The 3-D points of a C3D file (c3d.org): Intel byte order, points as scaled integers or floats, metres out.
+/// Names, rate, unit and count from the POINT group; analogue channels are ignored. A point is lost where its
+/// residual is below 0. Points without a label are named "*1", "*2", ... by index. The first frame is at 0 s.
+/// Errors: malformed, truncated (fewer frames than declared), unsupported (another processor's byte order, a
+/// unit), out_of_range (no rate, a position beyond kMaxTrackPositionM, too many points). Declared sizes are
+/// bounded by the bytes present.
 [[nodiscard]] Result<MarkerRecording> parse_c3d(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace mien::mocap

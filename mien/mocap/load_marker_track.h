@@ -9,13 +9,13 @@
 
 namespace mien::mocap {
 
-/// Whether a file is a recording of markers in one of the formats of load_marker_track(), by its first bytes.
-/// False where it cannot be read.
+/// Whether a file is a marker recording in a format of load_marker_track(), by its first bytes; false if
+/// unreadable.
 [[nodiscard]] bool is_marker_recording(const std::filesystem::path& path);
 
-/// The markers in a recording, told apart by its content: our CSV, Motive's CSV, TRC, C3D. Named after the
-/// file. `warnings`, where given, tells what was survived. Errors: not_found, io, out_of_range (over 1 GiB),
-/// unsupported (none of these formats), and the parsers'.
+/// Loads a marker recording, of a format detected by its content: Mien's CSV, Motive's CSV, TRC, C3D. Named
+/// after the file. `warnings`, if given, receives recoverable faults. Errors: not_found, io, out_of_range
+/// (over 1 GiB), unsupported (none of these formats), and the parsers'.
 [[nodiscard]] Result<MarkerTrack> load_marker_track(const std::filesystem::path& path,
                                                     std::vector<std::string>* warnings = nullptr);
 

@@ -10,10 +10,10 @@ namespace mien::mocap {
 namespace {
 
 const char* const kMarkerCleaning = "marker cleaning";
-/// A body on the head holds still but for the cameras' noise.
+/// Slack of markers on a rigid body on the head: the cameras' noise, m.
 constexpr double kBodySlackM = 0.5e-3;
 
-/// The markers of a frame that tell the head's place.
+/// The markers of a frame from which the head pose is fitted.
 struct References {
   const MarkerTrack* track = nullptr;
   std::vector<std::size_t> markers;
@@ -26,8 +26,8 @@ struct References {
   }
 };
 
-/// The references' places against each other, from the recording itself, in the frame in which the first
-/// whole frame stood. None when no frame has three.
+/// Reference markers' relative places, from the recording itself, in the axes of its first complete frame.
+/// None where no frame has three.
 std::optional<RigidPoints> learn_body(const References& references) {
   std::size_t best = 0, most = 0;
   for (std::size_t i = 0; i < references.track->frames(); ++i) {
@@ -41,10 +41,10 @@ std::optional<RigidPoints> learn_body(const References& references) {
   RigidPoints body;
   body.slack_m = references.slack_m;
   for (const Vec3f& point : references.seen(best)) body.place_m.emplace_back(point.cast<double>());
-  // The frame that we began with may have had an expression: the medians have less of it. Twice, since the
-  // first round is aligned to that frame.
+  // The initial frame may contain an expression, medians contain less of it. Two rounds, since the first is
+  // aligned to that frame.
   for (int round = 0; round < 2; ++round) {
-    // Those that the frame lacked are learnt from the frames that have them.
+    // Markers missing in the initial frame come from the frames that have them.
     RigidPoints known = body;
     for (std::size_t k = 0; k < known.place_m.size(); ++k)
       if (!known.place_m[k].allFinite()) {
@@ -69,7 +69,7 @@ std::optional<RigidPoints> learn_body(const References& references) {
     const std::vector<Vec3f> places = usual_places(aligned);
     for (std::size_t k = 0; k < places.size(); ++k) body.place_m[k] = places[k].cast<double>();
   }
-  // One that was never seen together with the others is never asked about.
+  // One never seen together with the others is never needed.
   for (std::size_t k = 0; k < body.place_m.size(); ++k)
     if (!body.place_m[k].allFinite()) body.place_m[k] = Vec3::Constant(1e3);
   return body;
@@ -92,7 +92,7 @@ std::vector<std::optional<Eigen::Isometry3d>> fit_frames(const References& refer
   return fits;
 }
 
-/// Where the markers stand at neutral, kLostMarker where they were not seen then.
+/// Marker positions at neutral; kLostMarker where not seen then.
 Result<std::vector<Vec3f>> neutral_places(const MarkerTrack& track, std::pair<double, double> span_s) {
   MarkerTrack neutral;
   neutral.markers = track.markers;
@@ -108,7 +108,7 @@ Result<std::vector<Vec3f>> neutral_places(const MarkerTrack& track, std::pair<do
   return usual_places(neutral);
 }
 
-/// From the frame that the head was brought into to the model's: p_h = turn * p, and the size.
+/// From the aligned head frame to the model's frame H: rotation (p_h = turn * p) and scale.
 struct ToModel {
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   double scale = 1;
@@ -128,7 +128,7 @@ Result<ToModel> to_model(const std::vector<Vec3f>& places, const builtin_face::P
     from.col(static_cast<Eigen::Index>(k)) = places[used[k]].cast<double>();
     to.col(static_cast<Eigen::Index>(k)) = placed.neutral_m()[used[k]];
   }
-  // Three that are not in one line tell a pose.
+  // A pose needs three markers not on one line.
   const Eigen::Matrix3Xd spread = to.colwise() - to.rowwise().mean();
   if (used.size() < 3 || Eigen::JacobiSVD<Eigen::MatrixXd>(spread).singularValues()[1] < 5e-3)
     return fail(ErrorCode::not_found, "too few markers to lay the recording onto the face", kMarkerCleaning,
@@ -186,10 +186,9 @@ Result<CleanMarkers> clean_markers(const MatchedTrack& matched, const builtin_fa
   report.samples = matched.face.position_m.size();
   report.lost = count_lost(matched.face);
 
-  // The names first, in a frame that the head does not move; then the head again, by markers that are
-  // themselves.
+  // First the labels, in a head-fixed frame; then the head pose again, by correctly labelled markers.
   std::vector<std::optional<Eigen::Isometry3d>> fits(report.frames, Eigen::Isometry3d::Identity());
-  MarkerTrack named = matched.face;  // As the cameras saw it.
+  MarkerTrack named = matched.face;  // In the cameras' frame.
   if (settings.remove_head) {
     References references;
     const bool body_worn = matched.head.count() > 0;
@@ -226,7 +225,7 @@ Result<CleanMarkers> clean_markers(const MatchedTrack& matched, const builtin_fa
   report.without_head =
       static_cast<std::size_t>(std::ranges::count_if(fits, [](const auto& fit) { return !fit.has_value(); }));
   clean.track = moved(named, fits);
-  // What the head's better place shows, and all where the first round had no markers to mend.
+  // Swaps visible with the better head pose, and all of them where the first round had none to correct.
   for (const MarkerSwap& swap : mend_swaps(clean.track)) clean.swaps.push_back(swap);
   for (const MarkerSwap& swap : clean.swaps) {
     const std::size_t samples = 2 * (swap.end - swap.begin);
@@ -251,8 +250,7 @@ Result<CleanMarkers> clean_markers(const MatchedTrack& matched, const builtin_fa
     const auto frame = clean.track.frame(i);
     for (std::size_t m = 0; m < frame.size(); ++m) {
       if (!is_seen(frame[m])) continue;
-      // Of a performer's own form only the motion is taken: how far a marker is from its neutral, at the
-      // model's size.
+      // Only the displacement from the performer's neutral is used, at the model's scale.
       Vec3 p = frame[m].cast<double>();
       if (settings.neutral_s) {
         const Vec3 from_neutral = model.scale * (model.turn.linear() * (p - places[m].cast<double>()));

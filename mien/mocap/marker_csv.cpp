@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kTimeCell = "time_s";
 constexpr std::string_view kMotiveCell = "Format Version";
-/// Rows that Motive writes before the frames; more are no header.
+/// Most rows of Motive's header.
 constexpr std::size_t kMaxMotiveRows = 32;
 
 std::string_view first_cell(std::string_view text, char separator) {
@@ -21,7 +21,7 @@ std::string_view first_cell(std::string_view text, char separator) {
   return cells.empty() ? std::string_view() : cells.front();
 }
 
-/// "brow_inner_R_x_mm" in its parts.
+/// "brow_inner_R_x_mm" split into its parts.
 struct ColumnName {
   std::string_view marker;
   char axis = 'x';

@@ -5,9 +5,9 @@
 namespace mien::mocap {
 namespace {
 
-/// A log cannot hold more lists of names than a session has servers, within reason.
+/// Most lists of names: bounds memory against hostile logs.
 constexpr std::size_t kMaxLists = 64;
-/// A clock that goes back by more than this is one that began anew.
+/// A clock that goes back by more than this is a restarted server.
 constexpr double kRestartS = 1;
 
 }  // namespace

@@ -14,24 +14,23 @@
 
 namespace mien::mocap {
 
-/// Markers out of a session's log: what servers sent, packet by packet, as tracks. Positions that came before
-/// their names wait for them. Packets that are doubled or came late are passed over; where the server's clock
-/// goes back by more than a second it was started anew, and another track begins. A pure function of what
-/// is added.
+/// Marker tracks from the marker packets of a session's log. Positions received before their names are kept
+/// until these arrive. Doubled or late packets are ignored; where the server's clock goes back by more than a
+/// second, the server restarted and a new track begins. A pure function of the calls.
 class MarkerLog {
  public:
-  /// One list of markers of one server, from one start of it.
+  /// One list of markers of one server, between two of its starts.
   struct Received {
     std::uint64_t device = 0;
     MarkerTrack track;              ///< Times by the server's clock; named "markers".
     std::vector<HostTime> arrival;  ///< Of each frame.
   };
 
-  /// A datagram of the log; one that is no marker packet changes nothing.
+  /// A datagram of the log; others than marker packets are ignored.
   void add(HostTime arrival, std::span<const std::byte> datagram);
-  /// All whose names are known whole, the one with the most frames first. Others have not been named.
+  /// All tracks with complete names, the one with the most frames first.
   [[nodiscard]] std::vector<Received> received() const;
-  /// Frames whose markers nobody named.
+  /// Number of frames without complete names.
   [[nodiscard]] std::size_t unnamed() const;
 
  private:
@@ -42,7 +41,7 @@ class MarkerLog {
     std::vector<HostTime> arrival;
   };
   struct List {
-    std::vector<std::string> names;  // Empty where not told yet.
+    std::vector<std::string> names;  // Empty where not received yet.
     std::size_t count = 0;           // Markers of a frame; 0 before the first.
     Run run;
     [[nodiscard]] bool named() const;

@@ -11,7 +11,7 @@ bool MarkerProtocol::recognises(std::span<const std::byte> datagram) const {
 sensor::Verdict MarkerProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte> datagram,
                                         sensor::Inbox&) {
   const auto packet = parse_marker_packet(datagram);
-  // What a newer server says is kept for a newer program.
+  // Packets of newer versions are kept in the log, for newer programs.
   const bool kept = packet || packet.error().code == ErrorCode::unsupported;
   return kept ? sensor::Verdict::ignored : sensor::Verdict::malformed;
 }

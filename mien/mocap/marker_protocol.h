@@ -7,17 +7,16 @@
 
 namespace mien::mocap {
 
-/// The host's side of a motion capture server that sends markers (eyewear/marker_packet.h). They are truth:
-/// what is well formed is ignored, which leaves it in the session's log with its arrival, its own device
-/// times inside, and gives readings to nobody. Hence no marker moves a weight. `mien import` of the take
-/// decodes them.
+/// Host side of a motion capture server that sends markers (mocap/marker_packet.h). Markers are ground truth:
+/// well-formed packets are kept in the session's log, with their arrival, and give no samples, so that no
+/// marker influences a weight. `mien import` of the take decodes them.
 class MarkerProtocol final : public sensor::Protocol {
  public:
   [[nodiscard]] std::string_view name() const override { return "markers"; }
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: servers are not spoken to.
+  /// Nothing: servers expect no replies.
   void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 };
 

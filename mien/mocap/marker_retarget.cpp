@@ -8,7 +8,7 @@
 namespace mien::mocap {
 namespace {
 
-/// A step that is longer tells nothing of the frame before.
+/// Longest time between frames over which weights are smoothed.
 constexpr double kLongestStepS = 1;
 
 }  // namespace

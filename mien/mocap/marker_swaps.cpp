@@ -10,26 +10,25 @@ namespace mien::mocap {
 namespace {
 
 constexpr float kNeighboursM = 0.03F;
-/// After a longer gap two may stand where the other was, or one elsewhere, by their own motion.
+/// Longest gap, s: after a longer one markers may have moved there by themselves.
 constexpr double kCrossingGapS = 0.1;
 constexpr double kJumpGapS = 0.5;
-/// How near to the other's place, as a share of their distance, and how far apart two must be to be told
-/// apart.
+/// Crossing: largest distance to the other's position, as a share of the pair's distance, and the least
+/// distance of a pair, m.
 constexpr float kNear = 0.5F;
 constexpr float kApartM = 2e-3F;
-/// Mean cosine between where the two stand to each other and where they usually do: below it a stretch fits
-/// badly.
+/// Least mean cosine between a pair's vector and its median: below it a stretch is ambiguous.
 constexpr double kFits = 0.3;
-/// A crossing that is none would cost as much as this many frames that stand the wrong way.
+/// Cost of a false crossing, in frames of the wrong orientation.
 constexpr double kCrossingCost = 25;
-/// A stretch says no more than this many frames: faces hold an expression for a second.
+/// Most frames that a stretch's evidence counts for: an expression is held for a second.
 constexpr double kMostFrames = 100;
 
 /// Lips and jaws reach 1.4 m/s in a virtual performer's speech and range of motion.
 constexpr double kJumpMPerS = 2.0;
 constexpr double kJumpM = 0.01;
 constexpr double kStrayS = 3.0;
-/// It comes back to where it was, within this share of its jump.
+/// Returned: within this share of its jump from where it was.
 constexpr float kBack = 0.5F;
 
 /// A stretch of frames between two crossings, or between gaps.
@@ -68,7 +67,7 @@ std::vector<Stretch> stretches_of(const MarkerTrack& track, std::size_t a, std::
   return stretches;
 }
 
-/// For each stretch whether the names are crossed in it: the likeliest sequence.
+/// Whether the labels are swapped in each stretch: the maximum likelihood sequence.
 std::vector<bool> crossed_stretches(const std::vector<Stretch>& stretches) {
   std::vector<std::array<std::size_t, 2>> from;
   std::array<double, 2> score{};
@@ -102,8 +101,8 @@ void mend_pair(MarkerTrack& track, std::size_t a, std::size_t b, const Vec3f& us
   const std::vector<bool> crossed = crossed_stretches(stretches);
   for (std::size_t s = 0; s < stretches.size(); ++s) {
     const Stretch& stretch = stretches[s];
-    // Stretches before the first crossing and behind a gap are as the recording says unless they plainly are
-    // not.
+    // Stretches before the first crossing and after a gap are taken as labelled, unless the evidence is
+    // strong.
     const double mean = stretch.cosine / static_cast<double>(stretch.frames);
     const bool beside_crossing =
         stretch.after_crossing || (s + 1 < stretches.size() && stretches[s + 1].after_crossing);
@@ -140,7 +139,7 @@ std::vector<Vec3f> usual_places(const MarkerTrack& track) {
 
 std::vector<MarkerSwap> mend_swaps(MarkerTrack& track) {
   const std::vector<Vec3f> places = usual_places(track);
-  // By rising distance: the nearest are mistaken for each other the most.
+  // By rising distance: the nearest are swapped most often.
   std::vector<std::tuple<float, std::size_t, std::size_t>> pairs;
   for (std::size_t a = 0; a < places.size(); ++a) {
     if (!is_seen(places[a])) continue;
@@ -164,9 +163,9 @@ std::vector<MarkerSwap> mend_swaps(MarkerTrack& track) {
 std::vector<MarkerStray> lose_strays(MarkerTrack& track) {
   std::vector<MarkerStray> strays;
   for (std::size_t m = 0; m < track.count(); ++m) {
-    std::optional<std::size_t> last;    // Frame that has it, ...
-    std::optional<std::size_t> jumped;  // ... and the first behind a jump, ...
-    Vec3f from = kLostMarker;           // ... from here.
+    std::optional<std::size_t> last;    // Last frame with the marker, ...
+    std::optional<std::size_t> jumped;  // ... the first after a jump, ...
+    Vec3f from = kLostMarker;           // ... and the position before it.
     for (std::size_t i = 0; i < track.frames(); ++i) {
       const Vec3f now = track.frame(i)[m];
       if (!is_seen(now)) continue;

@@ -9,39 +9,38 @@
 
 namespace mien::mocap {
 
-/// A stretch of frames in which two markers had each other's names.
+/// A stretch of frames with the labels of two markers swapped.
 struct MarkerSwap {
   std::size_t a = 0;
   std::size_t b = 0;
   std::size_t begin = 0;  ///< Frames, ...
   std::size_t end = 0;    ///< ... one past the last.
-  /// True: the names were given back. False: which is which could not be told, and both are lost in these
-  /// frames.
+  /// True: the labels were corrected. False: ambiguous, and both markers are lost in these frames.
   bool mended = true;
 };
 
-/// A stretch of frames in which a marker was found where it is not: it jumped away and came back.
+/// A stretch of frames in which a marker was displaced: it jumped away and came back.
 struct MarkerStray {
   std::size_t marker = 0;
   std::size_t begin = 0;
   std::size_t end = 0;
 };
 
-/// Finds markers that changed names with a neighbour, mends them in `track`, and tells where. The head's
-/// motion has been taken out. Two neighbours (those whose usual places are within 30 mm, and each marker's
-/// nearest) are crossed from one frame to the next where each is found nearer to where the other was than to
-/// where it was itself, by less than half their distance. Which of the stretches between two crossings is the
-/// swapped one is told by which fits the two markers' usual places, over the whole recording (Viterbi 1967,
-/// doi:10.1109/TIT.1967.1054010); a stretch that fits them badly either way is not mended. Three that change
-/// in a ring are not found. A pure function of the track. Cost: linear in frames and pairs.
+/// Corrects swapped labels of neighbouring markers in `track` (head motion removed), and returns where.
+/// Neighbours are pairs whose median places are within 30 mm, and each marker's nearest. A pair crosses
+/// between two frames where each is nearer to the other's last position than to its own, by less than half
+/// their distance. Which stretches between crossings are swapped is the maximum likelihood sequence given the
+/// median places, over the whole recording (Viterbi 1967, doi:10.1109/TIT.1967.1054010); a stretch that fits
+/// badly either way is lost. Cyclic swaps of three are not found. A pure function of the track. Cost: linear
+/// in frames and pairs.
 [[nodiscard]] std::vector<MarkerSwap> mend_swaps(MarkerTrack& track);
 
-/// Finds markers that jump away, faster than any skin, and back within three seconds to about where they
-/// were, and makes them lost there. From 60 frames a second on; slower recordings' steps are as large as
-/// jumps. After mend_swaps().
+/// Finds markers that jump away, faster than skin can move, and return within three seconds to about where
+/// they were, and marks them as lost in between. For recordings of 60 frames a second or more; slower ones
+/// have steps as large as jumps. After mend_swaps().
 [[nodiscard]] std::vector<MarkerStray> lose_strays(MarkerTrack& track);
 
-/// Where each marker usually is: the median over the frames that have it, kLostMarker where none does.
+/// Median position of each marker over the frames that have it; kLostMarker where none does.
 [[nodiscard]] std::vector<Vec3f> usual_places(const MarkerTrack& track);
 
 }  // namespace mien::mocap

@@ -17,7 +17,7 @@ std::string plain(std::string_view name) {
   return lower;
 }
 
-/// What programs call a point that nobody named.
+/// Names of unlabelled points.
 bool is_unlabelled(std::string_view name) {
   const std::string lower = plain(name);
   return lower.starts_with("unlabeled") || lower.starts_with("*");

@@ -14,19 +14,19 @@
 
 namespace mien::mocap {
 
-/// Markers of one recording at most; what a parser believes.
+/// Most markers of one recording; limit of the parsers.
 inline constexpr std::size_t kMaxTrackMarkers = 512;
-/// Farther from the cameras' origin than this is a mistake of units.
+/// Largest coordinate from the cameras' origin, m; beyond it the unit is wrong.
 inline constexpr double kMaxTrackPositionM = 100;
-/// A recorder's clock may count from anywhere; beyond this its times would lose microseconds.
+/// Largest time of a recorder's clock, s, which may start anywhere; beyond it doubles lose microseconds.
 inline constexpr double kMaxTrackTimeS = 1e9;
-/// Where a marker is that was not seen.
+/// Position of a lost marker.
 inline const Vec3f kLostMarker = Vec3f::Constant(std::numeric_limits<float>::quiet_NaN());
 
-/// A recording of 3-D markers, as cameras see them: any right-handed frame, metres.
+/// A recording of 3-D markers: any right-handed frame, metres.
 struct MarkerTrack {
-  std::string name;                  ///< The file's stem, or where they were heard.
-  std::vector<std::string> markers;  ///< Their names, no two alike.
+  std::string name;                  ///< The file's stem, or its source.
+  std::vector<std::string> markers;  ///< Their names, unique.
   std::vector<double> time_s;        ///< Of each frame, rising, by the recorder's clock.
   std::vector<Vec3f> position_m;     ///< Frame by frame, the markers in their order; kLostMarker where lost.
 
@@ -46,26 +46,26 @@ struct MarkerTrack {
   return position_m.allFinite();
 }
 
-/// What a recording calls the markers of a set.
+/// Mapping of a recording's marker names to those of a set.
 struct MarkerNames {
-  /// Theirs to ours; to an empty name: left out.
+  /// (recording's, set's); an empty second: left out.
   std::vector<std::pair<std::string, std::string>> renamed;
-  /// Theirs: markers of a body that is fixed to the head (a band, a helmet) and of no skin.
+  /// Recording's names of markers on a body fixed to the head (a band, a helmet), not on skin.
   std::vector<std::string> head;
 };
 
 /// A recording in the order of a marker set.
 struct MatchedTrack {
-  MarkerTrack face;  ///< The set's markers; those that the recording lacks are lost throughout.
+  MarkerTrack face;  ///< In the set's order; markers that the recording lacks are lost throughout.
   MarkerTrack head;  ///< Those of MarkerNames::head, in its order; none without it.
-  std::vector<std::string> missing;  ///< Of the set.
-  std::size_t unlabelled = 0;        ///< Of the recording, left out: "Unlabeled 1234" and "*12".
+  std::vector<std::string> missing;  ///< Markers of the set that the recording lacks.
+  std::size_t unlabelled = 0;        ///< Markers of the recording left out: "Unlabeled 1234", "*12".
 };
 
-/// Puts a recording's markers in the set's order. A name fits as MarkerNames say, else letter by letter, else
-/// without case and without what stands before a colon ("Face:Brow_Inner_R"). Errors: mismatch (markers that
-/// are none of the set's, all listed; two that are one; none at all), not_found (a name of MarkerNames that
-/// the recording or the set lacks).
+/// Puts a recording's markers in the set's order. Names match by MarkerNames, else exactly, else without case
+/// and without a prefix up to a colon ("Face:Brow_Inner_R"). Errors: mismatch (markers that are none of the
+/// set's, all listed; two that are one; none at all), not_found (a name of MarkerNames that the recording or
+/// the set lacks).
 [[nodiscard]] Result<MatchedTrack> match_markers(const MarkerTrack& track, const builtin_face::MarkerSet& set,
                                                  const MarkerNames& names = {});
 

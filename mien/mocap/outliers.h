@@ -6,17 +6,17 @@
 
 namespace mien::mocap {
 
-/// How many standard deviations from its mean a marker may be, as the published study has it.
+/// Outlier threshold in standard deviations (Asano et al. 2017).
 inline constexpr double kOutlierSigmas = 4;
 
-/// The rows that may be learnt from. Shape of `rows`: samples x numbers.
+/// Result of outlier rejection.
 struct Kept {
-  std::vector<std::size_t> rows;  ///< Ascending.
-  std::size_t rejected = 0;       ///< Not finite, or out of line.
+  std::vector<std::size_t> rows;  ///< Accepted rows, ascending.
+  std::size_t rejected = 0;       ///< Number of rows not finite or beyond the threshold.
 };
 
-/// Rejects every sample in which any number lies more than `sigmas` standard deviations (of that number, over
-/// all finite samples) from its mean. Once, not repeated: what is drawn in later is judged as it was.
+/// Rejects every sample (row) of `rows`, samples x values, in which any value lies more than `sigmas`
+/// standard deviations, of that value over all finite samples, from its mean. A single pass.
 [[nodiscard]] Kept reject_outliers(const Eigen::MatrixXd& rows, double sigmas = kOutlierSigmas);
 
 }  // namespace mien::mocap

@@ -13,14 +13,13 @@ constexpr std::size_t kReferences = 8;
 constexpr std::size_t kFewest = 3;
 constexpr double kSigmas = 4;
 constexpr double kAlwaysM = 1e-3;
-/// Points in one line tell no turn about it.
+/// Least extent across the line of points, m: collinear points leave the rotation about it undetermined.
 constexpr double kLineM = 5e-3;
-/// A marker that no shape moves still sits on skin; and none may count for more than the rest together, since
-/// it may be the one that is wrong.
+/// Least slack, m: markers sit on skin, and no single one may dominate the fit, since it may be wrong.
 constexpr double kLeastSlackM = 1e-3;
-/// Of the root of the squares of all shapes' displacements: what a performer's expressions move a marker by,
-/// one sigma. Measured on the built-in face, five minutes of expressions, range of motion and speech: 0.3 to
-/// 0.42.
+/// Standard deviation of a marker's motion by expressions over the root sum of squares of all shapes'
+/// displacements. Measured on the built-in face, five minutes of expressions, range of motion and speech: 0.3
+/// to 0.42.
 constexpr double kShareOfShapes = 0.35;
 
 }  // namespace
@@ -47,7 +46,7 @@ std::optional<Eigen::Isometry3d> fit_rigid(const RigidPoints& body, std::span<co
       covariance += weight(i) * q * p.transpose();
       spread += q * q.transpose();
     }
-    // The body's own shape decides whether it tells a turn: its second widest extent.
+    // The body's second largest extent decides whether the rotation is determined.
     const Eigen::JacobiSVD<Mat3> extent(spread);
     if (std::sqrt(extent.singularValues()[1]) < kLineM) return std::nullopt;
     const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -11,31 +11,28 @@
 
 namespace mien::mocap {
 
-/// Points that hold still against each other, or nearly: a body whose place can be told from where they are
-/// seen.
+/// A nearly rigid body, by points on it, from which a pose can be fitted.
 struct RigidPoints {
-  std::vector<Vec3> place_m;  ///< In the body's frame.
-  std::vector<double>
-      slack_m;  ///< How far each moves against the others, one sigma; above 0. Beside place_m.
+  std::vector<Vec3> place_m;    ///< Positions in the body's frame, m.
+  std::vector<double> slack_m;  ///< Standard deviation of each point's motion on the body, m, > 0.
 };
 
-/// The rigid motion that takes the points as they are seen to the body's own places: p_body = fit * p_seen.
-/// Weighted least squares (Kabsch 1976, doi:10.1107/S0567739476001873), each point by 1 / slack^2. A point
-/// that then is off by more than four times its slack and a millimetre is left out, the worst first, and the
-/// rest fitted again. None where fewer than three points are left, or they stand in one line within 5 mm.
-/// `seen` has one for each of the body's, kLostMarker where lost.
+/// The rigid transform from seen points to the body's frame: p_body = fit * p_seen. Weighted least squares
+/// (Kabsch 1976, doi:10.1107/S0567739476001873), weights 1 / slack^2. Points with a residual above four times
+/// their slack plus a millimetre are removed, the worst first, and the rest fitted again. None where fewer
+/// than three points remain, or they are collinear within 5 mm. `seen`: one for each of the body's points,
+/// kLostMarker where lost.
 [[nodiscard]] std::optional<Eigen::Isometry3d> fit_rigid(const RigidPoints& body,
                                                          std::span<const Vec3f> seen);
 
-/// A marker of a set that expressions hardly move.
+/// A marker of a set for head pose: expressions hardly move it.
 struct ReferenceMarker {
-  std::size_t marker = 0;  ///< Its place in the set.
-  double slack_m = 0;      ///< One sigma of its motion on an expressive face.
+  std::size_t marker = 0;  ///< Its index in the set.
+  double slack_m = 0;      ///< Standard deviation of its motion by expressions, m.
 };
 
-/// The markers of a face that tell where the head is: those that all shapes of the face together move least,
-/// eight of them (or all, where there are fewer), by rising slack. docs/method/markers.md says which of the
-/// 37 these are.
+/// The reference markers of a face: the eight (or all, if fewer) that its shapes move least, by rising slack.
+/// docs/method/markers.md lists them.
 [[nodiscard]] std::vector<ReferenceMarker> reference_markers(const builtin_face::PlacedMarkers& placed);
 
 }  // namespace mien::mocap

@@ -9,28 +9,27 @@
 
 namespace mien::performer {
 
-/// One blink of both lids.
+/// One blink of both lids. Times in seconds from the performance's start.
 struct Blink {
   double begin_s = 0;
   double closing_s = 0.09;
   double hold_s = 0.02;
   double opening_s = 0.18;
-  double peak = 1;         ///< 1 closes; less is a partial blink.
-  double right_lag_s = 0;  ///< The right lid begins this much later; may be negative.
+  double peak = 1;         ///< Largest eyeBlink weight: 1 closes; less is a partial blink.
+  double right_lag_s = 0;  ///< Delay of the right lid; may be negative.
   [[nodiscard]] double end_s() const { return begin_s + closing_s + hold_s + opening_s; }
-  /// How far the lid is down, 0 to peak. `side` 0 left, 1 right.
+  /// eyeBlink weight, 0 to peak. `side`: 0 left, 1 right.
   [[nodiscard]] double at(double time_s, int side) const;
 };
 
-/// Spontaneous blinks over [0, duration_s), in order, not overlapping. Intervals are log-normal of mean 60 /
-/// rate; a blink likes to fall on a pause of speech or on a shift of gaze when one is near (`cues_s`,
-/// ascending). Closing 80 to 100 ms, opening 150 to 200 ms, one in five only partial. Source for the times:
-/// Evinger et al. 1991, "Eyelid movements", IOVS 32(2); for the log-normal intervals: Naase et al. 2005,
-/// doi:10.1111/j.1444-0938.2005.tb05086.x.
+/// Spontaneous blinks over [0, duration_s), in order, not overlapping. Intervals are log-normal with mean 60
+/// / rate; a blink near a cue (pause of speech, gaze shift; `cues_s`, ascending) often moves to it. Closing
+/// 80 to 100 ms, opening 150 to 200 ms, one in five partial. Sources: times, Evinger et al. 1991, "Eyelid
+/// movements", IOVS 32(2); log-normal intervals, Naase et al. 2005, doi:10.1111/j.1444-0938.2005.tb05086.x.
 [[nodiscard]] std::vector<Blink> draw_blinks(double duration_s, double rate_per_min,
                                              std::span<const double> cues_s, Random random);
 
-/// Lids of `blinks`, frame by frame at 60 Hz: left, right.
+/// eyeBlink weights of `blinks` at 60 Hz: (left, right) a frame.
 [[nodiscard]] std::vector<std::array<float, 2>> lid_tracks(std::span<const Blink> blinks,
                                                            std::size_t frame_count);
 

@@ -15,7 +15,7 @@
 
 namespace mien::performer {
 
-/// One gesture in time: rises, holds, falls. Seconds from the canvas's start.
+/// Time course of a gesture: rise, hold, fall, with minimum-jerk slopes. Seconds from the canvas's start.
 struct Envelope {
   double begin_s = 0;
   double rise_s = 0.2;
@@ -31,41 +31,41 @@ struct Envelope {
   }
 };
 
-/// One shape of a pose and how far it goes.
+/// One shape of a pose and its weight.
 struct PosePart {
-  std::uint8_t shape = 0;  ///< Inner profile.
+  std::uint8_t shape = 0;  ///< Index of the ICT shape, 0 to 52.
   float weight = 0;        ///< 0 to 1.
 };
 /// A sparse set of weights.
 using Pose = std::vector<PosePart>;
 
-/// How poses are written down: "mouthSmile" means both sides, "mouthSmile_L" one, "jawOpen" the middle.
+/// Notation of poses: "mouthSmile" is both sides, "mouthSmile_L" one, "jawOpen" an unsided shape.
 struct NamedPart {
   std::string_view stem;
   float weight = 0;
 };
-/// Stops the program on a name that is no shape: tables are checked by the tests that use them.
+/// Aborts on an unknown name: tables are checked by the tests that use them.
 [[nodiscard]] Pose pose_of(std::initializer_list<NamedPart> parts);
 
-/// The other side's shape; the shape itself where it has no sides. Opposites such as jawLeft are no sides.
+/// The shape of the other side; the same for unsided shapes (opposites such as jawLeft included).
 [[nodiscard]] std::size_t other_side(std::size_t shape_of_one_side);
 
-/// What a performer means to do, frame by frame at 60 Hz, before the person's own style, blinks and limits.
-/// Layers add into it.
+/// Intended motion at 60 Hz, before the person's style, blinks and limits. Layers add to it. All tracks have
+/// frame_count() entries.
 struct Canvas {
   explicit Canvas(std::size_t frame_count);
 
   std::vector<face::BlendshapeWeights> weights;
   std::vector<float> tongue_out;
-  /// 0 to 1; where it is 1 the lips meet, whatever the jaw does.
+  /// 0 to 1: at 1 the lips meet, whatever the jaw does.
   std::vector<float> lip_closure;
-  /// Asked of the eyes on top of their own wandering: yaw to the performer's left and pitch upwards, rad.
+  /// Added to the gaze model's direction: yaw to the performer's left and pitch upwards, rad.
   std::vector<Eigen::Vector2f> gaze_rad;
-  /// 0 to 1: how far the eyes' own wandering is held down.
+  /// 0 to 1: how far the gaze model's own motion is suppressed.
   std::vector<float> gaze_held;
   /// Head gestures of speech: rotation about X (nod down), Y (to the left), Z, rad.
   std::vector<Vec3> head_rad;
-  /// Moments at which people like to blink, seconds.
+  /// Cues for blinks, seconds.
   std::vector<double> pauses_s;
 
   [[nodiscard]] std::size_t frame_count() const { return weights.size(); }
@@ -73,18 +73,18 @@ struct Canvas {
 
   /// Adds `peak` x `envelope` to one shape.
   void add(std::size_t shape, const Envelope& envelope, double peak);
-  /// The same for all of a pose.
+  /// The same for all shapes of a pose.
   void add(const Pose& pose, const Envelope& envelope, double peak);
   void add_tongue(const Envelope& envelope, double peak);
-  /// Lays `part` over this canvas from `first_frame` (may be negative) on, faded in and out over
-  /// `fade_frames`; what lies outside is cut, and a cut end is not faded.
+  /// Adds `part` from `first_frame` on (may be negative), faded in and out over `fade_frames`; frames outside
+  /// are cut, and a cut end is not faded.
   void lay(const Canvas& part, std::ptrdiff_t first_frame, std::size_t fade_frames);
 };
 
 /// White noise through two equal one-pole low-passes, at 60 Hz: mean 0, standard deviation 1.
 class SmoothNoise {
  public:
-  /// `cutoff_hz` of each pole, 0.01 to 20.
+  /// `cutoff_hz`: of each pole, 0.01 to 20.
   SmoothNoise(double cutoff_hz, Random& random);
   double next(Random& random);
 

@@ -5,19 +5,19 @@
 
 namespace mien::performer {
 
-/// A performance that goes on: after `end_s` comes what came after `begin_s`, again and again. Made by
-/// add_encore(), so that the seam is none for face and head.
+/// An endless loop of a performance: after `end_s` it continues at `begin_s`. Made by add_encore(), without a
+/// discontinuity of face and head.
 struct Encore {
   double begin_s = 0;
   double end_s = 0;
-  Vec3 walked_m = Vec3::Zero();  ///< How far each round has carried the head.
+  Vec3 walked_m = Vec3::Zero();  ///< Displacement of the head per round, world frame.
 
-  /// The motion at any time, however late; `time_s` of what it gives is within the first round.
+  /// The motion at any time >= 0; its `time_s` is within the first round.
   [[nodiscard]] face::MotionFrame at(const face::MotionCurve& motion, double time_s) const;
 };
 
-/// Appends a second in which face and head come back to the motion's first frame (not the prologue's) and
-/// whoever walks comes to a halt, and says what to repeat.
+/// Appends a second in which face and head return to the motion's first frame (after the prologue) and
+/// walking stops, and returns the loop.
 [[nodiscard]] Encore add_encore(PrologueMotion& motion);
 
 }  // namespace mien::performer

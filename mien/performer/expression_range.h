@@ -9,18 +9,18 @@
 
 namespace mien::performer {
 
-/// One exercise of a range-of-motion take: its poses are visited in turn, once a repetition.
+/// One exercise of a range-of-motion take: each repetition visits its poses in turn.
 struct Exercise {
   std::string_view name;
-  std::vector<Pose> poses;  ///< One: out and back. Two or more: from one straight to the next.
+  std::vector<Pose> poses;  ///< One: there and back. Two or more: from one directly to the next.
   float tongue_out = 0;
-  Eigen::Vector2f gaze_rad = Eigen::Vector2f::Zero();  ///< Of the eyes' circle; half axes.
+  Eigen::Vector2f gaze_rad = Eigen::Vector2f::Zero();  ///< Half axes of the eyes' ellipse, rad.
 };
 
-/// Brows, lids, eyes, cheeks, nose, jaw, lips, tongue; both sides and each alone.
+/// All exercises: brows, lids, eyes, cheeks, nose, jaw, lips, tongue; both sides and each alone.
 [[nodiscard]] std::span<const Exercise> range_exercises();
 
-/// Adds exercises, each slowly and then fast, shuffled anew when all have been done.
+/// Fills the canvas with exercises, each slow and then fast, reshuffled after each round.
 void perform_range_of_motion(Canvas& canvas, const Style& style, Random random);
 
 }  // namespace mien::performer

@@ -9,12 +9,12 @@
 
 namespace mien::performer {
 
-/// What the eyes are about.
+/// Behaviour of the eyes.
 enum class GazeTask {
-  still,         ///< Held on one point, with the small drift of fixation.
+  still,         ///< Fixed on one point, with fixational drift.
   conversation,  ///< Mostly ahead, glances aside.
   reading,       ///< Along lines of text, with return sweeps.
-  wandering,     ///< Anywhere, with smooth pursuit now and then.
+  wandering,     ///< Anywhere, with occasional smooth pursuit.
 };
 
 /// From `begin_s` until the next episode begins.
@@ -23,22 +23,22 @@ struct GazeEpisode {
   GazeTask task = GazeTask::conversation;
 };
 
-/// Where the eyes look, frame by frame at 60 Hz.
+/// Gaze, frame by frame at 60 Hz.
 struct GazeTrack {
-  /// Yaw to the performer's left and pitch upwards in the head frame, rad, of both eyes' common direction.
+  /// Common direction of both eyes, frame H: yaw to the performer's left and pitch upwards, rad.
   std::vector<Eigen::Vector2f> direction_rad;
-  /// Each eye turns this much inwards, rad.
+  /// Inward turn of each eye, rad.
   std::vector<float> vergence_rad;
-  /// When the eyes moved by more than 8 degrees, seconds, ascending.
+  /// Times of gaze shifts above 8 degrees, seconds, ascending.
   std::vector<double> shifts_s;
 };
 
-/// Fixations and saccades; saccades keep the main sequence (21 ms + 2.2 ms a degree: Carpenter 1988,
-/// "Movements of the Eyes"). `range` scales amplitudes. `rest_rad` is where the eyes come back to.
+/// Fixations and saccades; saccade durations follow the main sequence (21 ms + 2.2 ms a degree: Carpenter
+/// 1988, "Movements of the Eyes"). `range` scales amplitudes (around 1). `rest_rad`: the resting direction.
 [[nodiscard]] GazeTrack draw_gaze(std::size_t frame_count, std::span<const GazeEpisode> episodes,
                                   const Eigen::Vector2f& rest_rad, double range, Random random);
 
-/// A full eyeLook weight in radians, in single precision.
+/// Eye rotation of a full eyeLook weight, rad, in single precision.
 inline constexpr auto kGazeRadiansPerUnit = static_cast<float>(face::kEyeTurnRadPerUnit);
 
 /// Writes the eight eyeLook weights of one frame: yaw and pitch as in GazeTrack, both eyes turned inwards by

@@ -9,12 +9,12 @@
 
 namespace mien::performer {
 
-/// What the head does.
+/// Activity of the head.
 enum class HeadActivity {
-  still,    ///< Held, with the sway of a living body.
+  still,    ///< Held, with postural sway.
   nodding,  ///< Nods of 5 to 20 degrees at 0.4 to 1.2 Hz.
   turning,  ///< Turns, tilts and looks up and down, to +-20 degrees and back.
-  talking,  ///< The small ceaseless movement of a speaker.
+  talking,  ///< Small continuous movement of a speaker.
   walking,  ///< 1.7 to 2.1 steps a second, +-2 cm up and down, along a wandering path.
   running,  ///< 2.6 to 3 steps a second, 4 to 6 cm, with the shock of each step.
   darting,  ///< Quick looks aside, to +-45 degrees at up to 400 degrees a second, and shakes at 2 to 3.2 Hz.
@@ -26,28 +26,28 @@ struct HeadEpisode {
   HeadActivity activity = HeadActivity::still;
 };
 
-/// Where the head is, frame by frame.
+/// Head pose, frame by frame at 60 Hz.
 struct HeadTrack {
   std::vector<Quat> orientation;  ///< q_world_head.
-  std::vector<Vec3> position_m;   ///< Head origin in the world; zero at an upright rest.
+  std::vector<Vec3> position_m;   ///< Head origin, frame W; zero at upright rest.
 };
 
 /// Yaw about +Y (to the performer's left), then pitch about +X (nod down), then roll about +Z; radians, as
 /// (pitch, yaw, roll).
 [[nodiscard]] Quat head_orientation(const Vec3& pitch_yaw_roll_rad);
-/// Where the head origin goes when the head turns about the neck, m, in the world.
+/// Displacement of the head origin, m, frame W, by a rotation about the upper neck.
 [[nodiscard]] Vec3 neck_displacement_m(const Quat& q_world_head);
 
-/// Plays `episodes` at 60 Hz, crossfaded over a second. `liveliness` scales talk and sway; `extra_rad`
-/// (empty, or a (pitch, yaw, roll) a frame) is added, for gestures that belong to speech.
+/// Simulates `episodes` at 60 Hz, crossfaded over a second. `liveliness` scales talk and sway (around 1);
+/// `extra_rad`, added: empty, or (pitch, yaw, roll) a frame, for gestures of speech.
 [[nodiscard]] HeadTrack draw_head_motion(std::size_t frame_count, std::span<const HeadEpisode> episodes,
                                          double liveliness, std::span<const Vec3> extra_rad, Random random);
 
-/// The default head motion: still moments, nods and turns to +-20 degrees, and a minute of walking somewhere
-/// among them (half of it where a motion is shorter than two minutes).
+/// Default episodes: stillness, nods and turns to +-20 degrees, and a minute of walking among them (half the
+/// duration where that is below two minutes).
 [[nodiscard]] std::vector<HeadEpisode> default_head_episodes(double duration_s, Random random);
 
-/// `motion` with the default head motion in place of its own; the motion's time code is kept.
+/// `motion` with the default head motion instead of its own; the time code is kept.
 [[nodiscard]] face::Motion with_head_motion(const face::Motion& motion, Random random);
 /// The same with these episodes, counted from the motion's first frame.
 [[nodiscard]] face::Motion with_head_motion(const face::Motion& motion, std::span<const HeadEpisode> episodes,

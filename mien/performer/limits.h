@@ -7,13 +7,12 @@ namespace mien::performer {
 /// Largest weight that a virtual performer reaches.
 inline constexpr float kLargestWeight = 1.1F;
 
-/// The identity up to 0.9, from there bent smoothly towards kLargestWeight; 0 below 0.
+/// Soft clipping: the identity from 0 to 0.9, above it smoothly saturating at kLargestWeight; 0 below 0.
 [[nodiscard]] float soft_ceiling(float weight);
 
-/// Holds one frame to what a face (and a tracker that has seen many) can do: weights in [0, kLargestWeight];
-/// opposites not together; eyes not wide and shut; cheeks and lips not full over a mouth that gapes;
-/// mouthClose <= jawOpen. `lip_closure` 1 brings the lips together whatever else is asked: mouthClose =
-/// jawOpen. Continuous in its arguments. The eyeLook weights are left alone.
+/// Constrains one frame to what a face can do: weights in [0, kLargestWeight]; opposites cancel; no wide and
+/// shut eyes; no cheekPuff or pressed lips over an open mouth; mouthClose <= jawOpen. `lip_closure`, 0 to 1:
+/// at 1 the lips meet (mouthClose = jawOpen). Continuous in its arguments. Leaves the eyeLook weights.
 void apply_limits(face::BlendshapeWeights& weights, float lip_closure);
 
 }  // namespace mien::performer

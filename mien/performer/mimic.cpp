@@ -18,10 +18,10 @@ using face::shape;
 
 namespace {
 
-constexpr double kHoldS = 3;  // What `slackening` is told for.
+constexpr double kHoldS = 3;  // The hold that `slackening` refers to.
 constexpr double kTremorHz = 1.5;
 
-/// What one cue became.
+/// The performed answer to one cue.
 struct Answer {
   double begin_s = 0;
   double ease_s = 0.5;
@@ -73,7 +73,7 @@ face::Motion mimic(std::span<const PoseCue> cues, double end_s, const Mimicry& m
   motion.name = "mimicry";
   motion.frames.resize(frames);
   face::BlendshapeWeights from, now;
-  std::size_t current = 0;  // Answers set off so far.
+  std::size_t current = 0;  // Answers begun so far.
   for (std::size_t f = 0; f < frames; ++f) {
     face::MotionFrame& frame = motion.frames[f];
     frame.time_s = static_cast<double>(f) / kFrameRateHz;

@@ -8,30 +8,38 @@
 
 namespace mien::performer {
 
-/// An expression on the screen that a performer is to make, from begin_s until the next one's.
+/// A prompted expression, from begin_s until the next cue's.
 struct PoseCue {
   double begin_s = 0;
   face::BlendshapeWeights target;
 };
 
-/// How people miss what they are shown; the defaults are those of a guided calibration's prompts.
+/// Deviations of a performer from prompts. Defaults: assumed, as for prologue prompts
+/// (docs/method/performer.md); not measured on people. Intervals are uniform distributions.
 struct Mimicry {
-  double least_gain = 0.6;  ///< Each shape of each pose comes this strongly, uniform.
+  /// Gain of each shape of each pose. Raising either: stronger expressions; a wider interval: less
+  /// predictable ones.
+  double least_gain = 0.6;
   double most_gain = 1.2;
-  double least_late_s = 0.15;  ///< The face sets off this much after the screen.
+  /// Latency after the cue, s. Raising: later answers.
+  double least_late_s = 0.15;
   double most_late_s = 0.6;
-  double least_ease_s = 0.4;  ///< How long it takes to get there.
+  /// Duration of the transition, s. Raising: slower movements.
+  double least_ease_s = 0.4;
   double most_ease_s = 0.9;
-  int most_unasked = 3;        ///< One to this many shapes that nobody asked for, ...
-  double unasked = 0.3;        ///< ... each at up to this.
-  double slackening = 0.15;    ///< A held pose loses up to this share in three seconds.
-  double tremor = 0.006;       ///< Standard deviation of every held shape's unrest.
-  double blinks_per_min = 14;  ///< 0: none.
+  /// Unasked shapes of each pose: one to this many, each up to the weight below. Raising either: more
+  /// deviation from the prompt. 0: none.
+  int most_unasked = 3;
+  double unasked = 0.3;
+  double slackening =
+      0.15;               ///< Largest share that a held pose loses in three seconds. Raising: weaker holds.
+  double tremor = 0.006;  ///< Standard deviation of every held shape, weight. Raising: noisier holds.
+  double blinks_per_min = 14;  ///< Spontaneous blinks a minute; 0: none.
 };
 
-/// The performance of somebody who follows cues: 60 frames a second from 0 to `end_s`, within what a face can
-/// do (performer_limits.h), neutral until the first cue. Cues by time. What is performed is the truth; only
-/// what was meant is another thing. The same random state gives the same bits.
+/// Motion of a performer who follows cues: 60 Hz from 0 to `end_s`, within apply_limits() (limits.h), neutral
+/// until the first cue. `cues`: by rising time. The result is ground truth; the cues are what was asked for.
+/// The same random state gives the same bits.
 [[nodiscard]] face::Motion mimic(std::span<const PoseCue> cues, double end_s, const Mimicry& mimicry,
                                  const Random& random);
 

@@ -31,7 +31,7 @@ Manner manner_of(const Segment& segment, const Style& style) {
   Manner manner{
       .loudness = style.articulation, .articulation = style.articulation, .prosody = style.head_liveliness};
   if (segment.block != Block::acted) {
-    manner.prosody *= 0.6;  // JitterFilter.
+    manner.prosody *= 0.6;  // Calm reading.
     return manner;
   }
   // Active emotions open the mouth and move the head, sadness takes both back.
@@ -138,7 +138,7 @@ HeadActivity head_activity(Block block, Random& random) {
                         : HeadActivity::running;
 }
 
-/// Turns what was meant into what this person does, frame by frame.
+/// Applies a person's style to the canvas, frame by frame.
 class Person {
  public:
   Person(const Style& style, const Random& random) : style_(style), random_(random.fork("tremor")) {

@@ -25,12 +25,12 @@ constexpr double kGesture_s = 4;        // Two cycles at half a hertz,
 constexpr double kGestureRest_s = 0.5;  // and a moment of rest after each.
 constexpr double kCycles = 2;
 constexpr double kEase_s = 0.5;
-/// A session lets people read for a second and a half, and they take a tenth to react.
+/// A session shows a prompt 1.5 s ahead; people react in 0.1 s.
 constexpr double kLedIn_s = 1.6;
 constexpr double kAnchor_s = 2.4;
 constexpr double kRangePrompt_s = 2.0;
 
-/// What the performer makes of a prompt.
+/// The performed answer to a prompt.
 void miss(Canvas& canvas, const Prompt& prompt, double canvas_begin_s, Random random) {
   const double late_s = random.uniform(0.15, 0.6);
   const double length_s = prompt.end_s - prompt.begin_s;

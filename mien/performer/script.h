@@ -11,20 +11,20 @@
 
 namespace mien::performer {
 
-/// What kind of performance.
+/// Kind of performance.
 enum class Block : std::uint8_t {
-  reading,          ///< Text read calmly.
+  reading,          ///< Calm reading.
   expressions,      ///< Classified expressions: neutral, ramp, hold, ramp.
   acted,            ///< Lines acted with one emotion.
   range_of_motion,  ///< Every group of shapes through its range, slowly and fast.
   free,             ///< Crude random motion of all shapes: a broad prior for training.
   eating,           ///< A meal: bites, chewing, sips from a cup.
-  rapid,            ///< As fast as faces and heads move.
-  mixed,            ///< Those from reading to free in turn.
+  rapid,            ///< The fastest motions of faces and heads.
+  mixed,            ///< The blocks from reading to free in turn.
 };
 /// "reading", "range_of_motion", ...
 [[nodiscard]] std::string_view block_name(Block block);
-/// Errors: not_found, with the names that there are.
+/// Errors: not_found, listing the names.
 [[nodiscard]] Result<Block> parse_block(std::string_view name);
 
 /// The basic emotions (Ekman) and contempt.
@@ -39,18 +39,18 @@ struct Segment {
   Emotion emotion = Emotion::neutral;  ///< Of acted lines.
   double intensity = 0.7;              ///< Of the emotion, 0 to 1.
   std::string language = "en";         ///< Of reading and acted lines: one of languages().
-  /// What is said; drawn at random in `language` where there is none. May be shorter than the segment:
-  /// silence follows; what is longer is cut.
+  /// Speech of the segment; random in `language` where absent. A shorter one is followed by silence, a longer
+  /// one is cut.
   std::optional<Utterance> utterance;
 };
 
-/// What is performed, from its start to its end.
+/// A performance: segments in order, and the head's motion.
 struct Script {
   std::string name;
   std::vector<Segment> segments;
-  /// False leaves the head upright and the motion's has_head false.
+  /// False: upright head, and has_head false in the motion.
   bool moves_head = true;
-  /// Empty: what suits the blocks. Otherwise these, in order of begin_s.
+  /// Head episodes in order of begin_s; empty: chosen by block.
   std::vector<HeadEpisode> head;
 
   [[nodiscard]] double duration_s() const;

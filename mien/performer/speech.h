@@ -10,7 +10,7 @@
 
 namespace mien::performer {
 
-/// Something said, with the time of each of its sounds.
+/// An utterance with the times of its phonemes.
 struct Utterance {
   struct Phoneme {
     std::string ipa;  ///< As espeak-ng writes it, UTF-8: "tʃ", "aɪ", "ˈiː"; empty or "_" is silence.
@@ -30,11 +30,11 @@ struct Utterance {
 /// that are not finite, negative, out of order, beyond an hour), truncated.
 [[nodiscard]] Result<Utterance> parse_utterance(std::string_view json);
 
-/// Languages that random_utterance speaks.
+/// Languages of random_utterance.
 [[nodiscard]] std::span<const std::string_view> languages();
 
-/// Babble with the sounds, syllables, rhythm and pauses of a language, `seconds` long: what a face needs of
-/// speech, without words. Unknown languages are spoken as English. `rate` scales the speed, around 1.
+/// Random babble with the phonemes, syllables, rhythm and pauses of a language, `seconds` long. Unknown
+/// languages become English. `rate`: speech rate, around 1.
 [[nodiscard]] Utterance random_utterance(std::string_view language, double seconds, double rate,
                                          Random& random);
 

@@ -54,7 +54,7 @@ constexpr std::array<GestureShapes, tongue> kGestureShapes = {{
     {shape("mouthShrugLower"), shape("mouthShrugLower")},
 }};
 
-/// What one sound asks of the mouth, and how much it insists: dominance of jaw and of lips.
+/// Articulatory target of one sound, and its dominance for jaw and lips (Cohen and Massaro 1993).
 struct Articulation {
   std::array<float, kGestureCount> target{};
   float jaw_dominance = 0.5F;

@@ -6,15 +6,15 @@
 
 namespace mien::performer {
 
-/// How something is said.
+/// Manner of speech.
 struct Manner {
-  double loudness = 1;      ///< Opening of the jaw; around 1.
-  double articulation = 1;  ///< How fully lips reach their targets; around 1.
-  double prosody = 1;       ///< Size of brow and head accents; around 1.
+  double loudness = 1;      ///< Scales jaw opening; around 1. Raising: larger.
+  double articulation = 1;  ///< Scales how fully lips reach their targets; around 1. Lowering: mumbling.
+  double prosody = 1;       ///< Scales brow and head accents; around 1. Raising: livelier.
 };
 
-/// Adds an utterance that begins at the canvas's start: lips, jaw, tongue, closure, accents of brows and
-/// head, and its pauses as places to blink.
+/// Adds an utterance from the canvas's start: lips, jaw, tongue, closure, brow and head accents, and its
+/// pauses as cues for blinks. Coarticulation: Cohen and Massaro 1993.
 void perform_speech(Canvas& canvas, const Utterance& utterance, const Manner& manner, const Style& style,
                     Random random);
 

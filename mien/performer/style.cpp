@@ -14,8 +14,7 @@ using face::shape;
 
 namespace {
 
-/// A habit that anatomy suggests: muscles that share fibres, skin that drags skin. Both sides for stems with
-/// sides.
+/// A coupling by anatomy: muscles that share fibres, skin that drags skin. For both sides of sided stems.
 struct Tendency {
   std::string_view from;
   std::string_view to;
@@ -68,7 +67,7 @@ constexpr Tendency kMiddleTendencies[] = {
 bool is_eye_look(std::size_t k) {
   return kShapeNames[k].starts_with("eyeLook");
 }
-/// Driven by their own models, or a corrective: never by habits.
+/// Driven by their own models, or a corrective: never coupled.
 bool is_led(std::size_t k) {
   return is_eye_look(k) || k == shape("mouthClose");
 }
@@ -102,7 +101,7 @@ void draw_rest(Style& style, Random random) {
       continue;
     }
     double rest = std::min(0.25, random.exponential(level));
-    // Shapes that skin sensors hardly feel must not be guessed at zero, so their rest is drawn widest.
+    // Shapes that skin sensors hardly observe must not be estimated as zero, so their rest is drawn widest.
     const bool hidden = kShapeNames[k].starts_with("eyeWide") || kShapeNames[k].starts_with("eyeBlink") ||
                         kShapeNames[k].starts_with("eyeSquint") || kShapeNames[k].starts_with("mouthShrug");
     if (random.chance(hidden ? 0.5 : 0.12)) rest = random.uniform(0.0, 0.4);
@@ -135,7 +134,7 @@ void draw_habits(Style& style, Random random) {
   for (const Tendency& t : kMiddleTendencies)
     add_habit(style, pose_of({{t.from, 1}})[0].shape, pose_of({{t.to, 1}})[0].shape,
               t.amount * random.uniform(0, 2));
-  // Slight ones of no reason, most of them about the mouth, where every muscle pulls at the same ring.
+  // Slight random couplings, most of them about the mouth, where all muscles pull at the same ring.
   const auto count = 20 + random.below(40);
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::size_t from = random.below(kShapeCount);

@@ -12,7 +12,7 @@ namespace mien::performer {
 /// Whether the ICT shape moves the mouth or the jaw.
 [[nodiscard]] bool is_mouth_or_jaw(std::size_t shape);
 
-/// One shape that follows another in this person: `to` gains `amount` times `from`.
+/// Coupling of shapes in a person: `to` += `amount` x `from`.
 struct Habit {
   std::uint8_t from = 0;
   std::uint8_t to = 0;
@@ -20,30 +20,30 @@ struct Habit {
   bool operator==(const Habit&) const = default;
 };
 
-/// What makes one virtual person move unlike another. All of it is drawn; nothing is measured on a real take.
+/// Individual style of a virtual person. Drawn from assumed distributions (docs/method/performer.md); nothing
+/// is measured on a real take. Raising a factor "around 1" scales that motion up, lowering scales it down.
 struct Style {
-  /// Strength of each shape, sides unlike; around 1.
+  /// Gain of each shape, sides different; around 1.
   std::array<float, face::kShapeCount> gain{};
-  /// How far the idle side of a shape follows the busy one: 0 (can wink) to 1 (cannot).
+  /// Share of a sided shape that the other side follows: 0 (can wink) to 1 (cannot).
   std::array<float, face::kShapeCount> side_leak{};
-  /// Where the face rests; neutral (w = 0) is another pose, held on request.
+  /// Resting weights; neutral (w = 0) is another pose, held on request.
   face::BlendshapeWeights rest;
-  /// Where the eyes rest: yaw to the performer's left, pitch upwards, rad.
+  /// Resting gaze: yaw to the performer's left, pitch upwards, rad.
   Eigen::Vector2f rest_gaze_rad = Eigen::Vector2f::Zero();
-  /// Shapes that go together: smile -> cheekSquint -> eyeSquint, jaw -> lower lip, and slight ones of no
-  /// reason.
+  /// Couplings: smile -> cheekSquint -> eyeSquint, jaw -> lower lip, and slight random ones.
   std::vector<Habit> habits;
-  /// How large everything is; around 1.
+  /// Scale of all expressions; around 1.
   float expressiveness = 1;
-  /// How fast gestures are; around 1, larger is faster.
+  /// Speed of gestures; around 1, larger is faster.
   float tempo = 1;
   /// Spontaneous blinks a minute at rest, 10 to 25.
   float blink_rate_per_min = 16;
   /// Weight of a full blink, 0.75 to 1.
   float blink_peak = 0.95F;
-  /// eyeBlink that a unit of eyeLookDown brings: lids follow the eyes.
+  /// eyeBlink per unit of eyeLookDown: lids follow the eyes.
   float lid_follow = 0.3F;
-  /// Standard deviation of the tremor of muscles that hold still, in weight.
+  /// Standard deviation of the tremor of held shapes, weight.
   float micro_motion = 0.005F;
   /// Size of head gestures; around 1.
   float head_liveliness = 1;
@@ -59,10 +59,10 @@ struct Style {
   bool operator==(const Style&) const = default;
 };
 
-/// Draws a person. The same state of `random` gives the same person.
+/// A random person; the same state of `random` gives the same person.
 [[nodiscard]] Style draw_style(Random& random);
 
-/// No asymmetry, no habits, no rest, no tremor: what was meant is what is done. For tests and for studies.
+/// No asymmetry, couplings, rest or tremor: intended motion is performed exactly. For tests and studies.
 [[nodiscard]] Style plain_style();
 
 }  // namespace mien::performer

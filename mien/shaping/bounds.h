@@ -4,29 +4,29 @@
 
 namespace mien::shaping {
 
-/// No eye turns further, each way: a quarter turn, rad.
+/// Largest eye yaw and pitch, each way: a quarter turn, rad.
 inline constexpr float kEyeAtMostRad = 1.5707964f;
 
-/// A frame at rest: weights 0, looking straight ahead, head upright; confidence 0, provenance neutral.
+/// The neutral frame: weights 0, eyes straight ahead, head upright; confidence 0, provenance neutral.
 [[nodiscard]] face::OutputFrame neutral_frame(DeviceTime time);
 
-/// What no tracker should give and no later step could repair: a weight, tongue, confidence, head or eye that
-/// is not finite, or a head that is no rotation. Takes the value of `last` instead, with confidence 0 and
-/// provenance held; brings weights and confidences into [0, 1], eyes within a quarter turn and the head to
-/// unit length. Changes no bit of a frame that was well. `last` is a mended frame.
+/// Replaces invalid values: a weight, tongue, confidence, head or eye direction that is not finite, or a head
+/// that is no rotation, becomes that of `last`, with confidence 0 and provenance held. Clamps weights and
+/// confidences to [0, 1] and eyes to kEyeAtMostRad, and normalises the head. Changes no bit of a valid frame.
+/// `last`: the previous frame, as mended.
 void mend(face::OutputFrame& frame, const face::OutputFrame& last);
 
-/// What holds of every frame that leaves: weights and tongue in [0, 1], and mouthClose not above jawOpen.
-/// mouthClose is a corrective of jawOpen, not "lips closed": alone it turns the lips inside out.
+/// Invariants of every output frame: weights and tongue in [0, 1], mouthClose <= jawOpen (it is a corrective
+/// of jawOpen, not "lips closed": alone it turns the lips inside out).
 void bound(face::OutputFrame& frame);
 
-/// The largest change of a weight in a 60th of a second that is shown; a blink, the fastest thing that faces
-/// do, reaches 0.3 in recordings.
+/// Slew-rate limit: largest change of a weight per 60th of a second. A blink, the fastest motion of a face,
+/// reaches 0.3 in recordings.
 inline constexpr float kStepAtMost = 0.5f;
 
-/// Holds weights and tongue within kStepAtMost a 60th of a second of `before`, the last frame that was shown:
-/// what a network's or a sensor's trouble makes jump arrives a frame or two later instead. Changes no bit of
-/// a frame that steps less.
+/// Limits the change of weights and tongue from `before`, the last output frame, to kStepAtMost per 60th of a
+/// second, so that faults of a network or a sensor do not show as jumps; a real one arrives a frame or two
+/// later. Changes no bit of a frame that steps less.
 void bound_steps(face::OutputFrame& frame, const face::OutputFrame& before);
 
 }  // namespace mien::shaping

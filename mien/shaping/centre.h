@@ -10,20 +10,20 @@
 
 namespace mien::shaping {
 
-/// What a face at rest looks like to the tracker, and where ahead is: the whole state of re-centring. A
-/// calibration version carries it.
+/// State of re-centring: the tracker's output for the resting face, and the heading that counts as ahead.
+/// Stored in calibration versions.
 struct Centre {
-  /// A shape above this while the rest is measured is being performed, not at rest.
+  /// A shape whose rest would be above this is being performed, not at rest.
   static constexpr float kRestAtMost = 0.5f;
 
-  /// Resting weight a shape, 0 to kRestAtMost; it is taken away, and the rest of the range stretched over it.
+  /// Resting weight of each shape, 0 to kRestAtMost: w' = max(0, (w - rest) / (1 - rest)).
   std::array<float, face::kShapeCount> rest{};
-  /// Heading of the performer's ahead in W, rad about +Y, -pi to pi; the head is turned back by it.
+  /// Heading of the performer's ahead in frame W, rad about +Y, -pi to pi; subtracted from the head's.
   double yaw_rad = 0;
   bool operator==(const Centre&) const = default;
 };
 
-/// JSON text that parse_centre takes back to an equal one: {"rest": {shape: weight}, "yaw_rad": number};
+/// JSON, from which parse_centre restores an equal value: {"rest": {shape: weight}, "yaw_rad": number};
 /// shapes without a rest are left out.
 [[nodiscard]] std::string write_centre(const Centre& centre);
 /// Errors: malformed (no JSON, unknown key or shape, a value of another type), out_of_range. `where` names

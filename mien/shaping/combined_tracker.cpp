@@ -14,8 +14,8 @@ using nlohmann::json;
 using tracker::CalibrationState;
 
 constexpr std::uint8_t kNobodys = 0xFF;
-/// A tracker none of whose sensors was heard for so long is not there.
-constexpr Duration kThere = std::chrono::seconds(2);
+/// A tracker without a sample from any of its sensors for this long counts as absent.
+constexpr Duration kAbsentAfter = std::chrono::seconds(2);
 
 std::vector<std::string> modalities_of(const std::vector<CombinedTracker::Part>& parts) {
   std::vector<std::string> names;
@@ -40,12 +40,22 @@ CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& 
   }
 }
 
-void CombinedTracker::add(HostTime arrival, const sensor::Sample& sample) {
+CombinedTracker::Member* CombinedTracker::received(HostTime arrival, const sensor::Sample& sample) {
   newest_ = std::max(newest_, arrival);
-  if (sample.sensor >= member_of_.size() || member_of_[sample.sensor] == kNobodys) return;
+  if (sample.sensor >= member_of_.size() || member_of_[sample.sensor] == kNobodys) return nullptr;
   Member& member = members_[member_of_[sample.sensor]];
   member.received = arrival;
-  member.tracker->add(arrival, sample);
+  return &member;
+}
+
+void CombinedTracker::add(HostTime arrival, const sensor::Sample& sample) {
+  if (Member* const member = received(arrival, sample)) member->tracker->add(arrival, sample);
+}
+
+void CombinedTracker::add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                                       std::span<const std::byte> payload) {
+  if (Member* const member = received(arrival, sample))
+    member->tracker->add_with_payload(arrival, sample, payload);
 }
 
 void CombinedTracker::forget(std::uint16_t sensor) {
@@ -58,7 +68,7 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
   for (std::size_t i = 0; i < members_.size(); ++i) {
     tracker::TickResult one = members_[i].tracker->tick(frame, lines, members_[i].frame);
     for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
-    sources_[i].sensors_there = one.sensors_present;
+    sources_[i].sensors_present = one.sensors_present;
     sources_[i].frame = &members_[i].frame;
   }
   if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
@@ -66,13 +76,13 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
   return all;
 }
 
-bool CombinedTracker::any_there() const {
+bool CombinedTracker::any_present() const {
   return std::ranges::any_of(
-      members_, [this](const Member& m) { return m.received && newest_ - *m.received <= kThere; });
+      members_, [this](const Member& m) { return m.received && newest_ - *m.received <= kAbsentAfter; });
 }
 
 bool CombinedTracker::counts(const Member& member) const {
-  return (member.received && newest_ - *member.received <= kThere) || !any_there();
+  return (member.received && newest_ - *member.received <= kAbsentAfter) || !any_present();
 }
 
 tracker::Guidance CombinedTracker::guidance() const {
@@ -155,7 +165,7 @@ Result<void> CombinedTracker::restore(std::string_view text) {
     if (auto done = member.tracker->restore(found->dump()); !done) {
       bool undone = true;
       for (auto& [other, earlier] : changed) undone = !earlier.empty() && other->restore(earlier) && undone;
-      // What could not be undone is another calibration in force.
+      // Part of the failed restore stays in force: reported as a calibration event.
       half_restored_ = !undone;
       return done;
     }

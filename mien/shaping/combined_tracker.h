@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,23 +14,23 @@
 
 namespace mien::shaping {
 
-/// Several modalities' trackers as one: each is asked at every frame, and Merge makes one answer of theirs.
-/// Whoever holds it need not know that there are several.
+/// Several modalities' trackers as one Tracker: all compute every frame, and Merge combines their frames.
 ///
-/// Each tracker gets the samples of its own sensors. It is made of the rig's part that is its own
-/// (sensor::part_of), where all sensors keep their numbers.
+/// Each tracker receives the samples of its own sensors, and is made for its part of the rig
+/// (sensor::part_of), in which sensors keep their numbers.
 ///
-/// Calibration: guided steps go to all, as long as the one that wants them longest asks for. Where trackers
-/// must be told apart, those count that have a sensor there, heard in the last two seconds, and all while
-/// none has: a pair of glasses that lies on the table keeps nothing from being done. A guided calibration
-/// that fails for one tracker has its hint, and the others keep what they made of it.
+/// Calibration: guided steps go to all trackers, for the longest time that any of them asks for. Trackers
+/// without a sample in the last two seconds do not count (all count while none has samples), so that glasses
+/// left on the table block nothing. Where a guided calibration fails for one tracker its hint is shown, and
+/// the others keep theirs.
 class CombinedTracker final : public tracker::Tracker {
  public:
   struct Part {
     std::unique_ptr<tracker::Tracker> tracker;
-    std::vector<std::uint16_t> sensors;  ///< Its own, by their numbers in the rig.
+    std::vector<std::uint16_t> sensors;  ///< Its sensors, by their numbers in the rig.
   };
-  /// `parts`: 1 to Merge::kMostSources, of different modalities. `settings`: its merge and fallback.
+  /// `parts`: 1 to Merge::kMostSources, of different modalities. Of `settings` only merge and fallback are
+  /// used.
   explicit CombinedTracker(std::vector<Part> parts, const ShaperSettings& settings = {});
 
   /// Takes effect at the next frame.
@@ -38,8 +39,10 @@ class CombinedTracker final : public tracker::Tracker {
   /// "imu+eyewear".
   [[nodiscard]] std::string_view modality() const override { return modality_; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
+  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                        std::span<const std::byte> payload) override;
   void forget(std::uint16_t sensor) override;
-  /// `sensors_present`: how many stand behind the answer (Merge::apply). Calibration events are those of all.
+  /// `sensors_present`: of the sources of the frame (Merge::apply). Calibration events: all trackers'.
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
 
   [[nodiscard]] tracker::Guidance guidance() const override;
@@ -47,13 +50,13 @@ class CombinedTracker final : public tracker::Tracker {
   void guide_range(DeviceTime begin, DeviceTime end) override;
   void guide_expression(const tracker::PromptedExpression& asked) override;
   void cancel_guidance() override;
-  /// Guided while one is; done when all are; the step and the hint of the first that has one.
+  /// Guided while any is; done when all are; step and hint of the first that has one.
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
-  /// {"imu": {...}, "eyewear": {...}}: those that are in force.
+  /// {"imu": {...}, "eyewear": {...}}: calibrations in force.
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
-  /// A tracker that the text does not name keeps what it has. What fails leaves all as it was, but for
-  /// trackers that had none in force before. Errors: malformed, mismatch (no tracker is called so), a
+  /// Trackers that the text does not name keep theirs. On an error the trackers already changed are restored,
+  /// except where one had none in force before. Errors: malformed, mismatch (no tracker of that name), a
   /// tracker's own.
   [[nodiscard]] Result<void> restore(std::string_view json) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
@@ -62,11 +65,13 @@ class CombinedTracker final : public tracker::Tracker {
   struct Member {
     std::unique_ptr<tracker::Tracker> tracker;
     std::vector<std::uint16_t> sensors;
-    std::optional<HostTime> received;  // The newest sample of its own sensors.
+    std::optional<HostTime> received;  // Arrival of its sensors' newest sample.
     face::OutputFrame frame;
   };
-  [[nodiscard]] bool any_there() const;
-  /// Whether it is one of those that count.
+  [[nodiscard]] bool any_present() const;
+  /// The member that owns the sample's sensor, with its arrival noted; null for none.
+  Member* received(HostTime arrival, const sensor::Sample& sample);
+  /// Whether its calibration state counts (class comment).
   [[nodiscard]] bool counts(const Member& member) const;
 
   std::vector<Member> members_;
@@ -75,8 +80,7 @@ class CombinedTracker final : public tracker::Tracker {
   Merge merge_;
   std::vector<Merge::Source> sources_;
   HostTime newest_;
-  bool half_restored_ =
-      false;  // A restore failed, and what it had changed could not be undone: next tick's event.
+  bool half_restored_ = false;  // A failed restore() could not be undone: an event at the next tick.
 };
 
 }  // namespace mien::shaping

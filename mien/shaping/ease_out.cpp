@@ -8,12 +8,13 @@
 namespace mien::shaping {
 namespace {
 
-/// A hundred-thousandth is left after so many times the time to 5 %: from there on frames pass untouched.
+/// The ease-out ends after this many `return_s`, when 1e-5 of the difference is left; frames then pass
+/// untouched.
 constexpr double kDoneAfter = 3;
 
 }  // namespace
 
-void EaseOut::take(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
+void EaseOut::begin(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
   const std::size_t first = first_value(part);
   if (part < face::kShapeCount) {
     difference_[first] = static_cast<double>(shown.weights[part]) - next.weights[part];
@@ -29,33 +30,33 @@ void EaseOut::take(std::size_t part, const face::OutputFrame& shown, const face:
     }
   }
   since_[part] = shown.time;
-  if (going_[part]) return;
+  if (active_[part]) return;
   for (std::size_t i = first; i < first_value(part + 1); ++i) speed_[i] = 0;
-  going_[part] = true;
-  ++going_count_;
+  active_[part] = true;
+  ++active_count_;
 }
 
-void EaseOut::take_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
-  for (std::size_t part = 0; part < kPartCount; ++part) take(part, shown, next);
+void EaseOut::begin_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
+  for (std::size_t part = 0; part < kPartCount; ++part) begin(part, shown, next);
 }
 
 void EaseOut::stop(std::size_t part) {
-  if (!going_[part]) return;
-  going_[part] = false;
-  --going_count_;
+  if (!active_[part]) return;
+  active_[part] = false;
+  --active_count_;
 }
 
 void EaseOut::stop() {
-  going_.fill(false);
-  going_count_ = 0;
+  active_.fill(false);
+  active_count_ = 0;
 }
 
 void EaseOut::apply(face::OutputFrame& frame, double step_s, double return_s) {
-  if (!going()) return;
+  if (!active()) return;
   const double omega = kConstantsTo5Percent / return_s;
   const double fall = std::exp(-omega * step_s);
   for (std::size_t part = 0; part < kPartCount; ++part) {
-    if (!going_[part]) continue;
+    if (!active_[part]) continue;
     if (to_seconds(frame.time - since_[part]) >= kDoneAfter * return_s) {
       stop(part);
       continue;
@@ -76,9 +77,9 @@ void EaseOut::apply(face::OutputFrame& frame, double step_s, double return_s) {
       frame.head = canonical(exp_rotation(head) * frame.head);
     } else {
       for (std::size_t e = 0; e < 2; ++e) {
-        const Eigen::Vector2d away(difference_[first + 2 * e], difference_[first + 2 * e + 1]);
+        const Eigen::Vector2d left(difference_[first + 2 * e], difference_[first + 2 * e + 1]);
         frame.eyes_rad[e] =
-            (frame.eyes_rad[e] + away.cast<float>()).cwiseMax(-kEyeAtMostRad).cwiseMin(kEyeAtMostRad);
+            (frame.eyes_rad[e] + left.cast<float>()).cwiseMax(-kEyeAtMostRad).cwiseMin(kEyeAtMostRad);
       }
     }
   }

@@ -8,34 +8,34 @@
 
 namespace mien::shaping {
 
-/// A critically damped spring that begins at rest has 5 % of its way left at this many of its time constants:
-/// (1 + x) exp(-x) = 0.05.
+/// A critically damped spring, released at rest, has 5 % of its displacement left after this many time
+/// constants: (1 + x) exp(-x) = 0.05.
 inline constexpr double kConstantsTo5Percent = 4.744;
 
-/// How what is shown goes over to another source without a jump: the difference of the two is taken and then
-/// let go as by a critically damped spring that begins at rest, and is *added* to the new source's frames, so
-/// that the face's own movement shows at once. Part by part: each shape, the tongue, the head and the eyes
-/// are taken and let go by themselves. The largest step a 60 Hz frame besides the face's own is 0.03 s over
-/// `return_s` of the difference: 0.1 of it with 0.3 s.
-/// On frame time; no allocation; frames keep the bits of parts that are not being let go.
+/// Crossfade from the frames shown to a new source, without a jump: the offset between the two decays as a
+/// critically damped spring released at rest, and is *added* to the new source's frames, so that the face's
+/// own movement shows at once (inertialisation). Each part (frame_parts.h) has an offset of its own. The
+/// largest step per 60 Hz frame, besides the face's own, is 0.03 s / `return_s` of the offset: 0.1 of it with
+/// 0.3 s. On frame time; no allocation; parts without an offset keep their bits. Formula:
+/// docs/method/shaping.md.
 class EaseOut {
  public:
-  /// Takes the difference of what was `shown` to the `next` source's frame in one part (frame_parts.h). A
-  /// part that is still being let go keeps its speed.
-  void take(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next);
-  /// As take, of every part.
-  void take_all(const face::OutputFrame& shown, const face::OutputFrame& next);
-  /// Adds what is left to the frame, `step_s` after the last; weights stay in [0, 1], eyes within a quarter
-  /// turn. After 3 `return_s` a hundred-thousandth is left, and the part is done.
+  /// Begins the ease-out of one part: the offset is `shown` less the `next` source's frame. A part that is
+  /// still easing out keeps its speed.
+  void begin(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next);
+  /// The same for every part.
+  void begin_all(const face::OutputFrame& shown, const face::OutputFrame& next);
+  /// Adds the remaining offsets to the frame, `step_s` after the last; weights are clamped to [0, 1], eyes to
+  /// kEyeAtMostRad. `return_s`: time to 5 % of the offset, > 0. After three times that, at 1e-5, a part ends.
   void apply(face::OutputFrame& frame, double step_s, double return_s);
-  /// Some part is being let go.
-  [[nodiscard]] bool going() const { return going_count_ > 0; }
-  /// Nothing is left of one part, or of any.
+  /// Whether any part is easing out.
+  [[nodiscard]] bool active() const { return active_count_ > 0; }
+  /// Drops the offset of one part, or of all.
   void stop(std::size_t part);
   void stop();
 
  private:
-  // The values of a part: one a shape and of the tongue, 3 of the head (rotation vector, frame W), 4 of the
+  // Values per part: one for each shape and the tongue, 3 for the head (rotation vector, frame W), 4 for the
   // eyes.
   static constexpr std::size_t kHeadValues = kHeadPart;
   static constexpr std::size_t kEyesValues = kHeadValues + 3;
@@ -44,11 +44,11 @@ class EaseOut {
     return part < kEyesPart ? part : part == kEyesPart ? kEyesValues : kValues;
   }
 
-  std::array<double, kValues> difference_{};    // What is shown less the source's.
-  std::array<double, kValues> speed_{};         // Of the difference, a second.
-  std::array<DeviceTime, kPartCount> since_{};  // When the difference was taken.
-  std::array<bool, kPartCount> going_{};
-  std::size_t going_count_ = 0;
+  std::array<double, kValues> difference_{};    // Shown less source.
+  std::array<double, kValues> speed_{};         // Of the difference, 1/s.
+  std::array<DeviceTime, kPartCount> since_{};  // Time of begin().
+  std::array<bool, kPartCount> active_{};
+  std::size_t active_count_ = 0;
 };
 
 }  // namespace mien::shaping

@@ -30,8 +30,8 @@ void eyes_from_weights(face::OutputFrame& frame) {
     for (const std::size_t i : {eye.left, eye.right, eye.up, eye.down}) confidence += frame.confidence[i] / 8;
   }
   const Provenance shapes = frame.provenance[kEyes[0].left];
-  const bool felt = shapes == Provenance::measured || shapes == Provenance::interpolated;
-  frame.eyes_provenance = felt ? Provenance::predicted : shapes;
+  const bool observed = shapes == Provenance::measured || shapes == Provenance::interpolated;
+  frame.eyes_provenance = observed ? Provenance::predicted : shapes;
   frame.eyes_confidence = kGazeConfidence * confidence;
 }
 

@@ -7,13 +7,13 @@ namespace mien::shaping {
 
 /// face::kEyeTurnRadPerUnit in single precision, as eye directions are.
 inline constexpr auto kEyeTurnRad = static_cast<float>(face::kEyeTurnRadPerUnit);
-/// Skin sensors hardly feel where the eyes look.
+/// Confidence factor: skin sensors hardly observe gaze.
 inline constexpr float kGazeConfidence = 0.2f;
 
-/// Where no tracker gave eye directions (provenance neutral and confidence 0), takes them from the eyeLook
-/// weights: yaw and pitch are kEyeTurnRad a unit. Confidence is kGazeConfidence of those shapes' mean;
-/// provenance predicted, or what those shapes are where they are held, from audio, or neutral.
-/// No allocation. Thread-safe.
+/// Derives eye directions from the eyeLook weights where no tracker gave them (provenance neutral and
+/// confidence 0): yaw and pitch, kEyeTurnRad per unit weight. Confidence: kGazeConfidence times those shapes'
+/// mean. Provenance: predicted, or the shapes' own where that is held, audio or neutral. No allocation.
+/// Thread-safe.
 void eyes_from_weights(face::OutputFrame& frame);
 
 }  // namespace mien::shaping

@@ -7,24 +7,23 @@
 
 namespace mien::shaping {
 
-/// What becomes of a part of a frame that no sensor stands behind any more: held, then eased to neutral:
-/// weights to 0, eyes straight ahead, the head upright at the yaw where it was (a face that turned away by
-/// itself would be worse than one that keeps looking there). Provenance held while holding, then neutral;
-/// confidence falls evenly to 0 over both. The largest step a 60 Hz frame is 0.05 of the weight. No
-/// allocation. Thread-safe.
+/// Loss of tracking of one part of a frame: held for hold_s, then eased (smoothstep, neutral_s) to neutral:
+/// weights 0, eyes straight ahead, head upright at its last yaw (a head that turned by itself would look
+/// worse). Provenance: held, then neutral; confidence falls linearly to 0 over both. The largest step per 60
+/// Hz frame is 0.05 of the weight by default. No allocation. Thread-safe.
 class Fading {
  public:
-  /// `age_s`: since the part was known.
+  /// `age_s`: since the last frame with the part observed.
   Fading(double age_s, const FallbackSettings& settings);
-  /// Fills the part (frame_parts.h) of `frame`. `from`: as it was shown last while it was known.
+  /// Fills the part (frame_parts.h) of `frame`. `from`: the last frame shown with the part observed.
   void apply(std::size_t part, const face::OutputFrame& from, face::OutputFrame& frame) const;
 
  private:
-  [[nodiscard]] face::Provenance told(face::Provenance was) const;
+  [[nodiscard]] face::Provenance provenance_of(face::Provenance was) const;
 
-  double gone_;  // Share of the way to neutral.
-  float left_;   // 1 - gone_.
-  float sure_;   // Share of the confidence.
+  double gone_;             // Eased share of the way to neutral, 0 to 1.
+  float left_;              // 1 - gone_.
+  float confidence_share_;  // Remaining share of the confidence.
   bool held_;
 };
 

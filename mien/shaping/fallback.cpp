@@ -16,11 +16,11 @@ void Fallback::set(const FallbackSettings& settings) {
   settings_ = settings.within_range();
 }
 
-void Fallback::apply(face::OutputFrame& frame, std::size_t sensors_there) {
-  if (sensors_there == 0)
+void Fallback::apply(face::OutputFrame& frame, std::size_t sensors_present) {
+  if (sensors_present == 0)
     lose(frame);
   else
-    follow(frame, sensors_there);
+    follow(frame, sensors_present);
   shown_ = frame;
 }
 
@@ -35,32 +35,33 @@ void Fallback::lose(face::OutputFrame& frame) {
   for (std::size_t part = 0; part < kPartCount; ++part) fading.apply(part, from_, frame);
 }
 
-void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_there) {
+void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_present) {
   const bool back = phase_ == Phase::lost;
   if (back) from_ = shown_;
-  if (back || (phase_ == Phase::following && sensors_there != sensors_there_)) {
-    if (!ease_out_.going()) returning_ = back;
+  if (back || (phase_ == Phase::following && sensors_present != sensors_present_)) {
+    if (!ease_out_.active()) returning_ = back;
     since_ = shown_.time;
-    ease_out_.take_all(shown_, frame);
+    ease_out_.begin_all(shown_, frame);
   }
   phase_ = Phase::following;
-  sensors_there_ = sensors_there;
+  sensors_present_ = sensors_present;
   ease_out_.apply(frame, to_seconds(frame.time - shown_.time), settings_.return_s);
-  if (returning_ && ease_out_.going()) tell_of_return(frame);
+  if (returning_ && ease_out_.active()) fade_in(frame);
 }
 
-void Fallback::tell_of_return(face::OutputFrame& frame) const {
-  // Confidence comes with the tracker's share of what is shown, provenance with its larger half.
+void Fallback::fade_in(face::OutputFrame& frame) const {
+  // Confidence grows with the tracker's share of what is shown; provenance switches where that share is a
+  // half.
   const double omega = kConstantsTo5Percent / settings_.return_s;
   const double age_s = to_seconds(frame.time - since_);
   const double back = 1 - (1 + omega * age_s) * std::exp(-omega * age_s);
-  const auto sure = static_cast<float>(back);
+  const auto share = static_cast<float>(back);
   for (std::size_t i = 0; i < face::kShapeCount; ++i) {
-    frame.confidence[i] *= sure;
+    frame.confidence[i] *= share;
     if (back < 0.5) frame.provenance[i] = from_.provenance[i];
   }
-  frame.head_confidence *= sure;
-  frame.eyes_confidence *= sure;
+  frame.head_confidence *= share;
+  frame.eyes_confidence *= share;
   if (back < 0.5) {
     frame.head_provenance = from_.head_provenance;
     frame.eyes_provenance = from_.eyes_provenance;

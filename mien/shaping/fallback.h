@@ -8,41 +8,40 @@
 
 namespace mien::shaping {
 
-/// What is shown when sensors are lost, and how the tracker's face is taken up again.
+/// Output while sensors are lost, and the return to the tracker's face.
 ///
-/// All lost: the last frame is held, then eased to neutral (Fading).
-/// Back, or another number of sensors there: what is shown goes on from where it was. The difference to the
-/// tracker's face is let go (EaseOut), so the tracker's own movement shows at once. The largest step a
-/// 60 Hz frame besides the face's own is 0.1 of the difference on the way back and 0.05 of the weight on the
-/// way to neutral.
-/// On frame time; no allocation; a frame that follows without a change keeps its bits.
+/// All lost: the last frame is held, then eased to neutral (Fading). Sensors back, or another number of them
+/// present: the offset from what is shown to the tracker's face decays (EaseOut), so the tracker's own
+/// movement shows at once. The largest step per 60 Hz frame, besides the face's own, is by default 0.1 of the
+/// offset on the way back and 0.05 of the weight on the way to neutral. On frame time; no allocation; frames
+/// without a change in between keep their bits.
 class Fallback {
  public:
   explicit Fallback(const FallbackSettings& settings);
   Fallback() : Fallback(FallbackSettings{}) {}
 
-  /// `frame` is finite. `sensors_there`: how many sensors were heard lately; where only "any" is known, 1.
-  void apply(face::OutputFrame& frame, std::size_t sensors_there);
-  /// Keeps what is shown. Times out of range are brought into it.
+  /// `frame`: finite, changed in place. `sensors_present`: their number; 1 where only "any" is known.
+  void apply(face::OutputFrame& frame, std::size_t sensors_present);
+  /// New settings from the next frame on; times are clamped to their ranges.
   void set(const FallbackSettings& settings);
-  /// Forgets what was shown: the next frame goes through as it is.
+  /// Resets the state: the next frame passes unchanged.
   void reset() { *this = Fallback(settings_); }
 
  private:
   enum class Phase : std::uint8_t { waiting, following, lost };
 
   void lose(face::OutputFrame& frame);
-  void follow(face::OutputFrame& frame, std::size_t sensors_there);
-  /// Confidence and provenance while the tracker's face is taken up again.
-  void tell_of_return(face::OutputFrame& frame) const;
+  void follow(face::OutputFrame& frame, std::size_t sensors_present);
+  /// Confidence and provenance during the return from a loss of all.
+  void fade_in(face::OutputFrame& frame) const;
 
   FallbackSettings settings_;
   Phase phase_ = Phase::waiting;
-  std::size_t sensors_there_ = 0;
-  face::OutputFrame shown_;  // The last frame as it left.
-  face::OutputFrame from_;   // What was shown when sensors were lost, or when they came back.
-  DeviceTime since_;         // Of the loss, or of the newest difference.
-  bool returning_ = false;   // From a loss of all, not from a change.
+  std::size_t sensors_present_ = 0;
+  face::OutputFrame shown_;  // The last output frame.
+  face::OutputFrame from_;   // What was shown when all were lost, or came back.
+  DeviceTime since_;         // Time of the loss, or of the newest offset.
+  bool returning_ = false;   // From a loss of all, not from a change of their number.
   EaseOut ease_out_;
 };
 

@@ -6,14 +6,14 @@
 
 namespace mien::shaping {
 
-/// The parts of an output frame that can come from different sources and go their own ways: the 53 shapes by
-/// their numbers, each with its confidence and provenance, then these.
+/// Numbers of the parts of an output frame that are merged and faded separately: the 53 shapes by their
+/// index, each with its confidence and provenance, then these.
 inline constexpr std::size_t kTonguePart = face::kShapeCount;
 inline constexpr std::size_t kHeadPart = kTonguePart + 1;
 inline constexpr std::size_t kEyesPart = kHeadPart + 1;
 inline constexpr std::size_t kPartCount = kEyesPart + 1;
 
-/// One part of a frame into another frame, to the bit.
+/// Copies one part of a frame into another, to the bit. `part` < kPartCount.
 inline void copy_part(const face::OutputFrame& from, std::size_t part, face::OutputFrame& out) {
   if (part < face::kShapeCount) {
     out.weights[part] = from.weights[part];

@@ -9,13 +9,13 @@ namespace mien::shaping {
 /// One shape's gain and range.
 struct ShapeLimits {
   static constexpr float kGainAtMost = 4;
-  float gain = 1;  ///< 0 to kGainAtMost. Raising exaggerates the shape, and its noise.
-  float low = 0;   ///< 0 to 1, at most `high`: never less than this is shown.
-  float high = 1;  ///< 0 to 1: never more.
+  float gain = 1;  ///< 0 to kGainAtMost. Raising exaggerates the shape and its noise; lowering damps both.
+  float low = 0;   ///< Lower bound, 0 to `high`. Raising: the shape is never fully released.
+  float high = 1;  ///< Upper bound, `low` to 1. Lowering: the shape never gets stronger.
   bool operator==(const ShapeLimits&) const = default;
 };
 
-/// w' = min(max(gain * w, low), high), a shape. The default changes no bit.
+/// w' = min(max(gain * w, low), high) for each shape. The default changes no bit.
 struct Limits {
   std::array<ShapeLimits, face::kShapeCount> shapes{};
 

@@ -13,7 +13,7 @@ namespace {
 using face::OutputFrame;
 using face::Provenance;
 
-/// The place that decides over a part of the frame; the tongue goes with the jaw.
+/// The place whose order decides over a part of the frame; the tongue goes with the jaw.
 constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
   std::array<std::size_t, kPartCount> places{};
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
@@ -26,11 +26,11 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
 /// The tongue has no confidence of its own.
 constexpr std::size_t kTongueGoesWith = face::shape("jawOpen");
 
-bool knows_anything(const Merge::Source& source) {
-  const auto told = [](Provenance p) { return p != Provenance::neutral; };
-  return source.sensors_there > 0 &&
-         (std::ranges::any_of(source.frame->provenance, told) || told(source.frame->head_provenance) ||
-          told(source.frame->eyes_provenance));
+bool has_estimate(const Merge::Source& source) {
+  const auto estimated = [](Provenance p) { return p != Provenance::neutral; };
+  return source.sensors_present > 0 &&
+         (std::ranges::any_of(source.frame->provenance, estimated) ||
+          estimated(source.frame->head_provenance) || estimated(source.frame->eyes_provenance));
 }
 
 }  // namespace
@@ -57,20 +57,20 @@ Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
 
 void Merge::set(const MergeSettings& settings, const FallbackSettings& times) {
   settings_ = settings;
-  settings_.sure = settings.sure > 0 ? std::min(settings.sure, 1.0F) : 0.0F;  // Not a number: the least.
+  settings_.sure = settings.sure > 0 ? std::min(settings.sure, 1.0F) : 0.0F;  // NaN becomes 0.
   settings_.unsure = settings.unsure > 0 ? std::min(settings.unsure, settings_.sure) : 0.0F;
   times_ = times.within_range();
   for (std::size_t place = 0; place < kMergePlaceCount; ++place) {
     std::vector<std::uint8_t>& order = order_[place];
     order.clear();
-    const auto ask = [&](std::size_t source) {
+    const auto append = [&](std::size_t source) {
       const auto number = static_cast<std::uint8_t>(source);
       if (std::ranges::find(order, number) == order.end()) order.push_back(number);
     };
     for (const std::string& name : settings_.order[place])
       for (std::size_t s = 0; s < modalities_.size(); ++s)
-        if (modalities_[s] == name) ask(s);
-    for (std::size_t s = 0; s < modalities_.size(); ++s) ask(s);
+        if (modalities_[s] == name) append(s);
+    for (std::size_t s = 0; s < modalities_.size(); ++s) append(s);
   }
 }
 
@@ -89,7 +89,7 @@ Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
   const Provenance provenance = shape               ? frame.provenance[part]
                                 : part == kHeadPart ? frame.head_provenance
                                                     : frame.eyes_provenance;
-  out.knows = source.sensors_there > 0 && provenance != Provenance::neutral;
+  out.known = source.sensors_present > 0 && provenance != Provenance::neutral;
   out.confidence = shape               ? frame.confidence[part]
                    : part == kHeadPart ? frame.head_confidence
                                        : frame.eyes_confidence;
@@ -101,17 +101,17 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
   const std::uint8_t present = answers_[part];
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources[s], part);
-    if (vote.knows && vote.confidence >= (s == present ? settings_.unsure : settings_.sure)) return s;
+    if (vote.known && vote.confidence >= (s == present ? settings_.unsure : settings_.sure)) return s;
   }
-  const float ahead = settings_.sure - settings_.unsure;
+  const float hysteresis = settings_.sure - settings_.unsure;
   std::uint8_t best = kNobody;
   float most = 0;
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources[s], part);
-    const float counts = vote.confidence + (s == present ? ahead : 0);
-    if (!vote.knows || (best != kNobody && counts <= most)) continue;
+    const float score = vote.confidence + (s == present ? hysteresis : 0);
+    if (!vote.known || (best != kNobody && score <= most)) continue;
     best = s;
-    most = counts;
+    most = score;
   }
   return best;
 }
@@ -124,8 +124,8 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   for (std::size_t s = 0; s < sources.size(); ++s) {
     mend(*sources[s].frame, last_[s]);
     last_[s] = *sources[s].frame;
-    there += sources[s].sensors_there;
-    if (knows_anything(sources[s])) behind += sources[s].sensors_there;
+    there += sources[s].sensors_present;
+    if (has_estimate(sources[s])) behind += sources[s].sensors_present;
   }
   if (sources.size() == 1) {
     out = *sources.front().frame;
@@ -140,7 +140,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
     answers_[part] = now;
     if (now != kNobody) {
       copy_part(*sources[now].frame, part, out);
-      if (begun_ && now != before) ease_out_.take(part, shown_, out);
+      if (begun_ && now != before) ease_out_.begin(part, shown_, out);
       continue;
     }
     if (before != kNobody) {

@@ -16,55 +16,55 @@
 
 namespace mien::shaping {
 
-/// Several trackers' frames of one moment, made one: each shape, the head and the eyes are answered by one of
-/// the trackers, and its value, confidence and provenance go out together; the tongue comes from whoever
-/// answers jawOpen. Who, by shape:
+/// Merges several trackers' frames of one time into one: each shape, the head and the eyes come from one
+/// tracker, value, confidence and provenance together; the tongue from the tracker that gives jawOpen.
+/// Selection, for each part:
 ///
-/// 1. the first in its region's order that is there and sure of it (MergeSettings);
-/// 2. else, since nobody is sure, the most confident one that is there; who answers already stays until
-///    another is more confident by sure - unsure;
-/// 3. else nobody, since none that is there knows the shape (provenance neutral): it is held as it was shown,
-///    then eased to neutral (Fading).
+/// 1. the first tracker in the region's order that has sensors and a confidence of at least `sure`, or
+/// `unsure` for the present one (hysteresis, MergeSettings);
+/// 2. else the most confident one that has sensors; the present one is kept until another exceeds it by sure
+/// - unsure;
+/// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
 ///
-/// A shape that changes hands goes on from what is shown, and the difference is let go (EaseOut). Both are
-/// how fallback loses all sensors and takes them up again, a shape at a time and with the same times: so a
-/// tracker that loses its sensors is replaced as softly as fallback brings one back, and one that only fills
-/// in (speech, from audio) needs nothing but a place at the order's end.
+/// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's
+/// mechanisms and times, part by part, so a tracker that loses its sensors is replaced as smoothly as the
+/// fallback returns. A tracker that only fills in (speech, from audio) needs no more than a place at the
+/// order's end.
 ///
-/// A pure function of the calls; on frame time, which rises: a frame that is not later than the last begins
-/// anew. No allocation in apply. Thread: one at a time.
+/// A pure function of the calls, on frame time; a frame not later than the last resets it. No allocation in
+/// apply. Thread: one at a time. Method: docs/method/shaping.md.
 class Merge {
  public:
-  /// One tracker's answer.
+  /// One tracker's frame.
   struct Source {
-    face::OutputFrame* frame = nullptr;  ///< What is not finite in it is mended, in place.
-    std::size_t sensors_there = 0;       ///< Of this tracker's; 0: it guesses, and is not asked.
+    face::OutputFrame* frame = nullptr;  ///< Invalid values are mended (bounds.h), in place.
+    std::size_t sensors_present = 0;     ///< This tracker's; 0: not selected.
   };
 
-  /// `modalities` names the sources of every apply, in their order: 1 to kMostSources.
+  /// `modalities`: names of the sources of every apply, in their order; 1 to kMostSources.
   explicit Merge(std::vector<std::string> modalities, const MergeSettings& settings = {},
                  const FallbackSettings& times = {});
   static constexpr std::size_t kMostSources = 8;
 
-  /// Fills `out` and returns how many sensors stand behind it, for whoever shapes it: those of all trackers
-  /// that know anything; 0 once none is left that did; while none did yet, those of all. A lone source goes
-  /// through as it is, to the bit.
+  /// Fills `out`; `sources` as many as `modalities`. Returns the number of sensors for Shaper::apply: those
+  /// of all trackers with an estimate (any provenance but neutral); 0 when none is left; before any had one,
+  /// those of all. A single source passes to the bit.
   std::size_t apply(std::span<const Source> sources, face::OutputFrame& out);
 
-  /// Takes effect at the next frame. Figures out of range are brought into it.
+  /// Takes effect at the next frame; values are clamped to their ranges.
   void set(const MergeSettings& settings, const FallbackSettings& times);
-  /// Forgets what was shown, and who answered.
+  /// Resets the state: nothing shown, no tracker selected.
   void reset();
-  /// Who answered a part (frame_parts.h) at the last apply, by number; none: nobody.
+  /// The source selected for a part (frame_parts.h) at the last apply, by number; none where it is faded.
   [[nodiscard]] std::optional<std::size_t> answers(std::size_t part) const {
     return answers_[part] == kNobody ? std::nullopt : std::optional<std::size_t>(answers_[part]);
   }
 
  private:
   static constexpr std::uint8_t kNobody = 0xFF;
-  /// What one source says of one part of the frame.
+  /// One source's claim to a part of the frame.
   struct Vote {
-    bool knows = false;
+    bool known = false;  // It has sensors and an estimate.
     float confidence = 0;
   };
   [[nodiscard]] static Vote vote_of(const Source& source, std::size_t part);
@@ -73,15 +73,15 @@ class Merge {
   std::vector<std::string> modalities_;
   MergeSettings settings_;
   FallbackSettings times_;
-  std::array<std::vector<std::uint8_t>, kMergePlaceCount> order_;  // Sources by number.
+  std::array<std::vector<std::uint8_t>, kMergePlaceCount> order_;  // Sources by number, by place.
   std::vector<face::OutputFrame> last_;                            // Of each source, mended.
-  std::array<std::uint8_t, kPartCount> answers_{};                 // Who, a part.
+  std::array<std::uint8_t, kPartCount> answers_{};                 // Selected source by part.
   EaseOut ease_out_;
-  face::OutputFrame from_;                      // What was shown of each part when nobody knew it any more.
-  std::array<DeviceTime, kPartCount> since_{};  // And when.
+  face::OutputFrame from_;                      // What was shown of each part when it was lost, ...
+  std::array<DeviceTime, kPartCount> since_{};  // ... and when.
   face::OutputFrame shown_;
-  bool begun_ = false;  // There is something shown.
-  bool known_ = false;  // Somebody ever knew something.
+  bool begun_ = false;  // shown_ is valid.
+  bool known_ = false;  // A source has had an estimate.
 };
 
 }  // namespace mien::shaping

@@ -11,8 +11,7 @@
 
 namespace mien::shaping {
 
-/// What trackers are asked about apart from each other: the regions of the shapes, the head's pose and the
-/// eyes' directions.
+/// Places with a tracker order of their own: the regions of the shapes, head pose, eye directions.
 enum class MergePlace : std::uint8_t { brows, eyes, cheeks, mouth, jaw, head, gaze };
 inline constexpr std::size_t kMergePlaceCount = 7;
 static_assert(static_cast<std::size_t>(MergePlace::head) == face::kShapeRegionCount);
@@ -20,23 +19,27 @@ static_assert(static_cast<std::size_t>(MergePlace::head) == face::kShapeRegionCo
 inline constexpr std::array<std::string_view, kMergePlaceCount> kMergePlaceNames = {
     "brows", "eyes", "cheeks", "mouth", "jaw", "head", "gaze"};
 
-/// Who answers where, when several trackers watch one face.
+/// Selection among several trackers of one face (Merge).
 struct MergeSettings {
-  /// Modalities in the order in which they are asked, a place. One that is not named is asked after those
-  /// that are, in the session's own order.
+  /// Priority of the modalities, by place. Those not named follow the named ones, in the session's order. At
+  /// most kMostNames names of kLongestName bytes. Moving one forward: it answers wherever it is confident.
+  /// Default: default_order().
   using Order = std::vector<std::string>;
   std::array<Order, kMergePlaceCount> order = default_order();
-  /// 0 to 1: the first in the order that is at least so confident of a shape takes it over. Raising hands a
-  /// region on earlier when sensors fall off.
+  /// Upper threshold of the hysteresis, a confidence, 0 to 1 (0.5: half of the shape's sensors present): the
+  /// first tracker in the order with at least this confidence takes the shape over. Raising: later trackers
+  /// take a region over earlier as sensors drop out. Lowering: the first in the order keeps it with fewer
+  /// sensors.
   float sure = 0.5F;
-  /// 0 to `sure`: and keeps it until it is less confident than this. Lowering, against `sure`, lets a
-  /// confidence swing further before the answer changes hands.
+  /// Lower threshold, 0 to `sure`: the selected tracker keeps the shape down to this confidence. The
+  /// difference to `sure` is also the lead that another needs where none reaches `sure`. Raising: hands over
+  /// at smaller dips of confidence. Lowering: fewer changes, a failing tracker is kept longer.
   float unsure = 0.35F;
 
   static constexpr std::size_t kMostNames = 8;
   static constexpr std::size_t kLongestName = 32;
 
-  /// docs/reference/shaping_settings.md gives the table and its reasons.
+  /// The table of docs/reference/shaping_settings.md, which gives the reasons.
   [[nodiscard]] static std::array<Order, kMergePlaceCount> default_order();
   bool operator==(const MergeSettings&) const = default;
 };

@@ -13,12 +13,12 @@ using face::Provenance;
 
 constexpr double kMeasure_s = 1.0;
 constexpr double kEase_s = 0.5;
-/// Measured frames that a centre needs: half a second of the 60 Hz grid.
+/// Least number of observed frames of a measurement: half a second of the 60 Hz grid.
 constexpr std::size_t kEnoughFrames = 30;
-/// Looking straight up or down, the head has no heading.
+/// Least horizontal part of the forward direction: looking straight up or down the head has no heading.
 constexpr double kLeastHorizontal = 0.2;
 
-bool stands_on_a_sensor(Provenance p) {
+bool is_observed(Provenance p) {
   return p == Provenance::measured || p == Provenance::interpolated || p == Provenance::predicted;
 }
 
@@ -95,12 +95,11 @@ void Recentre::ease_on(DeviceTime time) {
 
 void Recentre::measure(const face::OutputFrame& frame) {
   if (!measuring_since_) measuring_since_ = frame.time;
-  if (std::ranges::any_of(frame.provenance, stands_on_a_sensor)) {
+  if (std::ranges::any_of(frame.provenance, is_observed)) {
     for (std::size_t i = 0; i < face::kShapeCount; ++i) seen_[i][frames_] = frame.weights[i];
     ++frames_;
     const Vec3 forward = frame.head * Vec3::UnitZ();
-    if (stands_on_a_sensor(frame.head_provenance) &&
-        std::hypot(forward.x(), forward.z()) > kLeastHorizontal) {
+    if (is_observed(frame.head_provenance) && std::hypot(forward.x(), forward.z()) > kLeastHorizontal) {
       sum_x_ += forward.x();
       sum_z_ += forward.z();
       ++headings_;

@@ -9,40 +9,41 @@
 
 namespace mien::shaping {
 
-/// Makes the performer's present face neutral and their present heading ahead, within 1.5 s and without
-/// training. Over one second of frames that a sensor stood behind, each shape's resting weight is the lower
-/// third of what was seen (a blink, or a word, that takes up less than two thirds of the second does not
-/// enter); a shape whose rest would be above Centre::kRestAtMost is being performed and keeps the rest that
-/// it had. Then w' = (w - rest) / (1 - rest), not below 0: rest is 0 and full is 1. The new rest is eased in
-/// over half a second. The head is turned about the vertical so that the mean heading of that second is
-/// ahead. On frame time. No allocation. About 30 KB. A centre that is all zero changes no bit.
+/// Re-centring: the performer's present face becomes neutral and their present heading ahead, within 1.5 s.
+/// Over one second of frames with observed values, each shape's resting weight is the lower tercile (a blink
+/// or word of less than two thirds of the second has no influence); a shape whose rest would be above
+/// Centre::kRestAtMost is being performed and keeps its earlier rest. Then w' = max(0, (w - rest) / (1 -
+/// rest)). The new centre is eased in over half a second. The head is turned about the vertical by that
+/// second's mean heading. On frame time. No allocation. About 30 KB. An all-zero centre changes no bit.
+/// Method: docs/method/shaping.md.
 class Recentre {
  public:
   enum class State : std::uint8_t {
-    idle,       ///< Nothing was asked for yet, or it was called off.
-    measuring,  ///< Within the second.
-    easing,     ///< A new centre is coming into force.
-    done,       ///< It is in force.
-    failed,     ///< Fewer than half a second of frames had a sensor behind them: nothing was changed.
+    idle,       ///< Not begun yet, or cancelled.
+    measuring,  ///< Within the second of measurement.
+    easing,     ///< A new centre is being eased in.
+    done,       ///< The centre is fully in force.
+    failed,     ///< Less than half a second of observed frames: nothing was changed.
   };
 
+  /// Measures where begun, and applies the centre in place. Frames come in rising order of time.
   void apply(face::OutputFrame& frame);
 
-  /// Measures from the next frame on; while measuring, begins anew.
+  /// Measures from the next frame on; restarts a measurement in progress.
   void begin();
-  /// Stops measuring; changes nothing else.
+  /// Stops measuring; the centre stays.
   void cancel();
-  /// Back to the centre before the last change of it; false when there is none. Once.
+  /// Restores, once, the centre before the last change; false without one.
   bool undo();
-  /// Puts a centre in force (an earlier version's), eased like a measured one. What is out of range or not
-  /// finite is brought into it.
+  /// Puts a centre in force (an earlier version's), eased like a measured one. Values are clamped to their
+  /// ranges.
   void use(const Centre& centre);
-  /// The centre that is, or is coming, in force.
+  /// The centre in force or being eased in.
   [[nodiscard]] const Centre& centre() const { return target_; }
   [[nodiscard]] State state() const { return state_; }
-  /// Of the last measurement: how many shapes were being performed and kept their rest.
+  /// Number of shapes of the last measurement that were being performed and kept their rest.
   [[nodiscard]] std::size_t performed() const { return performed_; }
-  /// For time that ran back: stops measuring and puts the centre wholly in force.
+  /// For time that runs back: stops measuring and ends the ease at once.
   void settle();
 
  private:
@@ -55,12 +56,12 @@ class Recentre {
   void take_off(face::OutputFrame& frame) const;
 
   State state_ = State::idle;
-  Centre present_;  // As the last frame had it.
+  Centre present_;  // As applied to the last frame.
   Centre from_;
   Centre target_;
   std::optional<Centre> before_;            // For undo.
-  bool easing_ = false;                     // Goes on while the next rest is measured.
-  std::optional<DeviceTime> easing_since_;  // None before its first frame.
+  bool easing_ = false;                     // May continue while the next rest is measured.
+  std::optional<DeviceTime> easing_since_;  // None before the ease's first frame.
   std::optional<DeviceTime> measuring_since_;
 
   std::array<std::array<float, kMostFrames>, face::kShapeCount> seen_{};

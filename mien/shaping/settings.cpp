@@ -74,7 +74,7 @@ Result<void> read_fallback(const json& table, const std::string& where, Fallback
   return {};
 }
 
-/// The trackers that are asked about one place.
+/// The tracker order of one place.
 Result<void> read_order(const std::string& place, const json& names, const std::string& where,
                         MergeSettings& merge) {
   const auto found = std::ranges::find(kMergePlaceNames, place);

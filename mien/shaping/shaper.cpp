@@ -24,11 +24,11 @@ void Shaper::reset() {
   smoothing_.reset();
 }
 
-void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_there) {
+void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   if (begun_ && frame.time <= last_.time) reset();
   mend(frame, last_);
   last_ = frame;
-  fallback_.apply(frame, sensors_there);
+  fallback_.apply(frame, sensors_present);
   recentre_.apply(frame);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);

@@ -8,26 +8,26 @@
 
 namespace mien::shaping {
 
-/// What is smoothed, and how; none: not at all.
+/// One Euro settings of weights and head; none: not smoothed. core/one_euro.h explains the fields.
 struct SmoothingSettings {
   std::optional<OneEuroSettings> weights;
   std::optional<OneEuroSettings> head;
   bool operator==(const SmoothingSettings&) const = default;
 };
 
-/// The settings behind a person's one slider. `amount`: 0 to 1; 0 is none. The cutoff at rest falls evenly in
-/// octaves from 15 Hz just above 0 to 1 Hz at 1: a delay at rest of 11 ms to 159 ms, 41 ms in the middle.
-/// Beta takes the delay out of quick movement: at 2 weights a second, sustained, the cutoff is 6 Hz higher.
+/// The settings of the smoothing slider. `amount`: 0 to 1; 0: none. The cutoff at rest falls exponentially
+/// from 15 Hz just above 0 to 1 Hz at 1: a delay at rest of 11 ms to 159 ms, 41 ms at 0.5. Beta reduces the
+/// delay of fast movement: at a sustained 2 weights a second the cutoff is 6 Hz higher.
 [[nodiscard]] SmoothingSettings smoothing_for(double amount, bool head);
 
-/// One Euro on each weight and the tongue, and on the head's rotation. Off, the default, costs nothing and
-/// delays nothing. On frame time; no allocation. Confidence and provenance stay.
+/// One Euro filter (Casiez et al. 2012) on each weight and the tongue, and on the head's rotation. Off by
+/// default. On frame time; no allocation. Leaves confidence and provenance.
 class Smoothing {
  public:
   void apply(face::OutputFrame& frame);
-  /// What is switched on begins at the next frame as it is; what was on goes on from where it stands.
+  /// Filters switched on start with the next frame's values; those already on keep their state.
   void set(const SmoothingSettings& settings);
-  /// The next frame goes through as it is.
+  /// Resets the filters: the next frame passes unchanged.
   void reset();
 
  private:

@@ -16,6 +16,10 @@ class TrackerFeed final : public session::SampleConsumer {
  public:
   explicit TrackerFeed(tracker::Tracker& tracker) : tracker_(tracker) {}
   void add(HostTime arrival, const sensor::Sample& sample) override { tracker_.add(arrival, sample); }
+  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                        std::span<const std::byte> payload) override {
+    tracker_.add_with_payload(arrival, sample, payload);
+  }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey&, bool) override { tracker_.forget(sensor); }
 
  private:
@@ -89,12 +93,15 @@ Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker, c
   auto calibration = calibrations.begin();
   Result<void> restored;
   face::OutputFrame frame;
-  const bool whole = session::replay_samples(entries, ticks, *receiver, feed, [&](const take::Tick& tick) {
+  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
+  const auto ticked = [&](const take::Tick& tick) {
     for (; calibration != calibrations.end() && calibration->made <= tick.frame; ++calibration)
       if (restored = tracker.restore(calibration->json); !restored) return false;
     const tracker::TickResult tracked = tracker.tick(tick.frame, receiver->lines(), frame);
     return out.add(frame, tracked.sensors_present);
-  });
+  };
+  MIEN_TRY_ASSIGN(const bool whole,
+                  session::replay_samples(entries, ticks, payloads, *receiver, feed, ticked));
   MIEN_TRY(restored);
   if (!whole) return fail(ErrorCode::cancelled, "stopped while solving");
   return out.finish();

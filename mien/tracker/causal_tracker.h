@@ -16,28 +16,27 @@
 
 namespace mien::tracker {
 
-/// What the live network multiplies in: half of fp32's time, and no error of it moves by a hundredth
+/// Precision of the live network's products: half of fp32's time, and no error moves by more than 0.2 %
 /// (docs/experiments/engine.md).
 inline constexpr model::Precision kLivePrecision = model::Precision::bf16;
 
-/// The live tracker: one frame of features in, one output frame out, nothing of the future. Which network
-/// answers is the model file's affair. Belongs to one performance and one thread; a moved-from one is of no
-/// use.
+/// Causal frame model: one frame of features in, one output frame out, by the model file's causal network.
+/// One performance, one thread. Method: docs/method/live_model.md. A moved-from one must not be used.
 class CausalTracker final : public FrameModel {
  public:
-  /// `face_sensor_names` names the entries of the features that will come (sensor::Rig::face_sensor_names()).
-  /// Where a rig lacks one of the model's sensors, that sensor is missing. Errors: mismatch (a model that is
-  /// not causal or whose outputs are not the 53 shapes, no sensor in common), and the network's.
+  /// `face_sensor_names`: names of the features' entries (sensor::Rig::face_sensor_names()). Sensors of the
+  /// model that the rig lacks are missing. Errors: mismatch (a model that is not causal or whose outputs are
+  /// not the 53 shapes, no sensor in common), and the network's.
   [[nodiscard]] static Result<CausalTracker> create(model::ModelFile file,
                                                     const std::vector<std::string>& face_sensor_names,
                                                     model::Precision precision = kLivePrecision);
 
-  /// The next frame, a 60th of a second after the last: see FrameWriter; then calmed (JitterFilter). No
-  /// allocation; about 25 us with the default model. The same frames after a reset give the same bits on one
-  /// CPU family and build.
+  /// The next frame, 1/60 s after the last; fields as FrameWriter fills them, weights through JitterFilter.
+  /// No allocation; about 25 us with the default model. The same frames after a reset give the same bits on
+  /// one CPU family and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
-  /// Forgets the performance so far: as after create().
+  /// Resets the state: as after create().
   void reset() override;
 
   [[nodiscard]] const model::ModelFile* personal() const override { return file_.skin ? &file_ : nullptr; }

@@ -24,7 +24,7 @@ Crowd::Crowd(const model::ModelFile& file, model::CausalNetwork network,
 
 Result<Crowd> Crowd::create(const model::ModelFile& file, const std::vector<std::string>& face_sensor_names,
                             std::size_t performers, model::Precision precision) {
-  // What one of them may have, all may have.
+  // The checks of one performer hold for all.
   MIEN_TRY(CausalTracker::create(file, face_sensor_names, precision));
   MIEN_TRY_ASSIGN(model::CausalNetwork network,
                   model::CausalNetwork::create(file.architecture, file.network, precision));

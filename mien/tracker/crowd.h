@@ -17,9 +17,9 @@
 
 namespace mien::tracker {
 
-/// Many performers of one model and one rig on one core: those whose frames are due go through the network
-/// together, so that its weights are read once for all. Each gets the bits that a CausalTracker of its own
-/// would give it. One thread.
+/// Many performers of one model and one rig on one core: frames that are due pass the network as a batch, so
+/// that its weights are read once. Each result equals, to the bit, that of a CausalTracker of its own. One
+/// thread.
 class Crowd {
  public:
   /// Errors: as CausalTracker::create().
@@ -28,12 +28,12 @@ class Crowd {
                                             std::size_t performers,
                                             model::Precision precision = kLivePrecision);
 
-  /// The next frame of the performers `due`, each once; features[i] and out[i] belong to due[i]. No
-  /// allocation.
+  /// The next frame of the performers `due` (indices below performers(), each once); features[i] and out[i]
+  /// belong to due[i], sizes equal. No allocation.
   void step(std::span<const std::size_t> due, std::span<const model::FeatureFrame> features,
             std::span<face::OutputFrame> out);
 
-  /// Forgets one performer's performance so far.
+  /// Resets one performer's state.
   void reset(std::size_t performer) {
     states_[performer].reset();
     jitter_filters_[performer].reset();
@@ -42,7 +42,7 @@ class Crowd {
   [[nodiscard]] std::size_t performers() const { return states_.size(); }
   [[nodiscard]] const model::CausalNetwork& network() const { return network_; }
 
-  /// So many go through the network together: what they need besides the weights stays in the second cache.
+  /// Batch size: their states and activations fit into the second-level cache.
   static constexpr std::size_t kTogether = 48;
 
  private:
@@ -55,7 +55,7 @@ class Crowd {
   FrameWriter writer_;
   std::vector<model::CausalNetwork::State> states_;
   std::vector<JitterFilter> jitter_filters_;
-  // Of those who go together:
+  // Of the batch in progress:
   model::CausalNetwork::Workspace workspace_;
   std::vector<ModelInput> inputs_;
   std::vector<model::CausalNetwork::State*> together_;

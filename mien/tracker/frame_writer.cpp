@@ -8,8 +8,8 @@
 namespace mien::tracker {
 namespace {
 
-/// Each sensor's share of each shape, by the size of the ridge's coefficients for its rotation (the condition
-/// is normalised, so they compare). Without a ridge all sensors count alike.
+/// Weight of each sensor for each shape: the norm of the ridge's coefficients for its rotation (the condition
+/// is normalised, so they are comparable). Without a ridge all sensors weigh alike.
 std::vector<float> sensor_shares(const model::ModelFile& file) {
   const std::size_t sensors = file.features.sensors.size();
   std::vector<float> shares(sensors * face::kShapeCount, 1.0F);
@@ -46,11 +46,11 @@ void FrameWriter::write(const model::FeatureFrame& features, const ModelInput& i
     if (input.present(s))
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
         out.confidence[k] += shares_[s * face::kShapeCount + k];
-  const std::size_t felt = input.present_count();
-  // Shares added up may miss 1 by a rounding.
-  if (felt == input.sensor_count()) out.confidence.fill(1);
+  const std::size_t present = input.present_count();
+  // The sum of all shares may differ from 1 by rounding.
+  if (present == input.sensor_count()) out.confidence.fill(1);
   for (float& confidence : out.confidence) confidence = std::min(confidence, 1.0F);
-  out.provenance.fill(felt > 0 ? face::Provenance::measured : face::Provenance::predicted);
+  out.provenance.fill(present > 0 ? face::Provenance::measured : face::Provenance::predicted);
   if (features.has_head) {
     out.head = features.head;
     out.head_confidence = 1;

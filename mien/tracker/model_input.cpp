@@ -38,14 +38,14 @@ void ModelInput::encode(const model::FeatureFrame& frame, std::span<float> out) 
   const std::size_t n = places_.size();
   for (std::size_t s = 0; s < n; ++s) {
     assert(places_[s] < static_cast<std::ptrdiff_t>(frame.sensors.size()));
-    const model::SensorFeature* said =
+    const model::SensorFeature* reading =
         places_[s] < 0 ? nullptr : &frame.sensors[static_cast<std::size_t>(places_[s])];
-    if (said != nullptr && !finite(*said)) said = nullptr;
-    present_[s] = said != nullptr && said->has_rotation ? 1 : 0;
-    present_[n + s] = said != nullptr && said->has_accel ? 1 : 0;
-    if (said == nullptr) continue;
-    std::copy_n(said->accel_m_s2.data(), 3, values_.begin() + static_cast<std::ptrdiff_t>(7 * s));
-    std::ranges::copy(said->rotation, values_.begin() + static_cast<std::ptrdiff_t>(7 * s + 3));
+    if (reading != nullptr && !finite(*reading)) reading = nullptr;
+    present_[s] = reading != nullptr && reading->has_rotation ? 1 : 0;
+    present_[n + s] = reading != nullptr && reading->has_accel ? 1 : 0;
+    if (reading == nullptr) continue;
+    std::copy_n(reading->accel_m_s2.data(), 3, values_.begin() + static_cast<std::ptrdiff_t>(7 * s));
+    std::ranges::copy(reading->rotation, values_.begin() + static_cast<std::ptrdiff_t>(7 * s + 3));
   }
   if (skin_) skin_->apply(values_, present_);
   model::encode_values(layout_, normalisation_, values_, present_, out);

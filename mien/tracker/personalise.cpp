@@ -23,39 +23,37 @@ using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 constexpr auto kShapes = static_cast<Index>(face::kShapeCount);
 
-/// How people answer prompts, in means and standard deviations: as the design's virtual performers miss
-/// theirs (gain 0.6 to 1.2, 0.15 to 0.6 s late, one to three of the other shapes at up to 0.3). Nobody has
-/// measured real people's yet.
+/// Prior of how people answer prompts, as the virtual performers do (gain 0.6 to 1.2, 0.15 to 0.6 s late, one
+/// to three other shapes at up to 0.3). Not measured on real people yet.
 constexpr double kGainMean = 0.9, kGainSigma = 0.17;
 constexpr double kLateFirst_s = 0.15;
-/// A shape that nobody asked for, while the expression is held: its mean, and its mean square.
+/// Mean and mean square of a shape that was not asked for, while the expression is held.
 constexpr double kUnaskedMean = 0.007, kUnaskedSquare = 0.0014;
-/// Lids close when they like.
+/// Additional variance of the lids: spontaneous blinks.
 constexpr double kBlinkSquare = 0.01;
-/// Where nothing is asked.
+/// Variance of all weights where nothing is asked for.
 constexpr double kRestSquare = 1e-5;
 
-/// One sigma of a rotation's noise, rad an axis, and of what slopes that are linear leave.
+/// Standard deviation of a rotation's noise and of the linear model's residual, rad an axis.
 constexpr double kNoiseRad = 0.02;
-/// One frame in three is looked at; neighbouring ones say the same.
+/// One frame in three is used; neighbouring ones carry the same information.
 constexpr std::size_t kEvery = 3;
-/// How unlike the standard skin wearers are, from hardly to very much. Which of these a wearer is, the
-/// prompts that were not learnt from decide.
-struct Unlikeness {
-  double spread;  ///< One sigma of a slope, as a share of how much the shape turns that sensor.
-  /// What a frame counts for. A prompt has some fifty frames, all with one gain that nobody knows: the less
-  /// they count, the less that gain passes for the skin's.
+/// Candidate priors of how far a wearer's skin is from the standard; the held-out prompts select one.
+struct SkinPrior {
+  double spread;  ///< Standard deviation of a slope, as a share of the standard slope's size.
+  /// Weight of a frame. A prompt's fifty or so frames share one unknown gain: the lower the weight, the less
+  /// that gain is attributed to the skin.
   double frame_weight;
 };
-constexpr Unlikeness kUnlike[] = {{0.1, 1.0 / 48}, {0.2, 1.0 / 12}, {0.35, 1.0 / 12}, {0.5, 1.0 / 3}};
-/// A slope's least sigma, rad.
+constexpr SkinPrior kSkinPriors[] = {{0.1, 1.0 / 48}, {0.2, 1.0 / 12}, {0.35, 1.0 / 12}, {0.5, 1.0 / 3}};
+/// Least standard deviation of a slope, rad.
 constexpr double kSlopeFloor = 0.01;
-/// More rounds make every slope smaller than it is: errors in the weights, which only the prompts hold, grow.
+/// Rounds of expectation-maximisation. More shrink every slope: errors of the weights, held by the prompts
+/// alone, grow.
 constexpr int kRounds = 5;
 constexpr std::size_t kPromptsAHeldOut = 4;
 
-/// How far an expression is reached `since_s` after it was asked for: mean and mean square over how late
-/// people are.
+/// How far an expression is reached `since_s` after its begin: mean and mean square over people's latency.
 struct Reach {
   double mean = 0, square = 0;
 };
@@ -75,28 +73,29 @@ Reach reach(const PromptedExpression& prompt, double since_s) {
   return out;
 }
 
-/// One frame to learn from: what the sensors said, and what is known of the weights beforehand.
+/// One frame to learn from: the sensors' rotations, and the prior of the weights.
 struct Frame {
-  VectorXd turn;             // 3n, rad; of missing sensors 0.
-  std::vector<Index> there;  // Its rows that were there.
-  VectorXd mean, variance;   // Of the weights.
+  VectorXd turn;               // Rotation vectors, 3n, rad; 0 for missing sensors.
+  std::vector<Index> present;  // Rows of present sensors.
+  VectorXd mean, variance;     // Prior of the weights.
   std::size_t prompt = 0;
 };
 
-/// A frame's answer to one guess of the slopes.
+/// Posterior of a frame's weights, given slopes.
 struct Posterior {
   VectorXd weights;
-  MatrixXd taken;  // What the sensors took from the prior's covariance.
+  MatrixXd taken;  // Posterior covariance = prior - taken^T taken.
   double surprise = 0;
 };
 
-Posterior answer(const Frame& frame, const MatrixXd& slopes) {
-  const auto rows = static_cast<Index>(frame.there.size());
+Posterior posterior_of(const Frame& frame, const MatrixXd& slopes) {
+  const auto rows = static_cast<Index>(frame.present.size());
   MatrixXd observation(rows, kShapes);
   VectorXd innovation(rows);
   for (Index i = 0; i < rows; ++i) {
-    observation.row(i) = slopes.row(frame.there[static_cast<std::size_t>(i)]);
-    innovation[i] = frame.turn[frame.there[static_cast<std::size_t>(i)]] - observation.row(i).dot(frame.mean);
+    observation.row(i) = slopes.row(frame.present[static_cast<std::size_t>(i)]);
+    innovation[i] =
+        frame.turn[frame.present[static_cast<std::size_t>(i)]] - observation.row(i).dot(frame.mean);
   }
   const MatrixXd cross = observation * frame.variance.asDiagonal();
   MatrixXd spread = cross * observation.transpose();
@@ -112,44 +111,43 @@ Posterior answer(const Frame& frame, const MatrixXd& slopes) {
   return out;
 }
 
-/// What a prior of the slopes is: its mean, and one over its variance, entry by entry; and what a frame
-/// counts for beside it.
+/// Prior of the slopes: mean and inverse variance of each; and a frame's weight against it.
 struct SlopePrior {
   MatrixXd mean, precision;
   double frame_weight;
 };
 
-SlopePrior prior_around(const MatrixXd& slopes, const Unlikeness& unlike) {
-  SlopePrior prior{slopes, MatrixXd(slopes.rows(), slopes.cols()), unlike.frame_weight};
+SlopePrior prior_around(const MatrixXd& slopes, const SkinPrior& candidate) {
+  SlopePrior prior{slopes, MatrixXd(slopes.rows(), slopes.cols()), candidate.frame_weight};
   for (Index s = 0; s < slopes.rows() / 3; ++s)
     for (Index k = 0; k < kShapes; ++k) {
       const double size = slopes.block<3, 1>(3 * s, k).norm() / std::sqrt(3.0);
-      const double sigma = std::hypot(unlike.spread * size, kSlopeFloor);
+      const double sigma = std::hypot(candidate.spread * size, kSlopeFloor);
       prior.precision.block<3, 1>(3 * s, k).setConstant(1 / (sigma * sigma));
     }
   return prior;
 }
 
-/// The likeliest slopes: expectation-maximisation over frames whose prompt `learnt` says.
+/// Maximum a posteriori slopes: expectation-maximisation over the frames of the prompts in `learnt`.
 MatrixXd learn(const std::vector<Frame>& frames, const SlopePrior& prior,
                const std::vector<std::uint8_t>& learnt) {
   const Index rows = prior.mean.rows();
   const double precision = prior.frame_weight / (kNoiseRad * kNoiseRad);
   MatrixXd slopes = prior.mean;
   for (int round = 0; round < kRounds; ++round) {
-    // A sensor that was away from some frames has sums of its own.
+    // Sensors missing in some frames have sums of their own.
     std::vector<MatrixXd> square(static_cast<std::size_t>(rows / 3), MatrixXd::Zero(kShapes, kShapes));
     MatrixXd cross = MatrixXd::Zero(kShapes, rows);
     MatrixXd everywhere = MatrixXd::Zero(kShapes, kShapes);
     for (const Frame& frame : frames) {
       if (learnt[frame.prompt] == 0) continue;
-      const Posterior posterior = answer(frame, slopes);
+      const Posterior posterior = posterior_of(frame, slopes);
       MatrixXd second = posterior.weights * posterior.weights.transpose();
       second.noalias() -= posterior.taken.transpose() * posterior.taken;
       second.diagonal() += frame.variance;
-      const bool all = static_cast<Index>(frame.there.size()) == rows;
+      const bool all = static_cast<Index>(frame.present.size()) == rows;
       if (all) everywhere += second;
-      for (const Index row : frame.there) {
+      for (const Index row : frame.present) {
         cross.col(row) += posterior.weights * frame.turn[row];
         if (!all && row % 3 == 0) square[static_cast<std::size_t>(row / 3)] += second;
       }
@@ -165,14 +163,14 @@ MatrixXd learn(const std::vector<Frame>& frames, const SlopePrior& prior,
   return slopes;
 }
 
-/// Mean surprise a row over frames whose prompt was not learnt.
-double surprise(const std::vector<Frame>& frames, const MatrixXd& slopes,
-                const std::vector<std::uint8_t>& learnt) {
+/// Mean negative log likelihood a row over the frames of held-out prompts.
+double mean_surprise(const std::vector<Frame>& frames, const MatrixXd& slopes,
+                     const std::vector<std::uint8_t>& learnt) {
   double sum = 0, rows = 0;
   for (const Frame& frame : frames) {
     if (learnt[frame.prompt] != 0) continue;
-    sum += answer(frame, slopes).surprise;
-    rows += static_cast<double>(frame.there.size());
+    sum += posterior_of(frame, slopes).surprise;
+    rows += static_cast<double>(frame.present.size());
   }
   return rows > 0 ? sum / rows : 0;
 }
@@ -189,7 +187,7 @@ std::vector<Frame> frames_of(std::span<const model::FeatureFrame> features,
     frame.mean = VectorXd::Zero(kShapes);
     frame.variance = VectorXd::Constant(kShapes, kRestSquare);
     std::optional<std::size_t> prompt;
-    // One prompt's end is another's beginning, and both show.
+    // Where prompts overlap, by latency, both contribute.
     for (std::size_t p = 0; p < prompts.size(); ++p) {
       if (feature.time < prompts[p].begin || feature.time >= prompts[p].end + kLate) continue;
       prompt = p;
@@ -211,18 +209,18 @@ std::vector<Frame> frames_of(std::span<const model::FeatureFrame> features,
     frame.turn = VectorXd::Zero(3 * static_cast<Index>(places.size()));
     for (std::size_t s = 0; s < places.size(); ++s) {
       if (places[s] < 0) continue;
-      const model::SensorFeature& said = feature.sensors[static_cast<std::size_t>(places[s])];
-      const Quat q(said.rotation[0], said.rotation[1], said.rotation[2], said.rotation[3]);
-      if (!said.has_rotation || !q.coeffs().allFinite()) continue;
+      const model::SensorFeature& measured = feature.sensors[static_cast<std::size_t>(places[s])];
+      const Quat q(measured.rotation[0], measured.rotation[1], measured.rotation[2], measured.rotation[3]);
+      if (!measured.has_rotation || !q.coeffs().allFinite()) continue;
       frame.turn.segment<3>(3 * static_cast<Index>(s)) = log_rotation(q);
-      for (Index axis = 0; axis < 3; ++axis) frame.there.push_back(3 * static_cast<Index>(s) + axis);
+      for (Index axis = 0; axis < 3; ++axis) frame.present.push_back(3 * static_cast<Index>(s) + axis);
     }
-    if (!frame.there.empty()) frames.push_back(std::move(frame));
+    if (!frame.present.empty()) frames.push_back(std::move(frame));
   }
   return frames;
 }
 
-/// Which prompts are learnt from while the rest, whose shapes these ask for too, tell how well: 1 each.
+/// 1 for prompts to learn from, 0 for held-out ones, whose shapes the former ask for too.
 std::vector<std::uint8_t> without_held_out(std::span<const PromptedExpression> prompts,
                                            const std::vector<std::uint8_t>& shown) {
   std::vector<int> asked(face::kShapeCount, 0);
@@ -288,14 +286,15 @@ Result<Personalisation> personalise(std::span<const model::FeatureFrame> feature
     return fail(ErrorCode::not_found, "no expression is asked for twice, so what is learnt cannot be judged",
                 "personalise",
                 "record a full prologue (mien perform --prologue full, mien record --prompts)");
-  report.surprise_before = surprise(frames, before, learnt);
+  report.surprise_before = mean_surprise(frames, before, learnt);
   report.surprise_after = std::numeric_limits<double>::infinity();
-  Unlikeness best = kUnlike[0];
-  for (const Unlikeness& unlike : kUnlike) {
-    const double after = surprise(frames, learn(frames, prior_around(before, unlike), learnt), learnt);
+  SkinPrior best = kSkinPriors[0];
+  for (const SkinPrior& candidate : kSkinPriors) {
+    const double after =
+        mean_surprise(frames, learn(frames, prior_around(before, candidate), learnt), learnt);
     if (!(after < report.surprise_after)) continue;
     report.surprise_after = after;
-    best = unlike;
+    best = candidate;
   }
   report.taken = report.surprise_after < report.surprise_before;
   if (!report.taken) return report;

@@ -7,19 +7,19 @@
 
 namespace mien::tracker {
 
-/// An expression that a wearer was asked for, as a take's event "prompt" tells it. What was done is not
-/// known: it comes late, stronger or weaker than asked, and with something of other shapes.
+/// An expression that a wearer was asked for (a take's event "prompt"). What was performed is unknown:
+/// usually later, stronger or weaker than asked, and with other shapes.
 struct PromptedExpression {
   std::string name;
-  DeviceTime begin, end;  ///< Asked for from begin to end.
-  double rise_s = 0.4;    ///< How long the way there and back takes.
-  /// Shown until its end, as mien record shows it; else to be left so early that the face rests at the end,
-  /// as a virtual performer's prologue wants it.
+  DeviceTime begin, end;  ///< Asked for in [begin, end), reference sensor's clock.
+  double rise_s = 0.4;    ///< Duration of the way there, and of the way back.
+  /// True: shown until its end (mien record). False: to be left early enough to rest at its end (a virtual
+  /// performer's prologue).
   bool held = false;
-  face::BlendshapeWeights target;
+  face::BlendshapeWeights target;  ///< Weights asked for, 0 to 1; 0: not asked for.
 };
 
-/// So late, s, people still do what they were asked for.
+/// Longest latency of people's answers to a prompt, s.
 inline constexpr double kLatestAnswer_s = 0.6;
 
 }  // namespace mien::tracker

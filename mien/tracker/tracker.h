@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -94,6 +95,12 @@ class Tracker {
 
   /// A decoded sample of one of its own sensors as it arrives. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
+  /// The same of a sample with a payload, raw or reduced, at most sensor::kMaxPayload bytes, which is valid
+  /// during the call. A modality without payloads takes the sample alone.
+  virtual void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                                [[maybe_unused]] std::span<const std::byte> payload) {
+    add(arrival, sample);
+  }
   /// The sensor's next samples are another device's: nothing that was learned of the one before holds.
   virtual void forget(std::uint16_t sensor) = 0;
 

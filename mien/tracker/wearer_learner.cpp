@@ -63,12 +63,12 @@ std::optional<WearerLearner::Learnt> WearerLearner::add(const model::FeatureFram
     seen_.push_back(features);
     return std::nullopt;
   }
-  model::ModelFile known;  // What personalise() needs of it.
-  known.features = file.features;
-  known.shapes = file.shapes;
-  known.skin = file.skin;
+  model::ModelFile reduced;  // The part that personalise() reads.
+  reduced.features = file.features;
+  reduced.shapes = file.shapes;
+  reduced.skin = file.skin;
   running_ = std::async(std::launch::async, learn_wearer, std::exchange(seen_, {}), asked_, rig_sensors_,
-                        std::move(known));
+                        std::move(reduced));
   return std::nullopt;
 }
 

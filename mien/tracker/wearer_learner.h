@@ -13,28 +13,28 @@
 
 namespace mien::tracker {
 
-/// Learns a wearer while a session goes on (personalise()): keeps the features of the expressions that are
-/// asked for, learns from them on a thread of its own, and hands out what was learnt at a frame that is known
-/// beforehand, so that live and replay give the same bits. Belongs to one thread.
+/// Personalisation during a session (personalise()): records the features of the prompted expressions, learns
+/// from them on a thread of its own, and returns the result at a frame fixed in advance (kWearerLearnt after
+/// the last prompt), so that live and replay give the same bits. One thread calls it.
 class WearerLearner {
  public:
-  /// `rig_sensors` names the entries of the features that will come.
+  /// `rig_sensors`: names of the features' entries.
   explicit WearerLearner(std::vector<std::string> rig_sensors) : rig_sensors_(std::move(rig_sensors)) {}
 
-  /// One of the expressions, in their order and before the first begins.
+  /// A prompted expression; all are given in their order, before the first begins.
   void expect(const PromptedExpression& asked);
-  /// Forgets what was expected and what is being learnt. Waits only for one that was forgotten before and is
-  /// not over.
+  /// Drops the expected expressions and the learning in progress. Blocks only where an earlier cancelled
+  /// learning has not ended.
   void cancel();
 
   struct Learnt {
-    std::vector<float>
-        slopes;           ///< model::Skin::wearer: learnt, or the standard's; empty: neither could be told.
-    sensor::Score score;  ///< "wearer".
+    std::vector<float> slopes;  ///< model::Skin::wearer: learnt, or the standard's where it is no better;
+                                ///< empty: learning failed.
+    sensor::Score score;        ///< "wearer".
   };
-  /// The next frame. Keeps it while expressions are asked for, starts learning for `file` after the last, and
-  /// returns what was learnt once, at the first frame kWearerLearnt after it; waits there if it must.
-  /// Allocates while expressions are asked for.
+  /// The next frame. Records it during the prompts, starts learning for `file` after the last, and returns
+  /// the result once, at the first frame kWearerLearnt after the last prompt; blocks there until it is ready.
+  /// Allocates during the prompts.
   [[nodiscard]] std::optional<Learnt> add(const model::FeatureFrame& features, const model::ModelFile& file);
 
  private:
@@ -42,7 +42,7 @@ class WearerLearner {
   std::vector<PromptedExpression> asked_;
   std::vector<model::FeatureFrame> seen_;
   std::future<Learnt> running_;
-  std::future<Learnt> abandoned_;  // A future's end waits for its work; this one's nobody hears.
+  std::future<Learnt> abandoned_;  // Cancelled; a future's destructor waits for its task.
 };
 
 }  // namespace mien::tracker

@@ -30,10 +30,10 @@ Result<std::vector<face::OutputFrame>> WindowSolver::solve(std::span<const model
                 "use a model that was trained for this rig");
   const std::size_t width = file_.features.width();
   std::vector<float> condition(features.size() * width);
-  std::vector<std::size_t> felt;
+  std::vector<std::size_t> present;
   for (std::size_t f = 0; f < features.size(); ++f) {
     input.encode(features[f], std::span(condition).subspan(f * width, width));
-    felt.push_back(input.present_count());
+    present.push_back(input.present_count());
   }
   MIEN_TRY_ASSIGN(const std::vector<float> weights,
                   model::solve_windows(denoiser_, file_.schedule, condition, settings, progress));
@@ -43,8 +43,8 @@ Result<std::vector<face::OutputFrame>> WindowSolver::solve(std::span<const model
     frame.time = features[f].time;
     std::copy_n(weights.begin() + static_cast<std::ptrdiff_t>(f * face::kShapeCount), face::kShapeCount,
                 frame.weights.values.begin());
-    frame.confidence.fill(static_cast<float>(felt[f]) / static_cast<float>(input.sensor_count()));
-    frame.provenance.fill(felt[f] > 0 ? face::Provenance::measured : face::Provenance::predicted);
+    frame.confidence.fill(static_cast<float>(present[f]) / static_cast<float>(input.sensor_count()));
+    frame.provenance.fill(present[f] > 0 ? face::Provenance::measured : face::Provenance::predicted);
     if (features[f].has_head) {
       frame.head = features[f].head;
       frame.head_confidence = 1;

@@ -13,8 +13,8 @@
 
 namespace mien::tracker {
 
-/// Turns a whole track of features into output frames with the published window network: not live, since a
-/// frame waits for its window. Immutable after creation; any number of threads may share one.
+/// Offline solver: a whole track of features to output frames by the published window network
+/// (docs/method/window_model.md). Immutable after creation; threads may share one.
 class WindowSolver {
  public:
   /// Errors: mismatch (a model whose outputs are not the 53 shapes), and the denoiser's.
@@ -23,10 +23,10 @@ class WindowSolver {
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
 
-  /// One output frame a frame of features. Where a rig lacks one of the model's sensors, that sensor is
-  /// missing. `sensors` names the features' entries. Provenance: measured where any sensor was there, else
-  /// predicted; confidence: the share of the model's sensors that were. Errors: mismatch (no sensor in
-  /// common), the sampler's.
+  /// One output frame per frame of features, at 60 Hz. `sensors`: names of the features' entries; sensors of
+  /// the model that are not among them are missing. Provenance: measured where any sensor is present, else
+  /// predicted; confidence: the share of the model's sensors present. Eyes stay neutral. Errors: mismatch (no
+  /// sensor in common), the sampler's.
   [[nodiscard]] Result<std::vector<face::OutputFrame>> solve(std::span<const model::FeatureFrame> features,
                                                              const std::vector<std::string>& sensors,
                                                              const model::SamplerSettings& settings,

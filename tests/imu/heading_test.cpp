@@ -130,7 +130,7 @@ TEST(HeadingTracker, LearnsWhereAFaceRestsWhileTheHeadingIsFresh) {
   EXPECT_GT(off_after_ten_minutes(at_neutral, 6 * kRadPerDeg), 4 * kRadPerDeg);
 }
 
-TEST(HeadingTracker, ATiltedFaceSaysLessOfTheHeading) {
+TEST(HeadingTracker, ATiltedFaceWeighsLess) {
   const auto pulled_by = [](double tilt_rad) {
     HeadingTracker tracker;
     tracker.start(0, 5 * kRadPerDeg);
@@ -142,21 +142,21 @@ TEST(HeadingTracker, ATiltedFaceSaysLessOfTheHeading) {
   EXPECT_GT(pulled_by(40 * kRadPerDeg), 0);
 }
 
-/// Skin that is seen this far beyond what was foretold about the vertical, of this sigma.
-SkinReading beyond(double turn_rad, double sigma_rad, double strength = 1) {
-  return {.beyond_rad = Vec3(0, turn_rad, 0),
-          .about = Vec3::UnitY(),
-          .strays_rad2 = sigma_rad * sigma_rad * Mat3::Identity(),
+/// A residual about the vertical of this angle, with this standard deviation of the prediction.
+SkinMeasurement residual(double turn_rad, double sigma_rad, double strength = 1) {
+  return {.residual_rad = Vec3(0, turn_rad, 0),
+          .heading_jacobian = Vec3::UnitY(),
+          .residual_cov_rad2 = sigma_rad * sigma_rad * Mat3::Identity(),
           .strength = strength};
 }
 
-TEST(HeadingTracker, WhatWasForetoldPullsByHowSureItIs) {
-  // After ten seconds in which the skin is 4 degrees beyond what was foretold with this sigma.
+TEST(HeadingTracker, ASkinMeasurementPullsByItsCovariance) {
+  // After ten seconds in which the skin is 4 degrees beyond its prediction, of this standard deviation.
   const auto pulled_by = [](double sigma_rad) {
     HeadingTracker tracker;
     tracker.start(0, 5 * kRadPerDeg, sigma_rad * sigma_rad * Mat3::Identity());
     for (int i = 0; i < 60 * 10; ++i)
-      tracker.add_skin(1 / 60.0, beyond(tracker.heading_rad() + 4 * kRadPerDeg, sigma_rad));
+      tracker.add_skin(1 / 60.0, residual(tracker.heading_rad() + 4 * kRadPerDeg, sigma_rad));
     return -tracker.heading_rad();
   };
   EXPECT_GT(pulled_by(1 * kRadPerDeg), 3.5 * kRadPerDeg);
@@ -164,19 +164,20 @@ TEST(HeadingTracker, WhatWasForetoldPullsByHowSureItIs) {
   EXPECT_GT(pulled_by(8 * kRadPerDeg), 0);
 }
 
-TEST(HeadingTracker, LearnsTheSkinsOwnWayWhileTheHeadingIsFresh) {
-  // Four degrees beyond what was foretold, for a minute: with a fresh heading that is how this skin turns.
+TEST(HeadingTracker, LearnsTheWearersSkinWhileTheHeadingIsFresh) {
+  // Four degrees beyond the prediction, for a minute: with a fresh heading that is how this skin turns.
   HeadingTracker tracker;
   tracker.start(0, 0.5 * kRadPerDeg, Mat3((4 * kRadPerDeg) * (4 * kRadPerDeg) * Mat3::Identity()));
   for (int i = 0; i < 60 * 60; ++i) {
     tracker.skip(1 / 60.0);
-    tracker.add_skin(1 / 60.0, beyond(tracker.heading_rad() + 4 * kRadPerDeg, 4 * kRadPerDeg));
+    tracker.add_skin(1 / 60.0, residual(tracker.heading_rad() + 4 * kRadPerDeg, 4 * kRadPerDeg));
   }
   EXPECT_LT(std::abs(tracker.heading_rad()), 1.5 * kRadPerDeg);
 }
 
-TEST(HeadingTracker, TellsTheSkinsWayFromTheHeadingByHowStronglyAFaceMoves) {
-  // The heading is five degrees off, and the skin goes six of its own: the latter only while the face moves.
+TEST(HeadingTracker, SeparatesTheWearersSkinFromTheHeadingByHowStronglyAFaceMoves) {
+  // The heading is five degrees off, and the wearer's skin turns by six more: the latter only while the face
+  // moves.
   const auto left = [](double strength_at_rest) {
     HeadingTracker tracker;
     tracker.start(5 * kRadPerDeg, 2 * kRadPerDeg,
@@ -185,17 +186,17 @@ TEST(HeadingTracker, TellsTheSkinsWayFromTheHeadingByHowStronglyAFaceMoves) {
       tracker.skip(1 / 60.0);
       const double strength = i / 60 % 2 == 0 ? 1 : strength_at_rest;
       tracker.add_skin(1 / 60.0,
-                       beyond(tracker.heading_rad() + strength * 6 * kRadPerDeg, 4 * kRadPerDeg, strength));
+                       residual(tracker.heading_rad() + strength * 6 * kRadPerDeg, 4 * kRadPerDeg, strength));
     }
     return std::abs(tracker.heading_rad());
   };
   EXPECT_LT(left(0.2), 0.5 * left(1));
-  EXPECT_GT(left(1), 1 * kRadPerDeg) << "always moving alike, it cannot be told";
+  EXPECT_GT(left(1), 1 * kRadPerDeg) << "always moving alike, they cannot be separated";
 }
 
 TEST(HeadingTracker, WhatAFaceAtRestKeepsIsTheSensorsCreep) {
   // In five minutes a sensor creeps by three degrees of tilt. The same of a face that always moves may be the
-  // skin's own way.
+  // wearer's skin.
   const auto creep = [](double strength, double walk) {
     HeadingSettings settings;
     settings.slip_walk = walk;
@@ -204,9 +205,9 @@ TEST(HeadingTracker, WhatAFaceAtRestKeepsIsTheSensorsCreep) {
     constexpr int kFrames = 60 * 300;
     for (int i = 0; i < kFrames; ++i) {
       tracker.skip(1 / 60.0);
-      SkinReading reading = beyond(tracker.heading_rad(), 4 * kRadPerDeg, strength);
-      reading.beyond_rad.x() = 3 * kRadPerDeg * i / kFrames - tracker.slip_rad().x();
-      tracker.add_skin(1 / 60.0, reading);
+      SkinMeasurement measurement = residual(tracker.heading_rad(), 4 * kRadPerDeg, strength);
+      measurement.residual_rad.x() = 3 * kRadPerDeg * i / kFrames - tracker.slip_rad().x();
+      tracker.add_skin(1 / 60.0, measurement);
     }
     return tracker.slip_rad();
   };
@@ -214,14 +215,14 @@ TEST(HeadingTracker, WhatAFaceAtRestKeepsIsTheSensorsCreep) {
   EXPECT_LT((creep(0.15, walk) - Vec3(3 * kRadPerDeg, 0, 0)).norm(), 0.5 * kRadPerDeg);
   EXPECT_LT(creep(3, walk).norm(), 2 * kRadPerDeg);
   EXPECT_EQ(creep(0.15, 0), Vec3(Vec3::Zero())) << "glue that holds";
-  // A fusion that begins anew is on the same skin.
+  // A fusion that restarts is on the same skin.
   HeadingTracker tracker;
   tracker.start(0, 0.5 * kRadPerDeg, Mat3((4 * kRadPerDeg) * (4 * kRadPerDeg) * Mat3::Identity()));
   for (int i = 0; i < 60 * 300; ++i) {
     tracker.skip(1 / 60.0);
-    SkinReading reading = beyond(tracker.heading_rad(), 4 * kRadPerDeg, 0.15);
-    reading.beyond_rad.z() = 1e-4 * kRadPerDeg * i - tracker.slip_rad().z();
-    tracker.add_skin(1 / 60.0, reading);
+    SkinMeasurement measurement = residual(tracker.heading_rad(), 4 * kRadPerDeg, 0.15);
+    measurement.residual_rad.z() = 1e-4 * kRadPerDeg * i - tracker.slip_rad().z();
+    tracker.add_skin(1 / 60.0, measurement);
   }
   const Vec3 crept = tracker.slip_rad();
   EXPECT_GT(crept.z(), 0.5 * kRadPerDeg);
@@ -231,7 +232,7 @@ TEST(HeadingTracker, WhatAFaceAtRestKeepsIsTheSensorsCreep) {
   EXPECT_NEAR(tracker.sigma_rad(), 10 * kRadPerDeg, 1e-9);
 }
 
-TEST(HeadingTracker, GrowsUnsureWhileNothingTellsIt) {
+TEST(HeadingTracker, GrowsUncertainWithoutMeasurements) {
   HeadingTracker turning;
   HeadingTracker moving;
   HeadingTracker missing;

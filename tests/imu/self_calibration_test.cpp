@@ -28,7 +28,7 @@ Quat busy_skin(std::size_t sensor, double t) {
   return exp_rotation(8 * kRadPerDeg * std::sin(9 * t + static_cast<double>(sensor)) * Vec3::UnitX());
 }
 
-PipelineSettings watching() {
+PipelineSettings live_settings() {
   PipelineSettings settings;
   settings.calibrates_itself = true;
   return settings;
@@ -43,7 +43,7 @@ struct Seen {
 };
 
 Seen watch(const Recording& recording) {
-  testing_head::ClockedPipeline pipeline(recording.rig, watching());
+  testing_head::ClockedPipeline pipeline(recording.rig, live_settings());
   Seen seen;
   double square = 0;
   std::size_t count = 0;
@@ -166,7 +166,7 @@ TEST(SelfCalibration, ABoardThatBeganAnewIsBackAtOnce) {
         sample.time = DeviceTime(from_seconds(0.5)) + (sample.time - *first);
     }
 
-    testing_head::ClockedPipeline pipeline(recording.rig, watching());
+    testing_head::ClockedPipeline pipeline(recording.rig, live_settings());
     sensor::TickRule ticks(recording.rig);
     model::FeatureFrame frame;
     double back_at = -1;

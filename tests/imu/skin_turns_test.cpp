@@ -40,23 +40,23 @@ struct Skin {
   }
 };
 
-/// A heading's error, by its reading alone.
-struct Told {
+/// A heading's error by its measurement alone (weighted least squares).
+struct HeadingError {
   double error_rad, sigma_rad;
 };
-Told told(const SkinReading& reading) {
-  const Vec3 weighed = reading.strays_rad2.inverse() * reading.about;
-  const double information = weighed.dot(reading.about);
-  return {weighed.dot(reading.beyond_rad) / information, 1 / std::sqrt(information)};
+HeadingError heading_error(const SkinMeasurement& measurement) {
+  const Vec3 weighed = measurement.residual_cov_rad2.inverse() * measurement.heading_jacobian;
+  const double information = weighed.dot(measurement.heading_jacobian);
+  return {weighed.dot(measurement.residual_rad) / information, 1 / std::sqrt(information)};
 }
 
 void see(SkinTurns& turns, const Eigen::VectorXd& rotations, std::size_t sensor, const Vec3& up,
          double error) {
   const Vec3 skin = rotations.segment<3>(static_cast<Eigen::Index>(3 * sensor));
-  turns.see(sensor, log_rotation(exp_rotation(error * up) * exp_rotation(skin)));
+  turns.add(sensor, log_rotation(exp_rotation(error * up) * exp_rotation(skin)));
 }
 
-TEST(SkinTurns, TellsHeadingsByWhatGravityHolds) {
+TEST(SkinTurns, FindsHeadingsByTheTiltsThatGravityDetermines) {
   const Skin skin;
   SkinTurns turns(skin.motion, kNames);
   Random random(1);
@@ -71,7 +71,7 @@ TEST(SkinTurns, TellsHeadingsByWhatGravityHolds) {
         see(turns, rotations, i, vertical, 4 * kRadPerDeg * static_cast<double>(i));
       turns.solve(vertical);
       for (std::size_t i = 0; i < kSensors; ++i) {
-        const Told heading = told(turns[i]);
+        const HeadingError heading = heading_error(turns[i]);
         const double strayed = heading.error_rad - 4 * kRadPerDeg * static_cast<double>(i);
         squares += strayed * strayed / (heading.sigma_rad * heading.sigma_rad);
         const double turn = rotations.segment<3>(static_cast<Eigen::Index>(3 * i)).dot(vertical);
@@ -126,21 +126,21 @@ TEST(SkinTurns, WhoIsNotSeenIsNotAsked) {
   without.clear();
   for (const std::size_t i : {0, 2, 3}) {
     const Vec3 turn = rotations.segment<3>(static_cast<Eigen::Index>(3 * i)) + 0.1 * up;
-    turns.see(i, turn);
-    without.see(i == 0 ? 0 : i - 1, turn);
+    turns.add(i, turn);
+    without.add(i == 0 ? 0 : i - 1, turn);
   }
   turns.solve(up);
   without.solve(up);
   for (const std::size_t i : {0, 2, 3}) {
-    const SkinReading& one = turns[i];
-    const SkinReading& other = without[i == 0 ? 0 : i - 1];
-    EXPECT_LT((one.beyond_rad - other.beyond_rad).norm(), 1e-6);
-    EXPECT_LT((one.strays_rad2 - other.strays_rad2).norm(), 1e-6);
+    const SkinMeasurement& one = turns[i];
+    const SkinMeasurement& other = without[i == 0 ? 0 : i - 1];
+    EXPECT_LT((one.residual_rad - other.residual_rad).norm(), 1e-6);
+    EXPECT_LT((one.residual_cov_rad2 - other.residual_cov_rad2).norm(), 1e-6);
     EXPECT_NEAR(one.strength, other.strength, 1e-6);
   }
 }
 
-TEST(SkinTurns, OfASensorThatNobodyMeasuredNothingIsForetold) {
+TEST(SkinTurns, ASensorWithoutStatisticsIsNotPredicted) {
   const Skin skin;
   const std::vector<std::string> names = {"a", "b", "c", "d", "new"};
   SkinTurns turns(skin.motion, names);
@@ -153,25 +153,25 @@ TEST(SkinTurns, OfASensorThatNobodyMeasuredNothingIsForetold) {
     see(turns, rotations, i, Vec3::UnitY(), 0);
     see(known, rotations, i, Vec3::UnitY(), 0);
   }
-  turns.see(4, Vec3(0, 0.2, 0));
+  turns.add(4, Vec3(0, 0.2, 0));
   turns.solve(Vec3::UnitY());
   known.solve(Vec3::UnitY());
   for (std::size_t i = 0; i < kSensors; ++i)
-    EXPECT_LT((turns[i].beyond_rad - known[i].beyond_rad).norm(), 1e-8);
-  EXPECT_NEAR(told(turns[4]).error_rad, 0.2, 1e-8);
-  EXPECT_GT(told(turns[4]).sigma_rad, 9 * kRadPerDeg);
+    EXPECT_LT((turns[i].residual_rad - known[i].residual_rad).norm(), 1e-8);
+  EXPECT_NEAR(heading_error(turns[4]).error_rad, 0.2, 1e-8);
+  EXPECT_GT(heading_error(turns[4]).sigma_rad, 9 * kRadPerDeg);
 }
 
 TEST(SkinTurns, ReadsTheSameHoweverItWasAskedBefore) {
   const Skin skin;
   SkinTurns turns(skin.motion, kNames);
   turns.clear();
-  turns.see(2, Vec3(0.1, 0.1, 0.1));
+  turns.add(2, Vec3(0.1, 0.1, 0.1));
   turns.solve(Vec3::UnitX());
   turns.clear();
-  for (std::size_t i = 0; i < kSensors; ++i) turns.see(i, Vec3::Zero());
+  for (std::size_t i = 0; i < kSensors; ++i) turns.add(i, Vec3::Zero());
   turns.solve(Vec3::UnitY());
-  for (std::size_t i = 0; i < kSensors; ++i) EXPECT_EQ(turns[i].strays_rad2, turns.usual_strays_rad2(i));
+  for (std::size_t i = 0; i < kSensors; ++i) EXPECT_EQ(turns[i].residual_cov_rad2, turns.nominal_cov_rad2(i));
 }
 
 }  // namespace

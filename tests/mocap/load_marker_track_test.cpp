@@ -16,7 +16,7 @@ MarkerTrack one() {
 }
 
 TEST(LoadMarkerTrack, EachFormatIsToldByItsContent) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   for (const char* name : {"one.csv", "one.trc"}) {
     const auto path = folder / name;
     ASSERT_TRUE(write_marker_track(path, one()));
@@ -36,7 +36,7 @@ TEST(LoadMarkerTrack, EachFormatIsToldByItsContent) {
 }
 
 TEST(LoadMarkerTrack, OthersAreNone) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   ASSERT_TRUE(write_file(folder / "face.csv", std::string_view("Timecode,BlendShapeCount\n")));
   EXPECT_FALSE(is_marker_recording(folder / "face.csv"));
   EXPECT_EQ(load_marker_track(folder / "face.csv").error().code, ErrorCode::unsupported);

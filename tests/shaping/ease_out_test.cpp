@@ -10,9 +10,9 @@ namespace {
 constexpr double kStep_s = 1.0 / 60;
 constexpr double kReturn_s = 0.3;
 
-TEST(EaseOut, EachPartGoesByItselfAndLeavesTheOthersBits) {
+TEST(EaseOut, EachPartIsIndependentAndLeavesTheOthersBits) {
   for (std::size_t part = 0; part < kPartCount; ++part) {
-    EaseOut letting_go;
+    EaseOut ease_out;
     face::OutputFrame shown = measured(0, 0.2F);
     const auto next = [](int i) {
       face::OutputFrame frame = measured(i, 0.7F);
@@ -21,11 +21,11 @@ TEST(EaseOut, EachPartGoesByItselfAndLeavesTheOthersBits) {
       frame.eyes_rad = {Eigen::Vector2f(0.2F, 0.1F), Eigen::Vector2f(-0.1F, 0.3F)};
       return frame;
     };
-    letting_go.take(part, shown, next(1));
-    ASSERT_TRUE(letting_go.going());
+    ease_out.begin(part, shown, next(1));
+    ASSERT_TRUE(ease_out.active());
     for (int i = 1; i <= 60; ++i) {
       face::OutputFrame out = next(i);
-      letting_go.apply(out, kStep_s, kReturn_s);
+      ease_out.apply(out, kStep_s, kReturn_s);
       const face::OutputFrame plain = next(i);
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
         if (k != part) {
@@ -56,18 +56,18 @@ TEST(EaseOut, EachPartGoesByItselfAndLeavesTheOthersBits) {
         EXPECT_NEAR(out.eyes_rad[1].y(), 0.95 * 0.3, 1e-3);
       }
     }
-    EXPECT_FALSE(letting_go.going()) << "done after 3 return_s";
+    EXPECT_FALSE(ease_out.active()) << "done after 3 return_s";
   }
 }
 
 TEST(EaseOut, FollowsItsClosedForm) {
-  EaseOut letting_go;
-  letting_go.take(0, measured(0, 1), measured(0, 0));
+  EaseOut ease_out;
+  ease_out.begin(0, measured(0, 1), measured(0, 0));
   const double omega = kConstantsTo5Percent / kReturn_s;
   double before = 1;
   for (int i = 1; i <= 53; ++i) {
     face::OutputFrame out = measured(i, 0);
-    letting_go.apply(out, to_seconds(frame_time(i) - frame_time(i - 1)), kReturn_s);
+    ease_out.apply(out, to_seconds(frame_time(i) - frame_time(i - 1)), kReturn_s);
     const double t = to_seconds(frame_time(i) - frame_time(0));
     ASSERT_NEAR(out.weights[0], (1 + omega * t) * std::exp(-omega * t), 1e-6);
     ASSERT_LE(before - out.weights[0], 0.0975);
@@ -75,23 +75,23 @@ TEST(EaseOut, FollowsItsClosedForm) {
   }
 }
 
-TEST(EaseOut, ATakeInTheMiddleKeepsTheSpeed) {
-  EaseOut letting_go;
-  letting_go.take(0, measured(0, 1), measured(0, 0));
+TEST(EaseOut, ABeginInTheMiddleKeepsTheSpeed) {
+  EaseOut ease_out;
+  ease_out.begin(0, measured(0, 1), measured(0, 0));
   face::OutputFrame out;
   for (int i = 1; i <= 5; ++i) {
     out = measured(i, 0);
-    letting_go.apply(out, kStep_s, kReturn_s);
+    ease_out.apply(out, kStep_s, kReturn_s);
   }
-  // The same difference to the same source, taken again: nothing changes but the time at which it is done.
-  EaseOut again = letting_go;
-  again.take(0, out, measured(6, 0));
+  // The same difference to the same source, begun again: nothing changes but the time at which it is done.
+  EaseOut again = ease_out;
+  again.begin(0, out, measured(6, 0));
   face::OutputFrame one = measured(6, 0), other = measured(6, 0);
-  letting_go.apply(one, kStep_s, kReturn_s);
+  ease_out.apply(one, kStep_s, kReturn_s);
   again.apply(other, kStep_s, kReturn_s);
   EXPECT_NEAR(one.weights[0], other.weights[0], 1e-6);
   again.stop();
-  EXPECT_FALSE(again.going());
+  EXPECT_FALSE(again.active());
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(Prompted, ReadsWhatWasAskedForAndPassesOverTheRest) {
 
 /// A virtual performer with a full prologue, whose chin turns by 0.3 and whose cheek by 0.5.
 TEST(Prompted, AWearerIsLearntFromAVirtualPrologue) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const performer::PrologueMotion motion = performer::with_prologue(
       virt::test::talking(60, false), performer::PrologueKind::full, Random(3), {.gestures = false});
   const take::Take take = test::stored(

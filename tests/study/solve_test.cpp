@@ -42,7 +42,7 @@ class Collector final : public session::SampleConsumer {
 };
 
 TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   for (const auto& [devices, session] :
        {std::pair{"device", test::device_session()}, std::pair{"lab", test::lab_session()}}) {
     const take::Take take = test::stored(session, folder / devices, devices);
@@ -66,7 +66,7 @@ TEST(Solve, IsTheSameEachTimeAndTheStoredSamplesAreThoseOfTheLog) {
 }
 
 TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   for (const auto& [devices, session] :
        {std::pair{"device", test::device_session()}, std::pair{"lab", test::lab_session()}}) {
     const take::Take take = test::stored(session, folder / devices, devices);
@@ -92,7 +92,7 @@ TEST(Solve, FrameByFrameItIsWhatTheTrackerSays) {
 }
 
 TEST(Solve, SensorsReachTheAnswer) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const take::Take take = test::stored(test::device_session(), folder / "a.mien", "device");
   const Solution solution = solve(take).value();
   // Before the calibration nothing is known; afterwards both sensors are.
@@ -104,7 +104,7 @@ TEST(Solve, SensorsReachTheAnswer) {
 }
 
 TEST(Solve, RidgeIsThatOfTheTakesProfile) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const take::Take lab = test::stored(test::lab_session(), folder / "lab", "lab");
   const take::Take device = test::stored(test::device_session(), folder / "device", "device");
   // tiny_model()'s constants are 0.25 and 0.5; on the neutral face little is added.
@@ -113,7 +113,7 @@ TEST(Solve, RidgeIsThatOfTheTakesProfile) {
 }
 
 TEST(Solve, PacketsThatAreNoneArePassedOver) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const virt::VirtualSession session = test::lab_session();
   const Solution clean = solve(test::stored(session, folder / "clean", "lab")).value();
   virt::VirtualSession noisy = session;
@@ -145,7 +145,7 @@ TEST(Solve, PacketsThatAreNoneArePassedOver) {
 }
 
 TEST(Solve, RefusesATakeWithoutFrames) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   virt::VirtualSession session = test::lab_session();
   session.ticks.clear();
   const take::Take take = test::stored(session, folder / "no-ticks.mien", "lab");
@@ -156,7 +156,7 @@ TEST(Solve, RefusesATakeWithoutFrames) {
 }
 
 TEST(Solve, RefusesToMeasureWithoutTruth) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   virt::VirtualSession session = test::lab_session();
   session.truth.clear();
   const take::Take take = test::stored(session, folder / "no-truth.mien", "lab");
@@ -168,7 +168,7 @@ TEST(Solve, RefusesToMeasureWithoutTruth) {
 }
 
 TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   virt::VirtualSession session = test::lab_session();
   session.truth.resize(session.truth.size() - 20);
   const take::Take take = test::stored(session, folder / "cut.mien", "lab");
@@ -184,7 +184,7 @@ TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
 }
 
 TEST(Solve, ARigThatLacksAModelsSensorWorksAndOneOfStrangersDoesNot) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const take::Take take = test::stored(test::lab_session(), folder / "a.mien", "lab");
   const Solution solution = solve(take, solver_for({"mentalis", "frontalis_L", "buccinator_L"})).value();
   EXPECT_NEAR(solution.frames.back().confidence[0], 2.0 / 3, 1e-6);
@@ -194,7 +194,7 @@ TEST(Solve, ARigThatLacksAModelsSensorWorksAndOneOfStrangersDoesNot) {
 }
 
 TEST(Solve, StopsWhenAsked) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const take::Take take = test::stored(test::lab_session(), folder / "a.mien", "lab");
   const tracker::WindowSolver solver = solver_for();
   const auto solution =

@@ -17,7 +17,7 @@ const std::size_t kJaw = face::shape("jawOpen");
 
 /// A second of a talking wearer after a short prologue, as mien perform writes it.
 const take::Take& worn_take() {
-  static const test::Folder folder;
+  static const mien::test::Folder folder;
   static const take::Take take = [] {
     virt::PerformRequest request;
     request.rig = project_path("rigs/eyewear.toml");

@@ -38,7 +38,7 @@ std::string toy_marker_recipe(std::size_t steps) {
 }
 
 TEST(MarkerTask, LearnsAToyBetterThanRidge) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto task = MarkerTask::create(*parse_recipe(toy_marker_recipe(400), "test"), toy_light(0, 6),
                                        toy_light(20, 2), "# rig");
   ASSERT_TRUE(task) << task.error().message();

@@ -34,7 +34,7 @@ class Trainer : public testing::Test {
                  progress);
   }
 
-  test::Folder folder_;
+  mien::test::Folder folder_;
   study::Dataset training_ = toy_data(0, 4), validation_ = toy_data(10, 2);
 };
 

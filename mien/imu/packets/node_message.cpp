@@ -25,7 +25,7 @@ bool is_plain(std::string_view text) {
          std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
 }
 
-/// A length and that many bytes. Text that is not plain spoils the whole packet.
+/// A length and that many bytes; text that is not printable ASCII is malformed.
 Result<std::string> read_text(ByteReader& reader) {
   const auto size = reader.little<std::uint8_t>();
   const auto bytes = reader.take(size);
@@ -41,7 +41,7 @@ void write_text(std::string_view text, ByteWriter& out) {
   out.append(text);
 }
 
-// What holds for a message whichever way it goes.
+// Checks for parsing and encoding.
 
 Result<void> check_text(std::string_view text) {
   if (!is_plain(text)) return fail(ErrorCode::malformed, "a text that is too long or not plain", kNodePacket);
@@ -81,8 +81,7 @@ Result<void> check(const Pulse& pulse) {
   return sensor::check_device_time(pulse.edge, kNodePacket);
 }
 
-// Bodies: what stands between the header and the checksum. The seventh byte is a heartbeat's battery; 0 in
-// the others.
+// Bodies, between header and checksum. The seventh byte is a heartbeat's battery; 0 in the others.
 
 Result<NodeMessage> read_hello(std::uint64_t device, ByteReader& reader) {
   Hello hello;

@@ -12,18 +12,19 @@
 
 namespace mien::imu {
 
-/// Where a host listens for our nodes, and where a node that knows no host broadcasts its hello (UDP).
+/// UDP port of the host, to which a node without a known host broadcasts its hello.
 inline constexpr std::uint16_t kNodePort = 5005;
-/// A node that was not welcomed says hello again after this time.
+/// Interval of hellos until a welcome comes.
 inline constexpr Duration kHelloPeriod = std::chrono::seconds(1);
 
 inline constexpr std::size_t kMaxNodeChannels = 16;
-inline constexpr std::size_t kMaxNodeText = 64;  ///< Bytes of a site, a firmware, a host's name.
+inline constexpr std::size_t kMaxNodeText = 64;  ///< Most bytes of a site, firmware or host name.
 
-/// What our nodes and their host say to each other beside samples, version 1. Layout, byte by byte, with test
-/// vectors: docs/reference/protocol.md. All texts are printable ASCII of at most kMaxNodeText characters.
+/// Messages between Mien's IMU nodes and their host, besides samples; version 1. Layout, byte by byte, with
+/// test vectors: docs/reference/protocol.md. All texts are printable ASCII of at most kMaxNodeText
+/// characters.
 ///
-/// Node to everybody, or to the host it was told of: here I am.
+/// Node to all, or to its configured host: announces the node and its channels.
 struct Hello {
   std::uint64_t device = 0;
   double rate_hz = 240;  ///< Samples a second of each channel, 1 to 10,000; the wire has thousandths.
@@ -33,18 +34,18 @@ struct Hello {
   bool operator==(const Hello&) const = default;
 };
 
-/// Host to node, the answer to hello: send me your samples.
+/// Host to node, the reply to hello: starts the node's samples.
 struct Welcome {
-  std::uint64_t device = 0;  ///< The node that is meant.
-  std::uint64_t session =
-      0;  ///< Drawn at the session's start, never 0: a node that sees another one says hello.
-  Duration heartbeat =
-      std::chrono::milliseconds(500);  ///< How often the node shall; whole ms, 100 to 10,000.
-  std::string host;                    ///< For people; may be empty.
+  std::uint64_t device = 0;  ///< The addressed node.
+  /// Random token of the session, never 0: a node that receives another one sends a hello.
+  std::uint64_t session = 0;
+  /// Interval of the node's heartbeats, whole ms, 100 to 10,000.
+  Duration heartbeat = std::chrono::milliseconds(500);
+  std::string host;  ///< For people; may be empty.
   bool operator==(const Welcome&) const = default;
 };
 
-/// Node to host: still here.
+/// Node to host: keep-alive.
 struct NodeHeartbeat {
   std::uint64_t device = 0;
   std::uint8_t battery_percent = 255;  ///< 0 to 100, or kBatteryUnknown.
@@ -52,26 +53,26 @@ struct NodeHeartbeat {
   bool operator==(const NodeHeartbeat&) const = default;
 };
 
-/// Host to node, the answer to a heartbeat: the node's own time again, so that it sees its round trip.
+/// Host to node, the reply to a heartbeat: its time again, from which the node measures the round trip.
 struct HeartbeatEcho {
   std::uint64_t device = 0;
-  DeviceTime time;  ///< As the heartbeat had it.
+  DeviceTime time;  ///< The heartbeat's.
   std::uint64_t session = 0;
   bool operator==(const HeartbeatEcho&) const = default;
 };
 
-/// Node to host: a pulse came over the wire that all nodes share. The same moment on every node's own clock,
-/// however late the radio tells of it.
+/// Node to host: time of an edge on the sync wire that all nodes share, on the node's own clock, independent
+/// of radio latency.
 struct Pulse {
   std::uint64_t device = 0;
   std::uint32_t index = 0;  ///< Counts the pulses; the same on every node.
-  DeviceTime edge;          ///< When the edge was felt; whole microseconds.
+  DeviceTime edge;          ///< Time of the edge; whole microseconds.
   bool operator==(const Pulse&) const = default;
 };
 
 using NodeMessage = std::variant<Hello, Welcome, NodeHeartbeat, HeartbeatEcho, Pulse>;
 
-/// The sixth byte of our packets.
+/// The sixth byte of node packets.
 enum class NodePacketType : std::uint8_t {
   samples = 1,  ///< imu/packet.h
   hello = 2,
@@ -82,16 +83,16 @@ enum class NodePacketType : std::uint8_t {
   sealed = 7,  ///< imu/seal.h
 };
 
-/// Any packet of ours but samples and sealed ones. Errors: truncated; malformed (magic, length, checksum,
+/// Parses any node packet but samples and sealed ones. Errors: truncated; malformed (magic, length, checksum,
 /// reserved bytes, text); unsupported (version, type); out_of_range (channels, rate, battery, time, period).
 /// Thread-safe.
 [[nodiscard]] Result<NodeMessage> parse_node_message(std::span<const std::byte> bytes);
 
-/// Appends the datagram to `out`. What was parsed goes back to the same bytes. Errors: those that the parser
-/// would find; then `out` is as it was. No allocation when `out` has room.
+/// Appends the datagram to `out`: the inverse of the parser, to the byte. Errors: as the parser, for invalid
+/// fields; `out` is then unchanged. No allocation when `out` has room.
 [[nodiscard]] Result<void> encode_node_message(const NodeMessage& message, ByteWriter& out);
 
-/// True when the bytes begin as packets of ours do, of whatever version and type.
+/// Whether the bytes begin like a node packet, of any version and type.
 [[nodiscard]] bool is_node_packet(std::span<const std::byte> bytes);
 
 }  // namespace mien::imu

@@ -13,11 +13,10 @@ using sensor::DeviceKey;
 using sensor::Inbox;
 using sensor::Verdict;
 
-/// More nodes than any rig has; whoever has a key cannot fill the memory either.
+/// Most nodes with replay windows: bounds memory against hostile key holders.
 constexpr std::size_t kMaxSealedNodes = 256;
 
-/// What follows from an error: the packet is of a version or type that nobody here can check, sealed by
-/// nobody we know, or against the rules.
+/// Verdict by error: unknown version or type, unknown key, or malformed.
 Verdict verdict_of(const Error& error) {
   const bool refused = error.code == ErrorCode::unsupported || error.code == ErrorCode::mismatch;
   return refused ? Verdict::refused : Verdict::malformed;
@@ -58,12 +57,12 @@ Verdict NodeProtocol::open(std::span<const std::byte> datagram, Inbox& inbox) {
   };
   const bool is_hello =
       is_node_packet(inbox.opened) && inbox.opened[5] == static_cast<std::byte>(NodePacketType::hello);
-  // What a node says belongs to the session that welcomed it: an earlier session's packets are no good here.
+  // A sealed packet must carry this session's token: replays of earlier sessions are rejected.
   if ((header->counter & SealHeader::kFromHost) != 0 || (header->session != settings_.session && !is_hello))
     return refuse();
   if (windows_.size() == kMaxSealedNodes && !windows_.contains(header->device)) return refuse();
   if (!windows_[header->device].accept(header->counter)) return refuse();
-  // The device inside is the one whose counter this was.
+  // The inner packet must be of the device in the seal.
   ByteReader device(inbox.opened);
   device.take(8);
   if (device.little<std::uint64_t>() != header->device) return refuse();
@@ -102,7 +101,7 @@ Verdict NodeProtocol::take(std::span<const std::byte> packet, Inbox& inbox) {
     inbox.pulses.push_back({{pulse->device, 0}, pulse->index, pulse->edge});
     return Verdict::taken;
   }
-  return Verdict::ignored;  // Another host's words.
+  return Verdict::ignored;  // Another host's messages.
 }
 
 Verdict NodeProtocol::take_samples(std::span<const std::byte> bytes, Inbox& inbox) {
@@ -119,7 +118,7 @@ Verdict NodeProtocol::take_samples(std::span<const std::byte> bytes, Inbox& inbo
 
 void NodeProtocol::reply(const NodeMessage& message, Inbox& inbox) {
   plain_.clear();
-  // create() saw that a welcome can be written, and an echo only repeats what was read.
+  // Cannot fail: create() checked the welcome, and an echo repeats checked fields.
   if (!encode_node_message(message, plain_)) return;
   std::span<const std::byte> bytes = plain_.bytes();
   if (seal_) {

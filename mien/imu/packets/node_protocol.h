@@ -10,19 +10,21 @@ namespace mien::imu {
 
 struct NodeProtocolSettings {
   std::string host_name = "mien";  ///< Shown by nodes; printable ASCII, at most kMaxNodeText.
-  /// Drawn anew for every session; not 0. Nodes that know another session say hello again. It shows in
-  /// replies alone, and in what keys let in.
+  /// Random token of the session, not 0. Nodes with another session's token send a hello. Used in replies,
+  /// and in the acceptance of sealed packets.
   std::uint64_t session = 1;
-  /// How often nodes are asked to send a heartbeat, 0.1 to 10 s. Raising notices lost nodes that send no
-  /// samples later.
+  /// Interval of the nodes' heartbeats, whole ms, 0.1 to 10 s. Raising: nodes without samples are noticed as
+  /// lost later, less traffic. Lowering: sooner, more traffic.
   Duration heartbeat = std::chrono::milliseconds(500);
-  /// With keys only packets sealed by one of them are heard, each once, and replies are sealed alike.
+  /// With keys only packets sealed by one of them are accepted, each once, and replies are sealed with it.
+  /// Empty: plain packets.
   std::vector<SealKey> keys;
 };
 
-/// The host's side of our own nodes' language: samples (imu/packet.h), hello and welcome, heartbeats, pulses,
-/// and all of these sealed. Hello is answered by welcome, a heartbeat by its echo. Where it opens a sealed
-/// packet, Inbox::opened has what was inside; a log of that replays without keys.
+/// Host side of the IMU nodes' protocol: samples (packet.h), hello and welcome, heartbeats, sync pulses
+/// (node_message.h), and all of these sealed (seal.h). Replies to a hello with a welcome, to a heartbeat with
+/// its echo. Inbox::opened receives the content of a sealed packet, so that a log replays without keys.
+/// Layout: docs/reference/protocol.md.
 class NodeProtocol final : public sensor::Protocol {
  public:
   /// Errors: bad_usage (settings outside their ranges, two keys of one id).
@@ -32,7 +34,7 @@ class NodeProtocol final : public sensor::Protocol {
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// Nothing: nodes speak first.
+  /// Nothing: nodes send first.
   void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
@@ -43,10 +45,10 @@ class NodeProtocol final : public sensor::Protocol {
   void reply(const NodeMessage& message, sensor::Inbox& inbox);
 
   NodeProtocolSettings settings_;
-  std::map<std::uint64_t, ReplayWindow> windows_;  // By device; only of those that had a key.
-  std::optional<SealHeader> seal_;                 // Of the packet in hand, when it was sealed.
-  std::uint64_t sent_ = 0;                         // Sealed replies.
-  std::vector<sensor::Sample> samples_;            // These three for their memory.
+  std::map<std::uint64_t, ReplayWindow> windows_;  // By device; only of sealed packets.
+  std::optional<SealHeader> seal_;                 // Of the packet in progress, if sealed.
+  std::uint64_t sent_ = 0;                         // Sealed replies so far.
+  std::vector<sensor::Sample> samples_;            // These three: buffers kept for their memory.
   ByteWriter plain_;
   ByteWriter sealed_;
 };

@@ -33,7 +33,7 @@ std::size_t sample_bytes(const Packet& packet) {
          (packet.kind == SampleKind::imu_raw ? sizeof(std::int16_t) : sizeof(float));
 }
 
-/// What holds for a packet whichever way it goes.
+/// Checks for parsing and encoding.
 Result<void> check(const Packet& packet) {
   if (packet.kind != SampleKind::imu_raw && packet.kind != SampleKind::imu_fused &&
       packet.kind != SampleKind::imu_head_relative)
@@ -134,7 +134,7 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
   MIEN_TRY_ASSIGN(packet.time, sensor::read_device_time(reader, kImuPacket));
   packet.interval = Duration(reader.little<std::uint32_t>());
 
-  // What the length depends on, before the length is believed.
+  // First the fields that determine the length.
   if (packet.values_per_sample() == 0 || packet.count < 1 || packet.count > kMaxPacketSamples) {
     MIEN_TRY(check(packet));
     return fail(ErrorCode::internal, "a packet without a length", kImuPacket);
@@ -212,7 +212,7 @@ Result<Packet> make_packet(std::span<const Sample> samples) {
 bool is_saturated(const Packet& packet, std::size_t sample) {
   if (packet.kind != SampleKind::imu_raw) return false;
   for (std::size_t k = 0; k < packet.values_per_sample(); ++k) {
-    // As the parser makes them: the ends come out to the bit.
+    // Computed as in the parser, so that the range's ends are equal to the bit.
     const float value = packet.values[sample][k];
     if (value >= static_cast<float>(32767.0 * raw_step(packet, k)) ||
         value <= static_cast<float>(-32768.0 * raw_step(packet, k)))

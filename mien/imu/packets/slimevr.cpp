@@ -10,7 +10,7 @@
 namespace mien::imu::slimevr {
 namespace {
 
-// The numbers of the messages on the wire, tracker to server.
+// Message types on the wire, tracker to server.
 constexpr std::uint32_t kHeartbeat = 0;
 constexpr std::uint32_t kRotationOf0 = 1;
 constexpr std::uint32_t kHandshake = 3;
@@ -85,7 +85,7 @@ std::array<float, N> steps(ByteReader& reader, float step) {
   return values;
 }
 
-/// Truncation is for the caller to see: what is missing reads as zeros, which are no unit quaternion.
+/// The caller detects truncation: missing values read as zeros, which are no unit quaternion.
 Result<TrackerMessage> read_rotation(Rotation rotation, ByteReader& reader) {
   const auto xyzw = floats<4>(reader);
   if (!reader.ok()) return fail(ErrorCode::truncated, "a rotation is cut short", kSlimeVrPacket);
@@ -93,7 +93,7 @@ Result<TrackerMessage> read_rotation(Rotation rotation, ByteReader& reader) {
   return rotation;
 }
 
-/// The next field, or its zero when an older firmware has left it away.
+/// The next field; 0 where older firmware omits it.
 template <class T>
 T optional_big(ByteReader& reader) {
   return reader.left() >= sizeof(T) ? reader.big<T>() : T{};
@@ -109,7 +109,7 @@ Handshake read_handshake(ByteReader& reader) {
   const std::size_t length = std::min<std::size_t>(optional_big<std::uint8_t>(reader), reader.left());
   for (const std::byte b : reader.take(length)) {
     const auto c = static_cast<char>(std::to_integer<unsigned char>(b));
-    if (c == '\0') break;  // Old firmware counts its end mark.
+    if (c == '\0') break;  // Old firmware includes the terminating zero.
     handshake.firmware += c >= ' ' && c <= '~' ? c : '?';
   }
   if (reader.left() >= kMacBytes)
@@ -138,7 +138,7 @@ FeatureFlags read_flags(ByteReader& reader) {
   return flags;
 }
 
-/// A message whose fields the caller will find cut short, if they are.
+/// Reads a message; the caller detects truncation.
 Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
   switch (type) {
     case kHeartbeat:
@@ -148,7 +148,7 @@ Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
     case kAcceleration: {
       Acceleration a;
       MIEN_TRY_ASSIGN(a.m_s2, bounded(floats<3>(reader)));
-      a.sensor = optional_big<std::uint8_t>(reader);  // Phones leave it away.
+      a.sensor = optional_big<std::uint8_t>(reader);  // Phones omit it.
       return a;
     }
     case kPong:
@@ -156,7 +156,7 @@ Result<TrackerMessage> read_fields(std::uint32_t type, ByteReader& reader) {
     case kBattery: {
       Battery b;
       MIEN_TRY_ASSIGN(b.volts, finite(reader.big<float>()));
-      if (reader.left() == 0) {  // Old firmware tells the level alone.
+      if (reader.left() == 0) {  // Old firmware sends the level alone.
         b.level = std::exchange(b.volts, 0.0F);
       } else {
         MIEN_TRY_ASSIGN(b.level, finite(reader.big<float>()));
@@ -231,7 +231,7 @@ Result<TrackerMessage> read_message(std::uint32_t type, std::span<const std::byt
   return message;
 }
 
-/// Messages with their lengths before them; their numbers are left away.
+/// Messages preceded by their lengths, without packet numbers.
 template <class Length, class Type>
 Result<void> read_bundle(std::span<const std::byte> payload, std::vector<TrackerMessage>& out) {
   ByteReader reader(payload);
@@ -250,7 +250,7 @@ Result<void> read_bundle(std::span<const std::byte> payload, std::vector<Tracker
   return {};
 }
 
-/// The bytes that a message of this type has at least, after the header.
+/// Least size of a message of this type after the header, bytes.
 std::size_t least_payload(std::uint32_t type) {
   switch (type) {
     case kRotationOf0:

@@ -30,8 +30,8 @@ struct Handshake {
   std::uint32_t imu = 0;
   std::uint32_t mcu = 2;  ///< 2 is an ESP32.
   std::uint32_t protocol = kProtocolVersion;
-  std::string firmware;   ///< Printable ASCII; what is not comes out as '?'. At most 255 characters.
-  std::uint64_t mac = 0;  ///< First octet highest; 0 when it was not told.
+  std::string firmware;   ///< Printable ASCII, other bytes become '?'; at most 255 characters.
+  std::uint64_t mac = 0;  ///< First octet highest; 0 where not given.
   std::uint8_t tracker_type = 0;
   bool operator==(const Handshake&) const = default;
 };
@@ -61,18 +61,18 @@ struct SensorError {
 };
 struct SensorInfo {
   std::uint8_t sensor = 0;
-  std::uint8_t state = 1;  ///< 0 offline, 1 well, 2 broken.
-  std::uint8_t imu = 0;    ///< From here on older firmware leaves fields away; they are then 0.
+  std::uint8_t state = 1;  ///< 0 offline, 1 ok, 2 error.
+  std::uint8_t imu = 0;    ///< Older firmware omits the fields from here on; they are then 0.
   std::uint16_t config = 0;
   std::uint8_t calibrated = 0;
-  std::uint8_t position = 0;   ///< On the body; there are none for the face.
+  std::uint8_t position = 0;   ///< On the body; no face positions exist.
   std::uint8_t data_type = 0;  ///< 0 rotation.
   bool operator==(const SensorInfo&) const = default;
 };
 struct Rotation {
   std::uint8_t sensor = 0;
   std::uint8_t data_type = 1;   ///< 1 normal, 2 a correction.
-  std::array<float, 4> xyzw{};  ///< Sensor's axes to a world whose +Z is up; of length 1 within 1 %.
+  std::array<float, 4> xyzw{};  ///< q_world_sensor, world +Z up; of unit length within 1 %.
   std::uint8_t accuracy = 0;
   bool operator==(const Rotation&) const = default;
 };
@@ -110,7 +110,7 @@ struct ConfigAck {
   std::uint16_t what = 0;
   bool operator==(const ConfigAck&) const = default;
 };
-/// A type that this program does not know; skipped.
+/// A message of unknown type; skipped.
 struct Unknown {
   std::uint32_t type = 0;
   bool operator==(const Unknown&) const = default;
@@ -123,25 +123,25 @@ using TrackerMessage =
 
 struct Header {
   std::uint32_t type = 0;
-  std::uint64_t number = 0;  ///< Counts a board's packets of all types; 0 on those that are not counted.
+  std::uint64_t number = 0;  ///< Counts a board's packets of all types; 0 on uncounted ones.
 };
 
-/// Whether the bytes could be a tracker's datagram: a type below 256, and long enough for it.
+/// Whether the bytes can be a tracker's datagram: a type below 256 and its least length.
 [[nodiscard]] bool is_tracker_datagram(std::span<const std::byte> bytes);
 
 /// One datagram, which holds one message or a bundle of them, appended to `out` in order. The deprecated
 /// rotation types 1 and 16 come out as Rotation of sensors 0 and 1. Bytes beyond a message's last known field
-/// are skipped: later firmware may add some. Errors, which leave `out` as it was: truncated; malformed (a
-/// bundle inside a bundle or with an empty message, a rotation not of length 1, more than kMaxDatagram
-/// bytes); out_of_range (a number not finite, an acceleration above 1000 m/s^2). No allocation but for a
-/// handshake's text, when `out` grows, and in errors. Thread-safe.
+/// are skipped, for later firmware. Errors, which leave `out` as it was: truncated; malformed (a bundle
+/// inside a bundle or with an empty message, a rotation not of length 1, more than kMaxDatagram bytes);
+/// out_of_range (a number not finite, an acceleration above 1000 m/s^2). No allocation but for a handshake's
+/// text, when `out` grows, and in errors. Thread-safe.
 [[nodiscard]] Result<Header> parse_tracker_datagram(std::span<const std::byte> bytes,
                                                     std::vector<TrackerMessage>& out);
 
-// What a tracker says; for those that we play ourselves.
+// Tracker messages, for simulated trackers.
 
-/// Appends one datagram. Handshakes and pongs have the number 0, whatever is given. Errors: bad_usage (an
-/// Unknown, a text that is too long).
+/// Appends one datagram. Handshakes and pongs always have the number 0. Errors: bad_usage (an Unknown, a text
+/// that is too long).
 [[nodiscard]] Result<void> encode_tracker_message(std::uint64_t number, const TrackerMessage& message,
                                                   ByteWriter& out);
 /// Appends one datagram of type 100 with all of the messages. Errors: as above, and no message, a handshake
@@ -151,7 +151,7 @@ struct Header {
 
 // Server to tracker.
 
-/// The answer to a handshake.
+/// Reply to a handshake.
 struct Greeting {
   bool operator==(const Greeting&) const = default;
 };
@@ -168,7 +168,7 @@ struct ServerFlags {
   std::uint8_t bits = 0;
   bool operator==(const ServerFlags&) const = default;
 };
-/// The answer to a SensorInfo, with its state.
+/// Reply to a SensorInfo, with its state.
 struct SensorInfoAck {
   std::uint8_t sensor = 0;
   std::uint8_t state = 0;
@@ -178,7 +178,7 @@ using ServerMessage = std::variant<Unknown, Greeting, ServerHeartbeat, Ping, Ser
 
 /// Appends one datagram; an Unknown appends nothing.
 void encode_server_message(const ServerMessage& message, ByteWriter& out);
-/// Errors: truncated; malformed (a greeting of other words).
+/// Errors: truncated; malformed (another greeting text).
 [[nodiscard]] Result<ServerMessage> parse_server_message(std::span<const std::byte> bytes);
 
 }  // namespace mien::imu::slimevr

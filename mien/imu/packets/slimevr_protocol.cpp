@@ -13,20 +13,18 @@ using sensor::DeviceKey;
 using sensor::Inbox;
 using sensor::Verdict;
 
-/// More than anybody wears; a stranger's handshakes cannot fill the memory.
+/// Most boards: bounds memory against hostile handshakes.
 constexpr std::size_t kMaxBoards = 64;
 constexpr std::size_t kMaxChannels = 32;
-constexpr Duration kWordPeriod = std::chrono::milliseconds(500);
-/// A tracker gives its server up after 3 s: by then it does not listen any more.
+constexpr Duration kHeartbeatPeriod = std::chrono::milliseconds(500);
+/// Boards silent for longer get no heartbeats: a tracker drops its server after 3 s.
 constexpr Duration kGone = std::chrono::seconds(10);
-/// Accelerations of boards that do not bundle come in a datagram of their own; so many rotations may share
-/// one.
+/// Boards without bundles send accelerations in datagrams of their own: most rotations that may use one.
 constexpr int kMaxAccelerationAge = 4;
-/// The gravity that the firmware has taken off, m/s^2.
-/// From this version on accelerations stand in the axes of the rotations.
+/// From this version on accelerations are in the axes of the rotations.
 constexpr std::uint32_t kAlignedSince = 22;
 
-/// Their world has +Z up, ours +Y.
+/// From their world (+Z up) to ours (+Y up).
 const Quat kUpright(std::numbers::sqrt2 / 2, -std::numbers::sqrt2 / 2, 0, 0);
 
 }  // namespace
@@ -72,21 +70,21 @@ Verdict SlimeVrProtocol::receive(HostTime arrival, sensor::Peer peer, std::span<
   finish(*board, arrival, header->number, inbox);
   if (inbox.readings.size() > readings) return Verdict::taken;
   inbox.alive = DeviceKey{board->mac, 0};
-  const bool told = inbox.batteries.size() > batteries || inbox.announcements.size() > announcements ||
+  const bool used = inbox.batteries.size() > batteries || inbox.announcements.size() > announcements ||
                     header->type == 0 || header->type == 4;
-  return told ? Verdict::taken : Verdict::ignored;
+  return used ? Verdict::taken : Verdict::ignored;
 }
 
 Verdict SlimeVrProtocol::greet(HostTime arrival, sensor::Peer peer, const slimevr::Handshake& handshake,
                                Inbox& inbox) {
-  if (handshake.mac == 0) return Verdict::ignored;  // Nothing that a rig could bind.
-  // The peer's earlier board, or this board at another address, is no more.
+  if (handshake.mac == 0) return Verdict::ignored;  // No identity that a rig could bind.
+  // Replaces the peer's earlier board, and this board at another address.
   std::erase_if(boards_, [&](const Board& b) { return b.peer == peer && b.mac != handshake.mac; });
   auto board =
       std::find_if(boards_.begin(), boards_.end(), [&](const Board& b) { return b.mac == handshake.mac; });
   if (board == boards_.end()) {
     if (boards_.size() == kMaxBoards) return Verdict::refused;
-    board = boards_.insert(board, Board{.mac = handshake.mac, .next_word = arrival});
+    board = boards_.insert(board, Board{.mac = handshake.mac, .next_heartbeat = arrival});
   }
   board->peer = peer;
   board->protocol = handshake.protocol;
@@ -131,7 +129,7 @@ void SlimeVrProtocol::take(Board& board, const slimevr::TrackerMessage& message,
     if (inbox.reply.empty())
       reply(ack, inbox);
     else if (board.acks.size() < kMaxChannels)
-      board.acks.push_back(ack);  // One reply a datagram: the others go with the next words.
+      board.acks.push_back(ack);  // One reply a datagram: the others go with the next heartbeat.
   } else if (std::holds_alternative<slimevr::FeatureFlags>(message)) {
     if (inbox.reply.empty()) reply(slimevr::ServerFlags{slimevr::ServerFlags::kBundle}, inbox);
   }
@@ -185,10 +183,10 @@ void SlimeVrProtocol::heartbeats(HostTime now, std::vector<Outgoing>& out) {
   for (Board& board : boards_) {
     for (const slimevr::SensorInfoAck& ack : board.acks) add(board.peer, ack);
     board.acks.clear();
-    if (now - board.received > kGone || now < board.next_word) continue;
+    if (now - board.received > kGone || now < board.next_heartbeat) continue;
     add(board.peer, slimevr::ServerHeartbeat{});
     add(board.peer, slimevr::Ping{++pings_});
-    board.next_word = now + kWordPeriod;
+    board.next_heartbeat = now + kHeartbeatPeriod;
   }
 }
 

@@ -13,24 +13,24 @@
 
 namespace mien::imu {
 
-/// The server's side of SlimeVR's language. A board is known by its handshake, which says its MAC; what comes
-/// from peers without one is ignored (they time out after 3 s and begin anew). Rotations become imu_fused
-/// samples, each with the acceleration of its own datagram, or else the newest of the last few; times are
-/// estimated, one clock a sensor. A packet whose number is not greater than the last is ignored. Bundles are
-/// asked for, their compact form is not: its 16 bits are coarser than what the skin does.
+/// Server side of the SlimeVR protocol (docs/reference/protocol.md). A board is identified by the MAC of its
+/// handshake; peers without a handshake are ignored (they time out after 3 s and send one). Rotations become
+/// imu_fused samples, each with the acceleration of its own datagram, else the newest of the last few; device
+/// times are estimated, one clock a sensor. Packets whose number does not rise are ignored. Requests bundles,
+/// but not their compact form, whose 16 bits are coarser than skin motion.
 class SlimeVrProtocol final : public sensor::Protocol {
  public:
   [[nodiscard]] std::string_view name() const override { return "slimevr"; }
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
   sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                           sensor::Inbox& inbox) override;
-  /// A heartbeat and a ping every 500 ms to each board heard within 10 s.
+  /// A heartbeat and a ping every 500 ms to each board received within 10 s.
   void heartbeats(HostTime now, std::vector<Outgoing>& out) override;
 
  private:
   struct Channel {
     std::uint8_t number = 0;
-    std::optional<std::array<float, 4>> rotation;  // Of the datagram in hand, xyzw.
+    std::optional<std::array<float, 4>> rotation;  // Of the current datagram, xyzw.
     std::array<float, 3> acceleration{};
     int acceleration_age = 0;  // Rotations since.
     sensor::EstimatedClock clock;
@@ -42,9 +42,9 @@ class SlimeVrProtocol final : public sensor::Protocol {
     std::string firmware;
     std::uint64_t last_number = 0;
     std::vector<Channel> channels;
-    // For what is said; receive() does not depend on these.
+    // For heartbeats(); receive() does not depend on these.
     HostTime received;
-    HostTime next_word;
+    HostTime next_heartbeat;
     std::vector<slimevr::SensorInfoAck> acks;
   };
 
@@ -58,7 +58,7 @@ class SlimeVrProtocol final : public sensor::Protocol {
 
   std::vector<Board> boards_;
   std::uint32_t pings_ = 0;
-  std::vector<slimevr::TrackerMessage> messages_;  // For their memory.
+  std::vector<slimevr::TrackerMessage> messages_;  // Buffer, kept for its memory.
   ByteWriter writer_;
 };
 

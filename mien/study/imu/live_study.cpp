@@ -212,8 +212,8 @@ Figures figures_of(const SensorBound& bound, double prior) {
   const auto mean = [](const std::optional<measure::MeanStd>& value) {
     return value ? std::optional(value->mean) : std::nullopt;
   };
-  return {bound.pve_mm.mean, mean(bound.pve_face_mm), mean(bound.lmk_mm),
-          bound.mse,         observed_variance / observed,    std::nullopt,
+  return {bound.pve_mm.mean, mean(bound.pve_face_mm),      mean(bound.lmk_mm),
+          bound.mse,         observed_variance / observed, std::nullopt,
           std::nullopt};
 }
 

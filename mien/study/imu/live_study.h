@@ -66,7 +66,7 @@ struct LiveRow {
   LiveCondition condition = LiveCondition::seen;
   std::string title;
   std::size_t frames = 0;  ///< Of all performers.
-  double observed = 0;         ///< Share of the face sensors' rotations that were given.
+  double observed = 0;     ///< Share of the face sensors' rotations that were given.
   /// How far these lie from the truth, in the head frame, degrees, RMS.
   double rotation_rms_deg = 0;
   std::vector<LiveMethod> methods;

@@ -56,8 +56,9 @@ measure::BarPlot sensors(const LossStudy& study) {
 measure::Table conditions(const LossStudy& study) {
   measure::Table table;
   table.caption = "Every condition, on the same performances";
-  table.columns = {"",        "MSE",         "rise, %",      "given up, %", "MSE observed", "PVE, mm",
-                   "observed, %", "rotation, °", "largest step", "truth's",     "unsound",  "mistold"};
+  table.columns = {"",        "MSE",         "rise, %",     "given up, %",  "MSE observed",
+                   "PVE, mm", "observed, %", "rotation, °", "largest step", "truth's",
+                   "unsound", "mistold"};
   for (const LossRow& row : study.rows)
     table.rows.push_back({row.condition.name(), fmt::format("{:.5f}", row.mse),
                           fmt::format("{:+.1f}", 100 * row.rise), fmt::format("{:+.1f}", 100 * row.given_up),

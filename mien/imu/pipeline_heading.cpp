@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "mien/imu/pipeline_state.h"
+
+namespace mien::imu {
+namespace {
+
+/// Interval of skin measurements, s (every third frame): successive frames carry the same information.
+constexpr double kSkinEvery_s = 0.045;
+/// Standard deviation of a heading that was aligned by the neutral, since the face may not be at it, rad (10
+/// deg).
+constexpr double kRealignedSigma_rad = 0.17;
+/// Skin turns less than this about the vertical, rad (120 deg); a heading that implies more for this long, s
+/// (in which a tilt spoilt by a gap is corrected), is lost. docs/experiments/fusion.md, lost headings.
+constexpr double kMostSkinTurn_rad = 2.1;
+constexpr double kImplausibleFor_s = 0.25;
+
+}  // namespace
+
+Quat Pipeline::State::relative(std::size_t i, const Quat& q_world_ear) const {
+  return q_world_ear.conjugate() * turn_of(i) * poses[i]->orientation;
+}
+
+void Pipeline::State::update_headings_from_skin(double dt_s, const Quat& q_world_ear) {
+  const Vec3 up = q_world_ear.conjugate() * Vec3::UnitY();
+  const auto turn = [&](std::size_t i) {
+    return log_rotation(relative(i, q_world_ear) * neutral(i).conjugate());
+  };
+  if (!skin) {
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      if (!poses[i]) continue;
+      const Vec3 turned = turn(i);
+      trackers[i].add_turn_from_neutral(dt_s, turned.dot(up), turned.cross(up).norm());
+    }
+    return;
+  }
+  skin_due_s += dt_s;
+  if (skin_due_s < kSkinEvery_s) return;
+  skin->clear();
+  for (std::size_t i = 0; i < face.size(); ++i)
+    if (poses[i]) skin->add(i, calibration.q_head_ear * turn(i), std::sqrt(tilt_rad2[i]));
+  skin->solve(calibration.q_head_ear * up);
+  for (std::size_t i = 0; i < face.size(); ++i)
+    if (poses[i]) trackers[i].add_skin(skin_due_s, (*skin)[i]);
+  skin_due_s = 0;
+}
+
+// A restarted board has a new heading but sits where it sat: the heading that brings its skin nearest to
+// neutral is off by no more than an expression, which the heading tracker corrects.
+double Pipeline::State::nearest_neutral(std::size_t i, const FusedSample& ear,
+                                        const FusedSample& sensor) const {
+  // trace(N^T R_h^T Z R_i) = a + b cos + c sin.
+  const Mat3 to = (ear.orientation * neutral(i)).toRotationMatrix();
+  const Mat3 from = sensor.orientation.toRotationMatrix();
+  const double cosine = to.row(0).dot(from.row(0)) + to.row(2).dot(from.row(2));
+  const double sine = to.row(0).dot(from.row(2)) - to.row(2).dot(from.row(0));
+  return std::atan2(sine, cosine);
+}
+
+void Pipeline::State::realign_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor) {
+  trackers[i].move_to(nearest_neutral(i, ear, sensor), kRealignedSigma_rad);
+  channels[face[i]].restarted = false;
+}
+
+bool Pipeline::State::implausible(std::size_t i, double dt_s, const FusedSample& ear,
+                                  const FusedSample& sensor) {
+  const double off =
+      std::remainder(nearest_neutral(i, ear, sensor) - trackers[i].heading_rad(), 2 * std::numbers::pi);
+  implausible_s[i] = std::abs(off) > kMostSkinTurn_rad ? implausible_s[i] + dt_s : 0;
+  if (implausible_s[i] <= kImplausibleFor_s) return implausible_s[i] > 0;
+  realign_face(i, ear, sensor);
+  implausible_s[i] = 0;
+  return false;
+}
+
+void Pipeline::State::realign_head(DeviceTime frame, const FusedSample& ear) {
+  // All headings against the head have changed by the same angle.
+  double cosine = 0, sine = 0;
+  bool restarted = false;
+  for (std::size_t i = 0; i < face.size(); ++i) {
+    if (!calibration.sensors[i].valid) continue;
+    const auto sensor = pose(face[i], frame);
+    if (!sensor) continue;
+    if (channels[face[i]].restarted) {
+      restarted = true;
+      continue;
+    }
+    const double turned = nearest_neutral(i, ear, *sensor) - trackers[i].heading_rad();
+    cosine += std::cos(turned);
+    sine += std::sin(turned);
+  }
+  if (cosine == 0 && sine == 0) {
+    if (!restarted) return;  // No face sensor present yet.
+    // All present sensors restarted with it, as when a mask is switched off: each is aligned by its neutral.
+    for (const std::uint16_t s : face) channels[s].restarted = true;
+  }
+  const double turned = std::atan2(sine, cosine);
+  for (std::size_t i = 0; i < face.size(); ++i)
+    trackers[i].move_to(std::remainder(trackers[i].heading_rad() + turned, 2 * std::numbers::pi),
+                        std::hypot(trackers[i].sigma_rad(), kRealignedSigma_rad));
+  // The head keeps its last yaw.
+  const Vec3 ahead = ear.orientation * (calibration.q_head_ear.conjugate() * Vec3::UnitZ());
+  const Vec3 faced = last_head * Vec3::UnitZ();
+  calibration.neutral_heading_rad = std::remainder(
+      std::atan2(ahead.x(), ahead.z()) - std::atan2(faced.x(), faced.z()), 2 * std::numbers::pi);
+  channels[*head].restarted = false;
+}
+
+}  // namespace mien::imu

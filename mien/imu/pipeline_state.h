@@ -1,0 +1,130 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mien/imu/heading.h"
+#include "mien/imu/pipeline.h"
+#include "mien/imu/prologue.h"
+#include "mien/imu/self_calibration.h"
+#include "mien/imu/sensor_channel.h"
+#include "mien/imu/skin_turns.h"
+#include "mien/sensor/clock_model.h"
+#include "mien/sensor/rig.h"
+#include "mien/sensor/sample.h"
+
+namespace mien::imu {
+
+/// A guided phase of the prologue, [begin, end) on the reference sensor's clock.
+struct PhaseWindow {
+  Phase phase;
+  DeviceTime begin;
+  DeviceTime end;
+  bool begun = false;
+};
+
+/// The pipeline's state and steps; internal to pipeline*.cpp. Symbols: docs/reference/frames.md.
+struct Pipeline::State {
+  State(const sensor::Rig& rig, const PipelineSettings& s)
+      : settings(s),
+        face(rig.face_sensors()),
+        head(rig.head_sensor()),
+        channels(rig.sensors.size(), Channel(s.fusion)),
+        prologue(rig),
+        watch(rig),
+        trackers(face.size(), HeadingTracker(s.heading)),
+        tilt_rad2(face.size()),
+        implausible_s(face.size()),
+        lever_m(face.size()) {
+    if (rig.skin) skin.emplace(*rig.skin, rig.face_sensor_names());
+    calibration.sensors.resize(face.size());
+    prologue_frame.face.resize(face.size());
+    if (!head || !rig.sensors[*head].position_m) return;
+    for (std::size_t i = 0; i < face.size(); ++i)
+      if (rig.sensors[face[i]].position_m)
+        lever_m[i] = *rig.sensors[face[i]].position_m - *rig.sensors[*head].position_m;
+  }
+
+  // Input: pipeline_input.cpp.
+  void add_raw(Channel& channel, const sensor::Sample& sample);
+  void add_fused(Channel& channel, const sensor::Sample& sample);
+  /// Restart detection and counting of losses. False when the sample is out of order. `dt_s`: since the last
+  /// sample; 0 for the first and after a restart.
+  bool order(Channel& channel, const sensor::Sample& sample, double& dt_s);
+  /// The sensor's orientation at the frame; none where nothing was received lately.
+  [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
+  // Calibration: pipeline_calibration.cpp.
+  void run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear);
+  void watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear);
+  /// `only_fresh`: a rotation held over a gap counts as missing.
+  void fill_prologue_frame(DeviceTime frame, const FusedSample& ear, bool only_fresh);
+  /// Whether the frame's orientation is no more than a prediction from the newest sample.
+  [[nodiscard]] bool fresh(std::uint16_t sensor, DeviceTime frame) const;
+  void put_in_force(const Calibration& made);
+  /// A shake scores the calibration in force, and changes nothing else.
+  void judge(const Calibration& made);
+  /// Appends a phase found by self-calibration to `change`.
+  void add_found(Phase phase);
+  /// Heading measurements from skin: SkinTurns, or slow re-centring; after all poses of the frame.
+  void update_headings_from_skin(double dt_s, const Quat& q_world_ear);
+  /// P_i of the frame; the pose is present.
+  [[nodiscard]] Quat relative(std::size_t i, const Quat& q_world_ear) const;
+  /// N_i with the adhesive's creep since the calibration.
+  [[nodiscard]] Quat neutral(std::size_t i) const {
+    const Quat& c = calibration.q_head_ear;
+    return c.conjugate() * exp_rotation(trackers[i].slip_rad()) * c * calibration.sensors[i].neutral;
+  }
+  [[nodiscard]] bool self_calibrating() const {
+    return settings.calibrates_itself && windows.empty() &&
+           (!calibration.complete || (watched && !watch.finished()));
+  }
+  /// After a restart of the ear sensor: the common turn that brings all skin nearest to neutral.
+  void realign_head(DeviceTime frame, const FusedSample& ear);
+  /// After a restart of a face sensor: the heading that brings its skin nearest to neutral.
+  void realign_face(std::size_t i, const FusedSample& ear, const FusedSample& sensor);
+  /// Whether a face sensor's turn about the vertical is beyond what skin can do: it is then left out, and
+  /// realigned after kImplausibleFor_s.
+  bool implausible(std::size_t i, double dt_s, const FusedSample& ear, const FusedSample& sensor);
+  /// The heading that brings the sensor's skin nearest to neutral, rad.
+  [[nodiscard]] double nearest_neutral(std::size_t i, const FusedSample& ear,
+                                       const FusedSample& sensor) const;
+  /// Standard deviation of a sensor's rotation: heading and tilt, root sum of squares.
+  [[nodiscard]] double rotation_sigma_rad(std::size_t i) const {
+    return std::hypot(trackers[i].sigma_rad(), std::sqrt(tilt_rad2[i]));
+  }
+  /// Z_i.
+  [[nodiscard]] Quat turn_of(std::size_t i) const {
+    return settings.magnetometer ? Quat::Identity() : heading_turn(trackers[i].heading_rad());
+  }
+
+  PipelineSettings settings;
+  std::vector<std::uint16_t> face;  // Numbers in the rig.
+  std::optional<std::uint16_t> head;
+  const sensor::TimeLines* lines = nullptr;  // During a tick.
+  std::vector<Channel> channels;             // One a sensor of the rig.
+  Prologue prologue;
+  Prologue::Frame prologue_frame;
+  std::vector<PhaseWindow> windows;
+  SelfCalibration watch;
+  bool watched = false;  // The calibration in force is a self-calibration.
+  Calibration calibration;
+  CalibrationChange change;              // At the current frame.
+  Calibration before_marks;              // In force at the first mark, ...
+  bool changed_by_marks = false;         // ... and whether it has been replaced since.
+  Quat last_head = Quat::Identity();     // Of the last frame that had one.
+  std::vector<HeadingTracker> trackers;  // One a face sensor.
+  // By face sensor: variance of its tilt after gaps, decaying with the inclination correction.
+  std::vector<double> tilt_rad2;
+  std::vector<double> implausible_s;              // By face sensor: how long its turn has been implausible.
+  std::optional<SkinTurns> skin;                  // Where the rig has skin statistics.
+  double skin_due_s = 0;                          // Since its last measurement.
+  std::vector<std::optional<FusedSample>> poses;  // Of the frame, by face sensor.
+  std::vector<std::optional<Vec3>> lever_m;       // From the ear sensor, frame H.
+  std::optional<DeviceTime> last_frame;
+  std::optional<Vec3> last_head_rate;  // Frame H, at last_frame.
+};
+
+}  // namespace mien::imu

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "mien/core/rotation.h"
+#include "mien/core/time.h"
+#include "mien/imu/fusion.h"
+#include "mien/imu/orientation_track.h"
+
+namespace mien::imu {
+
+/// A restarted board is used after this time without another long gap: where two boards share one number,
+/// that never happens.
+inline constexpr Duration kSettleTime = std::chrono::milliseconds(200);
+
+/// Newest rotations of one sensor of the profile "lab"; their times are on the reference sensor's clock.
+class LabTrack {
+ public:
+  /// A rotation vector against the head, frame H, rad.
+  void add(DeviceTime time, const Vec3& rotation_vector) {
+    entries_[next_ % kSize] = {time, rotation_vector};
+    ++next_;
+  }
+
+  /// The sample nearest to the frame, into `out`; false where none is within `silence`. Not interpolated: the
+  /// mean of two would halve the variance of the noise that the profile adds.
+  [[nodiscard]] bool at(DeviceTime frame, Duration silence, Quat& out) const {
+    const Entry* best = nullptr;
+    Duration best_distance{};
+    for (std::size_t i = 0; i < std::min(next_, kSize); ++i) {
+      const Entry& entry = entries_[i];
+      const Duration distance = entry.time > frame ? entry.time - frame : frame - entry.time;
+      if (best == nullptr || distance < best_distance) {
+        best = &entry;
+        best_distance = distance;
+      }
+    }
+    if (best == nullptr || best_distance > silence) return false;
+    out = canonical(exp_rotation(best->rotation_vector));
+    return true;
+  }
+
+ private:
+  struct Entry {
+    DeviceTime time;
+    Vec3 rotation_vector = Vec3::Zero();
+  };
+  static constexpr std::size_t kSize = 16;
+  std::array<Entry, kSize> entries_;
+  std::size_t next_ = 0;
+};
+
+/// Uncertainty that gaps added to an orientation since it was last read.
+struct Gaps {
+  double sigma_rad = 0;         ///< One standard deviation, rad.
+  bool tilt_restarted = false;  ///< A gap was so long that the inclination was begun anew.
+};
+
+/// One sensor of the rig: from samples to fused orientations, on its own clock.
+struct Channel {
+  explicit Channel(const FusionSettings& settings) : fusion(settings) {}
+  /// What gaps have added since the last call.
+  Gaps take_gaps() {
+    const double sigma = fusion.gap_sigma_rad();
+    const Gaps gaps{std::sqrt(std::max(0.0, sigma * sigma - gap_sigma * gap_sigma)),
+                    fusion.restarts() != restarts};
+    gap_sigma = sigma;
+    restarts = fusion.restarts();
+    return gaps;
+  }
+  /// False for a while after a restart, until the new stream has run without a long gap.
+  [[nodiscard]] bool settled() const {
+    return !restarted || !newest || *newest - steady_since >= kSettleTime;
+  }
+
+  Fusion fusion;
+  OrientationTrack track;
+  LabTrack lab;
+  std::optional<DeviceTime> newest;
+  DeviceTime steady_since;        // Of the restart, or of the end of the last long gap.
+  Duration step{};                // Between the last two samples without a loss.
+  double gap_sigma = 0;           // The fusion's at the last take_gaps(), ...
+  std::uint64_t restarts = 0;     // ... and its restarts.
+  bool restarted = false;         // Its heading is unrelated to the calibrated one.
+  bool may_be_unchanged = false;  // Sends nothing while its rotation is constant.
+  std::uint64_t dropped = 0;      // SensorStatus has both.
+  std::uint64_t lost = 0;
+};
+
+}  // namespace mien::imu

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace mien::sensor {
+
+/// The longest payload, bytes: a picture, or 20 ms of sound. What does not fit into a datagram's 1,472 bytes
+/// and a sample's 16 numbers stands beside them as one.
+inline constexpr std::size_t kMaxPayload = std::size_t{256} << 10U;
+
+/// A payload as a log has it. Refers to bytes that somebody else owns; the function that hands it on
+/// documents how long they are valid.
+struct Payload {
+  std::span<const std::byte> bytes;  ///< 1 to kMaxPayload; empty: there is no payload.
+  /// The hash of the reducer whose result the bytes are (Reducer::hash()); empty: they are raw.
+  std::string_view reducer;
+};
+
+/// 64 lower-case hexadecimal digits: SHA-256, as Sha256::hex() writes it.
+inline constexpr std::size_t kReducerHashDigits = 64;
+[[nodiscard]] inline bool is_reducer_hash(std::string_view text) {
+  return text.size() == kReducerHashDigits && std::ranges::all_of(text, [](char digit) {
+           return (digit >= '0' && digit <= '9') || (digit >= 'a' && digit <= 'f');
+         });
+}
+
+/// Makes of a raw payload what is logged and tracked instead of it (of a picture its features), so that no
+/// picture is kept. A pure function of the two spans and of what the hash stands for: no state from call to
+/// call, no clock, the same bits on every run. No allocation in reduce() after the first calls. Thread: one
+/// at a time.
+class Reducer {
+ public:
+  virtual ~Reducer() = default;
+  /// Of everything that the result depends on: the method, its version, its model file. As is_reducer_hash()
+  /// has it; the same at every call.
+  [[nodiscard]] virtual std::string_view hash() const = 0;
+  /// Writes the result to the front of `out`, which has kMaxPayload bytes, and returns its length: 1 to
+  /// kMaxPayload. None where the payload is not what the datagram describes: the datagram is then malformed.
+  [[nodiscard]] virtual std::optional<std::size_t> reduce(std::span<const std::byte> datagram,
+                                                          std::span<const std::byte> payload,
+                                                          std::span<std::byte> out) = 0;
+};
+
+}  // namespace mien::sensor
