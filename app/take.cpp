@@ -57,7 +57,10 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
   json["seed"] = header.seed;
   json["duration_s"] = summary.duration_s;
   json["begin_device_s"] = to_seconds(summary.begin.time_since_epoch());
-  json["log"] = {{"entries", summary.entries}, {"bytes", summary.entry_bytes}};
+  json["log"] = {{"entries", summary.entries},
+                 {"bytes", summary.entry_bytes},
+                 {"payloads", summary.payloads},
+                 {"payload_bytes", summary.payload_bytes}};
   json["ticks"] = summary.ticks;
   json["samples"] = summary.samples;
   json["rig"] = take.rig().name;
@@ -110,6 +113,9 @@ Result<void> print_info_text(const take::Take& take, const take::Summary& summar
   fmt::print("  made by    {}, {}\n", one_line(header.software), one_line(header.created_utc));
   fmt::print("  log        {} entries, {:.1f} MB, {} ticks\n", summary.entries,
              static_cast<double>(summary.entry_bytes) * 1e-6, summary.ticks);
+  if (summary.payloads > 0)
+    fmt::print("  payloads   {}, {:.1f} MB\n", summary.payloads,
+               static_cast<double>(summary.payload_bytes) * 1e-6);
   if (summary.truth_frames > 0)
     fmt::print("  truth      {} frames, {} evaluated, {} without a face\n", summary.truth_frames,
                summary.truth_evaluated, summary.truth_lost);

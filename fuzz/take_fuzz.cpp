@@ -55,7 +55,8 @@ const std::vector<std::uint8_t>& sound_take() {
         "\"L\"\nrole=\"head\"\n";
     auto writer = mien::take::TakeWriter::create(path, header, true);
     if (!writer) std::abort();
-    writer->add_entry({}, "udp", {});
+    const std::array<std::byte, 3> payload{};
+    writer->add_entry({}, "udp", {}, {payload, {}});
     writer->add_truth({});
     if (!writer->finish()) std::abort();
     std::ifstream file(path, std::ios::binary);
@@ -92,6 +93,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (entries && ticks)
     for (const auto& step : mien::take::replay_order(*entries, *ticks))
       if ((step.item == nullptr) == (step.tick == nullptr)) std::abort();
+  if (auto payloads = take->payloads(); payloads && entries)
+    for (const auto& entry : *entries) {
+      const auto payload = payloads->of(entry.id);
+      if (!payload) break;
+      if (payload->bytes.size() > mien::sensor::kMaxPayload ||
+          (!payload->reducer.empty() && !mien::sensor::is_reducer_hash(payload->reducer)))
+        std::abort();
+    }
   if (samples)
     for (const auto& stored : *samples)
       if (stored.sample.sensor >= take->rig().sensors.size() ||

@@ -62,12 +62,24 @@ Json summary_json(const live::EngineSummary& summary) {
           {"prompt", summary.report.calibration.prompt},
           {"take", summary.take ? Json(summary.take->string()) : Json()},
           {"recording_error", summary.recording_error},
+          {"log",
+           {{"bytes", summary.log.bytes},
+            {"limit", summary.log.limit},
+            {"payload_bytes", summary.log.payload_bytes},
+            {"payload_limit", summary.log.payload_limit},
+            {"hours_left", summary.log.seconds_left ? Json(*summary.log.seconds_left / 3600) : Json()}}},
           {"sinks", std::move(sinks)},
           {"lines", std::move(lines)},
           {"links", std::move(links)}};
 }
 
 }  // namespace
+
+std::string log_text(const live::Spool::Usage& log) {
+  const std::string used = fmt::format("{:.3g} of {:g} GB", 1e-9 * static_cast<double>(log.bytes),
+                                       1e-9 * static_cast<double>(log.limit));
+  return log.seconds_left ? fmt::format("{}, {:.1f} h left", used, *log.seconds_left / 3600) : used;
+}
 
 Option add_session_options(Command command, LiveRequest& request) {
   const Option listen = command.add_option(
@@ -98,6 +110,13 @@ Option add_session_options(Command command, LiveRequest& request) {
                      "A file with the key that devices were paired with; others are then not heard");
   command.add_option("--for", request.seconds, "End by itself after so many seconds")
       .number_between(0.1, 1e6);
+  command
+      .add_option(
+          "--log-limit", request.log_limit_gb,
+          "How many GB the session's temporary log may take in the folder of takes, pictures and sound "
+          "at most half of them; a session that reaches it goes on, but cannot be recorded any more")
+      .number_between(0.001, 1e6)
+      .show_default();
   return listen;
 }
 
@@ -130,6 +149,7 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
     for (const sink::Status& sink : summary.sinks)
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);
+    fmt::print("The session's log took {}\n", log_text(summary.log));
     if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
     fmt::print("kernels {}, hash {}\n", model::kernel_name(tracker::kLivePrecision), summary.hash);
   }

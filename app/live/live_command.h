@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdio>
+#include <string>
 
 #include "app/command_line.h"
 #include "app/live/live_session.h"
@@ -12,6 +13,9 @@ namespace mien::app {
 
 /// The options of every command that opens a session. Returns --listen, for what excludes it.
 Option add_session_options(Command command, LiveRequest& request);
+
+/// What the temporary log takes of its limit, and for how long there is room: "0.332 of 4 GB, 3.1 h left".
+[[nodiscard]] std::string log_text(const live::Spool::Usage& log);
 
 /// Where it listens and sends, where its page is, and how it ends.
 void print_opening(std::FILE* out, const LiveSession& session);

@@ -135,6 +135,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   settings.replace = request.force;
   if (request.takes.empty()) request.takes = request.record.parent_path();
   settings.takes = request.takes.empty() ? "." : request.takes;
+  settings.log_limit = static_cast<std::uint64_t>(1e9 * request.log_limit_gb);
   if (request.seconds > 0) settings.seconds = request.seconds;
   settings.prompts = std::move(request.prompts);
   settings.ends_with_recording = request.only_record;

@@ -28,6 +28,8 @@ struct LiveRequest {
   double seconds = 0;                    ///< 0: until it is stopped.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
   bool only_record = false;              ///< It ends when its prompts or its recording do.
+  /// What the temporary log may take, 10^9 bytes.
+  double log_limit_gb = 1e-9 * static_cast<double>(live::Spool::kDefaultLimit);
 };
 
 /// A session that is open, and what it shows.

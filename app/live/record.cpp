@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -42,7 +43,11 @@ class RecordingLine {
  private:
   static std::string text(const live::Status& status) {
     if (status.report.frames == 0) return "waiting for the first sensor";
-    const std::string recorded = "recording " + clock_text(std::floor(status.recording.seconds));
+    std::string recorded = "recording " + clock_text(std::floor(status.recording.seconds));
+    // With poses the line has little room: then only what matters soon.
+    const std::optional<double> log_left_s = status.recording.log.seconds_left;
+    if (log_left_s && (status.report.prompts.state == "none" || *log_left_s < 3600))
+      recorded += fmt::format(" (log: {:.1f} h left)", *log_left_s / 3600);
     const Prompts& prompts = status.report.prompts;
     if (prompts.state == "none" || prompts.state == "over")
       return status.recording_ends_s

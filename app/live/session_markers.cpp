@@ -85,7 +85,11 @@ Result<void> write_with_truth(const take::Take& take, const face::Motion& motion
 
   MIEN_TRY_ASSIGN(take::TakeWriter writer,
                   take::TakeWriter::create(path, header, replace, take::Appears::when_finished));
-  for (const take::LogEntry& entry : entries) writer.add_entry(entry.arrival, entry.source, entry.bytes);
+  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
+  for (const take::LogEntry& entry : entries) {
+    MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry.id));
+    writer.add_entry(entry.arrival, entry.source, entry.bytes, payload);
+  }
   for (const take::StoredSample& stored : samples)
     writer.add_sample(stored.entry, stored.arrival, stored.sample);
   for (const take::Tick& tick : ticks) writer.add_tick(tick);

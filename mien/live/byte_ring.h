@@ -12,8 +12,11 @@ namespace mien::live {
 /// whole. No lock, no allocation after construction.
 class ByteRing {
  public:
+  /// When a ring's memory is taken from the machine: at once, so that no page is missing on the way of a
+  /// frame; or as the first records come, for a large ring that a session may never use.
+  enum class Memory : std::uint8_t { at_once, when_used };
   /// `size` a power of two; a record may have up to a quarter of it.
-  explicit ByteRing(std::size_t size);
+  explicit ByteRing(std::size_t size, Memory memory = Memory::at_once);
 
   /// Room for a record of `size` bytes, or an empty span when there is none now; publish() hands it over.
   [[nodiscard]] std::span<std::byte> claim(std::size_t size);

@@ -12,6 +12,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <nlohmann/json.hpp>
 
@@ -43,6 +44,8 @@ constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
 constexpr std::size_t kPieces = 10;
 constexpr int kBeatsPerPiece = 10;
+/// One event warns when the temporary log will be full within this time, s.
+constexpr double kLogWarning_s = 600;
 constexpr std::size_t kMaxSinks = 16;
 constexpr std::size_t kMaxTakes = 200;
 
@@ -94,7 +97,8 @@ struct Engine::State {
         begun(std::chrono::steady_clock::now()),
         network(1),
         intake(network, [this] { return now(); }),
-        recorder(settings.takes, [this](sensor::Peer peer) { return intake.peer_name(peer); }),
+        recorder(
+            settings.takes, [this](sensor::Peer peer) { return intake.peer_name(peer); }, settings.log_limit),
         loop(*session, intake, recorder, [this] { return now(); }),
         player(settings.make_session),
         wake(network),
@@ -162,6 +166,7 @@ struct Engine::State {
   std::string unable_to_record;
   bool told_silent = false;        // That nothing is heard; already told, ...
   bool told_uncalibrated = false;  // ... as this.
+  bool log_warning_sent = false;
   bool was_recording = false;
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
@@ -271,6 +276,14 @@ void Engine::State::on_beat() {
     tell("recording_failed", "this session cannot be recorded: " + recorded.unable);
   }
   unable_to_record = recorded.unable;
+  if (!log_warning_sent && recorded.unable.empty() && recorded.log.seconds_left &&
+      *recorded.log.seconds_left < kLogWarning_s) {
+    log_warning_sent = true;
+    tell("log_fills",
+         fmt::format("the session's log is full in {:.0f} minutes; from then on the session cannot "
+                     "be recorded (--log-limit)",
+                     std::ceil(*recorded.log.seconds_left / 60)));
+  }
   tell_of_lines();
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
@@ -536,9 +549,9 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   out.missed = s.loop.missed();
   out.hash = s.session->hash();
   out.latency = s.latency;
-  const Intake::Counts& counts = s.intake.counts();
+  const Intake::Counts counts = s.intake.counts();
   out.datagrams = counts.received;
-  out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.overrun;
+  out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.overrun + counts.payload_overrun;
   out.lines = s.intake.lines();
   for (const SerialPort::Status& line : out.lines) out.dropped += line.overlong;
   s.intake.close();
@@ -550,6 +563,7 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   std::vector<take::Note> notes = s.notes();
   notes.push_back({"live.hash", out.hash});
   notes.push_back({"live.frames", std::to_string(out.frames)});
+  out.log = s.recorder.state().log;
   s.recorder.end(std::move(notes));
   if (const auto finished = s.recorder.wait(); !finished) out.recording_error = finished.error().message();
   return out;

@@ -15,6 +15,7 @@
 #include "mien/live/page_server.h"
 #include "mien/live/player.h"
 #include "mien/live/serial_port.h"
+#include "mien/live/spool.h"
 #include "mien/session/prompt.h"
 #include "mien/session/session.h"
 #include "mien/sink/sink.h"
@@ -31,6 +32,8 @@ struct EngineSettings {
   /// Where takes go that the page asks for, where it finds those to show, and where the session is kept while
   /// it runs, in a file without a name.
   std::filesystem::path takes = ".";
+  /// What that file may take, bytes (Spool). A session that reaches it goes on and can be recorded no more.
+  std::uint64_t log_limit = Spool::kDefaultLimit;
   std::optional<PageSettings> page;
   std::optional<double> seconds;         ///< Ends by itself after this time.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for, from the beginning on.
@@ -55,6 +58,7 @@ struct EngineSummary {
   std::vector<SerialPort::Status> lines;  ///< Serial ones.
   std::optional<std::filesystem::path> take;
   std::string recording_error;
+  Spool::Usage log;        ///< What the session's temporary log took, at its end.
   session::Report report;  ///< The last.
 };
 

@@ -202,6 +202,31 @@ std::optional<sensor::Peer> Intake::place_for_another() {
   return static_cast<sensor::Peer>(oldest - peers_.data());
 }
 
+Result<PayloadSource*> Intake::add_source(std::string name) {
+  for (std::size_t i = 0; i < met_; ++i)
+    if (peers_[i].name == name)
+      return fail(ErrorCode::bad_usage, "given twice", std::move(name), "leave one out");
+  const auto place = place_for_another();
+  if (!place) return fail(ErrorCode::bad_usage, "too many sources", std::move(name));
+  PeerState& peer = peers_[*place];
+  peer.port = nullptr;
+  peer.name = std::move(name);
+  peer.vouched = true;  // It was asked for.
+  met_ = std::max<std::size_t>(met_, *place + 1);
+  return sources_.emplace_back(std::make_unique<PayloadSource>(*place, clock_, signal_)).get();
+}
+
+Intake::Counts Intake::counts() const {
+  Counts counts = counts_;
+  for (const auto& source : sources_) {
+    const PayloadSource::Counts its = source->counts();
+    counts.received += its.received;
+    counts.too_long += its.too_long;
+    counts.payload_overrun += its.overrun;
+  }
+  return counts;
+}
+
 bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {
   const std::span<std::byte> room = ring_.claim(sizeof(Head) + json.size());
   if (room.empty()) return false;
@@ -233,19 +258,38 @@ std::vector<SerialPort::Status> Intake::lines() const {
 }
 
 std::optional<Arrived> Intake::front() {
+  if (front_) return front_;
+  front_ = front_of_network();
+  front_source_ = nullptr;
+  for (const auto& source : sources_) {
+    const std::optional<PayloadSource::Waiting> its = source->front();
+    if (!its || (front_ && front_->arrival <= its->arrival)) continue;
+    front_ =
+        Arrived{Arrived::Kind::datagram, its->arrival, source->peer(), 0, 0, its->datagram, its->payload};
+    front_source_ = source.get();
+  }
+  return front_;
+}
+
+std::optional<Arrived> Intake::front_of_network() {
   const std::span<const std::byte> record = ring_.front();
   if (record.empty()) return std::nullopt;
   Head head{};
   std::memcpy(&head, record.data(), sizeof(head));
-  front_ = head.kind == Arrived::Kind::datagram ? std::optional(head.peer) : std::nullopt;
-  return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head))};
+  return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head)),
+                 {}};
 }
 
 void Intake::release() {
   // Released in that order: who sees that it was judged sees how, and that nobody reads its name any more.
-  if (front_) peers_[*front_].judged.fetch_add(1, std::memory_order_release);
+  const bool of_source = front_source_ != nullptr;
+  if (front_ && !of_source && front_->kind == Arrived::Kind::datagram)
+    peers_[front_->peer].judged.fetch_add(1, std::memory_order_release);
   front_.reset();
-  ring_.release();
+  if (of_source)
+    std::exchange(front_source_, nullptr)->release();
+  else
+    ring_.release();
 }
 
 void Intake::vouch(sensor::Peer peer) {

@@ -16,6 +16,7 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/live/byte_ring.h"
+#include "mien/live/payload_source.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/signal.h"
 #include "mien/sensor/protocol.h"
@@ -31,6 +32,7 @@ struct Arrived {
   std::uint64_t client = 0;  ///< Of a command, and its own number, for the reply.
   std::int64_t number = 0;
   std::span<const std::byte> bytes;
+  std::span<const std::byte> payload;  ///< Beside a datagram of a source; empty: none.
 };
 
 /// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
@@ -45,7 +47,7 @@ class Intake {
   static constexpr double kMaxRatePerPort = 10000;
   static constexpr std::size_t kMaxPeers = 256;
   /// Longer datagrams cannot be devices': a network's frame has no more.
-  static constexpr std::size_t kMaxDatagram = 1472;
+  static constexpr std::size_t kMaxDatagram = PayloadSource::kMaxDatagram;
 
   using Clock = std::function<HostTime()>;
   Intake(boost::asio::io_context& network, Clock clock);
@@ -54,6 +56,9 @@ class Intake {
   /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Or on serial:DEVICE[?baud=RATE].
   /// Returns the address as text with its port or rate. Errors: bad_usage (not an address, taken), not_found.
   [[nodiscard]] Result<std::string> listen(std::string_view address);
+  /// A device inside this program, whose source text in the log is `name` ("camera:left"). Before the
+  /// tracker's thread begins; it lives as long as this. Errors: bad_usage (too many, a name that is taken).
+  [[nodiscard]] Result<PayloadSource*> add_source(std::string name);
   /// As if it had been received; for commands of the page. False: no room.
   bool command(std::uint64_t client, std::int64_t number, std::string_view json);
   /// To where a peer's datagrams come from. On serial lines nothing is said.
@@ -63,7 +68,8 @@ class Intake {
   [[nodiscard]] std::vector<SerialPort::Status> lines() const;
 
   // Tracker's thread.
-  /// The oldest, valid until release(); none when all is taken.
+  /// The oldest of ports, lines, commands and sources, valid until release() and the same until then; none
+  /// when all is taken.
   [[nodiscard]] std::optional<Arrived> front();
   void release();
   /// A peer said something that was understood: it is not forgotten. Before release(), of the oldest's.
@@ -78,11 +84,12 @@ class Intake {
     std::uint64_t received = 0;
     std::uint64_t too_fast = 0;  ///< Beyond a peer's or a port's rate.
     std::uint64_t too_long = 0;
-    std::uint64_t too_many = 0;  ///< Of a peer beyond kMaxPeers, when none can be forgotten.
-    std::uint64_t evicted = 0;   ///< Peers, not datagrams: forgotten for others.
-    std::uint64_t overrun = 0;   ///< The tracker was too far behind.
+    std::uint64_t too_many = 0;         ///< Of a peer beyond kMaxPeers, when none can be forgotten.
+    std::uint64_t evicted = 0;          ///< Peers, not datagrams: forgotten for others.
+    std::uint64_t overrun = 0;          ///< The tracker was too far behind.
+    std::uint64_t payload_overrun = 0;  ///< The same of datagrams of sources, with their payloads.
   };
-  [[nodiscard]] const Counts& counts() const { return counts_; }
+  [[nodiscard]] Counts counts() const;
 
  private:
   struct Port;
@@ -105,6 +112,7 @@ class Intake {
   void receive(Port& port);
   void take(Port& port, std::size_t size);
   Result<std::string> listen_serial(std::string_view address);
+  [[nodiscard]] std::optional<Arrived> front_of_network();
   void take_frame(sensor::Peer peer, std::span<const std::byte> frame);
   void hand_over(sensor::Peer peer, HostTime now, std::span<const std::byte> datagram);
 
@@ -114,11 +122,14 @@ class Intake {
   Signal signal_;
   std::vector<std::unique_ptr<Port>> ports_;
   std::vector<std::unique_ptr<SerialPort>> lines_;
+  std::vector<std::unique_ptr<PayloadSource>> sources_;
   // Names are written before a peer's first datagram is handed over, and again only for another peer when all
   // of the first's were judged and none was understood: what is in a log has its name for ever.
   std::array<PeerState, kMaxPeers> peers_;
-  std::size_t met_ = 0;                // So many of these places were given out.
-  std::optional<sensor::Peer> front_;  // Tracker's thread: who sent what front() gave.
+  std::size_t met_ = 0;  // So many of these places were given out.
+  // Tracker's thread: what front() gave, and of which source; null: of the network or the page.
+  std::optional<Arrived> front_;
+  PayloadSource* front_source_ = nullptr;
   /// By where they send from, whatever port they send to: as a replay tells them apart.
   std::map<boost::asio::ip::udp::endpoint, sensor::Peer> known_;
   Counts counts_;

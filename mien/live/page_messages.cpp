@@ -50,6 +50,18 @@ json link_json(const session::Report::Link& link, const std::string& sensor) {
   return out;
 }
 
+/// What is kept of the session until its end, and how long it can be kept at the present rate.
+json log_json(const Recorder::State& recording) {
+  const auto megabytes = [](std::uint64_t bytes) { return rounded(static_cast<double>(bytes) / 1e6); };
+  const Spool::Usage& log = recording.log;
+  return {{"megabytes", megabytes(log.bytes)},
+          {"limit_megabytes", megabytes(log.limit)},
+          {"payload_megabytes", megabytes(log.payload_bytes)},
+          {"payload_limit_megabytes", megabytes(log.payload_limit)},
+          {"hours_left", log.seconds_left ? json(rounded(*log.seconds_left / 3600)) : json(nullptr)},
+          {"error", recording.unable.empty() ? json(nullptr) : json(recording.unable)}};
+}
+
 json target_object(const face::BlendshapeWeights& target) {
   json out = json::object();
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
@@ -181,6 +193,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"ends_s", status.recording_ends_s ? json(rounded(*status.recording_ends_s)) : json(nullptr)},
          {"megabytes", rounded(status.recording_megabytes)},
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
+       {"log", log_json(recording)},
        {"shaping", json::parse(status.report.shaping, nullptr, false)},
        {"replay", std::move(replay)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});

@@ -1,15 +1,7 @@
 #include "mien/live/recorder.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <stdlib.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cstring>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -21,9 +13,6 @@ namespace {
 
 /// What the disk may be behind: about twenty seconds of twelve sensors.
 constexpr std::size_t kRingBytes = std::size_t{1} << 23U;
-/// What is kept of a session, so that a take can begin with its beginning: about three hours of twelve
-/// sensors.
-constexpr std::uint64_t kMaxSpoolBytes = std::uint64_t{4} << 30U;
 constexpr std::size_t kSliceBytes = std::size_t{1} << 22U;
 constexpr Duration kPollInterval = std::chrono::milliseconds(100);
 
@@ -48,6 +37,8 @@ struct EntryHead {
   sensor::Peer peer;
   std::uint32_t bytes;
   std::uint32_t samples;
+  std::uint32_t payload_bytes;  // They stand in the file of payloads, in the order of their entries.
+  std::uint32_t reducer_bytes;  // Of the hash, which comes next; then the bytes, then the samples.
 };
 struct EventHead {
   DeviceTime begin, end;
@@ -60,41 +51,27 @@ struct CalibrationHead {
   std::uint32_t modality_bytes;
 };
 
-/// A file without a name, which goes when it is closed; null with errno when the folder takes none.
-std::FILE* open_spool(const std::filesystem::path& folder) {
-  int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file < 0) {  // Not every file system has such files: a name for a moment, then.
-    std::string name = (folder / ".mien-session-XXXXXX").string();
-    file = ::mkostemp(name.data(), O_CLOEXEC);
-    if (file < 0) return nullptr;
-    ::unlink(name.c_str());
-  }
-  std::FILE* const spool = ::fdopen(file, "w+b");
-  if (spool == nullptr) {
-    const int why = errno;
-    ::close(file);
-    errno = why;
-  }
-  return spool;
-}
-
 }  // namespace
 
 /// A take that is being written.
 struct Recorder::Writing {
   take::TakeWriter writer;
-  std::uint64_t at = 0;    // How much of the temporary file is in it, bytes.
-  std::int64_t entry = 0;  // Id of the newest.
+  std::uint64_t at = 0;          // How much of the temporary log is in it, bytes, ...
+  std::uint64_t payload_at = 0;  // ... and of its payloads.
+  std::int64_t entry = 0;        // Id of the newest.
   HostTime newest;
   std::optional<HostTime> asked_for;  // The session's newest moment when the recording was asked for.
   std::vector<std::string> names;     // Of peers; empty: not asked for yet.
 };
 
-Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name)
-    : peer_name_(std::move(peer_name)), ring_(kRingBytes), spool_(open_spool(folder)) {
-  if (spool_ == nullptr)
-    spool_error_ = fmt::format("the folder of takes, {}, does not take the session ({})", folder.string(),
-                               std::generic_category().message(errno));
+Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name,
+                   std::uint64_t log_limit)
+    : peer_name_(std::move(peer_name)),
+      ring_(kRingBytes),
+      payload_ring_(kPayloadQueueBytes, ByteRing::Memory::when_used),
+      spool_(folder, log_limit),
+      spool_error_(spool_.problem()) {
+  state_.log = spool_.usage({});
   thread_ = std::jthread([this] { run(); });
 }
 
@@ -102,7 +79,6 @@ Recorder::~Recorder() {
   stopping_ = true;
   signal_.give();
   thread_.join();
-  if (spool_ != nullptr) std::fclose(spool_);
 }
 
 std::span<std::byte> Recorder::claim(std::size_t size) {
@@ -112,12 +88,25 @@ std::span<std::byte> Recorder::claim(std::size_t size) {
 }
 
 void Recorder::entry(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
-                     std::span<const sensor::Sample> samples) {
-  std::span<std::byte> room = claim(1 + sizeof(EntryHead) + bytes.size() + samples.size_bytes());
+                     std::span<const sensor::Sample> samples, const sensor::Payload& payload) {
+  std::span<std::byte> room =
+      claim(1 + sizeof(EntryHead) + payload.reducer.size() + bytes.size() + samples.size_bytes());
   if (room.empty()) return;
+  if (!payload.bytes.empty()) {
+    std::span<std::byte> beside = payload_ring_.claim(payload.bytes.size());
+    if (beside.empty()) {
+      payload_overrun_ = true;
+      return;
+    }
+    put(beside, payload.bytes);
+    payload_ring_.publish();
+  }
   put(room, Kind::entry);
-  put(room, EntryHead{arrival, peer, static_cast<std::uint32_t>(bytes.size()),
-                      static_cast<std::uint32_t>(samples.size())});
+  put(room,
+      EntryHead{arrival, peer, static_cast<std::uint32_t>(bytes.size()),
+                static_cast<std::uint32_t>(samples.size()), static_cast<std::uint32_t>(payload.bytes.size()),
+                static_cast<std::uint32_t>(payload.reducer.size())});
+  put(room, std::as_bytes(std::span(payload.reducer)));
   put(room, bytes);
   put(room, std::as_bytes(samples));
   ring_.publish();
@@ -185,9 +174,15 @@ void Recorder::turn() {
   }
   bool behind = false;
   do {
-    while (drain()) {
-    }
+    // What is small goes first. When both queues are found empty, the payloads of all entries that were taken
+    // have been taken too.
+    do {
+      while (drain()) {
+      }
+    } while (drain_payload());
     if (overrun_.exchange(false)) give_up("the disk is too slow; record to another one");
+    if (payload_overrun_.exchange(false))
+      give_up("the disk is too slow for the session's pictures and sound; record to another one");
     behind = feed();
     if (writing_)
       if (const auto status = writing_->writer.status(); !status) {
@@ -202,6 +197,7 @@ void Recorder::turn() {
   } while (behind && !stopping_);
 
   const std::lock_guard lock(mutex_);
+  state_.log = spool_.usage(newest_);
   if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
   if (writing_ && ending && end_notes_) conclude();
 }
@@ -213,49 +209,67 @@ void Recorder::note_moment(std::span<const std::byte> record) {
   if (kind == Kind::tick) newest_ = get<sensor::FrameTick>(record).fired;
 }
 
-/// One record of the ring into the temporary file; false when there is none.
+/// One record of the ring into the temporary log; false when there is none.
 bool Recorder::drain() {
   const std::span<const std::byte> record = ring_.front();
   if (record.empty()) return false;
   note_moment(record);
-  if (spool_ != nullptr) {
-    const auto size = static_cast<std::uint32_t>(record.size());
-    const bool kept = spooled_ < kMaxSpoolBytes && std::fwrite(&size, sizeof(size), 1, spool_) == 1 &&
-                      std::fwrite(record.data(), 1, record.size(), spool_) == record.size();
-    spooled_ += sizeof(size) + record.size();
-    if (!kept)
-      give_up(spooled_ >= kMaxSpoolBytes
-                  ? "the session has run for too long to be recorded from its beginning"
-                  : fmt::format("the folder of takes does not take the session ({})",
-                                std::generic_category().message(errno)));
-  }
+  if (spool_.is_open())
+    if (const auto kept = spool_.append(record); !kept) give_up(kept.error().what);
   ring_.release();
   return true;
 }
 
-/// A slice of the temporary file into the take; true when there is more.
+/// The same of a payload.
+bool Recorder::drain_payload() {
+  const std::span<const std::byte> payload = payload_ring_.front();
+  if (payload.empty()) return false;
+  if (spool_.is_open())
+    if (const auto kept = spool_.append_payload(payload); !kept) give_up(kept.error().what);
+  payload_ring_.release();
+  return true;
+}
+
+/// A slice of the temporary log into the take; true when there is more.
 bool Recorder::feed() {
-  if (!writing_ || spool_ == nullptr || writing_->at >= spooled_) return false;
-  if (std::fflush(spool_) != 0) {
-    give_up(fmt::format("the folder of takes does not take the session ({})",
-                        std::generic_category().message(errno)));
+  if (!writing_ || !spool_.is_open() || writing_->at >= spool_.bytes()) return false;
+  slice_.resize(kSliceBytes);
+  const auto got = spool_.read(writing_->at, slice_);
+  if (!got) {
+    give_up(got.error().what);
     return false;
   }
-  slice_.resize(kSliceBytes);
-  const auto got = ::pread(::fileno(spool_), slice_.data(), slice_.size(), static_cast<off_t>(writing_->at));
-  std::span<const std::byte> left(slice_.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  std::span<const std::byte> left(slice_.data(), *got);
+  // Payloads count too: whoever asks for a take late has all of them to copy, and the queues do not wait.
+  const auto fed = [this] { return writing_->at + writing_->payload_at; };
+  const std::uint64_t before = fed();
   bool any = false;
-  while (left.size() >= sizeof(std::uint32_t)) {
+  while (left.size() >= sizeof(std::uint32_t) && fed() - before < kSliceBytes) {
     std::span<const std::byte> rest = left;
     const auto size = get<std::uint32_t>(rest);
     if (rest.size() < size) break;
     write(rest.first(size));
+    if (!writing_) return false;
     left = rest.subspan(size);
     writing_->at += sizeof(size) + size;
     any = true;
   }
-  if (!any) give_up("the temporary file of the session cannot be read back");
-  return writing_ && writing_->at < spooled_;
+  if (!any) give_up("the temporary log of the session cannot be read back");
+  return writing_ && writing_->at < spool_.bytes();
+}
+
+/// The next payload of the temporary log into payload_; false where it cannot be read, which ends the
+/// recording.
+bool Recorder::read_payload(std::size_t size) {
+  payload_.resize(size);
+  if (size == 0) return true;
+  const auto got = spool_.read_payloads(writing_->payload_at, payload_);
+  if (!got || *got != size) {
+    give_up(got ? "the temporary log of the session cannot be read back" : got.error().what);
+    return false;
+  }
+  writing_->payload_at += size;
+  return true;
 }
 
 /// Ends the take; mutex_ is held.
@@ -268,14 +282,13 @@ void Recorder::conclude() {
   ended_.notify_all();
 }
 
-/// The temporary file has a hole from here on: what is recorded ends, and nothing can be recorded any more.
+/// The temporary log has a hole from here on: what is recorded ends, and nothing can be recorded any more.
 void Recorder::give_up(const std::string& why) {
   if (writing_) [[maybe_unused]]
     const auto kept = writing_->writer.finish();
   const std::lock_guard lock(mutex_);
   if (spool_error_.empty()) spool_error_ = why;
-  // A file with a hole is good for nothing, and the disk may be full.
-  if (spool_ != nullptr) std::fclose(std::exchange(spool_, nullptr));
+  spool_.close();
   if (writing_ || wanted_) state_.error = why;
   writing_.reset();
   wanted_.reset();
@@ -288,11 +301,15 @@ void Recorder::write(std::span<const std::byte> record) {
   switch (get<Kind>(record)) {
     case Kind::entry: {
       const auto head = get<EntryHead>(record);
+      if (!read_payload(head.payload_bytes)) return;
+      const std::string_view reducer = as_text(record.first(head.reducer_bytes));
+      record = record.subspan(head.reducer_bytes);
       // Only of peers that are in the log: others may be forgotten, and their numbers given to the next.
       if (w.names.size() <= head.peer) w.names.resize(head.peer + std::size_t{1});
       if (w.names[head.peer].empty()) w.names[head.peer] = peer_name_(head.peer);
       w.newest = head.arrival;
-      w.entry = w.writer.add_entry(head.arrival, w.names[head.peer], record.first(head.bytes));
+      w.entry =
+          w.writer.add_entry(head.arrival, w.names[head.peer], record.first(head.bytes), {payload_, reducer});
       record = record.subspan(head.bytes);
       for (std::uint32_t i = 0; i < head.samples; ++i)
         w.writer.add_sample(w.entry, head.arrival, get<sensor::Sample>(record));
@@ -334,9 +351,9 @@ Result<void> Recorder::start(const std::filesystem::path& path, const take::Head
   }
   MIEN_TRY_ASSIGN(take::TakeWriter writer, take::TakeWriter::create(path, header, replace));
   const std::lock_guard lock(mutex_);
-  wanted_ = std::make_unique<Writing>(Writing{std::move(writer), 0, 0, {}, {}, {}});
+  wanted_ = std::make_unique<Writing>(Writing{.writer = std::move(writer)});
   end_notes_.reset();
-  state_ = {true, path, 0, {}};
+  state_ = {.on = true, .path = path, .log = state_.log};
   signal_.give();
   return {};
 }

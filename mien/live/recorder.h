@@ -3,7 +3,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -18,6 +17,8 @@
 #include "mien/core/error.h"
 #include "mien/live/byte_ring.h"
 #include "mien/live/signal.h"
+#include "mien/live/spool.h"
+#include "mien/sensor/payload.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/ticks.h"
 #include "mien/take/take.h"
@@ -25,20 +26,29 @@
 namespace mien::live {
 
 /// Writes a session's log into takes, on a thread of its own: the tracker's thread hands over and goes on,
-/// and nobody waits for the disk but who asks for a take's end. Everything goes into a temporary file first,
+/// and nobody waits for the disk but who asks for a take's end. Everything goes into a temporary log first,
 /// and from there into the take that is recorded: so a take begins with the session's beginning, whenever its
-/// recording was asked for, and replays to what was seen.
+/// recording was asked for, and replays to what was seen. Payloads go by a queue and a file of their own, so
+/// that a disk which is too slow for pictures keeps nothing else waiting; but a log that lacks one of them is
+/// none, and ends as one that lacks an entry does.
 class Recorder {
  public:
-  /// The temporary file has no name and stands in `folder`, that of the takes (empty: the present one): where
-  /// takes have room, it has; where there is no such folder, nothing can be recorded. `peer_name` tells a
-  /// peer's source text; called on the recorder's thread for peers of entries.
-  Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name);
+  /// What payloads may be behind the disk, bytes: 127 of the longest, two seconds of 60 pictures a second.
+  /// The machine's memory is taken as they come.
+  static constexpr std::size_t kPayloadQueueBytes = std::size_t{1} << 25U;
+
+  /// The temporary log stands in `folder`, that of the takes (empty: the present one): where takes have room,
+  /// it has; where there is no such folder, nothing can be recorded. It takes up to `log_limit` bytes, as
+  /// Spool has it. `peer_name` tells a peer's source text; called on the recorder's thread for peers of
+  /// entries.
+  Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name,
+           std::uint64_t log_limit = Spool::kDefaultLimit);
   ~Recorder();  ///< Ends the thread; a take that is recorded stays as far as it came.
 
   // Tracker's thread. What does not fit any more is lost to the recording, which then ends with an error.
+  /// `payload`: what stands beside the bytes, at most sensor::kMaxPayload; empty for none.
   void entry(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
-             std::span<const sensor::Sample> samples);
+             std::span<const sensor::Sample> samples, const sensor::Payload& payload = {});
   void command(HostTime arrival, std::string_view json);
   void tick(const sensor::FrameTick& tick);
   void event(const take::Event& event);
@@ -61,6 +71,7 @@ class Recorder {
     double seconds = 0;  ///< Since the recording was asked for; what the session was before comes on top.
     std::string error;   ///< Why the recording ended early; empty when it did not.
     std::string unable;  ///< Why nothing can be recorded any more in this session; empty when it can.
+    Spool::Usage log;    ///< What the temporary log takes and may take, a tenth of a second old.
   };
   [[nodiscard]] State state() const;
 
@@ -71,24 +82,28 @@ class Recorder {
   void run();
   void turn();
   bool drain();
+  bool drain_payload();
   void note_moment(std::span<const std::byte> record);
   bool feed();
   void write(std::span<const std::byte> record);
+  [[nodiscard]] bool read_payload(std::size_t size);
   void conclude();
   void give_up(const std::string& why);
 
   std::function<std::string(sensor::Peer)> peer_name_;
   ByteRing ring_;
+  ByteRing payload_ring_;  // A payload is there before its entry is.
   Signal signal_;
   std::atomic<bool> overrun_ = false;
+  std::atomic<bool> payload_overrun_ = false;
   std::atomic<bool> stopping_ = false;
 
   // The recorder's thread alone.
   std::unique_ptr<Writing> writing_;
-  std::FILE* spool_ = nullptr;
-  std::uint64_t spooled_ = 0;  // Bytes.
-  HostTime newest_;            // Of all that was drained.
+  Spool spool_;
+  HostTime newest_;  // Of all that was drained.
   std::vector<std::byte> slice_;
+  std::vector<std::byte> payload_;
 
   mutable std::mutex mutex_;  // Held for moments only.
   std::condition_variable ended_;

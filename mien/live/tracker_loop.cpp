@@ -107,10 +107,11 @@ void TrackerLoop::take(const Arrived& arrived) {
     hand_over_news(arrived.arrival);
     return;
   }
-  const session::Session::Received received = session_.receive(arrived.arrival, arrived.peer, arrived.bytes);
+  const session::Session::Received received =
+      session_.receive(arrived.arrival, arrived.peer, arrived.bytes, arrived.payload);
   if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
     intake_.vouch(arrived.peer);
-    recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples);
+    recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples, received.payload);
   }
   if (!received.reply.empty()) post({OutgoingMessage::Kind::datagram, arrived.peer, 0, received.reply});
 }

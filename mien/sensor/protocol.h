@@ -11,6 +11,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/sensor/payload.h"
 #include "mien/sensor/sample.h"
 
 namespace mien::sensor {
@@ -32,6 +33,9 @@ struct Reading {
   DeviceKey from;
   Sample sample;           ///< `sensor` is not set.
   bool saturated = false;  ///< Some axis stood at the end of its range.
+  /// What of the datagram's payload belongs to this sample; stands as long as the payload does, the call of
+  /// Protocol::receive_with_payload() and what is done with its inbox until the next. Empty: nothing.
+  std::span<const std::byte> payload{};
 };
 
 /// What a device tells about itself, when it begins.
@@ -91,6 +95,15 @@ class Protocol {
   [[nodiscard]] virtual bool recognises(std::span<const std::byte> datagram) const = 0;
   /// Decodes one datagram. Appends to `inbox`. No allocation but for a device's first words.
   virtual Verdict receive(HostTime arrival, Peer peer, std::span<const std::byte> datagram, Inbox& inbox) = 0;
+  /// The same of a datagram with a payload beside it: 1 to kMaxPayload bytes, valid during the call and as
+  /// Reading::payload. Where the protocol has a Reducer it is the reduction, live and in a replay. In a
+  /// protocol without payloads such a datagram is malformed.
+  virtual Verdict receive_with_payload([[maybe_unused]] HostTime arrival, [[maybe_unused]] Peer peer,
+                                       [[maybe_unused]] std::span<const std::byte> datagram,
+                                       [[maybe_unused]] std::span<const std::byte> payload,
+                                       [[maybe_unused]] Inbox& inbox) {
+    return Verdict::malformed;
+  }
 
   struct Outgoing {
     Peer peer = 0;

@@ -27,22 +27,40 @@ constexpr std::size_t kMostSamples = 256;
 }  // namespace
 
 Result<std::unique_ptr<Receiver>> Receiver::create(sensor::Rig rig,
-                                                   std::vector<std::unique_ptr<sensor::Protocol>> protocols) {
+                                                   std::vector<std::unique_ptr<sensor::Protocol>> protocols,
+                                                   std::vector<ProtocolReducer> reducers) {
   MIEN_TRY_ASSIGN(auto bound, sensor::bindings(rig));
-  return std::unique_ptr<Receiver>(new Receiver(std::move(rig), std::move(protocols), std::move(bound)));
+  std::vector<std::unique_ptr<sensor::Reducer>> by_protocol(protocols.size());
+  for (ProtocolReducer& one : reducers) {
+    const auto found =
+        std::ranges::find_if(protocols, [&](const auto& p) { return p->name() == one.protocol; });
+    const auto place = static_cast<std::size_t>(found - protocols.begin());
+    if (found == protocols.end() || by_protocol[place] != nullptr)
+      return fail(ErrorCode::bad_usage, "the payloads' reducer has no protocol, or is its second",
+                  one.protocol);
+    if (!sensor::is_reducer_hash(one.reducer->hash()))
+      return fail(ErrorCode::bad_usage, "the payloads' reducer has no SHA-256", one.protocol);
+    by_protocol[place] = std::move(one.reducer);
+  }
+  return std::unique_ptr<Receiver>(
+      new Receiver(std::move(rig), std::move(protocols), std::move(by_protocol), std::move(bound)));
 }
 
 Receiver::Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols,
+                   std::vector<std::unique_ptr<sensor::Reducer>> reducers,
                    std::vector<std::pair<DeviceKey, std::uint16_t>> bound)
     : rig_(std::move(rig)),
       protocols_(std::move(protocols)),
       ticks_(rig_),
       links_(rig_.sensors.size()),
-      bound_(std::move(bound)) {
+      bound_(std::move(bound)),
+      reducers_(std::move(reducers)) {
   devices_.reserve(kMaxDevices + rig_.sensors.size());
   bound_.reserve(kMaxDevices + rig_.sensors.size());
   samples_.reserve(kMostSamples);
   inbox_.readings.reserve(kMostSamples);
+  if (std::ranges::any_of(reducers_, [](const auto& reducer) { return reducer != nullptr; }))
+    reduction_.resize(sensor::kMaxPayload);
 }
 
 Receiver::Device* Receiver::find(const DeviceKey& key) {
@@ -115,7 +133,10 @@ void Receiver::take_reading(HostTime arrival, sensor::Peer peer, std::size_t pro
   sensor::Sample& sample = samples_.emplace_back(reading.sample);
   sample.sensor = *from->sensor;
   ticks_.add(arrival, sample);
-  consumer.add(arrival, sample);
+  if (reading.payload.empty())
+    consumer.add(arrival, sample);
+  else
+    consumer.add_with_payload(arrival, sample, reading.payload);
 }
 
 bool Receiver::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
@@ -123,22 +144,54 @@ bool Receiver::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
   return found != devices_.end() && found->peer == peer;
 }
 
+std::size_t Receiver::protocol_of(std::span<const std::byte> datagram) const {
+  std::size_t protocol = 0;
+  while (protocol < protocols_.size() && !protocols_[protocol]->recognises(datagram)) ++protocol;
+  return protocol;
+}
+
+Receiver::Received Receiver::reject_malformed(sensor::Peer peer) {
+  ++malformed_;
+  for (const Device& known : devices_)
+    if (known.peer == peer && known.sensor) links_[*known.sensor].health.add_malformed();
+  Received out;
+  out.verdict = Verdict::malformed;
+  return out;
+}
+
 Receiver::Received Receiver::receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
-                                     SampleConsumer& consumer) {
+                                     std::span<const std::byte> payload, SampleConsumer& consumer) {
+  const std::size_t protocol = protocol_of(datagram);
+  sensor::Reducer* const reducer = protocol < reducers_.size() ? reducers_[protocol].get() : nullptr;
+  if (payload.empty() || payload.size() > sensor::kMaxPayload || reducer == nullptr)
+    return decode(arrival, peer, protocol, datagram, {payload, {}}, consumer);
+  const std::optional<std::size_t> length = reducer->reduce(datagram, payload, reduction_);
+  if (!length || *length == 0 || *length > reduction_.size()) return reject_malformed(peer);
+  return decode(arrival, peer, protocol, datagram, {std::span(reduction_).first(*length), reducer->hash()},
+                consumer);
+}
+
+Receiver::Received Receiver::receive_logged(HostTime arrival, sensor::Peer peer,
+                                            std::span<const std::byte> datagram,
+                                            const sensor::Payload& payload, SampleConsumer& consumer) {
+  return decode(arrival, peer, protocol_of(datagram), datagram, payload, consumer);
+}
+
+Receiver::Received Receiver::decode(HostTime arrival, sensor::Peer peer, std::size_t protocol,
+                                    std::span<const std::byte> datagram, const sensor::Payload& payload,
+                                    SampleConsumer& consumer) {
+  if (protocol >= protocols_.size() || payload.bytes.size() > sensor::kMaxPayload)
+    return reject_malformed(peer);
   inbox_.clear();
   samples_.clear();
   Received out;
   out.log = datagram;
-  std::size_t protocol = 0;
-  while (protocol < protocols_.size() && !protocols_[protocol]->recognises(datagram)) ++protocol;
-  out.verdict = protocol < protocols_.size() ? protocols_[protocol]->receive(arrival, peer, datagram, inbox_)
-                                             : Verdict::malformed;
-  if (out.verdict == Verdict::malformed) {
-    ++malformed_;
-    for (const Device& known : devices_)
-      if (known.peer == peer && known.sensor) links_[*known.sensor].health.add_malformed();
-    return out;
-  }
+  out.payload = payload;
+  sensor::Protocol& language = *protocols_[protocol];
+  out.verdict = payload.bytes.empty()
+                    ? language.receive(arrival, peer, datagram, inbox_)
+                    : language.receive_with_payload(arrival, peer, datagram, payload.bytes, inbox_);
+  if (out.verdict == Verdict::malformed) return reject_malformed(peer);
   if (out.verdict == Verdict::refused) {
     ++refused_;
     return out;

@@ -13,6 +13,7 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/sensor/link_health.h"
+#include "mien/sensor/payload.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
@@ -27,9 +28,21 @@ class SampleConsumer {
   virtual ~SampleConsumer() = default;
   /// A decoded sample of a bound and accepted device; `sample.sensor` is its number in the rig.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;
+  /// The same of a sample with a payload, which is valid during the call. Consumers without a use for
+  /// payloads get the sample alone.
+  virtual void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                                [[maybe_unused]] std::span<const std::byte> payload) {
+    add(arrival, sample);
+  }
   /// From here on another device is bound to this sensor: whatever was estimated of the one before is void.
   /// `was_received`: samples of the one before had come.
   virtual void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) = 0;
+};
+
+/// What reduces the payloads of a protocol's datagrams before they are logged.
+struct ProtocolReducer {
+  std::string protocol;  ///< As sensor::Protocol::name().
+  std::unique_ptr<sensor::Reducer> reducer;
 };
 
 /// The one way from a session log's datagrams to samples and frame ticks: protocols, the binding of devices
@@ -43,20 +56,36 @@ class Receiver {
   static constexpr std::size_t kMaxDevices = 64;
 
   /// A rig that binds no sensor binds virtual nodes, whose ids name their place (sensor::bindings). Errors:
-  /// malformed (a binding of the rig that is no device), bad_usage (two sensors bound to one).
+  /// malformed (a binding of the rig that is no device), bad_usage (two sensors bound to one; a reducer of a
+  /// protocol that is not there or has one already, or whose hash is none).
   [[nodiscard]] static Result<std::unique_ptr<Receiver>> create(
-      sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols);
+      sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols,
+      std::vector<ProtocolReducer> reducers = {});
 
   struct Received {
     sensor::Verdict verdict = sensor::Verdict::ignored;
     std::span<const sensor::Sample> samples;  ///< Bound and accepted, until the next call.
     /// What a log should keep: the datagram, or what was sealed in it. Until the next call.
     std::span<const std::byte> log;
+    /// What it should keep of the payload: the raw bytes, or the reduction and its reducer's hash. Valid
+    /// until the next call, and as long as the payload that was given.
+    sensor::Payload payload;
     std::span<const std::byte> reply;  ///< For the sender; empty: none. Until the next call.
   };
   /// One datagram. Take all that due() gives before it, and again after it.
   Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
-                   SampleConsumer& consumer);
+                   SampleConsumer& consumer) {
+    return receive_logged(arrival, peer, datagram, {}, consumer);
+  }
+  /// One datagram of a device with a raw payload beside it (empty: none), which is reduced where the
+  /// datagram's protocol has a reducer. A payload of more than sensor::kMaxPayload bytes, or one that its
+  /// reducer does not take, makes the datagram malformed.
+  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                   std::span<const std::byte> payload, SampleConsumer& consumer);
+  /// One datagram of a log, its payload as the log has it: raw or reduced, by whatever reducer, it is handed
+  /// on as it is. So a replay decodes what the live session decoded.
+  Received receive_logged(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                          const sensor::Payload& payload, SampleConsumer& consumer);
 
   /// The next frame that is due; ask until there is none.
   [[nodiscard]] std::optional<sensor::FrameTick> due(HostTime now) { return ticks_.due(now); }
@@ -104,7 +133,14 @@ class Receiver {
   };
 
   Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols,
+           std::vector<std::unique_ptr<sensor::Reducer>> reducers,
            std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound);
+  /// The place of the protocol that the datagram is of; that after the last for none.
+  [[nodiscard]] std::size_t protocol_of(std::span<const std::byte> datagram) const;
+  Received decode(HostTime arrival, sensor::Peer peer, std::size_t protocol,
+                  std::span<const std::byte> datagram, const sensor::Payload& payload,
+                  SampleConsumer& consumer);
+  Received reject_malformed(sensor::Peer peer);
   Device* find(const sensor::DeviceKey& key);
   /// The device of this key, from now on if it is new; null when there are too many.
   Device* meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
@@ -120,6 +156,8 @@ class Receiver {
   std::vector<Device> devices_;
   std::vector<Link> links_;                                         // One a sensor of the rig.
   std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound_;  // Whether received or not.
+  std::vector<std::unique_ptr<sensor::Reducer>> reducers_;          // One a protocol, or null.
+  std::vector<std::byte> reduction_;                                // Empty without reducers.
   sensor::Inbox inbox_;
   std::vector<sensor::Sample> samples_;
   std::uint64_t malformed_ = 0;

@@ -33,6 +33,26 @@ void bind_as_asked(const take::LogEntry& entry, Receiver& receiver, SampleConsum
   }
 }
 
+/// `payload_of(entry)` gives a Result<sensor::Payload>.
+template <class PayloadOf>
+Result<bool> play_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
+                          Receiver& receiver, SampleConsumer& consumer, PayloadOf payload_of,
+                          const std::function<bool(const take::Tick&)>& ticked) {
+  Peers peers;
+  for (const auto& step : take::replay_order(entries, ticks)) {
+    if (const take::LogEntry* entry = step.item; entry != nullptr) {
+      if (entry->source == kPageSource) {
+        bind_as_asked(*entry, receiver, consumer);
+      } else {
+        MIEN_TRY_ASSIGN(const sensor::Payload payload, payload_of(*entry));
+        receiver.receive_logged(entry->arrival, peers.of(entry->source), entry->bytes, payload, consumer);
+      }
+    }
+    if (step.tick != nullptr && !ticked(*step.tick)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<void> replay(const take::Take& take, Session& session,
@@ -41,6 +61,7 @@ Result<void> replay(const take::Take& take, Session& session,
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   if (ticks.empty())
     return fail(ErrorCode::not_found, "the take has no frames", take.path().string(), "record it again");
+  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
   Peers peers;
   for (const auto& step : take::replay_order(entries, ticks)) {
     if (const take::LogEntry* entry = step.item; entry != nullptr) {
@@ -48,7 +69,8 @@ Result<void> replay(const take::Take& take, Session& session,
         // What failed then fails again, and changes as little.
         [[maybe_unused]] const auto done = session.command(entry->arrival, as_text(entry->bytes));
       } else {
-        session.receive(entry->arrival, peers.of(entry->source), entry->bytes);
+        MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry->id));
+        session.receive_logged(entry->arrival, peers.of(entry->source), entry->bytes, payload);
       }
     }
     if (step.tick == nullptr) continue;
@@ -61,17 +83,15 @@ Result<void> replay(const take::Take& take, Session& session,
 bool replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
                     Receiver& receiver, SampleConsumer& consumer,
                     const std::function<bool(const take::Tick&)>& ticked) {
-  Peers peers;
-  for (const auto& step : take::replay_order(entries, ticks)) {
-    if (const take::LogEntry* entry = step.item; entry != nullptr) {
-      if (entry->source == kPageSource)
-        bind_as_asked(*entry, receiver, consumer);
-      else
-        receiver.receive(entry->arrival, peers.of(entry->source), entry->bytes, consumer);
-    }
-    if (step.tick != nullptr && !ticked(*step.tick)) return false;
-  }
-  return true;
+  const auto none = [](const take::LogEntry&) -> Result<sensor::Payload> { return sensor::Payload(); };
+  return *play_samples(entries, ticks, receiver, consumer, none, ticked);
+}
+
+Result<bool> replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
+                            take::PayloadReader& payloads, Receiver& receiver, SampleConsumer& consumer,
+                            const std::function<bool(const take::Tick&)>& ticked) {
+  const auto stored = [&](const take::LogEntry& entry) { return payloads.of(entry.id); };
+  return play_samples(entries, ticks, receiver, consumer, stored, ticked);
 }
 
 }  // namespace mien::session

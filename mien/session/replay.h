@@ -25,5 +25,10 @@ namespace mien::session {
 [[nodiscard]] bool replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
                                   Receiver& receiver, SampleConsumer& consumer,
                                   const std::function<bool(const take::Tick&)>& ticked);
+/// The same of entries with their payloads, which are read as they are needed. Errors: the reader's.
+[[nodiscard]] Result<bool> replay_samples(std::span<const take::LogEntry> entries,
+                                          std::span<const take::Tick> ticks, take::PayloadReader& payloads,
+                                          Receiver& receiver, SampleConsumer& consumer,
+                                          const std::function<bool(const take::Tick&)>& ticked);
 
 }  // namespace mien::session

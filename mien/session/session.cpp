@@ -28,8 +28,9 @@ std::string quoted(std::string_view key, std::string_view value) {
 }  // namespace
 
 Result<std::unique_ptr<Session>> Session::create(Parts parts) {
-  MIEN_TRY_ASSIGN(std::unique_ptr<Receiver> receiver,
-                  Receiver::create(std::move(parts.rig), std::move(parts.protocols)));
+  MIEN_TRY_ASSIGN(
+      std::unique_ptr<Receiver> receiver,
+      Receiver::create(std::move(parts.rig), std::move(parts.protocols), std::move(parts.reducers)));
   return std::unique_ptr<Session>(new Session(std::move(parts), std::move(receiver)));
 }
 

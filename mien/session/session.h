@@ -37,6 +37,7 @@ class Session final : private SampleConsumer {
     sensor::Rig rig;
     std::unique_ptr<tracker::Tracker> tracker;
     std::vector<std::unique_ptr<sensor::Protocol>> protocols;
+    std::vector<ProtocolReducer> reducers;  ///< Of their payloads; most protocols have none.
     shaping::ShaperSettings shaping;
     /// Told of every change of these settings: for a tracker that has a use for some. May be empty.
     std::function<void(const shaping::ShaperSettings&)> reshape;
@@ -49,8 +50,15 @@ class Session final : private SampleConsumer {
 
   using Received = Receiver::Received;
   /// One datagram. Fire all that due() gives before it, and again after it.
-  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram) {
-    return receiver_->receive(arrival, peer, datagram, *this);
+  /// `payload`: raw, as its device gave it; empty for none (Receiver::receive).
+  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                   std::span<const std::byte> payload = {}) {
+    return receiver_->receive(arrival, peer, datagram, payload, *this);
+  }
+  /// The same of a log's entry in a replay: its payload is handed on as the log has it.
+  Received receive_logged(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                          const sensor::Payload& payload) {
+    return receiver_->receive_logged(arrival, peer, datagram, payload, *this);
   }
 
   /// One command of the page, as it goes into the log. Errors: parse_command's; not_found (no such sensor,
@@ -88,6 +96,10 @@ class Session final : private SampleConsumer {
  private:
   Session(Parts parts, std::unique_ptr<Receiver> receiver);
   void add(HostTime arrival, const sensor::Sample& sample) override { tracker_->add(arrival, sample); }
+  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                        std::span<const std::byte> payload) override {
+    tracker_->add_with_payload(arrival, sample, payload);
+  }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) override;
   /// What was estimated of the board at this sensor is void.
   void forget(std::uint16_t sensor);

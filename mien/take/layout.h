@@ -9,22 +9,25 @@
 #include <span>
 
 // The take file's layout and limits, shared by its writer and its reader. Described for people in
-// docs/reference/take.md; a change of either is a new kUserVersion.
+// docs/reference/take.md; a change of either is a new version.
 
 namespace mien::take {
 
 /// "Mien", big-endian, at byte 68 of the file.
 inline constexpr std::int64_t kApplicationId = 0x4D69656E;
-/// At byte 60.
-inline constexpr std::int64_t kUserVersion = 1;
+/// At byte 60: the layout's version. A take becomes of version 2 with its first payload, so that programs
+/// which know no payloads read all others, and none of those with holes.
+inline constexpr std::int64_t kPlainVersion = 1;
+inline constexpr std::int64_t kPayloadVersion = 2;
 
 struct Table {
   const char* name;
   const char* key;  ///< The integer primary key; rows are written with ascending keys.
   const char* sql;  ///< Exactly as it stands in a take: a file whose tables differ by a letter is not one.
+  std::int64_t since = kPlainVersion;  ///< Takes of this version or later have it, and no earlier ones.
 };
 
-inline constexpr std::array<Table, 10> kTables = {{
+inline constexpr std::array<Table, 11> kTables = {{
     {"header", "id",
      "CREATE TABLE header(id INTEGER PRIMARY KEY,software TEXT NOT NULL,performer TEXT NOT NULL,script TEXT "
      "NOT NULL,"
@@ -54,6 +57,9 @@ inline constexpr std::array<Table, 10> kTables = {{
      "CREATE TABLE audio(id INTEGER PRIMARY KEY,rate_hz INTEGER NOT NULL,start_ns INTEGER NOT NULL,"
      "pcm BLOB NOT NULL)STRICT"},
     {"note", "id", "CREATE TABLE note(id INTEGER PRIMARY KEY,key TEXT NOT NULL,value TEXT NOT NULL)STRICT"},
+    {"payload", "entry",
+     "CREATE TABLE payload(entry INTEGER PRIMARY KEY,reducer TEXT NOT NULL,bytes BLOB NOT NULL)STRICT",
+     kPayloadVersion},
 }};
 
 /// The tables by name, for indexing kTables and what goes beside it.
@@ -67,7 +73,8 @@ enum class TableId : std::uint8_t {
   event,
   calibration,
   audio,
-  note
+  note,
+  payload
 };
 
 /// Times lie within nine years of zero, so that the difference of any two fits and frame_offset() cannot
@@ -77,7 +84,7 @@ inline constexpr std::int64_t kMaxFrame = std::int64_t{1} << 32U;
 /// Real performances go a little beyond 0 to 1; beyond this the number is no weight. As the Live Link CSV
 /// reader has it.
 inline constexpr double kMaxWeight = 100.0;
-/// A UDP packet has at most 64 KiB, a camera's picture a few MiB.
+/// A UDP packet has at most 64 KiB.
 inline constexpr std::size_t kMaxEntryBytes = std::size_t{1} << 24U;
 /// Rig files, scripts, calibrations, events' details.
 inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 22U;

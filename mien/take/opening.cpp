@@ -57,11 +57,12 @@ Result<void> check_first_bytes(const fs::path& path, const std::string& where) {
   if (at_application.big<std::uint32_t>() != kApplicationId)
     return fail(ErrorCode::malformed, "this is a SQLite file of another program, not a take", where,
                 "takes are made by mien perform or import");
-  if (const auto version = at_version.big<std::uint32_t>(); version != kUserVersion)
+  if (const auto version = at_version.big<std::uint32_t>();
+      version < kPlainVersion || version > kPayloadVersion)
     return fail(ErrorCode::unsupported,
-                fmt::format("the take's layout is version {}, and this program knows version {}", version,
-                            kUserVersion),
-                where, version > kUserVersion ? "use a newer mien" : kDamagedFix);
+                fmt::format("the take's layout is version {}, and this program knows versions {} and {}",
+                            version, kPlainVersion, kPayloadVersion),
+                where, version > kPayloadVersion ? "use a newer mien" : kDamagedFix);
   // Bytes 18 and 19: 1 is the rollback journal, 2 the write-ahead log.
   if (first[18] != std::byte{1} || first[19] != std::byte{1})
     return fail(ErrorCode::malformed,
@@ -106,8 +107,8 @@ Result<void> protect(Database& database) {
       "PRAGMA cell_size_check=ON;PRAGMA mmap_size=0;PRAGMA temp_store=MEMORY;PRAGMA query_only=ON");
 }
 
-/// Exactly our tables, in our words. Until this holds nothing is read from any of them.
-Result<void> check_tables(const Database& database) {
+/// Exactly the version's tables, in our words. Until this holds nothing is read from any of them.
+Result<void> check_tables(const Database& database, std::int64_t version) {
   MIEN_TRY_ASSIGN(Statement statement,
                   database.prepare("SELECT rowid,type,name,tbl_name,sql FROM sqlite_schema"));
   std::size_t known = 0;
@@ -121,7 +122,8 @@ Result<void> check_tables(const Database& database) {
     const std::string of = row.text(3, kMaxNameBytes);
     const bool has_text = row.ok();
     const std::string sql = row.text(4, 4096);
-    const auto* table = std::ranges::find_if(kTables, [&](const Table& t) { return name == t.name; });
+    const auto* table =
+        std::ranges::find_if(kTables, [&](const Table& t) { return name == t.name && t.since <= version; });
     if (!has_text || table == kTables.end())
       return fail(ErrorCode::malformed, fmt::format("it holds a {} \"{}\", which no take has", type, name),
                   database.where(), "it was changed by another program; use the original");
@@ -130,7 +132,8 @@ Result<void> check_tables(const Database& database) {
                   database.where(), kDamagedFix);
     ++known;
   }
-  if (known != kTables.size())
+  if (std::cmp_not_equal(
+          known, std::ranges::count_if(kTables, [&](const Table& table) { return table.since <= version; })))
     return fail(ErrorCode::malformed, "a table is missing", database.where(), kDamagedFix);
   return {};
 }
@@ -236,7 +239,8 @@ Result<OpenTake> open_untrusted(const fs::path& path) {
   if (!fs::is_regular_file(status))
     return fail(ErrorCode::bad_usage, "this is not a file", where, "name a take");
   MIEN_TRY_ASSIGN(OpenTake open, open_or_recover(path, where));
-  MIEN_TRY(check_tables(open.database));
+  MIEN_TRY_ASSIGN(open.version, open.database.read_integer("PRAGMA user_version"));
+  MIEN_TRY(check_tables(open.database, open.version));
   MIEN_TRY(check_pages(open.database));
   return open;
 }

@@ -30,12 +30,13 @@ struct OpenTake {
   TemporaryFolder
       folder;  ///< Holds the copy, where one had to be made. Declared first: it must outlive the database.
   Database database;
+  std::int64_t version = 0;  ///< Of the layout: which tables it has (Table::since).
 };
 
-/// Opens a file that nobody vouches for: it is a SQLite file of our application id and version, not in WAL
-/// mode, with exactly our tables and nothing else (no trigger, view or index could run), its pages are sound;
-/// limits are lowered and the defensive settings on. A commit that was cut off is rolled back, here or on a
-/// copy. Errors: as Take::open.
+/// Opens a file that nobody vouches for: it is a SQLite file of our application id and a known version, not
+/// in WAL mode, with exactly that version's tables and nothing else (no trigger, view or index could run),
+/// its pages are sound; limits are lowered and the defensive settings on. A commit that was cut off is rolled
+/// back, here or on a copy. Errors: as Take::open.
 [[nodiscard]] Result<OpenTake> open_untrusted(const std::filesystem::path& path);
 
 }  // namespace mien::take

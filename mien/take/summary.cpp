@@ -77,7 +77,13 @@ Result<Summary> summarise(const Take& take) {
   {
     MIEN_TRY_ASSIGN(const auto entries, take.entries());
     summary.entries = entries.size();
-    for (const LogEntry& entry : entries) summary.entry_bytes += entry.bytes.size();
+    MIEN_TRY_ASSIGN(PayloadReader payloads, take.payloads());
+    for (const LogEntry& entry : entries) {
+      summary.entry_bytes += entry.bytes.size();
+      MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry.id));
+      if (!payload.bytes.empty()) ++summary.payloads;
+      summary.payload_bytes += payload.bytes.size();
+    }
     summary.duration_s = span_s(entries, [](const LogEntry& entry) { return entry.arrival; });
   }
   {

@@ -34,7 +34,9 @@ struct Summary {
   DeviceTime begin;
   double duration_s = 0;  ///< Longest span of any track: log, ticks, truth, sound, a sensor's samples.
   std::size_t entries = 0;
-  std::size_t entry_bytes = 0;
+  std::size_t entry_bytes = 0;  ///< Without their payloads.
+  std::size_t payloads = 0;
+  std::size_t payload_bytes = 0;
   std::size_t ticks = 0;
   std::size_t samples = 0;
   std::vector<SensorSummary> sensors;  ///< In the rig's order.

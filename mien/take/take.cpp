@@ -81,6 +81,7 @@ struct Take::State {
 
 Result<void> Take::State::read_bounds() {
   for (std::size_t i = 0; i < kTables.size(); ++i) {
+    if (kTables[i].since > open.version) continue;
     MIEN_TRY_ASSIGN(Statement statement,
                     open.database.prepare(
                         fmt::format("SELECT max({}) FROM {}", kTables[i].key, kTables[i].name).c_str()));
@@ -192,6 +193,57 @@ Result<std::vector<LogEntry>> Take::entries() const {
     entry.bytes.assign(bytes.begin(), bytes.end());
     return entry;
   });
+}
+
+struct PayloadReader::State {
+  const Take::State* take = nullptr;
+  Statement statement;
+  bool over = false;
+  std::int64_t entry = 0;  // Of the row that stands; 0 before the first.
+  std::string reducer;
+  std::span<const std::byte> bytes;
+
+  /// On to the next row, or to the end.
+  [[nodiscard]] Result<void> advance() {
+    const int rc = statement.step();
+    over = rc == SQLITE_DONE;
+    if (over) return {};
+    if (rc != SQLITE_ROW) return std::unexpected(take->open.database.error(rc));
+    Row row(statement, kTables[static_cast<std::size_t>(TableId::payload)].name);
+    entry = row.integer(0, entry + 1, take->entry_count());
+    reducer = row.text(1, sensor::kReducerHashDigits);
+    if (!reducer.empty() && !sensor::is_reducer_hash(reducer)) row.reject("its reducer is no SHA-256");
+    bytes = row.blob(2, sensor::kMaxPayload);
+    if (bytes.empty()) row.reject("it has no bytes");
+    if (!row.ok()) return std::unexpected(row.error(take->where()));
+    return {};
+  }
+};
+
+PayloadReader::PayloadReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+PayloadReader::PayloadReader(PayloadReader&&) noexcept = default;
+PayloadReader& PayloadReader::operator=(PayloadReader&&) noexcept = default;
+PayloadReader::~PayloadReader() = default;
+
+Result<sensor::Payload> PayloadReader::of(std::int64_t entry) {
+  State& s = *state_;
+  while (!s.over && s.entry < entry) MIEN_TRY(s.advance());
+  if (s.over || s.entry != entry) return sensor::Payload();
+  return sensor::Payload{s.bytes, s.reducer};
+}
+
+Result<PayloadReader> Take::payloads() const {
+  auto reader = std::make_unique<PayloadReader::State>();
+  reader->take = state_.get();
+  const auto last = state_->last_row[static_cast<std::size_t>(TableId::payload)];
+  reader->over = !last;
+  if (last) {
+    MIEN_TRY_ASSIGN(reader->statement,
+                    state_->open.database.prepare("SELECT entry,reducer,bytes FROM payload WHERE entry<=?1 "
+                                                  "ORDER BY entry"));
+    reader->statement.bind(1, *last);
+  }
+  return PayloadReader(std::move(reader));
 }
 
 Result<std::vector<StoredSample>> Take::samples() const {
@@ -335,6 +387,10 @@ Result<void> Take::check() const {
                 fmt::format("the file is damaged ({})", verdict.substr(0, verdict.find('\n'))), s.where(),
                 kUseBackup);
   MIEN_TRY(entries());
+  {
+    MIEN_TRY_ASSIGN(PayloadReader reader, payloads());
+    MIEN_TRY(reader.of(s.entry_count()));  // Passes over, and so checks, all that come before.
+  }
   MIEN_TRY(samples());
   MIEN_TRY(ticks());
   MIEN_TRY(truth());
@@ -344,7 +400,8 @@ Result<void> Take::check() const {
   if (!s.finished) return {};
   std::string counts;
   for (std::size_t i = 0; i < kTables.size(); ++i) {
-    if (i == static_cast<std::size_t>(TableId::header) || i == static_cast<std::size_t>(TableId::note))
+    if (i == static_cast<std::size_t>(TableId::header) || i == static_cast<std::size_t>(TableId::note) ||
+        kTables[i].since > s.open.version)
       continue;
     MIEN_TRY_ASSIGN(
         const std::int64_t rows,

@@ -13,6 +13,7 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/face/profile.h"
+#include "mien/sensor/payload.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
 
@@ -121,8 +122,10 @@ class TakeWriter {
   TakeWriter& operator=(TakeWriter&&) noexcept;
   ~TakeWriter();  ///< As finish(), its error lost; one that has not appeared yet never does.
 
-  /// Returns the entry's id. `arrival` never runs backwards; up to 16 MiB an entry.
-  std::int64_t add_entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes);
+  /// Returns the entry's id. `arrival` never runs backwards; up to 16 MiB an entry, beside which its payload
+  /// stands where it has one. An entry and its payload are in the file together or not at all.
+  std::int64_t add_entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes,
+                         const sensor::Payload& payload = {});
   /// In the order of their entries. `entry` 0: it came with none.
   void add_sample(std::int64_t entry, HostTime arrival, const sensor::Sample& sample);
   /// Index and frame time ascend; after_entry never runs backwards and names an entry that was added.
@@ -144,6 +147,24 @@ class TakeWriter {
  private:
   struct State;
   explicit TakeWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// The payloads of a take's log, read one at a time as its entries are gone through: they may be many
+/// gigabytes. The take outlives its reader. Thread: the take's.
+class PayloadReader {
+ public:
+  PayloadReader(PayloadReader&&) noexcept;
+  PayloadReader& operator=(PayloadReader&&) noexcept;
+  ~PayloadReader();
+  /// That of the entry with this id; without bytes where it has none. Entries are asked for in ascending
+  /// order, any may be left out. Valid until the next call. Errors: malformed, io.
+  [[nodiscard]] Result<sensor::Payload> of(std::int64_t entry);
+
+ private:
+  friend class Take;
+  struct State;
+  explicit PayloadReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 
@@ -169,6 +190,9 @@ class Take {
   [[nodiscard]] const sensor::Rig& rig() const;
   [[nodiscard]] bool finished() const;  ///< False when the recording was cut off, or is still running.
   [[nodiscard]] Result<std::vector<LogEntry>> entries() const;
+  /// What the entries carry beside their bytes, from the first on. A take of before there were payloads has
+  /// none.
+  [[nodiscard]] Result<PayloadReader> payloads() const;
   [[nodiscard]] Result<std::vector<StoredSample>> samples() const;
   [[nodiscard]] Result<std::vector<Tick>> ticks() const;
   [[nodiscard]] Result<std::vector<TruthFrame>> truth() const;
@@ -182,6 +206,7 @@ class Take {
   [[nodiscard]] Result<void> check() const;
 
  private:
+  friend class PayloadReader;
   struct State;
   static Result<Take> open_and_check(const std::filesystem::path& path);
   explicit Take(std::unique_ptr<State> state);

@@ -1,22 +1,16 @@
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <stdio.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <cstring>
-#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
 
 #include "mien/core/bytes.h"
-#include "mien/take/database.h"
 #include "mien/take/layout.h"
+#include "mien/take/new_file.h"
+#include "mien/take/row_writer.h"
 #include "mien/take/take.h"
 #include "mien/take/utf8.h"
 
@@ -31,272 +25,6 @@ constexpr std::chrono::milliseconds kCommitDelay{250};
 constexpr std::size_t kCommitBytes = std::size_t{4} << 20U;
 /// The caller waits when this much is under way.
 constexpr std::size_t kQueueBytes = std::size_t{16} << 20U;
-/// A reader may hold the file this long before the writer gives up.
-constexpr int kWriterBusyTimeoutMs = 60'000;
-
-/// Makes a new take at `path` in one piece: it is filled under another name and then renamed, so at any
-/// moment there is no take, the old one, or the new one.
-class NewFile {
- public:
-  explicit NewFile(fs::path path) : path_(std::move(path)), name_(path_.string() + ".XXXXXX") {}
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
-  ~NewFile() {
-    if (!made_) return;
-    ::unlink(name_.c_str());
-    ::unlink((name_ + "-journal").c_str());
-  }
-
-  Result<void> make() {
-    const int file = ::mkstemp(name_.data());
-    if (file < 0)
-      return fail(ErrorCode::io, std::strerror(errno), path_.string(),
-                  "check the folder and its permissions");
-    made_ = true;
-    // mkstemp makes it private; give it what a plain creation would have had.
-    const mode_t mask = ::umask(0);
-    ::umask(mask);
-    const bool changed = ::fchmod(file, 0666 & ~mask) == 0;
-    const int problem = errno;
-    ::close(file);
-    if (!changed) return fail(ErrorCode::io, std::strerror(problem), path_.string());
-    return {};
-  }
-
-  Result<void> put_in_place(bool replace) {
-    if (!replace && fs::exists(fs::symlink_status(path_)))
-      return fail(ErrorCode::bad_usage, "a file of this name has appeared meanwhile", path_.string(),
-                  "choose another name, or replace it with --force");
-    // What an older take left beside itself would be rolled back into the new one; should this fail, it is
-    // the older one's again.
-    const std::string journal = path_.string() + "-journal", aside = name_ + "-older-journal";
-    const bool set_aside = ::rename(journal.c_str(), aside.c_str()) == 0;
-    int done = -1;
-    if (replace) {
-      done = ::rename(name_.c_str(), path_.c_str());
-    } else {
-      done = ::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
-      // Some file systems cannot; the check at the start stands for it there.
-      if (done != 0 && (errno == EINVAL || errno == ENOSYS)) done = ::rename(name_.c_str(), path_.c_str());
-    }
-    if (done != 0) {
-      const int problem = errno;
-      if (set_aside) ::rename(aside.c_str(), journal.c_str());
-      return fail(ErrorCode::io, std::strerror(problem), path_.string());
-    }
-    if (set_aside) ::unlink(aside.c_str());
-    made_ = false;
-    const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
-    const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (handle >= 0) {
-      ::fsync(handle);
-      ::close(handle);
-    }
-    return {};
-  }
-
-  [[nodiscard]] const std::string& name() const { return name_; }
-
- private:
-  fs::path path_;
-  std::string name_;
-  bool made_ = false;
-};
-
-Result<Database> open_for_writing(const std::string& file, const std::string& where) {
-  MIEN_TRY_ASSIGN(Database database,
-                  Database::open(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_PRIVATECACHE, where));
-  sqlite3_busy_timeout(database.handle(), kWriterBusyTimeoutMs);
-  // A rollback journal that is deleted at each commit: between commits the file alone is the whole take.
-  // EXTRA waits for the disk also after the journal's deletion, so a committed row survives a power cut. The
-  // cache holds a whole batch, so nothing is written to the file before its commit.
-  MIEN_TRY(
-      database.run("PRAGMA journal_mode=DELETE;PRAGMA synchronous=EXTRA;PRAGMA cache_size=-32768;"
-                   "PRAGMA temp_store=MEMORY;PRAGMA mmap_size=0;PRAGMA trusted_schema=OFF"));
-  return database;
-}
-
-Result<void> write_header(Database& database, const Header& header) {
-  MIEN_TRY(database.run(fmt::format("PRAGMA application_id={};PRAGMA user_version={};BEGIN IMMEDIATE",
-                                    kApplicationId, kUserVersion)
-                            .c_str()));
-  for (const Table& table : kTables) MIEN_TRY(database.run(table.sql));
-  const std::string profile = kProfile;
-  MIEN_TRY_ASSIGN(Statement statement,
-                  database.prepare("INSERT INTO header VALUES(1,?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11)"));
-  int column = 0;
-  for (const std::string* text : {&header.software, &header.performer, &header.script, &header.devices,
-                                  &header.face, &header.face_parameters, &header.prologue})
-    statement.bind(++column, *text);
-  statement.bind(++column, static_cast<std::int64_t>(header.seed));
-  for (const std::string* text : {&header.rig_toml, &header.created_utc, &profile})
-    statement.bind(++column, *text);
-  if (const int rc = statement.step(); rc != SQLITE_DONE) return std::unexpected(database.error(rc));
-  return database.run("COMMIT");
-}
-
-/// The statements and the counts of what they stored; lives in the writer thread.
-class RowWriter {
- public:
-  explicit RowWriter(Database& database) : database_(database) {}
-
-  Result<void> prepare() {
-    for (const auto& [table, sql] :
-         {std::pair{TableId::source, "INSERT INTO source VALUES(?1,?2)"},
-          std::pair{TableId::log, "INSERT INTO log VALUES(?1,?2,?3,?4)"},
-          std::pair{TableId::tick, "INSERT INTO tick VALUES(?1,?2,?3,?4)"},
-          std::pair{TableId::sample, "INSERT INTO sample VALUES(?1,?2,?3,?4,?5,?6,?7,?8,?9)"},
-          std::pair{TableId::truth, "INSERT INTO truth VALUES(?1,?2,?3,?4,?5)"},
-          std::pair{TableId::event, "INSERT INTO event VALUES(?1,?2,?3,?4,?5)"},
-          std::pair{TableId::calibration, "INSERT INTO calibration VALUES(?1,?2,?3,?4)"},
-          std::pair{TableId::audio, "INSERT INTO audio VALUES(?1,?2,?3,?4)"},
-          std::pair{TableId::note, "INSERT INTO note VALUES(?1,?2,?3)"}}) {
-      MIEN_TRY_ASSIGN(insert_[static_cast<std::size_t>(table)], database_.prepare(sql));
-    }
-    return {};
-  }
-
-  /// Stores all records of a batch in one transaction.
-  Result<void> commit(std::span<const std::byte> batch);
-
- private:
-  Result<void> store(ByteReader& record);
-  Result<void> step(TableId table);
-  Result<std::int64_t> source_id(std::string_view name);
-  Statement& insert(TableId table) { return insert_[static_cast<std::size_t>(table)]; }
-  std::int64_t next_row(TableId table) const { return rows_[static_cast<std::size_t>(table)] + 1; }
-
-  Database& database_;
-  std::array<Statement, kTables.size()> insert_;
-  std::array<std::int64_t, kTables.size()> rows_{};
-  std::map<std::string, std::int64_t, std::less<>> sources_;
-};
-
-// A record in the queue: the table's number, then the columns that the caller gave, in their order; text and
-// blobs with their size before them.
-
-void put_bytes(ByteWriter& queue, std::span<const std::byte> bytes) {
-  queue.little(static_cast<std::uint64_t>(bytes.size()));
-  queue.append(bytes);
-}
-void put_text(ByteWriter& queue, std::string_view text) {
-  put_bytes(queue, std::as_bytes(std::span(text)));
-}
-void put_time(ByteWriter& queue, HostTime time) {
-  queue.little(time.time_since_epoch().count());
-}
-void put_time(ByteWriter& queue, DeviceTime time) {
-  queue.little(time.time_since_epoch().count());
-}
-void put_floats(ByteWriter& queue, std::span<const float> values) {
-  queue.little(static_cast<std::uint64_t>(values.size_bytes()));
-  for (const float value : values) queue.little(value);
-}
-
-std::span<const std::byte> get_bytes(ByteReader& record) {
-  return record.take(static_cast<std::size_t>(record.little<std::uint64_t>()));
-}
-std::string_view get_text(ByteReader& record) {
-  const auto bytes = get_bytes(record);
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-Result<void> RowWriter::commit(std::span<const std::byte> batch) {
-  MIEN_TRY(database_.run("BEGIN IMMEDIATE"));
-  ByteReader records(batch);
-  Result<void> done;
-  while (done && records.left() > 0) done = store(records);
-  if (done) done = database_.run("COMMIT");
-  // The error stands whatever the rollback says: the file is as the last commit left it, or its journal makes
-  // it so.
-  if (!done) static_cast<void>(database_.run("ROLLBACK"));
-  return done;
-}
-
-Result<std::int64_t> RowWriter::source_id(std::string_view name) {
-  if (const auto known = sources_.find(name); known != sources_.end()) return known->second;
-  const std::int64_t id = next_row(TableId::source);
-  insert(TableId::source).bind(1, id);
-  insert(TableId::source).bind(2, name);
-  MIEN_TRY(step(TableId::source));
-  sources_.emplace(name, id);
-  return id;
-}
-
-Result<void> RowWriter::step(TableId table) {
-  Statement& statement = insert(table);
-  const int rc = statement.step();
-  if (rc != SQLITE_DONE) {
-    auto error = database_.error(rc);
-    statement.reset();
-    return std::unexpected(std::move(error));
-  }
-  statement.reset();
-  ++rows_[static_cast<std::size_t>(table)];
-  return {};
-}
-
-Result<void> RowWriter::store(ByteReader& record) {
-  const auto table = static_cast<TableId>(record.little<std::uint8_t>());
-  Statement& row = insert(table);
-  const auto number = [&record] { return record.little<std::int64_t>(); };
-  switch (table) {
-    case TableId::log: {
-      const std::int64_t arrival = number();
-      MIEN_TRY_ASSIGN(const std::int64_t source, source_id(get_text(record)));
-      row.bind(1, next_row(table));
-      row.bind(2, arrival);
-      row.bind(3, source);
-      row.bind(4, get_bytes(record));
-      break;
-    }
-    case TableId::tick:
-      for (int column = 1; column <= 4; ++column) row.bind(column, number());
-      break;
-    case TableId::sample:
-      row.bind(1, next_row(table));
-      for (int column = 2; column <= 8; ++column) row.bind(column, number());
-      row.bind(9, get_bytes(record));
-      break;
-    case TableId::truth:
-      for (int column = 1; column <= 3; ++column) row.bind(column, number());
-      row.bind_real(4, static_cast<double>(record.little<float>()));
-      row.bind(5, get_bytes(record));
-      break;
-    case TableId::event:
-      row.bind(1, next_row(table));
-      row.bind(2, get_text(record));
-      for (int column = 3; column <= 4; ++column) row.bind(column, number());
-      row.bind(5, get_text(record));
-      break;
-    case TableId::calibration:
-      for (int column = 1; column <= 2; ++column) row.bind(column, number());
-      for (int column = 3; column <= 4; ++column) row.bind(column, get_text(record));
-      break;
-    case TableId::audio:
-      row.bind(1, next_row(table));
-      for (int column = 2; column <= 3; ++column) row.bind(column, number());
-      row.bind(4, get_bytes(record));
-      break;
-    case TableId::note: {
-      const std::string_view key = get_text(record);
-      std::string value(get_text(record));
-      if (key == kFinishedKey) {
-        for (std::size_t i = 0; i < kTables.size(); ++i)
-          if (i != static_cast<std::size_t>(TableId::header) && i != static_cast<std::size_t>(TableId::note))
-            value += fmt::format("{}{} {}", value.empty() ? "" : ", ", kTables[i].name, rows_[i]);
-      }
-      row.bind(1, next_row(table));
-      row.bind(2, key);
-      row.bind(3, value);
-      return step(table);
-    }
-    case TableId::header:
-    case TableId::source:
-      return fail(ErrorCode::internal, "a record of no kind is in the queue", database_.where());
-  }
-  return step(table);
-}
 
 bool is_time(std::int64_t ns) {
   return ns >= -kMaxTimeNs && ns <= kMaxTimeNs;
@@ -476,7 +204,7 @@ Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header
 }
 
 std::int64_t TakeWriter::add_entry(HostTime arrival, std::string_view source,
-                                   std::span<const std::byte> bytes) {
+                                   std::span<const std::byte> bytes, const sensor::Payload& payload) {
   State& s = *state_;
   const std::int64_t id = ++s.entries;
   if (!is_time(arrival) || arrival < s.last_arrival)
@@ -486,11 +214,20 @@ std::int64_t TakeWriter::add_entry(HostTime arrival, std::string_view source,
         fmt::format("the source of log entry {} is not UTF-8, or longer than {} bytes", id, kMaxNameBytes));
   else if (bytes.size() > kMaxEntryBytes)
     s.refuse(fmt::format("log entry {} is longer than {} bytes", id, kMaxEntryBytes));
+  else if (payload.bytes.size() > sensor::kMaxPayload)
+    s.refuse(fmt::format("the payload of log entry {} is longer than {} bytes", id, sensor::kMaxPayload));
+  else if (!payload.reducer.empty() && (payload.bytes.empty() || !sensor::is_reducer_hash(payload.reducer)))
+    s.refuse(fmt::format("the payload of log entry {} has no bytes, or a reducer that is no SHA-256", id));
   s.last_arrival = arrival;
-  s.add(TableId::log, bytes.size(), [&](ByteWriter& queue) {
+  s.add(TableId::log, bytes.size() + payload.bytes.size(), [&](ByteWriter& queue) {
     put_time(queue, arrival);
     put_text(queue, source);
     put_bytes(queue, bytes);
+    if (payload.bytes.empty()) return;
+    queue.little(static_cast<std::uint8_t>(TableId::payload));  // In one commit with its entry.
+    queue.little(id);
+    put_text(queue, payload.reducer);
+    put_bytes(queue, payload.bytes);
   });
   return id;
 }

@@ -10,7 +10,7 @@ namespace {
 
 // The smallest study that there is; what it measures, the study's own tests say.
 TEST(StudyLive, LeavesAPageATableAndFigures) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const std::string live = project_path("models/live.safetensors");
   const test::Outcome done = test::run({"study", "live", "--rows", "lab", "seen", "--performers", "1",
                                         "--seconds", "2", "--steps", "1", "--model", "twin=" + live,

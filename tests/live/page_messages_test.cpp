@@ -77,5 +77,22 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
   EXPECT_TRUE(said["prompts"]["next"].is_null());
 }
 
+TEST(PageMessages, StatusTellsWhatIsLeftOfTheLog) {
+  Status now = status();
+  now.recording.log = {.bytes = 1'500'000'000,
+                       .limit = 4'000'000'000,
+                       .payload_bytes = 1'000'000'000,
+                       .payload_limit = 2'000'000'000,
+                       .seconds_left = 5400};
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["log"],
+            Json::parse(R"({"megabytes": 1500.0, "limit_megabytes": 4000.0, "payload_megabytes": 1000.0,
+    "payload_limit_megabytes": 2000.0, "hours_left": 1.5, "error": null})"));
+  now.recording.log.seconds_left.reset();
+  now.recording.unable = "the disk is full";
+  const Json said = Json::parse(status_json(now, glasses()))["log"];
+  EXPECT_TRUE(said["hours_left"].is_null());
+  EXPECT_EQ(said["error"], "the disk is full");
+}
+
 }  // namespace
 }  // namespace mien::live::page_messages_test

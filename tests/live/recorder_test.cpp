@@ -39,7 +39,7 @@ void record_seconds(Recorder& recorder, int from, int to) {
 }
 
 TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
-  const test::Folder folder(test::Folder::On::memory);
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("udp://127.0.0.1:1"); });
   record_seconds(recorder, 0, 20);
   ASSERT_TRUE(recorder.start(folder / "late.mien", header(), false));
@@ -68,7 +68,7 @@ TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
 }
 
 TEST(Recorder, CountsTheSecondsSinceItWasAskedFor) {
-  const test::Folder folder(test::Folder::On::memory);
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
   record_seconds(recorder, 0, 20);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // What was handed over is taken by then.
@@ -86,7 +86,7 @@ TEST(Recorder, CountsTheSecondsSinceItWasAskedFor) {
 }
 
 TEST(Recorder, SaysWhyItCannotBegin) {
-  const test::Folder folder(test::Folder::On::memory);
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
   EXPECT_FALSE(recorder.start(folder / "no" / "such.mien", header(), false));
   ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
@@ -97,7 +97,7 @@ TEST(Recorder, SaysWhyItCannotBegin) {
 }
 
 TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {
-  const test::Folder folder(test::Folder::On::memory);
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
   EXPECT_TRUE(folder.files().empty());
   bool found = false;
@@ -110,7 +110,7 @@ TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {
 }
 
 TEST(Recorder, WithoutAFolderNothingIsRecordedAndThatIsSaid) {
-  const test::Folder folder(test::Folder::On::memory);
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder / "none", [](sensor::Peer) { return std::string("x"); });
   record_seconds(recorder, 0, 1);
   const auto started = recorder.start(folder / "a.mien", header(), false);
@@ -121,7 +121,7 @@ TEST(Recorder, WithoutAFolderNothingIsRecordedAndThatIsSaid) {
 }
 
 TEST(Recorder, AsksOnlyForTheNamesOfPeersThatAreInTheLog) {
-  const test::Folder folder(test::Folder::On::memory);
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
   std::mutex mutex;
   std::set<sensor::Peer> asked;
   Recorder recorder(folder.path(), [&](sensor::Peer peer) {

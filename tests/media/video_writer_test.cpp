@@ -48,7 +48,7 @@ class VideoWriterTest : public testing::Test {
     return static_cast<std::size_t>(
         std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
-  test::Folder folder_;
+  mien::test::Folder folder_;
 };
 
 /// Where a four-letter box stands in an MP4; npos when it lacks it.

@@ -23,7 +23,8 @@ using Json = nlohmann::json;
 class Reader {
  public:
   explicit Reader(const std::string& arguments)
-      : pipe_(::popen(("node '" + project_path("tests/sink/other_readers.mjs") + "' " + arguments).c_str(), "r")) {}
+      : pipe_(::popen(("node '" + project_path("tests/sink/other_readers.mjs") + "' " + arguments).c_str(),
+                      "r")) {}
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   ~Reader() {

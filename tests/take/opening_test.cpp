@@ -23,7 +23,7 @@ class Opening : public ::testing::Test {
     return take ? Error{ErrorCode::internal, "it opened", "", ""} : take.error();
   }
 
-  test::Folder folder_;
+  mien::test::Folder folder_;
   std::filesystem::path path_ = folder_ / "a.mien";
 };
 
@@ -50,9 +50,9 @@ TEST_F(Opening, NamesOtherKindsOfFiles) {
 }
 
 TEST_F(Opening, NamesOtherVersions) {
-  test::run_sql(path_, "PRAGMA user_version=2");
+  test::run_sql(path_, "PRAGMA user_version=3");
   EXPECT_EQ(open_error().code, ErrorCode::unsupported);
-  EXPECT_THAT(open_error().message(), AllOf(HasSubstr("version 2"), HasSubstr("newer")));
+  EXPECT_THAT(open_error().message(), AllOf(HasSubstr("version 3"), HasSubstr("newer")));
 }
 
 TEST_F(Opening, RefusesWalMode) {
@@ -149,7 +149,7 @@ struct Doctored {
 class OpeningDoctored : public ::testing::TestWithParam<Doctored> {};
 
 TEST_P(OpeningDoctored, SaysWhichRowIsWrong) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   test::copy_example(path);
   test::run_sql(path, GetParam().sql);

@@ -135,7 +135,7 @@ class DiskProbe {
 TEST(Recovery, KilledAtAnyMomentItLosesAtMostASecond) {
   constexpr std::size_t kAtOnce = 10;
   constexpr int kWaves = 5;
-  const test::Folder folder;
+  const mien::test::Folder folder;
   SharedPage page;
   Random random(11);
   double worst_s = 0;
@@ -205,7 +205,7 @@ void cut_off_inside_a_commit(const fs::path& path) {
 }
 
 TEST(Recovery, RollsBackTheCommitThatWasCutOff) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   cut_off_inside_a_commit(path);
   EXPECT_EQ(test::read_everything(path), "");
@@ -218,7 +218,7 @@ constexpr fs::perms kReadOnlyFolder =
     kReadOnlyFile | fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec;
 
 TEST(Recovery, WorksOnACopyWhereItMayNotWrite) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   cut_off_inside_a_commit(path);
   const std::string file = test::read_raw(path);
@@ -226,7 +226,7 @@ TEST(Recovery, WorksOnACopyWhereItMayNotWrite) {
   fs::permissions(path, kReadOnlyFile);
   fs::permissions(folder / "a.mien-journal", kReadOnlyFile);
   fs::permissions(folder.path(), kReadOnlyFolder);
-  const test::Folder temporary;
+  const mien::test::Folder temporary;
   fs::permissions(temporary.path(), fs::perms::all);
   const int status = run_process([&] {
     // The superuser may write everywhere; somebody else may not.
@@ -248,7 +248,7 @@ TEST(Recovery, WorksOnACopyWhereItMayNotWrite) {
 }
 
 TEST(Recovery, SaysWhenThereIsNoRoomForTheCopy) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   cut_off_inside_a_commit(path);
   fs::permissions(path, kReadOnlyFile);
@@ -265,7 +265,7 @@ TEST(Recovery, SaysWhenThereIsNoRoomForTheCopy) {
 }
 
 TEST(Recovery, BringsBackATornFirstPage) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   cut_off_inside_a_commit(path);
   std::string bytes = test::read_raw(path);
@@ -276,7 +276,7 @@ TEST(Recovery, BringsBackATornFirstPage) {
 }
 
 TEST(Recovery, NeverFollowsAJournalToOtherFiles) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   cut_off_inside_a_commit(path);
   // A journal may name a file that SQLite then deletes: page number, name, length, sum of its letters, magic.
@@ -299,7 +299,7 @@ TEST(Recovery, NeverFollowsAJournalToOtherFiles) {
 }
 
 TEST(Recovery, IgnoresAJournalOfNothing) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   test::write_example(path);
   for (const std::string_view journal :
@@ -312,7 +312,7 @@ TEST(Recovery, IgnoresAJournalOfNothing) {
 }
 
 TEST(Recovery, KeepsWhatFitsOnAFullDisk) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   const int status = run_process([&] {
     // As a full disk: the file may not grow beyond this.
@@ -342,7 +342,7 @@ TEST(Recovery, KeepsWhatFitsOnAFullDisk) {
 }
 
 TEST(Recovery, SaysAtOnceWhenNothingCanBeWritten) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   const int status = run_process([&] {
     ::signal(SIGXFSZ, SIG_IGN);

@@ -59,7 +59,7 @@ TEST(ReplayOrder, IsEmptyOfNothing) {
 }
 
 TEST(ReplayOrder, IsTheSameFromTheLogAndFromTheSamples) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   test::write_example(folder / "a.mien", 500);
   const auto take = Take::open(folder / "a.mien");
   ASSERT_TRUE(take);

@@ -64,7 +64,7 @@ TEST(EventGroups, FoldWhatSaysTheSame) {
 }
 
 TEST(Summary, CountsEveryTrack) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   test::write_example(folder / "a.mien", 100);
   const auto take = Take::open(folder / "a.mien");
   ASSERT_TRUE(take);

@@ -16,7 +16,7 @@ using test::host_ms;
 using ::testing::HasSubstr;
 
 TEST(Take, GivesBackAllThatWasWritten) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   test::write_example(path, 100);
   const auto take = Take::open(path);
@@ -109,7 +109,7 @@ TEST(Take, GivesBackAllThatWasWritten) {
 }
 
 TEST(Take, KeepsTheEdgesOfItsRanges) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   auto writer = TakeWriter::create(path, test::example_header(), false);
   ASSERT_TRUE(writer);
@@ -164,7 +164,7 @@ TEST(Take, KeepsTheEdgesOfItsRanges) {
 }
 
 TEST(Take, JoinsSoundThatCameInPieces) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   auto writer = TakeWriter::create(path, test::example_header(), false);
   ASSERT_TRUE(writer);
@@ -182,7 +182,7 @@ TEST(Take, JoinsSoundThatCameInPieces) {
 }
 
 TEST(Take, StoresMoreThanItsQueueHolds) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   auto writer = TakeWriter::create(path, test::example_header(), false);
   ASSERT_TRUE(writer);
@@ -196,7 +196,7 @@ TEST(Take, StoresMoreThanItsQueueHolds) {
 }
 
 TEST(Take, OpensWhileItIsRecorded) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   auto writer = TakeWriter::create(path, test::example_header(), false);
   ASSERT_TRUE(writer);
@@ -221,7 +221,7 @@ TEST(Take, OpensWhileItIsRecorded) {
 }
 
 TEST(Take, ShowsWhatStoodThereWhenItWasOpened) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   test::write_example(path, 10);
   const auto take = Take::open(path);
@@ -236,7 +236,7 @@ TEST(Take, ShowsWhatStoodThereWhenItWasOpened) {
 }
 
 TEST(TakeWriter, LeavesAnExistingFileAloneUnlessTold) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   test::write_raw(path, "precious");
   const auto refused = TakeWriter::create(path, test::example_header(), false);
@@ -258,7 +258,7 @@ TEST(TakeWriter, LeavesAnExistingFileAloneUnlessTold) {
 }
 
 TEST(TakeWriter, AppearsWholeWhenToldTo) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   test::write_raw(path, "precious");
   const auto files = [&] { return std::distance(std::filesystem::directory_iterator(folder.path()), {}); };
@@ -291,7 +291,7 @@ TEST(TakeWriter, AppearsWholeWhenToldTo) {
 }
 
 TEST(TakeWriter, NamesFoldersThatAreNotThere) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto missing = TakeWriter::create(folder / "no/such/a.mien", test::example_header(), false);
   ASSERT_FALSE(missing);
   EXPECT_EQ(missing.error().code, ErrorCode::not_found);
@@ -302,7 +302,7 @@ TEST(TakeWriter, NamesFoldersThatAreNotThere) {
 }
 
 TEST(TakeWriter, CommitsWithoutBeingFinishedByName) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   {
     auto first = TakeWriter::create(path, test::example_header(), false);
@@ -318,7 +318,7 @@ TEST(TakeWriter, CommitsWithoutBeingFinishedByName) {
 }
 
 TEST(TakeWriter, SaysWhenTheFileWasTakenAway) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   auto writer = TakeWriter::create(path, test::example_header(), false);
   ASSERT_TRUE(writer);
@@ -339,7 +339,7 @@ struct BadInput {
 class TakeWriterRefuses : public ::testing::TestWithParam<BadInput> {};
 
 TEST_P(TakeWriterRefuses, AndKeepsWhatCameBefore) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   const auto path = folder / "a.mien";
   auto writer = TakeWriter::create(path, test::example_header(), false);
   ASSERT_TRUE(writer);
@@ -465,7 +465,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& tested) { return tested.param.name; });
 
 TEST(TakeWriter, RefusesAdditionsAfterTheEnd) {
-  const test::Folder folder;
+  const mien::test::Folder folder;
   auto writer = TakeWriter::create(folder / "a.mien", test::example_header(), false);
   ASSERT_TRUE(writer);
   ASSERT_TRUE(writer->finish());

@@ -169,6 +169,8 @@ export interface Status {
   sinks: SinkStatus[];
   /** `endsS`: when the session ends by itself, and the recording with it. */
   recording: { on: boolean; path: string; seconds: number; endsS: number | null; megabytes: number; error: string };
+  /** What is kept of the session until its end. `error`: why it can be recorded no more, or "". */
+  log: { megabytes: number; limitMegabytes: number; hoursLeft: number | null; error: string };
   shaping: Shaping;
   replay: ReplayStatus | null;
   /** The sensor that waits for a tap. */
@@ -463,6 +465,7 @@ function readReplay(value: unknown): ReplayStatus | null {
 function readStatus(fields: Fields): Status {
   const latency = fieldsOf(fields["latency_ms"]);
   const recording = fieldsOf(fields["recording"]);
+  const log = fieldsOf(fields["log"]);
   const p50 = numberOrNull(latency["p50"]);
   return {
     type: "status",
@@ -496,6 +499,12 @@ function readStatus(fields: Fields): Status {
       endsS: numberOrNull(recording["ends_s"]),
       megabytes: number(recording["megabytes"]),
       error: text(recording["error"]),
+    },
+    log: {
+      megabytes: number(log["megabytes"]),
+      limitMegabytes: number(log["limit_megabytes"]),
+      hoursLeft: numberOrNull(log["hours_left"]),
+      error: text(log["error"]),
     },
     shaping: readShaping(fieldsOf(fields["shaping"])),
     replay: readReplay(fields["replay"]),

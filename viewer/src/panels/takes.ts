@@ -12,6 +12,7 @@ export class TakesPanel {
   });
   private readonly record = h("button", { type: "button", class: "button record" });
   private readonly about = h("p", { class: "summary" });
+  private readonly room = h("p", { class: "quiet", hidden: true });
   private readonly error = h("p", { class: "error", role: "alert", hidden: true });
 
   constructor(session: Session, actions: Actions) {
@@ -20,6 +21,7 @@ export class TakesPanel {
     const refresh = h("button", { type: "button", class: "text-button", text: "Look again", onclick: () => void session.refreshTakes() });
     this.element.append(
       this.about,
+      this.room,
       this.error,
       h("form", { class: "button-row", onsubmit: (event: Event) => {
         event.preventDefault();
@@ -37,7 +39,7 @@ export class TakesPanel {
     });
     session.status.listen((status) => {
       if (!status) return;
-      const { recording, replay } = status;
+      const { recording, replay, log } = status;
       setText(this.record, recording.on ? "Stop" : "Record");
       this.record.classList.toggle("on", recording.on);
       this.name.disabled = recording.on;
@@ -47,8 +49,11 @@ export class TakesPanel {
           ? `Recording ${recording.path}: ${clock(recording.seconds)}, ${fixed(recording.megabytes, 1)} MB.`
           : "A take keeps all that the sensors said, so it can be played, measured and solved again.",
       );
-      setText(this.error, recording.error);
-      setHidden(this.error, recording.error === "");
+      setText(this.room, log.hoursLeft === null ? "" : `The session's log has room for ${fixed(log.hoursLeft, 1)} h more.`);
+      setHidden(this.room, log.hoursLeft === null);
+      const error = recording.error || log.error;
+      setText(this.error, error);
+      setHidden(this.error, error === "");
       for (const row of list.children) row.classList.toggle("playing", row instanceof HTMLElement && row.dataset["take"] === replay?.take);
     });
   }

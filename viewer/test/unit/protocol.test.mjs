@@ -145,6 +145,12 @@ test("a sensor's aim is made unit, a level a share, and both may be missing", ()
   assert.equal(status.recording.endsS, null);
 });
 
+test("what is left of the session's log may be unknown", () => {
+  assert.deepEqual(read({ type: "status" }).log, { megabytes: 0, limitMegabytes: 0, hoursLeft: null, error: "" });
+  const { log } = read({ type: "status", log: { megabytes: 1500, limit_megabytes: 4000, hours_left: 1.5, error: null } });
+  assert.deepEqual(log, { megabytes: 1500, limitMegabytes: 4000, hoursLeft: 1.5, error: "" });
+});
+
 test("endless lists and texts are cut", () => {
   const message = read({ type: "status", links: Array.from({ length: 5000 }, (_, i) => ({ sensor: `s${i}`, state: "x".repeat(1000) })) });
   assert.ok(message.links.length <= 256);
