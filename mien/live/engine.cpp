@@ -19,6 +19,7 @@
 #include "mien/live/intake.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/recorder.h"
+#include "mien/live/take_listing.h"
 #include "mien/live/tracker_loop.h"
 #include "mien/model/linear.h"
 #include "mien/session/command.h"
@@ -47,7 +48,6 @@ constexpr int kBeatsPerPiece = 10;
 /// One event warns when the temporary log will be full within this time, s.
 constexpr double kLogWarning_s = 600;
 constexpr std::size_t kMaxSinks = 16;
-constexpr std::size_t kMaxTakes = 200;
 
 /// A file name that a person gave, made safe: a name, never a path.
 Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
@@ -101,6 +101,7 @@ struct Engine::State {
             settings.takes, [this](sensor::Peer peer) { return intake.peer_name(peer); }, settings.log_limit),
         loop(*session, intake, recorder, [this] { return now(); }),
         player(settings.make_session),
+        listing(settings.takes, [this] { asio::post(network, [this] { send_takes(); }); }),
         wake(network),
         beat(network),
         play(network) {}
@@ -131,7 +132,8 @@ struct Engine::State {
   Result<std::string> execute_record(const json& command);
   Result<std::string> execute_sink(const json& command);
   Result<std::string> execute_replay(const json& command);
-  [[nodiscard]] std::string list_takes() const;
+  [[nodiscard]] json list_takes();
+  void send_takes();
   void wait_for_play();
   Result<void> start_recording(const std::filesystem::path& path, bool replace);
   [[nodiscard]] std::vector<take::Note> notes() const;
@@ -145,6 +147,7 @@ struct Engine::State {
   Recorder recorder;
   TrackerLoop loop;
   Player player;
+  TakeListing listing;
   asio::posix::stream_descriptor wake;
   asio::steady_timer beat;
   asio::steady_timer play;  // Runs while the page looks at a take.
@@ -404,7 +407,7 @@ Result<std::string> Engine::State::execute(const json& command) {
   if (name == "record") return execute_record(command);
   if (name == "sink") return execute_sink(command);
   if (name == "replay") return execute_replay(command);
-  if (name == "takes") return list_takes();
+  if (name == "takes") return text(list_takes());
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }
 
@@ -459,32 +462,20 @@ Result<std::string> Engine::State::execute_replay(const json& command) {
   return std::string();
 }
 
-std::string Engine::State::list_takes() const {
-  struct Found {
-    std::string name;
-    double megabytes = 0;
-    std::time_t written = 0;
-  };
-  std::vector<Found> found;
-  std::error_code code;
-  using Folder = std::filesystem::directory_iterator;
-  for (Folder file(settings.takes, code); !code && file != Folder(); file.increment(code)) {
-    if (file->path().extension() != ".mien") continue;
-    std::error_code gone;
-    const auto written = std::chrono::file_clock::to_sys(file->last_write_time(gone));
-    if (gone) continue;
-    found.push_back({file->path().filename().string(), static_cast<double>(file->file_size(gone)) / 1e6,
-                     std::chrono::system_clock::to_time_t(
-                         std::chrono::time_point_cast<std::chrono::system_clock::duration>(written))});
-  }
-  std::ranges::sort(found, std::ranges::greater(), &Found::written);
+json Engine::State::list_takes() {
   json takes = json::array();
-  for (std::size_t i = 0; i < std::min(found.size(), kMaxTakes); ++i)
-    takes.push_back({{"name", found[i].name},
-                     {"seconds", nullptr},
-                     {"megabytes", found[i].megabytes},
-                     {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(found[i].written))}});
-  return text(json({{"takes", std::move(takes)}}));
+  for (const TakeListing::Entry& one : listing.list())
+    takes.push_back({{"name", one.name},
+                     {"seconds", one.seconds ? json(*one.seconds) : json(nullptr)},
+                     {"megabytes", one.megabytes},
+                     {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(one.written))}});
+  return {{"takes", std::move(takes)}};
+}
+
+void Engine::State::send_takes() {
+  json message = list_takes();
+  message["type"] = "takes";
+  page->send(text(message));
 }
 
 Engine::Engine(std::unique_ptr<State> state) : state_(std::move(state)) {}

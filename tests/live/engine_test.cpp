@@ -173,6 +173,10 @@ TEST(Engine, CarriesFramesFromNodesToSinksAndThePageAndObeysIt) {
   Json takes = page.ask({{"command", "takes"}})["result"]["takes"];
   ASSERT_EQ(takes.size(), 1u);
   EXPECT_EQ(takes[0]["name"], "one.mien");
+  EXPECT_TRUE(run_until(network, [&] {
+    Json pushed = page.last("takes");
+    return pushed.is_object() && pushed["takes"][0]["seconds"] > 0.5;
+  })) << "its length is read behind the session's back, and then sent";
 
   // It is looked at while the session goes on.
   ASSERT_TRUE(page.ask({{"command", "replay"}, {"take", "one"}})["ok"]);

@@ -198,7 +198,13 @@ export interface Take {
   recorded: string;
 }
 
-export type Message = Hello | Frame | Status | Reply | SessionEvent;
+/** Sent unasked when lengths of takes that the list left open have been read. */
+export interface Takes {
+  type: "takes";
+  takes: Take[];
+}
+
+export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes;
 
 /** wearer: neutral, nod and shake, expressions, then a minute of others, from which skin sensors learn the wearer. */
 export type CalibrationKind = "short" | "full" | "wearer";
@@ -540,6 +546,8 @@ export function readMessage(message: string, order: Int16Array): Message | null 
     }
     case "event":
       return { type: "event", kind: text(fields["kind"]), text: text(fields["text"]) };
+    case "takes":
+      return { type: "takes", takes: readTakes(fields) };
     default:
       return null;
   }

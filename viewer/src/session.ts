@@ -77,6 +77,10 @@ export class Session {
         break;
       case "event":
         this.events.set([...this.events.value.slice(1 - KEPT_EVENTS), { ...message, atMs: performance.now() }]);
+        if (message.kind === "recorded") void this.refreshTakes();
+        break;
+      case "takes":
+        this.takes.set(message.takes);
         break;
     }
   }

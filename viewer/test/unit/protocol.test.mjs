@@ -169,3 +169,9 @@ test("the shapes are those of the program", () => {
   const list = /kShapeNames = \{([^}]*)\}/.exec(header)[1];
   assert.deepEqual([...list.matchAll(/"(\w+)"/g)].map((match) => match[1]), [...SHAPES]);
 });
+
+test("takes that the session sends unasked are read as its answer is", () => {
+  const message = read({ type: "takes", takes: [{ name: "one.mien", seconds: 2.5, megabytes: 1, recorded: "2026-01-02T03:04:05Z" }, { seconds: 1 }] });
+  assert.equal(message.type, "takes");
+  assert.deepEqual(message.takes, [{ name: "one.mien", seconds: 2.5, megabytes: 1, recorded: "2026-01-02T03:04:05Z" }]);
+});

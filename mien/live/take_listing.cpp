@@ -1,0 +1,90 @@
+#include "mien/live/take_listing.h"
+
+#include <algorithm>
+#include <chrono>
+#include <system_error>
+#include <utility>
+
+#include "mien/core/time.h"
+#include "mien/take/take.h"
+
+namespace mien::live {
+namespace {
+
+std::optional<double> length_s(const std::filesystem::path& path) {
+  const auto take = take::Take::open(path);
+  if (!take) return std::nullopt;
+  const auto ticks = take->ticks();
+  if (!ticks) return std::nullopt;
+  return ticks->empty() ? 0 : to_seconds(ticks->back().frame - ticks->front().frame);
+}
+
+}  // namespace
+
+TakeListing::TakeListing(std::filesystem::path folder, std::function<void()> lengths_read)
+    : folder_(std::move(folder)),
+      lengths_read_(std::move(lengths_read)),
+      thread_([this](const std::stop_token& stop) { read_lengths(stop); }) {}
+
+TakeListing::~TakeListing() = default;
+
+std::vector<TakeListing::Entry> TakeListing::list() {
+  struct Found {
+    Entry entry;
+    Version version;
+  };
+  std::vector<Found> found;
+  std::error_code code;
+  using Folder = std::filesystem::directory_iterator;
+  for (Folder file(folder_, code); !code && file != Folder(); file.increment(code)) {
+    if (file->path().extension() != ".mien") continue;
+    std::error_code gone;
+    Version version;
+    version.written = file->last_write_time(gone);
+    if (!gone) version.bytes = file->file_size(gone);
+    if (gone) continue;
+    const auto written = std::chrono::time_point_cast<std::chrono::system_clock::duration>(
+        std::chrono::file_clock::to_sys(version.written));
+    found.push_back(
+        {{file->path().filename().string(), std::nullopt, static_cast<double>(version.bytes) / 1e6,
+          std::chrono::system_clock::to_time_t(written)},
+         version});
+  }
+  std::ranges::sort(found, std::ranges::greater(), [](const Found& one) { return one.version.written; });
+  found.resize(std::min(found.size(), kMaxTakes));
+
+  std::vector<Entry> out;
+  const std::scoped_lock lock(mutex_);
+  wanted_.clear();
+  for (Found& one : found) {
+    const auto known = lengths_.find(one.entry.name);
+    if (known != lengths_.end() && known->second.of == one.version)
+      one.entry.seconds = known->second.seconds;
+    else
+      wanted_.push_back({one.entry.name, one.version});
+    out.push_back(std::move(one.entry));
+  }
+  std::erase_if(lengths_, [&](const auto& known) {
+    return std::ranges::none_of(out, [&](const Entry& entry) { return entry.name == known.first; });
+  });
+  wake_.notify_one();
+  return out;
+}
+
+void TakeListing::read_lengths(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (wake_.wait(lock, stop, [this] { return !wanted_.empty(); })) {
+    const Wanted next = wanted_.front();
+    wanted_.pop_front();
+    lock.unlock();
+    const std::optional<double> seconds = length_s(folder_ / next.name);
+    lock.lock();
+    lengths_[next.name] = {next.version, seconds};
+    if (!wanted_.empty()) continue;
+    lock.unlock();
+    lengths_read_();
+    lock.lock();
+  }
+}
+
+}  // namespace mien::live

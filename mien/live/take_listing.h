@@ -1,0 +1,68 @@
+#pragma once
+
+#include <condition_variable>
+#include <ctime>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace mien::live {
+
+/// The takes of a folder, for a page's list. Names, sizes and times are read at once; how long a take is
+/// stands in the file, which may take a second to open, so a thread of its own reads that and keeps it for as
+/// long as the file's size and time stay the same. list() from one thread, always the same.
+class TakeListing {
+ public:
+  /// More are not listed: the newest are.
+  static constexpr std::size_t kMaxTakes = 200;
+
+  struct Entry {
+    std::string name;               ///< With its ending.
+    std::optional<double> seconds;  ///< First to last frame. None: not read yet, or it cannot be.
+    double megabytes = 0;
+    std::time_t written = 0;  ///< Unix time, s.
+  };
+
+  /// `lengths_read` is called on the listing's thread when all lengths that list() wanted have been read, and
+  /// some are new: ask again.
+  TakeListing(std::filesystem::path folder, std::function<void()> lengths_read);
+  ~TakeListing();  ///< Waits for the take that is being read.
+  TakeListing(const TakeListing&) = delete;
+  TakeListing& operator=(const TakeListing&) = delete;
+
+  /// Newest first. Errors leave a take, or all, out: a list is for people to pick from.
+  [[nodiscard]] std::vector<Entry> list();
+
+ private:
+  /// What tells a file that was written to from the one that was read.
+  struct Version {
+    std::uintmax_t bytes = 0;
+    std::filesystem::file_time_type written;
+    bool operator==(const Version&) const = default;
+  };
+  struct Length {
+    Version of;
+    std::optional<double> seconds;
+  };
+  struct Wanted {
+    std::string name;
+    Version version;
+  };
+  void read_lengths(const std::stop_token& stop);
+
+  std::filesystem::path folder_;
+  std::function<void()> lengths_read_;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::map<std::string, Length> lengths_;
+  std::deque<Wanted> wanted_;  // The newest first.
+  std::jthread thread_;        // Last: it uses what stands above.
+};
+
+}  // namespace mien::live
