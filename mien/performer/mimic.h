@@ -31,9 +31,9 @@ struct Mimicry {
   /// deviation from the prompt. 0: none.
   int most_unasked = 3;
   double unasked = 0.3;
-  double slackening =
-      0.15;               ///< Largest share that a held pose loses in three seconds. Raising: weaker holds.
-  double tremor = 0.006;  ///< Standard deviation of every held shape, weight. Raising: noisier holds.
+  /// Largest share that a held pose loses in three seconds. Raising: weaker holds.
+  double slackening = 0.15;
+  double tremor = 0.006;       ///< Standard deviation of a held shape, weight. Raising: noisier holds.
   double blinks_per_min = 14;  ///< Spontaneous blinks a minute; 0: none.
 };
 

@@ -57,7 +57,7 @@ double Script::duration_s() const {
 Script default_script(Block kind, double seconds) {
   seconds = std::max(seconds, 1 / kFrameRateHz);
   Script script{.name = std::string(block_name(kind)), .segments = {}, .moves_head = true, .head = {}};
-  // A piece shorter than this says nothing; short scripts have fewer pieces.
+  // Least length of a piece; short scripts have fewer pieces.
   const auto pieces = [&](std::size_t wanted, double least_s) {
     return std::clamp<std::size_t>(static_cast<std::size_t>(seconds / least_s), 1, wanted);
   };

@@ -21,9 +21,9 @@ namespace mien::shaping {
 /// Selection, for each part:
 ///
 /// 1. the first tracker in the region's order that has sensors and a confidence of at least `sure`, or
-/// `unsure` for the present one (hysteresis, MergeSettings);
-/// 2. else the most confident one that has sensors; the present one is kept until another exceeds it by sure
-/// - unsure;
+///    `unsure` for the present one (hysteresis, MergeSettings);
+/// 2. else the most confident one that has sensors; another replaces the present one where it leads by more
+///    than the hysteresis, sure - unsure;
 /// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
 ///
 /// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's

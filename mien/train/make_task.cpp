@@ -1,9 +1,12 @@
 #include "mien/train/make_task.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "mien/core/files.h"
-#include "mien/eyewear/light_grid.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/study/eyewear/eyewear_dataset.h"
 #include "mien/study/imu/make_dataset.h"
@@ -11,31 +14,57 @@
 #include "mien/train/marker_task.h"
 
 namespace mien::train {
+namespace {
 
-Result<std::unique_ptr<Task>> make_task(Recipe recipe, const std::string& where, const std::string& face,
-                                        const sensor::Rig& rig, std::string rig_text,
-                                        const Progress& progress) {
-  const std::string data_place = where + ", [data]";
-  if (sensor::kinds_of(rig).size() > 1)
-    return fail(ErrorCode::unsupported, "sensors of several kinds are not trained together",
-                "rig " + rig.name, "train a model for each kind, with a rig of its own");
-  if (eyewear::photo_sensors(rig).size() == rig.sensors.size()) {
-    if (face != "builtin")
-      return fail(ErrorCode::bad_usage, "virtual wearers of glasses are of the built-in family", face,
-                  "leave --face away");
-    MIEN_TRY_ASSIGN(const study::EyewearDataRecipe data_recipe,
-                    study::parse_eyewear_data_recipe(recipe.data, data_place));
-    MIEN_TRY_ASSIGN(const std::filesystem::path markers_path, find_resource("rigs/markers.toml"));
-    MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(markers_path));
-    MIEN_TRY_ASSIGN(study::EyewearData data,
-                    study::make_eyewear_dataset(data_recipe, rig, markers, progress));
-    return MarkerTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
-                              std::move(rig_text));
-  }
+using MadeTask = Result<std::unique_ptr<Task>>;
+
+MadeTask make_blendshape_task(Recipe recipe, const std::string& data_place, const std::string& face,
+                              const sensor::Rig& rig, std::string rig_text, const Progress& progress) {
   MIEN_TRY_ASSIGN(const study::DataRecipe data_recipe, study::parse_data_recipe(recipe.data, data_place));
   MIEN_TRY_ASSIGN(study::TrainingData data, study::make_dataset(data_recipe, face, rig, progress));
   return BlendshapeTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
                                 std::move(rig_text));
+}
+
+MadeTask make_marker_task(Recipe recipe, const std::string& data_place, const std::string& face,
+                          const sensor::Rig& rig, std::string rig_text, const Progress& progress) {
+  if (face != "builtin")
+    return fail(ErrorCode::bad_usage, "virtual wearers of glasses are of the built-in family", face,
+                "leave --face away");
+  MIEN_TRY_ASSIGN(const study::EyewearDataRecipe data_recipe,
+                  study::parse_eyewear_data_recipe(recipe.data, data_place));
+  MIEN_TRY_ASSIGN(const std::filesystem::path markers_path, find_resource("rigs/markers.toml"));
+  MIEN_TRY_ASSIGN(const builtin_face::MarkerSet markers, builtin_face::read_markers(markers_path));
+  MIEN_TRY_ASSIGN(study::EyewearData data, study::make_eyewear_dataset(data_recipe, rig, markers, progress));
+  return MarkerTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
+                            std::move(rig_text));
+}
+
+/// A kind of sensors, and what their network learns.
+struct Modality {
+  std::string_view kind;  ///< As rigs name it.
+  MadeTask (*make)(Recipe recipe, const std::string& data_place, const std::string& face,
+                   const sensor::Rig& rig, std::string rig_text, const Progress& progress);
+};
+constexpr std::array kModalities = {
+    Modality{"imu", make_blendshape_task},
+    Modality{"eyewear", make_marker_task},
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Task>> make_task(Recipe recipe, const std::string& where, const std::string& face,
+                                        const sensor::Rig& rig, std::string rig_text,
+                                        const Progress& progress) {
+  const std::vector<std::string> kinds = sensor::kinds_of(rig);
+  if (kinds.size() != 1)
+    return fail(ErrorCode::unsupported, "sensors of several kinds are not trained together",
+                "rig " + rig.name, "train a model for each kind, with a rig of its own");
+  const auto modality = std::ranges::find(kModalities, kinds.front(), &Modality::kind);
+  if (modality == kModalities.end())
+    return fail(ErrorCode::unsupported, "nothing is trained for sensors of the kind " + kinds.front(),
+                "rig " + rig.name, "use a rig of the kind imu or eyewear");
+  return modality->make(std::move(recipe), where + ", [data]", face, rig, std::move(rig_text), progress);
 }
 
 }  // namespace mien::train

@@ -10,22 +10,17 @@
 #include "mien/performer/encore.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/stage.h"
+#include "mien/virtual/worn_devices.h"
 
 namespace mien::virt {
-
-/// What nodes speak on the network.
-enum class NodeLanguage {
-  mien,     ///< Our own packets, of IMUs and of eyewear.
-  slimevr,  ///< A SlimeVR tracker's.
-};
 
 /// All nodes of a performer, one an IMU of the rig or one a board of its eyewear, and their simulation, which
 /// runs a little ahead of the performance. The devices are those of play(): the same stage gives the same
 /// samples.
 class NodeGroup {
  public:
-  /// `again`: the motion is played again and again. Errors: bad_usage (the profile *lab*; eyewear that is to
-  /// speak SlimeVR's language), those of EyewearBoards.
+  /// `again`: the motion is played again and again. Errors: bad_usage (the profile *lab*; a language that the
+  /// devices do not have), those of WornDevices::on_network().
   [[nodiscard]] static Result<std::unique_ptr<NodeGroup>> create(Stage stage, NodeLanguage language,
                                                                  bool again);
   NodeGroup(const NodeGroup&) = delete;
@@ -53,16 +48,12 @@ class NodeGroup {
   [[nodiscard]] bool finished() const;
 
  private:
-  /// The sensors of one kind, which hand what they sample to their nodes.
-  class Devices;
-  class Imus;
-  class Eyewear;
   NodeGroup(Stage stage, bool again);
 
   Stage stage_;
   std::optional<performer::Encore> encore_;
   face::MotionCurve curve_;
-  std::unique_ptr<Devices> devices_;
+  std::unique_ptr<NodeDevices> devices_;
   std::vector<Node*> nodes_;  // Of the devices.
 };
 

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "mien/take/take.h"
-#include "mien/virtual/prologue_calibration.h"
 #include "mien/virtual/session.h"
 
 namespace mien::virt {
@@ -69,7 +68,7 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   header.rig_toml = stage.rig_toml;
   header.created_utc = now_utc();
   // Before the file is there: a recording begins when its take does.
-  const std::vector<take::CalibrationVersion> calibrations = prologue_calibrations(stage, session);
+  const std::vector<take::CalibrationVersion> calibrations = stage.worn->calibrations(stage, session);
   MIEN_TRY_ASSIGN(
       take::TakeWriter writer,
       take::TakeWriter::create(request.take, header, request.replace,

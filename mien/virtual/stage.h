@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,11 +14,8 @@
 #include "mien/performer/prologue.h"
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
-#include "mien/virtual/eyewear/eyewear_faults.h"
-#include "mien/virtual/eyewear/eyewear_wearer.h"
-#include "mien/virtual/imu/device_faults.h"
-#include "mien/virtual/imu/skin_site.h"
 #include "mien/virtual/session.h"
+#include "mien/virtual/worn_devices.h"
 
 namespace mien::virt {
 
@@ -40,23 +38,24 @@ struct StageRequest {
   performer::PrologueKind prologue = performer::PrologueKind::brief;
 };
 
-/// Smart eyewear, and who wears it.
-struct WornEyewear {
-  EyewearFaults faults;
-  EyewearWearer wearer;
-};
-
 /// Everything that a performance needs, read and drawn: the same request gives the same stage.
 struct Stage {
   std::string rig_toml;  ///< The rig file, whole.
   sensor::Rig rig;
-  bool lab = false;  ///< The profile *lab*: there are no faults then.
-  DeviceFaults faults;
-  std::vector<SkinSite> sites;         ///< Of the rig's sensors, in its order, where these are on the skin.
-  std::optional<WornEyewear> eyewear;  ///< Where they are photo-reflective ones instead.
+  bool lab = false;                         ///< The profile *lab*: there are no faults then.
+  std::shared_ptr<const WornDevices> worn;  ///< Of the rig's modality; never null when set.
   performer::PrologueMotion motion;
   Random devices = Random(0);  ///< What the devices' faults are drawn from.
 };
+
+/// A [faults] table, and where it stands.
+struct FaultsText {
+  std::string toml;
+  std::string where;
+};
+/// The faults that the request's devices are of: the rig's own, or a file's. Not for *lab*. Errors:
+/// not_found.
+[[nodiscard]] Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig);
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
 /// not_found (no such devices); bad_usage (eyewear in the profile *lab*, or on skin unlike
@@ -64,7 +63,7 @@ struct Stage {
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
 /// The whole performance on its stage, as the rig's kind of sensors feels it; `progress` hears of devices'.
-/// Errors: those of play_devices(), play_lab() and play_eyewear().
+/// Errors: those of WornDevices::play().
 [[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress = no_progress);
 
 }  // namespace mien::virt

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "mien/imu/packets/packet.h"
+#include "mien/virtual/imu/worn_imus.h"
 #include "mien/virtual/session.h"
 #include "tests/virtual/three_sensors.h"
 
@@ -15,9 +16,9 @@ namespace {
 Stage stage(int frames = 91) {
   Stage stage;
   stage.rig = test::three_sensors();
-  stage.faults = test::mild_faults();
-  stage.faults.packet_loss = 0.05;
-  stage.sites = test::three_sites();
+  DeviceFaults faults = test::mild_faults();
+  faults.packet_loss = 0.05;
+  stage.worn = std::make_shared<WornImus>(faults, test::three_sites());
   stage.motion = performer::with_prologue(test::talking(frames), performer::PrologueKind::none, Random(3));
   stage.devices = Random(11);
   return stage;
@@ -39,8 +40,7 @@ std::vector<std::pair<HostTime, std::vector<std::byte>>> perform(NodeGroup& node
 
 TEST(NodeGroup, SaysWhatATakeOfTheSamePerformanceHolds) {
   const Stage same = stage();
-  const VirtualSession session =
-      play_devices(same.motion, same.sites, same.rig, same.faults, same.devices).value();
+  const VirtualSession session = play(same).value();
   const auto group = NodeGroup::create(stage(), NodeLanguage::mien, false).value();
   NodeGroup& nodes = *group;
   ASSERT_EQ(nodes.size(), 3U);

@@ -7,12 +7,17 @@
 #include <cstddef>
 
 #include "mien/core/files.h"
+#include "mien/virtual/imu/worn_imus.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
 namespace mien::virt::stage_test {
 namespace {
+
+const std::vector<SkinSite>& sites_of(const Stage& stage) {
+  return dynamic_cast<const WornImus&>(*stage.worn).sites();
+}
 
 /// The stage that a request sets.
 class SetStage : public ::testing::Test {
@@ -34,7 +39,7 @@ TEST_F(SetStage, IsTheSameForTheSameSeed) {
   const Stage other = set_stage(request_).value();
   EXPECT_EQ(one.rig_toml, test::kRig);
   EXPECT_FALSE(one.lab);
-  EXPECT_EQ(one.sites.size(), 3U);
+  EXPECT_EQ(sites_of(one).size(), 3U);
   EXPECT_EQ(one.motion.motion.frames.size(), same.motion.motion.frames.size());
   Random a = one.devices;
   Random b = same.devices;
@@ -57,8 +62,9 @@ double apart(const Stage& one, const Stage& other) {
   face::BlendshapeWeights smile;
   smile[face::shape("mouthSmile_L")] = smile[face::shape("mouthSmile_R")] = 0.8F;
   double most = 0;
-  for (std::size_t s = 0; s < one.sites.size(); ++s)
-    most = std::max(most, angle_between(one.sites[s].rotation(smile), other.sites[s].rotation(smile)));
+  for (std::size_t s = 0; s < sites_of(one).size(); ++s)
+    most =
+        std::max(most, angle_between(sites_of(one)[s].rotation(smile), sites_of(other)[s].rotation(smile)));
   return most;
 }
 

@@ -20,11 +20,6 @@ constexpr double kByteS = 10 / 250'000.0;
 
 }  // namespace
 
-bool is_eyewear(const sensor::Rig& rig) {
-  return !rig.sensors.empty() &&
-         std::ranges::all_of(rig.sensors, [](const sensor::Mount& mount) { return mount.kind == "eyewear"; });
-}
-
 Result<EyewearBoards> EyewearBoards::put_on(const EyewearWearer& wearer, const sensor::Rig& rig,
                                             const EyewearFaults& faults, const Random& random) {
   std::map<std::uint64_t, std::map<std::uint8_t, std::uint16_t>> channels;

@@ -16,9 +16,6 @@
 
 namespace mien::virt {
 
-/// Whether a rig's sensors are photo-reflective ones, all of them: virtual eyewear plays it.
-[[nodiscard]] bool is_eyewear(const sensor::Rig& rig);
-
 /// A virtual wearer's glasses as the boards that carry their sensors: scan after scan of the simulator in the
 /// packets of docs/reference/protocol.md. The rig's bindings say which sensor is which board's channel. The
 /// same stream gives the same packets, however they are asked for. Not thread-safe.

@@ -8,8 +8,8 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/eyewear/packet.h"
 #include "mien/virtual/eyewear/eyewear_boards.h"
+#include "mien/virtual/eyewear/worn_eyewear.h"
 #include "mien/virtual/node_group.h"
-#include "mien/virtual/prologue_calibration.h"
 #include "mien/virtual/stage.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
@@ -24,9 +24,9 @@ const Stage& stage(performer::PrologueKind prologue) {
   const auto make = [](performer::PrologueKind kind) {
     Stage stage;
     stage.rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
-    WornEyewear& worn = stage.eyewear.emplace();
-    worn.faults = parse_eyewear_faults(stage.rig.faults_toml, "rig").value();
-    worn.wearer = seat_eyewear(builtin_face::make_builtin(), stage.rig, worn.faults, Random(5)).value();
+    const EyewearFaults faults = parse_eyewear_faults(stage.rig.faults_toml, "rig").value();
+    stage.worn = std::make_shared<WornEyewear>(
+        faults, seat_eyewear(builtin_face::make_builtin(), stage.rig, faults, Random(5)).value());
     stage.motion = performer::with_prologue(test::talking(91), kind, Random(3));
     stage.devices = Random(11);
     return stage;
@@ -94,7 +94,8 @@ TEST(EyewearSession, TheSameStageGivesTheSameBits) {
 }
 
 TEST(EyewearSession, ThePrologueCalibrates) {
-  const auto versions = prologue_calibrations(stage(performer::PrologueKind::brief), session());
+  const auto versions = stage(performer::PrologueKind::brief)
+                            .worn->calibrations(stage(performer::PrologueKind::brief), session());
   ASSERT_EQ(versions.size(), 1U);
   EXPECT_EQ(versions[0].modality, "eyewear");
   EXPECT_GE(versions[0].made, session().events[0].end);
@@ -139,10 +140,11 @@ TEST(EyewearNodes, GoOnWhereTheyAreToldToAndSpeakTheirOwnLanguage) {
 
 TEST(EyewearBoards, NeedChannelsInARow) {
   const Stage& own = stage(performer::PrologueKind::none);
+  const auto& worn = dynamic_cast<const WornEyewear&>(*own.worn);
   const auto code = [&](const char* device) {
     sensor::Rig rig = own.rig;
     rig.sensors[3].device = device;
-    const auto boards = EyewearBoards::put_on(own.eyewear->wearer, rig, own.eyewear->faults, Random(1));
+    const auto boards = EyewearBoards::put_on(worn.wearer(), rig, worn.faults(), Random(1));
     return boards ? ErrorCode::internal : boards.error().code;
   };
   EXPECT_EQ(code(""), ErrorCode::bad_usage);
@@ -156,8 +158,7 @@ TEST(EyewearStage, IsSetByTheRigsKind) {
   request.motion = test::talking(30);
   const auto set = set_stage(request);
   ASSERT_TRUE(set) << set.error().message();
-  EXPECT_TRUE(set->eyewear);
-  EXPECT_TRUE(set->sites.empty());
+  EXPECT_NE(dynamic_cast<const WornEyewear*>(set->worn.get()), nullptr);
   request.devices = "lab";
   EXPECT_EQ(set_stage(request).error().code, ErrorCode::bad_usage);
 }

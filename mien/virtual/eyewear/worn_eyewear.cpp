@@ -1,0 +1,114 @@
+#include "mien/virtual/eyewear/worn_eyewear.h"
+
+#include <cstdint>
+
+#include "mien/eyewear/calibrator.h"
+#include "mien/eyewear/light_grid.h"
+#include "mien/eyewear/normalisation.h"
+#include "mien/sensor/clock_model.h"
+#include "mien/take/session_log.h"
+#include "mien/virtual/eyewear/eyewear_boards.h"
+#include "mien/virtual/eyewear/eyewear_node.h"
+#include "mien/virtual/eyewear/eyewear_session.h"
+#include "mien/virtual/imu/skin_trajectory.h"
+
+namespace mien::virt {
+namespace {
+
+/// A scan arrives this long after its end at the latest.
+constexpr double kOnTheWireS = 0.02;
+
+class EyewearOnNetwork final : public NodeDevices {
+ public:
+  EyewearOnNetwork(EyewearBoards boards, const PlayedMotion& motion)
+      : boards_(std::move(boards)),
+        nodes_(boards_.count()),
+        motion_(motion),
+        end_s_(motion.curve.duration_s() + kTrajectoryMarginS) {}
+  [[nodiscard]] std::vector<Node*> nodes() override {
+    std::vector<Node*> all;
+    for (EyewearNode& node : nodes_) all.push_back(&node);
+    return all;
+  }
+  [[nodiscard]] Result<void> simulate() override {
+    sent_.clear();
+    MIEN_TRY(boards_.scan(
+        [this](double true_s) {
+          return (motion_.encore ? motion_.encore->at(motion_.curve, true_s) : motion_.curve.at(true_s))
+              .weights;
+        },
+        sent_));
+    for (Datagram& scan : sent_) nodes_[scan.source].hand_over(std::move(scan));
+    return {};
+  }
+  [[nodiscard]] double simulated_s() const override { return boards_.scanned_s() - kOnTheWireS; }
+  [[nodiscard]] bool done() const override { return !motion_.encore && boards_.scanned_s() >= end_s_; }
+
+ private:
+  EyewearBoards boards_;
+  std::vector<EyewearNode> nodes_;
+  PlayedMotion motion_;
+  double end_s_;
+  std::vector<Datagram> sent_;
+};
+
+}  // namespace
+
+performer::PrologueNeeds WornEyewear::prologue(const Stage&) const {
+  return performer::kEyewearPrologue;
+}
+
+Result<VirtualSession> WornEyewear::play(const Stage& stage, const Progress&) const {
+  return play_eyewear(stage.motion, wearer_, stage.rig, faults_, stage.devices);
+}
+
+std::vector<take::CalibrationVersion> WornEyewear::calibrations(const Stage& stage,
+                                                                const VirtualSession& session) const {
+  const sensor::Rig& rig = stage.rig;
+  eyewear::LightGrid grid(rig);
+  eyewear::Calibrator calibrator(rig);
+  for (const take::Event& event : session.events) {
+    if (event.kind == "neutral") calibrator.guide_neutral(event.begin, event.end);
+    if (event.kind == "range") calibrator.guide_range(event.begin, event.end);
+  }
+  std::vector<take::CalibrationVersion> versions;
+  eyewear::GridLight light;
+  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
+  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
+    if (step.item != nullptr) {
+      lines.add(step.item->arrival, step.item->sample);
+      grid.add(step.item->sample);
+    }
+    if (step.tick == nullptr) continue;
+    grid.tick(step.tick->frame, lines, light);
+    if (calibrator.add(step.tick->frame, light) == eyewear::Calibrator::Change::none) continue;
+    versions.push_back({static_cast<std::int64_t>(versions.size()) + 1, step.tick->frame, "eyewear",
+                        eyewear::write_normalisation(calibrator.in_force())});
+  }
+  return versions;
+}
+
+Result<std::unique_ptr<NodeDevices>> WornEyewear::on_network(const Stage& stage, const PlayedMotion& motion,
+                                                             NodeLanguage language) const {
+  if (language == NodeLanguage::slimevr)
+    return fail(ErrorCode::bad_usage, "eyewear does not speak SlimeVR's language", stage.rig.name,
+                "send to udp://HOST:PORT");
+  MIEN_TRY_ASSIGN(EyewearBoards boards, EyewearBoards::put_on(wearer_, stage.rig, faults_, stage.devices));
+  return std::make_unique<EyewearOnNetwork>(std::move(boards), motion);
+}
+
+Result<std::shared_ptr<const WornDevices>> wear_eyewear(const StageRequest& request, face::Face face,
+                                                        const Random& root, const Stage& stage) {
+  if (stage.lab)
+    return fail(ErrorCode::bad_usage, "the profile lab is of sensors on the skin, and these look at it",
+                stage.rig.name, "use --devices device");
+  if (request.unlike > 0)
+    return fail(ErrorCode::bad_usage, "only sensors that are glued to it feel how skin turns", stage.rig.name,
+                "leave out --unlike");
+  MIEN_TRY_ASSIGN(const FaultsText faults, read_faults(request, stage.rig));
+  MIEN_TRY_ASSIGN(EyewearFaults drawn, parse_eyewear_faults(faults.toml, faults.where));
+  MIEN_TRY_ASSIGN(EyewearWearer wearer, seat_eyewear(std::move(face), stage.rig, drawn, root.fork("wearer")));
+  return std::make_shared<const WornEyewear>(std::move(drawn), std::move(wearer));
+}
+
+}  // namespace mien::virt

@@ -1,0 +1,110 @@
+#include "mien/virtual/imu/worn_imus.h"
+
+#include <cstdint>
+#include <string>
+
+#include "mien/imu/pipeline.h"
+#include "mien/sensor/clock_model.h"
+#include "mien/take/session_log.h"
+#include "mien/virtual/imu/imu_simulator.h"
+#include "mien/virtual/imu/mien_node.h"
+#include "mien/virtual/imu/skin_trajectory.h"
+#include "mien/virtual/imu/slimevr_node.h"
+
+namespace mien::virt {
+namespace {
+
+/// A stretch of the skin's trajectory: a packet of each sensor.
+constexpr auto kStretchPoints = static_cast<std::size_t>(kTrajectoryRateHz / kFrameRateHz);
+/// The newest points wait for those after them: a packet and what its samples' differences reach.
+constexpr double kBehindS = 12 / kTrajectoryRateHz;
+
+class ImusOnNetwork final : public NodeDevices {
+ public:
+  ImusOnNetwork(const Stage& stage, const DeviceFaults& faults, const std::vector<SkinSite>& sites,
+                const PlayedMotion& motion, NodeLanguage language)
+      : tracer_(motion.curve, sites, -kTrajectoryMarginS, motion.curve.duration_s() + kTrajectoryMarginS,
+                motion.encore) {
+    for (std::size_t s = 0; s < sites.size(); ++s) {
+      simulators_.emplace_back(faults, static_cast<std::uint16_t>(s), stage.devices.fork("sensor", s));
+      const VirtualClock& clock = simulators_.back().clock();
+      if (language == NodeLanguage::slimevr)
+        nodes_.push_back(std::make_unique<SlimeVrNode>(s, clock));
+      else
+        nodes_.push_back(std::make_unique<MienNode>(s, stage.rig.sensors[s].name, clock, faults));
+    }
+  }
+  [[nodiscard]] std::vector<Node*> nodes() override {
+    std::vector<Node*> all;
+    for (const auto& node : nodes_) all.push_back(node.get());
+    return all;
+  }
+  [[nodiscard]] Result<void> simulate() override {
+    const SkinTrajectory stretch = tracer_.next(kStretchPoints);
+    for (std::size_t s = 0; s < nodes_.size(); ++s) MIEN_TRY(nodes_[s]->play(simulators_[s].play(stretch)));
+    return {};
+  }
+  [[nodiscard]] double simulated_s() const override { return tracer_.traced_s() - kBehindS; }
+  [[nodiscard]] bool done() const override { return tracer_.done(); }
+
+ private:
+  SkinTracer tracer_;
+  std::vector<ImuSimulator> simulators_;
+  std::vector<std::unique_ptr<ImuNode>> nodes_;
+};
+
+}  // namespace
+
+performer::PrologueNeeds WornImus::prologue(const Stage& stage) const {
+  return {.gestures = !stage.lab};
+}
+
+Result<VirtualSession> WornImus::play(const Stage& stage, const Progress& progress) const {
+  if (stage.lab) return play_lab(stage.motion, sites_, stage.rig, stage.devices);
+  return play_devices(stage.motion, sites_, stage.rig, faults_, stage.devices, progress);
+}
+
+std::vector<take::CalibrationVersion> WornImus::calibrations(const Stage& stage,
+                                                             const VirtualSession& session) const {
+  if (stage.lab) return {};
+  const sensor::Rig& rig = stage.rig;
+  imu::Pipeline pipeline(rig);
+  for (const take::Event& event : session.events)
+    if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
+  std::vector<take::CalibrationVersion> versions;
+  model::FeatureFrame frame;
+  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
+  for (const auto& step : take::replay_order(session.samples, session.ticks)) {
+    if (step.item != nullptr) {
+      lines.add(step.item->arrival, step.item->sample);
+      pipeline.add(step.item->sample);
+    }
+    if (step.tick == nullptr) continue;
+    if (pipeline.tick(step.tick->frame, lines, frame).kind == imu::CalibrationChange::Kind::none) continue;
+    versions.push_back({static_cast<std::int64_t>(versions.size()) + 1, step.tick->frame, "imu",
+                        imu::write_calibration(pipeline.calibration())});
+  }
+  return versions;
+}
+
+Result<std::unique_ptr<NodeDevices>> WornImus::on_network(const Stage& stage, const PlayedMotion& motion,
+                                                          NodeLanguage language) const {
+  return std::make_unique<ImusOnNetwork>(stage, faults_, sites_, motion, language);
+}
+
+Result<std::shared_ptr<const WornDevices>> wear_imus(const StageRequest& request, face::Face face,
+                                                     const Random& root, const Stage& stage) {
+  DeviceFaults drawn;
+  if (!stage.lab) {
+    MIEN_TRY_ASSIGN(const FaultsText faults, read_faults(request, stage.rig));
+    MIEN_TRY_ASSIGN(drawn, parse_faults(faults.toml, faults.where));
+  }
+  const std::vector<Vec3> placement_m =
+      draw_placement(stage.rig, 1e-3 * drawn.mount_position_mm, root.fork("placement"));
+  MIEN_TRY_ASSIGN(std::vector<SkinSite> sites, skin_sites(face, stage.rig, placement_m));
+  if (request.unlike > 0)
+    sites = draw_kinematics(sites, KinematicsSpread().times(request.unlike), root.fork("kinematics"));
+  return std::make_shared<const WornImus>(std::move(drawn), std::move(sites));
+}
+
+}  // namespace mien::virt

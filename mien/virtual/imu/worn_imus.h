@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "mien/core/random.h"
+#include "mien/face/face.h"
+#include "mien/virtual/imu/device_faults.h"
+#include "mien/virtual/imu/skin_site.h"
+#include "mien/virtual/stage.h"
+#include "mien/virtual/worn_devices.h"
+
+namespace mien::virt {
+
+/// IMUs glued to the skin.
+class WornImus final : public WornDevices {
+ public:
+  /// `sites`: where the rig's sensors are on the skin, in the rig's order.
+  WornImus(DeviceFaults faults, std::vector<SkinSite> sites)
+      : faults_(std::move(faults)), sites_(std::move(sites)) {}
+
+  [[nodiscard]] const std::vector<SkinSite>& sites() const { return sites_; }
+
+  [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
+  [[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress) const override;
+  /// None in the profile *lab*, where the calibration is the identity.
+  [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
+      const Stage& stage, const VirtualSession& session) const override;
+  [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
+                                                                const PlayedMotion& motion,
+                                                                NodeLanguage language) const override;
+
+ private:
+  DeviceFaults faults_;
+  std::vector<SkinSite> sites_;
+};
+
+/// Reads their faults (the profile *lab* has none) and draws placement and skin from `root`. Errors: those of
+/// read_faults(), parse_faults() and skin_sites().
+[[nodiscard]] Result<std::shared_ptr<const WornDevices>> wear_imus(const StageRequest& request,
+                                                                   face::Face face, const Random& root,
+                                                                   const Stage& stage);
+
+}  // namespace mien::virt

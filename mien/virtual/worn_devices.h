@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/performer/encore.h"
+#include "mien/performer/prologue.h"
+#include "mien/take/take.h"
+#include "mien/virtual/node.h"
+#include "mien/virtual/session.h"
+
+namespace mien::virt {
+
+struct Stage;
+
+/// The language of nodes on the network.
+enum class NodeLanguage {
+  mien,     ///< Our own packets, of IMUs and of eyewear.
+  slimevr,  ///< A SlimeVR tracker's.
+};
+
+/// The motion that devices on the network are worn through; both outlive these.
+struct PlayedMotion {
+  const face::MotionCurve& curve;
+  const std::optional<performer::Encore>& encore;  ///< None: played once.
+};
+
+/// A performer's sensors on the network: their simulation, which runs a little ahead of the performance and
+/// hands what is sampled to their nodes. Thread: one at a time.
+class NodeDevices {
+ public:
+  virtual ~NodeDevices() = default;
+  /// One a board, in the order of the rig's sensors. Valid as long as this.
+  [[nodiscard]] virtual std::vector<Node*> nodes() = 0;
+  /// A sixtieth of a second more. Errors: the packet encoders'.
+  [[nodiscard]] virtual Result<void> simulate() = 0;
+  /// True time up to which all that is sampled has been handed over, s from the performance's time 0.
+  [[nodiscard]] virtual double simulated_s() const = 0;
+  /// The motion is over; never with an encore.
+  [[nodiscard]] virtual bool done() const = 0;
+};
+
+/// A performer's devices of one modality: faults read, places and skin drawn. Each modality's folder derives
+/// one, and stage.cpp has the table of them. Immutable once made, so safe to share between threads.
+class WornDevices {
+ public:
+  virtual ~WornDevices() = default;
+  /// What a prologue must hold for a session to calibrate these.
+  [[nodiscard]] virtual performer::PrologueNeeds prologue(const Stage& stage) const = 0;
+  /// The whole performance as they sense it. Errors: bad_usage (a motion without frames), cancelled, the
+  /// packet encoders'.
+  [[nodiscard]] virtual Result<VirtualSession> play(const Stage& stage, const Progress& progress) const = 0;
+  /// The calibrations that the prologue gives, as a guided live session would have made them.
+  [[nodiscard]] virtual std::vector<take::CalibrationVersion> calibrations(
+      const Stage& stage, const VirtualSession& session) const = 0;
+  /// The same devices on the network: the same stage gives the same samples as play(). The stage outlives
+  /// them. Errors: bad_usage (a language that their boards do not have; a rig whose boards cannot be).
+  [[nodiscard]] virtual Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
+                                                                        const PlayedMotion& motion,
+                                                                        NodeLanguage language) const = 0;
+};
+
+}  // namespace mien::virt
