@@ -39,7 +39,7 @@ struct CalibrationState {
   };
   Phase phase = Phase::watching;
   Step step = Step::none;  ///< The step that runs, or that is waited for.
-  std::string_view hint;   ///< Why the last try did not do; empty when it did. A text that lives for ever.
+  std::string_view hint;   ///< Why the last attempt failed, else empty; refers to static storage.
 };
 
 /// What a guided calibration asks of the performer for a modality, whatever else it asks: a full one goes on
@@ -127,10 +127,10 @@ class Tracker {
   /// The calibration in force as JSON, as a take keeps it; empty when there is none.
   [[nodiscard]] virtual std::string calibration() const = 0;
   [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
-  /// Puts an earlier one in force. No event tells of it. Errors: malformed, mismatch (another rig's).
+  /// Puts an earlier one in force. Gives no calibration event. Errors: malformed, mismatch (another rig's).
   [[nodiscard]] virtual Result<void> restore(std::string_view json) = 0;
 
-  /// How unsure a sensor's heading is, rad; none where that means nothing.
+  /// Standard deviation of a sensor's heading, rad; none where it has no heading.
   [[nodiscard]] virtual std::optional<double> heading_sigma_rad(std::uint16_t sensor) const = 0;
 };
 
