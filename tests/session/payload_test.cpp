@@ -3,31 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "mien/session/replay.h"
 #include "mien/take/take.h"
+#include "tests/allocation_count.h"
 #include "tests/folder.h"
 #include "tests/session/picture_modality.h"
-
-namespace {
-std::atomic<std::size_t> session_allocations = 0;
-}
-
-// Not inlined: g++ would then see free() beside somebody else's new.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++session_allocations;
-  if (void* const place = std::malloc(size)) return place;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* place) noexcept {
-  std::free(place);
-}
-[[gnu::noinline]] void operator delete(void* place, std::size_t /*size*/) noexcept {
-  std::free(place);
-}
 
 namespace mien::session::payload_test {
 namespace {
@@ -201,9 +181,9 @@ TEST(Payload, IsReceivedWithoutAnAllocation) {
     std::size_t allocated = 0;
     for (std::uint32_t n = 0; n < 200; ++n) {
       const std::vector<std::byte> datagram = datagram_of(n);
-      const std::size_t before = session_allocations;
+      const std::size_t before = mien::test::allocation_count();
       const auto received = session->receive(arrival_of(n), 0, datagram, picture);
-      if (n >= 20) allocated += session_allocations - before;
+      if (n >= 20) allocated += mien::test::allocation_count() - before;
       EXPECT_EQ(received.verdict, Verdict::taken);
       while (const auto tick = session->due(arrival_of(n))) session->tick(tick->frame, tick->fired);
     }

@@ -1,30 +1,10 @@
 // The live path allocates nothing once its buffers have grown: counted, by taking the place of operator new.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "mien/sink/sink.h"
+#include "tests/allocation_count.h"
 #include "tests/folder.h"
 #include "tests/sink/loopback.h"
-
-namespace {
-std::atomic<std::size_t> allocations = 0;
-}
-
-// Not inlined: g++ would then see free() beside somebody else's new.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const place = std::malloc(size)) return place;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* place) noexcept {
-  std::free(place);
-}
-[[gnu::noinline]] void operator delete(void* place, std::size_t /*size*/) noexcept {
-  std::free(place);
-}
 
 namespace mien::sink::allocation_test {
 namespace {
@@ -47,9 +27,9 @@ TEST(Allocation, NoneAfterTheFirstFrames) {
     auto sink = open_sink(network, address);
     ASSERT_TRUE(sink) << sink.error().message();
     for (int i = 0; i < 130; ++i) (*sink)->send(frame_at(i), i);
-    const std::size_t before = allocations;
+    const std::size_t before = mien::test::allocation_count();
     for (int i = 130; i < 400; ++i) (*sink)->send(frame_at(i), i);
-    EXPECT_EQ(allocations - before, 0u) << address;
+    EXPECT_EQ(mien::test::allocation_count() - before, 0u) << address;
     EXPECT_EQ((*sink)->status().sent, 400u);
   }
   // A writer's thread takes the rows at times of its own: its two buffers grow to half a second, or to what
@@ -57,9 +37,9 @@ TEST(Allocation, NoneAfterTheFirstFrames) {
   auto sink = open_sink(network, "csv:" + (folder / "a.csv").string());
   ASSERT_TRUE(sink);
   for (int i = 0; i < 600; ++i) (*sink)->send(frame_at(i), i);
-  const std::size_t before = allocations;
+  const std::size_t before = mien::test::allocation_count();
   for (int i = 600; i < 3000; ++i) (*sink)->send(frame_at(i), i);
-  EXPECT_LT(allocations - before, 20u);
+  EXPECT_LT(mien::test::allocation_count() - before, 20u);
 }
 
 }  // namespace

@@ -2,35 +2,14 @@
 
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <string>
 #include <utility>
 
 #include "mien/core/random.h"
+#include "tests/allocation_count.h"
 #include "tests/tracker/tiny_model.h"
 #include "tests/tracker/turning_sensors.h"
-
-namespace {
-
-/// Allocations of this program so far.
-std::size_t allocations = 0;
-
-}  // namespace
-
-// Not inlined: g++ would take a malloc that it sees freed by delete for a mistake.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace mien::tracker::causal_tracker_test {
 namespace {
@@ -117,10 +96,10 @@ TEST(CausalTracker, AllocatesNothing) {
   const auto features = test::turning(40);
   CausalTracker tracker = tiny_tracker();
   face::OutputFrame frame;
-  const std::size_t before = allocations;
+  const std::size_t before = mien::test::allocation_count();
   for (const model::FeatureFrame& f : features) tracker.step(f, frame);
   tracker.reset();
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(mien::test::allocation_count(), before);
 }
 
 /// A model of eleven sensors that is some wearer's.
@@ -145,9 +124,9 @@ TEST(CausalTracker, AWearersSkinTakesNoMemoryAndRepeatsItsBits) {
   for (std::size_t f = 10; f < 40; ++f) features[f].sensors[f % 11] = {};
   CausalTracker tracker = CausalTracker::create(worn_model(sensors), sensors).value();
   face::OutputFrame frame;
-  const std::size_t before = allocations;
+  const std::size_t before = mien::test::allocation_count();
   for (const model::FeatureFrame& f : features) tracker.step(f, frame);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(mien::test::allocation_count(), before);
   tracker.reset();
   const auto once = weights_of(run(tracker, features));
   tracker.reset();
