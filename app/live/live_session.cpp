@@ -129,7 +129,7 @@ Result<LiveSession> open_live(LiveRequest request) {
     return fail(ErrorCode::bad_usage, "with a key only sealed packets are heard, and none come by cable",
                 "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
-  if (settings.listen.empty()) settings.listen = {"udp://0.0.0.0:5005", "udp://0.0.0.0:6969"};
+  if (settings.listen.empty()) settings.listen = modalities::default_listen();
   settings.out = request.out;
   if (!request.record.empty()) settings.record = request.record;
   settings.replace = request.force;

@@ -9,6 +9,7 @@
 #include "app/seed_option.h"
 #include "app/study/study_live.h"
 #include "app/study/study_loss.h"
+#include "app/study/study_motion.h"
 #include "app/study/study_sensors.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/sensor/rig.h"
@@ -194,6 +195,7 @@ void add_study_command(Commands& commands) {
   add_skin(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
+  add_study_motion(commands, study);
   add_study_sensors(commands, study);
   auto bound = std::make_shared<BoundOptions>();
   const Command command = commands.add_under(

@@ -467,6 +467,7 @@ json Engine::State::list_takes() {
   for (const TakeListing::Entry& one : listing.list())
     takes.push_back({{"name", one.name},
                      {"seconds", one.seconds ? json(*one.seconds) : json(nullptr)},
+                     {"error", one.error.empty() ? json(nullptr) : json(one.error)},
                      {"megabytes", one.megabytes},
                      {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(one.written))}});
   return {{"takes", std::move(takes)}};

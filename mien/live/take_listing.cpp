@@ -11,12 +11,10 @@
 namespace mien::live {
 namespace {
 
-std::optional<double> length_s(const std::filesystem::path& path) {
-  const auto take = take::Take::open(path);
-  if (!take) return std::nullopt;
-  const auto ticks = take->ticks();
-  if (!ticks) return std::nullopt;
-  return ticks->empty() ? 0 : to_seconds(ticks->back().frame - ticks->front().frame);
+Result<double> length_s(const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));
+  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
+  return ticks.empty() ? 0 : to_seconds(ticks.back().frame - ticks.front().frame);
 }
 
 }  // namespace
@@ -45,10 +43,10 @@ std::vector<TakeListing::Entry> TakeListing::list() {
     if (gone) continue;
     const auto written = std::chrono::time_point_cast<std::chrono::system_clock::duration>(
         std::chrono::file_clock::to_sys(version.written));
-    found.push_back(
-        {{file->path().filename().string(), std::nullopt, static_cast<double>(version.bytes) / 1e6,
-          std::chrono::system_clock::to_time_t(written)},
-         version});
+    found.push_back({{.name = file->path().filename().string(),
+                      .megabytes = static_cast<double>(version.bytes) / 1e6,
+                      .written = std::chrono::system_clock::to_time_t(written)},
+                     version});
   }
   std::ranges::sort(found, std::ranges::greater(), [](const Found& one) { return one.version.written; });
   found.resize(std::min(found.size(), kMaxTakes));
@@ -58,10 +56,12 @@ std::vector<TakeListing::Entry> TakeListing::list() {
   wanted_.clear();
   for (Found& one : found) {
     const auto known = lengths_.find(one.entry.name);
-    if (known != lengths_.end() && known->second.of == one.version)
-      one.entry.seconds = known->second.seconds;
-    else
+    if (known == lengths_.end() || known->second.of != one.version)
       wanted_.push_back({one.entry.name, one.version});
+    else if (known->second.seconds)
+      one.entry.seconds = *known->second.seconds;
+    else
+      one.entry.error = known->second.seconds.error().message();
     out.push_back(std::move(one.entry));
   }
   std::erase_if(lengths_, [&](const auto& known) {
@@ -77,9 +77,9 @@ void TakeListing::read_lengths(const std::stop_token& stop) {
     const Wanted next = wanted_.front();
     wanted_.pop_front();
     lock.unlock();
-    const std::optional<double> seconds = length_s(folder_ / next.name);
+    Result<double> seconds = length_s(folder_ / next.name);
     lock.lock();
-    lengths_[next.name] = {next.version, seconds};
+    lengths_.insert_or_assign(next.name, Length{next.version, std::move(seconds)});
     if (!wanted_.empty()) continue;
     lock.unlock();
     lengths_read_();

@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "mien/core/error.h"
+
 namespace mien::live {
 
 /// The takes of a folder, for a page's list. Names, sizes and times are read at once; how long a take is
@@ -25,6 +27,7 @@ class TakeListing {
   struct Entry {
     std::string name;               ///< With its ending.
     std::optional<double> seconds;  ///< First to last frame. None: not read yet, or it cannot be.
+    std::string error;              ///< Why it cannot; else empty.
     double megabytes = 0;
     std::time_t written = 0;  ///< Unix time, s.
   };
@@ -48,7 +51,7 @@ class TakeListing {
   };
   struct Length {
     Version of;
-    std::optional<double> seconds;
+    Result<double> seconds;
   };
   struct Wanted {
     std::string name;

@@ -30,7 +30,7 @@ struct Metrics {
   std::optional<MeanStd> pve_face_mm;  ///< Vertices of the region "skin".
   std::optional<MeanStd> lmk_mm;       ///< The 68 landmarks.
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
-  std::optional<double> blink_f1;      ///< Absent when the truth has no blink.
+  std::optional<double> blink_f1;      ///< Absent when neither truth nor estimate has a blink.
   std::array<ShapeScore, face::kShapeCount> per_shape{};
 
   std::vector<float> mse_curve;     ///< One a frame.

@@ -29,6 +29,16 @@ std::size_t twin_of(std::size_t k) {
   return k;
 }
 
+/// A name as a cell of a table: a stroke would end it.
+std::string in_cell(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    if (c == '|') out += '\\';
+    out += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return out;
+}
+
 struct Samples {
   std::vector<face::BlendshapeWeights> weights;
   std::array<double, kShapeCount> speed_squares{};
@@ -137,18 +147,12 @@ MotionStatistics mean_statistics(std::span<const MotionStatistics> people, std::
   out.correlation = Eigen::MatrixXd::Zero(kSize, kSize);
   if (people.empty()) return out;
   const double share = 1 / static_cast<double>(people.size());
-  constexpr double MotionStatistics::*kSummaries[] = {
-      &MotionStatistics::mean_weight,      &MotionStatistics::mean_deviation,
-      &MotionStatistics::mean_rest,        &MotionStatistics::mean_p95,
-      &MotionStatistics::mean_speed_per_s, &MotionStatistics::quickness_per_s,
-      &MotionStatistics::active_shapes,    &MotionStatistics::mean_abs_correlation,
-      &MotionStatistics::side_correlation, &MotionStatistics::dimensions};
   constexpr double ShapeStatistics::*kValues[] = {&ShapeStatistics::mean, &ShapeStatistics::deviation,
                                                   &ShapeStatistics::rest, &ShapeStatistics::p95,
                                                   &ShapeStatistics::speed_per_s};
   for (const MotionStatistics& one : people) {
-    out.duration_s += one.duration_s;
-    for (const auto member : kSummaries) out.*member += share * (one.*member);
+    for (const MotionSummary& summary : kMotionSummaries)
+      out.*summary.value += (summary.value == &MotionStatistics::duration_s ? 1 : share) * one.*summary.value;
     for (std::size_t k = 0; k < kShapeCount; ++k)
       for (const auto member : kValues) out.shapes[k].*member += share * (one.shapes[k].*member);
     out.correlation += share * one.correlation;
@@ -174,43 +178,33 @@ double correlation_agreement(const MotionStatistics& a, const MotionStatistics& 
   return scale > 0 ? u.dot(v) / scale : 0;
 }
 
-std::string comparison_markdown(std::span<const MotionStatistics> columns) {
-  std::string text = "| |";
-  for (const auto& column : columns) text += fmt::format(" {} |", column.name);
-  text += "\n|---|";
-  for (std::size_t i = 0; i < columns.size(); ++i) text += "---|";
-  text += '\n';
+std::string comparison_markdown(std::span<const MotionStatistics> columns, std::size_t compared) {
+  std::string text;
+  const auto head = [&] {
+    text += "| |";
+    for (const auto& column : columns) text += fmt::format(" {} |", in_cell(column.name));
+    text += "\n|---|";
+    for (std::size_t i = 0; i < columns.size(); ++i) text += "---|";
+    text += '\n';
+  };
   const auto row = [&](std::string_view label, auto value, int digits) {
     text += fmt::format("| {} |", label);
     for (const auto& column : columns) text += fmt::format(" {:.{}f} |", value(column), digits);
     text += '\n';
   };
-  using Statistics = MotionStatistics;
-  row(
-      "seconds", [](const Statistics& s) { return s.duration_s; }, 0);
-  row(
-      "mean weight", [](const Statistics& s) { return s.mean_weight; }, 3);
-  row(
-      "standard deviation, mean of shapes", [](const Statistics& s) { return s.mean_deviation; }, 3);
-  row(
-      "rest (10th percentile)", [](const Statistics& s) { return s.mean_rest; }, 3);
-  row(
-      "95th percentile", [](const Statistics& s) { return s.mean_p95; }, 3);
-  row(
-      "speed, RMS, 1/s", [](const Statistics& s) { return s.mean_speed_per_s; }, 2);
-  row(
-      "speed over deviation, median shape, 1/s", [](const Statistics& s) { return s.quickness_per_s; }, 2);
-  row(
-      "shapes above 0.1", [](const Statistics& s) { return s.active_shapes; }, 1);
-  row(
-      "correlation of left with right", [](const Statistics& s) { return s.side_correlation; }, 2);
-  row(
-      "absolute correlation of other pairs", [](const Statistics& s) { return s.mean_abs_correlation; }, 2);
-  row(
-      "independent motions (participation ratio)", [](const Statistics& s) { return s.dimensions; }, 1);
+  head();
+  for (const MotionSummary& summary : kMotionSummaries)
+    row(
+        summary.label, [&](const MotionStatistics& s) { return s.*summary.value; }, summary.digits);
+  for (const MotionStatistics& other : columns.first(std::min(compared, columns.size())))
+    row(
+        "agreement of correlations with " + in_cell(other.name),
+        [&](const MotionStatistics& s) { return correlation_agreement(s, other); }, 2);
+  text += "\nStandard deviation of every shape:\n\n";
+  head();
   for (std::size_t k = 0; k < kShapeCount; ++k)
     row(
-        kShapeNames[k], [k](const Statistics& s) { return s.shapes[k].deviation; }, 3);
+        kShapeNames[k], [k](const MotionStatistics& s) { return s.shapes[k].deviation; }, 3);
   return text;
 }
 

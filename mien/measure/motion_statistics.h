@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "mien/face/motion.h"
 
@@ -41,6 +42,30 @@ struct MotionStatistics {
   double dimensions = 0;
 };
 
+/// One summary: what it is called in JSON and for people, and how many digits these need.
+struct MotionSummary {
+  std::string_view name;
+  std::string_view label;
+  double MotionStatistics::*value;
+  int digits;
+};
+inline constexpr std::array kMotionSummaries = {
+    MotionSummary{"seconds", "seconds", &MotionStatistics::duration_s, 0},
+    MotionSummary{"mean_weight", "mean weight", &MotionStatistics::mean_weight, 3},
+    MotionSummary{"deviation", "standard deviation, mean of shapes", &MotionStatistics::mean_deviation, 3},
+    MotionSummary{"rest", "rest (10th percentile)", &MotionStatistics::mean_rest, 3},
+    MotionSummary{"p95", "95th percentile", &MotionStatistics::mean_p95, 3},
+    MotionSummary{"speed_per_s", "speed, RMS, 1/s", &MotionStatistics::mean_speed_per_s, 2},
+    MotionSummary{"quickness_per_s", "speed over deviation, median shape, 1/s",
+                  &MotionStatistics::quickness_per_s, 2},
+    MotionSummary{"active_shapes", "shapes above 0.1", &MotionStatistics::active_shapes, 1},
+    MotionSummary{"side_correlation", "correlation of left with right", &MotionStatistics::side_correlation,
+                  2},
+    MotionSummary{"pair_correlation", "absolute correlation of other pairs",
+                  &MotionStatistics::mean_abs_correlation, 2},
+    MotionSummary{"dimensions", "independent motions (participation ratio)", &MotionStatistics::dimensions,
+                  1}};
+
 /// Statistics of one or more motions taken together, each read at 30 Hz through its own curve, so that
 /// recordings of 30 and 60 frames a second compare. Needs at least two frames with a face; else all is 0.
 [[nodiscard]] MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::string name);
@@ -53,7 +78,9 @@ struct MotionStatistics {
 /// shapes go together?
 [[nodiscard]] double correlation_agreement(const MotionStatistics& a, const MotionStatistics& b);
 
-/// Markdown: one column a motion, one row a summary; then the standard deviation of every shape.
-[[nodiscard]] std::string comparison_markdown(std::span<const MotionStatistics> columns);
+/// Markdown, two tables of one column a motion: the summaries, with the agreement of correlations with each
+/// of the first `compared` columns; then the standard deviation of every shape.
+[[nodiscard]] std::string comparison_markdown(std::span<const MotionStatistics> columns,
+                                              std::size_t compared = 0);
 
 }  // namespace mien::measure

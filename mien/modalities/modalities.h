@@ -23,6 +23,11 @@ struct PairingKey {
   std::array<std::byte, 32> secret{};
 };
 
+using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
+
+/// Addresses that a session listens on unless told otherwise: the UDP ports of every modality's devices.
+[[nodiscard]] std::vector<std::string> default_listen();
+
 /// The live model for a rig's sensors: the file `named`, or where that is empty the default one of such
 /// sensors. A rig with sensors of several kinds takes a folder instead, in which the model of each kind has
 /// its default name. Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
@@ -41,8 +46,7 @@ struct PairingKey {
 
 /// Every language that sensors speak; with keys those in which they can be sealed. Errors: internal
 /// (libsodium), the keys'.
-[[nodiscard]] Result<std::vector<std::unique_ptr<sensor::Protocol>>> make_protocols(
-    const std::vector<PairingKey>& keys = {});
+[[nodiscard]] Result<Protocols> make_protocols(const std::vector<PairingKey>& keys = {});
 
 /// A session for a rig: its sensors' tracker with this live model, and every language that sensors speak.
 /// With keys only what is sealed by one of them is heard, so nothing on serial lines. Errors: those of

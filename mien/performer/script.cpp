@@ -12,8 +12,6 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kBlockNames = {"reading", "expressions", "acted", "range_of_motion",
                                                          "free",    "eating",      "rapid", "mixed"};
-constexpr std::array<std::string_view, kEmotionCount> kEmotionNames = {
-    "neutral", "joy", "sadness", "anger", "fear", "disgust", "surprise", "contempt"};
 
 template <std::size_t N>
 Result<std::size_t> find_name(const std::array<std::string_view, N>& names, std::string_view name,
@@ -38,9 +36,6 @@ std::vector<Segment> even_segments(Block block, double seconds, std::size_t coun
 
 std::string_view block_name(Block block) {
   return kBlockNames[static_cast<std::size_t>(block)];
-}
-std::string_view emotion_name(Emotion emotion) {
-  return kEmotionNames[static_cast<std::size_t>(emotion)];
 }
 
 Result<Block> parse_block(std::string_view name) {

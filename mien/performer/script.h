@@ -30,7 +30,6 @@ enum class Block : std::uint8_t {
 /// The basic emotions (Ekman) and contempt.
 enum class Emotion : std::uint8_t { neutral, joy, sadness, anger, fear, disgust, surprise, contempt };
 inline constexpr std::size_t kEmotionCount = 8;
-[[nodiscard]] std::string_view emotion_name(Emotion emotion);
 
 /// One piece of a script.
 struct Segment {

@@ -41,8 +41,6 @@ class EstimatedClock {
 
   /// What the samples' period is taken for.
   [[nodiscard]] Duration period() const { return from_seconds(period_s_); }
-  /// What the delay, beyond the least, is taken for on average.
-  [[nodiscard]] Duration mean_delay() const { return from_seconds(mean_delay_s_); }
 
  private:
   static constexpr std::size_t kBinsPerPeriod = 16;

@@ -52,12 +52,19 @@ Result<Prompt> prompt_of(const json& object) {
   return prompt;
 }
 
-/// The keys of `object` that are among `names`, as JSON of their own.
-std::string part_of(const json& object, std::initializer_list<const char*> names) {
-  json part = json::object();
-  for (const char* name : names)
-    if (object.contains(name)) part[name] = object[name];
-  return part.dump();
+/// The shaping settings that a command may change.
+constexpr std::array<std::string_view, 4> kShapeKeys = {"smoothing", "gains", "limits", "merge"};
+
+Result<Shape> shape_of(const json& object) {
+  json settings = json::object();
+  for (const auto& [key, value] : object.items()) {
+    if (key == "command" || key == "id") continue;
+    if (std::ranges::find(kShapeKeys, key) == kShapeKeys.end())
+      return fail(ErrorCode::malformed, fmt::format("\"shape\" has no \"{}\"", key.substr(0, 40)), kCommand,
+                  fmt::format("{}", fmt::join(kShapeKeys, ", ")));
+    settings[key] = value;
+  }
+  return Shape{settings.dump()};
 }
 
 /// By the numbers of Calibrate::Kind.
@@ -155,7 +162,7 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
     return Tap{std::move(sensor)};
   }
-  if (name == "shape") return Shape{part_of(object, {"smoothing", "gains", "limits", "merge"})};
+  if (name == "shape") return shape_of(object);
   if (name == "prompt") {
     MIEN_TRY_ASSIGN(Prompt prompt, prompt_of(object));
     return AddPrompt{std::move(prompt)};

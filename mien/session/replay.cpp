@@ -1,27 +1,16 @@
 #include "mien/session/replay.h"
 
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "mien/core/bytes.h"
 #include "mien/session/command.h"
+#include "mien/session/peers.h"
 #include "mien/take/session_log.h"
 
 namespace mien::session {
 namespace {
-
-/// Peers get their numbers in the order of their first datagrams, as live.
-class Peers {
- public:
-  sensor::Peer of(const std::string& source) {
-    return peers_.emplace(source, static_cast<sensor::Peer>(peers_.size())).first->second;
-  }
-
- private:
-  std::map<std::string, sensor::Peer> peers_;
-};
 
 void bind_as_asked(const take::LogEntry& entry, Receiver& receiver, SampleConsumer& consumer) {
   const auto command = parse_command(as_text(entry.bytes));

@@ -38,23 +38,11 @@ void Recentre::begin() {
   sum_z_ = 0;
 }
 
-void Recentre::cancel() {
-  if (state_ == State::measuring) state_ = easing_ ? State::easing : State::idle;
-}
-
-bool Recentre::undo() {
-  if (!before_) return false;
-  go_to(*before_);
-  before_.reset();
-  return true;
-}
-
 void Recentre::use(const Centre& centre) {
   Centre bounded = centre;
   for (float& rest : bounded.rest)
     rest = std::isfinite(rest) ? std::clamp(rest, 0.0f, Centre::kRestAtMost) : 0.0f;
   bounded.yaw_rad = std::isfinite(centre.yaw_rad) ? wrapped(centre.yaw_rad) : 0;
-  before_ = target_;
   go_to(bounded);
 }
 
@@ -125,7 +113,6 @@ void Recentre::conclude() {
       ++performed_;
   }
   if (headings_ >= kEnoughFrames) centre.yaw_rad = std::atan2(sum_x_, sum_z_);
-  before_ = target_;
   go_to(centre);
 }
 

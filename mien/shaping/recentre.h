@@ -19,7 +19,7 @@ namespace mien::shaping {
 class Recentre {
  public:
   enum class State : std::uint8_t {
-    idle,       ///< Not begun yet, or cancelled.
+    idle,       ///< Not begun yet.
     measuring,  ///< Within the second of measurement.
     easing,     ///< A new centre is being eased in.
     done,       ///< The centre is fully in force.
@@ -31,10 +31,6 @@ class Recentre {
 
   /// Measures from the next frame on; restarts a measurement in progress.
   void begin();
-  /// Stops measuring; the centre stays.
-  void cancel();
-  /// Restores, once, the centre before the last change; false without one.
-  bool undo();
   /// Puts a centre in force (an earlier version's), eased like a measured one. Values are clamped to their
   /// ranges.
   void use(const Centre& centre);
@@ -59,7 +55,6 @@ class Recentre {
   Centre present_;  // As applied to the last frame.
   Centre from_;
   Centre target_;
-  std::optional<Centre> before_;            // For undo.
   bool easing_ = false;                     // May continue while the next rest is measured.
   std::optional<DeviceTime> easing_since_;  // None before the ease's first frame.
   std::optional<DeviceTime> measuring_since_;

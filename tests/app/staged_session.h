@@ -7,7 +7,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <future>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,6 +15,7 @@
 
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
+#include "mien/session/peers.h"
 #include "tests/session/session_run.h"
 
 namespace mien::app::test {
@@ -117,8 +117,7 @@ class StagedSession {
       const take::LogEntry& entry = entries_[next_];
       fire_deadlines(entry.arrival);
       fire(entry.arrival);
-      const auto peer = peers_.emplace(entry.source, static_cast<sensor::Peer>(peers_.size())).first->second;
-      session_->receive(entry.arrival, peer, entry.bytes);
+      session_->receive(entry.arrival, peers_.of(entry.source), entry.bytes);
       fire(entry.arrival);
     }
     fire_deadlines(until);
@@ -135,7 +134,7 @@ class StagedSession {
   double speed_;
   bool going_ = false;
   std::size_t next_ = 0;
-  std::map<std::string, sensor::Peer> peers_;
+  session::Peers peers_;
   HostTime now_;
   std::unique_ptr<session::Session> session_;
   boost::asio::io_context network_{1};

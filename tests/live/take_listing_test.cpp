@@ -52,10 +52,13 @@ TEST(TakeListing, TellsHowLongATakeIsOnceItHasBeenRead) {
   ASSERT_EQ(entries.size(), 2u);
   for (const auto& entry : entries) {
     EXPECT_GT(entry.megabytes, 0);
-    if (entry.name == "one.mien")
+    if (entry.name == "one.mien") {
       EXPECT_NEAR(entry.seconds.value_or(-1), 2, 1e-6);
-    else
-      EXPECT_FALSE(entry.seconds) << "it cannot be read";
+      EXPECT_EQ(entry.error, "");
+    } else {
+      EXPECT_FALSE(entry.seconds);
+      EXPECT_NE(entry.error.find("broken.mien"), std::string::npos) << entry.error;
+    }
   }
 }
 

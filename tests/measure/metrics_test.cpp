@@ -123,6 +123,17 @@ TEST(BlinkF1, MatchesOneToOneWithinTwoFrames) {
   EXPECT_EQ(*blink_f1({&same, 1}), 1.0);
 }
 
+TEST(BlinkF1, IsAbsentOnlyWhereNobodyBlinks) {
+  const Track open = blinks(200, {});
+  const Track blinking = blinks(200, {20});
+  const Stretch neither{open, open};
+  EXPECT_FALSE(blink_f1({&neither, 1}));
+  const Stretch invented{open, blinking};
+  EXPECT_EQ(blink_f1({&invented, 1}), 0.0);
+  const Stretch missed{blinking, open};
+  EXPECT_EQ(blink_f1({&missed, 1}), 0.0);
+}
+
 TEST(Evaluate, LeavesOutPrologueAndLostFaces) {
   const Meter meter(two_vertex_face());
   TakeEstimates take;

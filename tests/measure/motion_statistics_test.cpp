@@ -123,6 +123,16 @@ TEST(MotionStatistics, TableHasARowAShape) {
   const std::string table = comparison_markdown(columns);
   for (const auto& name : face::kShapeNames) EXPECT_NE(table.find(std::string(name)), std::string::npos);
   EXPECT_NE(table.find("nobody"), std::string::npos);
+  EXPECT_EQ(table.find("agreement"), std::string::npos);
+}
+
+TEST(MotionStatistics, TableSaysWithWhomTheOthersAgree) {
+  const std::array motions = {wave(30)};
+  const std::array columns = {motion_statistics(motions, "a|b"), motion_statistics({}, "nobody")};
+  const std::string table = comparison_markdown(columns, 1);
+  EXPECT_NE(table.find("| agreement of correlations with a\\|b | 1.00 | 0.00 |\n"), std::string::npos)
+      << table;
+  EXPECT_NE(table.find("| seconds | 40 | 0 |\n"), std::string::npos) << table;
 }
 
 }  // namespace

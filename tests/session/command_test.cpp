@@ -30,7 +30,7 @@ TEST(Command, TakesOnlyWhatItsKindHas) {
   ASSERT_TRUE(bind);
   EXPECT_EQ(std::get<Bind>(*bind).sensor, "mentalis");
   EXPECT_EQ(std::get<Bind>(*bind).device, (sensor::DeviceKey{0x024D'4945'4E07, 0}));
-  const auto shape = parse_command(R"({"command": "shape", "limits": {}, "id": 3, "command2": 1})");
+  const auto shape = parse_command(R"({"command": "shape", "limits": {}, "id": 3})");
   ASSERT_TRUE(shape);
   EXPECT_EQ(std::get<Shape>(*shape).json, R"({"limits":{}})");
   const auto merge = parse_command(R"({"command": "shape", "merge": {"order": {"jaw": ["imu"]}}})");
@@ -83,12 +83,22 @@ TEST(Command, RefusesEachMistakeAlone) {
       {R"({"command": "prompt", "name": "a", "target": {"jawOpen": -1}})", ErrorCode::out_of_range},
       {R"({"command": "tap", "sensor": null})", ErrorCode::malformed},
       {R"({"command": "shape", "gains": [[[[[[[[[[1]]]]]]]]]]})", ErrorCode::malformed},
+      {R"({"command": "shape", "smoothing": 0.5, "smoothness": 1})", ErrorCode::malformed},
   };
   for (const auto& [text, code] : mistakes) {
     const auto command = parse_command(text);
     ASSERT_FALSE(command) << text;
     EXPECT_EQ(command.error().code, code) << text << ": " << command.error().message();
   }
+}
+
+TEST(Command, AShapeNamesTheKeyThatItDoesNotKnow) {
+  const auto command = parse_command(R"({"command": "shape", "id": 1, "gain": {"jawOpen": 2}})");
+  ASSERT_FALSE(command);
+  const std::string message = command.error().message();
+  EXPECT_NE(message.find("\"gain\""), std::string::npos) << message;
+  EXPECT_NE(message.find("smoothing, gains, limits, merge"), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
 TEST(Command, RefusesWhatIsLongOrDeepBeforeItIsRead) {

@@ -14,6 +14,7 @@
 #include "mien/imu/packets/node_protocol.h"
 #include "mien/imu/packets/slimevr_protocol.h"
 #include "mien/performer/prologue.h"
+#include "mien/session/peers.h"
 #include "mien/session/session.h"
 #include "mien/virtual/session.h"
 #include "tests/virtual/three_sensors.h"
@@ -94,7 +95,7 @@ struct Order {
 inline Played run(Session& session, const std::vector<take::LogEntry>& entries,
                   std::vector<Order> orders = {}, double beyond_s = 0) {
   Played out;
-  std::map<std::string, sensor::Peer> peers;
+  Peers peers;
   const auto fire = [&](HostTime now) {
     while (const auto tick = session.due(now)) {
       const face::OutputFrame& frame = session.tick(tick->frame, tick->fired);
@@ -127,8 +128,7 @@ inline Played run(Session& session, const std::vector<take::LogEntry>& entries,
     }
     obey_until(entry.arrival);
     fire(entry.arrival);
-    const auto peer = peers.emplace(entry.source, static_cast<sensor::Peer>(peers.size())).first->second;
-    const Session::Received received = session.receive(entry.arrival, peer, entry.bytes);
+    const Session::Received received = session.receive(entry.arrival, peers.of(entry.source), entry.bytes);
     if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored)
       out.log.push_back({static_cast<std::int64_t>(out.log.size()) + 1,
                          entry.arrival,

@@ -68,7 +68,7 @@ TEST(Session, TheSameLogGivesTheSameBits) {
   // As a replay does it: the log's entries and ticks, and nothing of time passing.
   for (int again = 0; again < 3; ++again) {
     const auto session = test::session();
-    std::map<std::string, sensor::Peer> peers;
+    Peers peers;
     std::size_t entry = 0;
     for (const Played::Frame& f : live.frames) {
       for (; entry < static_cast<std::size_t>(f.tick.after_entry); ++entry) {
@@ -77,8 +77,7 @@ TEST(Session, TheSameLogGivesTheSameBits) {
           EXPECT_TRUE(
               session->command(e.arrival, {reinterpret_cast<const char*>(e.bytes.data()), e.bytes.size()}));
         } else {
-          const auto peer = peers.emplace(e.source, static_cast<sensor::Peer>(peers.size())).first->second;
-          session->receive(e.arrival, peer, e.bytes);
+          session->receive(e.arrival, peers.of(e.source), e.bytes);
         }
       }
       session->tick(f.tick.frame, f.tick.fired);

@@ -112,26 +112,6 @@ TEST(Recentre, MeasuresOnlyFramesThatSensorsStandBehind) {
   EXPECT_TRUE(same_bits(in, run(recentre, in)));
 }
 
-TEST(Recentre, CanBeUndoneOnceAndCancelled) {
-  Recentre recentre;
-  EXPECT_FALSE(recentre.undo());
-  recentre.begin();
-  int i = 0;
-  for (; i < 120; ++i) run(recentre, resting(i));
-  EXPECT_NE(recentre.centre(), Centre{});
-  EXPECT_TRUE(recentre.undo());
-  for (; i < 200; ++i) run(recentre, resting(i));
-  const face::OutputFrame in = resting(i++);
-  EXPECT_TRUE(same_bits(in, run(recentre, in)));
-  EXPECT_FALSE(recentre.undo());
-  recentre.begin();
-  run(recentre, resting(i++));
-  recentre.cancel();
-  for (int n = 0; n < 120; ++n) run(recentre, resting(i++));
-  EXPECT_EQ(recentre.centre(), Centre{});
-  EXPECT_EQ(recentre.state(), Recentre::State::idle);
-}
-
 TEST(Recentre, AnEaseGoesOnWhileTheNextRestIsMeasured) {
   Recentre recentre;
   Centre centre;

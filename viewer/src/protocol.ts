@@ -194,6 +194,8 @@ export interface SessionEvent {
 export interface Take {
   name: string;
   seconds: number | null;
+  /** Why it cannot be read; empty when it can, or was not looked at yet. */
+  error: string;
   megabytes: number | null;
   recorded: string;
 }
@@ -558,6 +560,7 @@ export function readTakes(result: Fields | null): Take[] {
   return list(fieldsOf(result)["takes"], (one) => ({
     name: text(one["name"]),
     seconds: numberOrNull(one["seconds"]),
+    error: text(one["error"]),
     megabytes: numberOrNull(one["megabytes"]),
     recorded: text(one["recorded"]),
   })).filter((one) => one.name !== "");

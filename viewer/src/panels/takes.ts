@@ -74,11 +74,12 @@ class TakeRow {
 
   update(take: Take): void {
     const parts = [
-      take.seconds === null ? "" : clock(take.seconds),
+      take.error !== "" ? "cannot be read" : take.seconds === null ? "" : clock(take.seconds),
       take.megabytes === null ? "" : `${fixed(take.megabytes, 1)} MB`,
       recordedAt(take.recorded),
     ];
     setText(this.about, parts.filter((part) => part !== "").join(" · "));
+    this.about.title = take.error;
   }
 }
 

@@ -159,8 +159,11 @@ test("endless lists and texts are cut", () => {
 
 test("takes are read", () => {
   assert.deepEqual(readTakes(null), []);
-  assert.deepEqual(readTakes({ takes: [{ name: "a.mien", seconds: 3, megabytes: 0.5, recorded: "2026" }, {}, 7] }), [
-    { name: "a.mien", seconds: 3, megabytes: 0.5, recorded: "2026" },
+  assert.deepEqual(readTakes({ takes: [{ name: "a.mien", seconds: 3, error: null, megabytes: 0.5, recorded: "2026" }, {}, 7] }), [
+    { name: "a.mien", seconds: 3, error: "", megabytes: 0.5, recorded: "2026" },
+  ]);
+  assert.deepEqual(readTakes({ takes: [{ name: "b.mien", seconds: null, error: "b.mien: not a take", megabytes: 1, recorded: "2026" }] }), [
+    { name: "b.mien", seconds: null, error: "b.mien: not a take", megabytes: 1, recorded: "2026" },
   ]);
 });
 
@@ -173,5 +176,5 @@ test("the shapes are those of the program", () => {
 test("takes that the session sends unasked are read as its answer is", () => {
   const message = read({ type: "takes", takes: [{ name: "one.mien", seconds: 2.5, megabytes: 1, recorded: "2026-01-02T03:04:05Z" }, { seconds: 1 }] });
   assert.equal(message.type, "takes");
-  assert.deepEqual(message.takes, [{ name: "one.mien", seconds: 2.5, megabytes: 1, recorded: "2026-01-02T03:04:05Z" }]);
+  assert.deepEqual(message.takes, [{ name: "one.mien", seconds: 2.5, error: "", megabytes: 1, recorded: "2026-01-02T03:04:05Z" }]);
 });
