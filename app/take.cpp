@@ -170,7 +170,7 @@ void add_take_command(Commands& commands) {
   const auto options = std::make_shared<Options>();
 
   const Command info_command = commands.add_under(
-      parent, "info", "Shows who performed what, for how long, and how well each sensor was heard",
+      parent, "info", "Shows who performed what, for how long, and how much of each sensor arrived",
       "mien take info a.mien --json", [options] { return info(options->file, options->json); });
   const Command check_command =
       commands.add_under(parent, "check", "Reads all of a take and says whether it is sound",

@@ -129,7 +129,7 @@ class Patience {
       fmt::print(stderr,
                  "mien: {}: still waiting for frames{}{}; the page there shows every sensor, and "
                  "docs/reference/links.md says what to do; ends after {:g} s (--wait)\n",
-                 at, unheard.empty() ? "" : ", not heard are ", unheard, to_seconds(wait_));
+                 at, unheard.empty() ? "" : ", nothing from ", unheard, to_seconds(wait_));
       std::fflush(stderr);
     }
     return waited < wait_;
@@ -183,7 +183,7 @@ Result<Outcome> guide(SessionClient& session, const CalibrateOptions& options) {
     return Outcome{
         {},
         ErrorCode::io,
-        fmt::format("no sensor is heard any more ({}); nothing was begun; docs/reference/links.md says what "
+        fmt::format("no sensor sends any more ({}); nothing was begun; docs/reference/links.md says what "
                     "to do",
                     unheard_text(session.status().links))};
   if (session.status().calibration.state == "running")
@@ -205,7 +205,7 @@ Result<Outcome> guide(SessionClient& session, const CalibrateOptions& options) {
         MIEN_TRY_ASSIGN(Outcome outcome, cancel(session, before));
         outcome.code = ErrorCode::io;
         outcome.why = fmt::format("no frame came for {:g} s{}{}; {}", options.wait_s,
-                                  unheard.empty() ? "" : ", not heard are ", unheard, outcome.why);
+                                  unheard.empty() ? "" : ", nothing from ", unheard, outcome.why);
         return outcome;
       }
       prompter.show(now);

@@ -107,7 +107,7 @@ Option add_session_options(Command command, LiveRequest& request) {
       .show_default();
   command.add_option("--performer", request.performer, "Who is captured: goes into takes");
   command.add_option("--key", request.key,
-                     "A file with the key that devices were paired with; others are then not heard");
+                     "A file with the key that devices were paired with; others are then refused");
   command.add_option("--for", request.seconds, "End by itself after so many seconds")
       .number_between(0.1, 1e6);
   command
@@ -141,7 +141,7 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
                1e3 * to_seconds(summary.latency.largest()));
     if (summary.frames == 0)
       fmt::print("No frame came: {}\n", summary.datagrams == 0
-                                            ? "nothing was heard"
+                                            ? "nothing was received"
                                             : "packets did, but none of the rig's reference sensor");
     else if (summary.report.calibration.state == "watching")
       fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",

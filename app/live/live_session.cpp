@@ -126,7 +126,7 @@ Result<LiveSession> open_live(LiveRequest request) {
 
   const auto serial = [](const std::string& address) { return address.starts_with("serial:"); };
   if (!keys.empty() && std::ranges::any_of(request.listen, serial))
-    return fail(ErrorCode::bad_usage, "with a key only sealed packets are heard, and none come by cable",
+    return fail(ErrorCode::bad_usage, "with a key only sealed packets are accepted, and none come by cable",
                 "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
   if (settings.listen.empty()) settings.listen = modalities::default_listen();

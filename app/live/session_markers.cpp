@@ -61,7 +61,7 @@ Result<SessionMarkers> session_markers(const take::Take& take, const MarkerImpor
   MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
   const mocap::MarkerTrack track = on_line(received.front(), take, samples);
   if (track.frames() == 0)
-    return fail(ErrorCode::not_found, "no marker came while a sensor was heard", take.path().string());
+    return fail(ErrorCode::not_found, "no marker came while a sensor was sending", take.path().string());
   markers.begin = device_time(track.time_s.front());
   MIEN_TRY_ASSIGN(markers.imported, import_markers(track, options));
   return markers;

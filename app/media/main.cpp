@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
 
   SpeakCommand speak;
   const app::Command speak_command =
-      commands.add("speak", "Reads a text aloud; tells when each phoneme is spoken",
+      commands.add("speak", "Reads a text aloud; prints when each phoneme is spoken",
                    "mien-media speak --language de --text 'Guten Tag' --json tag.json --wav tag.wav",
                    [&] { return run_speak(speak); });
   speak_command.add_option("--language", speak.language, "As espeak-ng names it: en-us, de, fr-fr, es")

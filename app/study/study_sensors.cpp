@@ -200,7 +200,7 @@ Result<void> run_study_sensors(StudySensorsOptions options) {
 void add_study_sensors(Commands& commands, Command study) {
   auto options = std::make_shared<StudySensorsOptions>();
   const Command command = commands.add_under(
-      study, "sensors", "How well photo-reflective eyewear tells where markers on the face are",
+      study, "sensors", "How well photo-reflective eyewear locates markers on the face",
       "mien study sensors --wearers 3 --out sensors.html", [options] { return run_study_sensors(*options); });
   command.add_option("--rig", options->rig, "Eyewear rig (default: rigs/eyewear.toml)");
   command.add_option("--markers", options->markers, "Markers of the truth (default: rigs/markers.toml)");

@@ -112,7 +112,7 @@ Calibrator::Change Calibrator::finish(const Stretch& stretch) {
     put_in_force(std::move(made));
     return Change::calibrated;
   }
-  hint_ = "fewer than half of the sensors were heard through the hold; look after them and calibrate again";
+  hint_ = "fewer than half of the sensors sent all through the hold; check them and calibrate again";
   fall_back();
   return Change::withdrawn;
 }

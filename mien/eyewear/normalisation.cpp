@@ -170,15 +170,15 @@ void NormalisationMaker::judge_neutral(Normalisation& made) const {
   std::ranges::sort(unrest);
   const double middle = unrest.empty() ? 0 : quantile_of_sorted(unrest, 0.5);
   const bool still = !unrest.empty() && middle <= kRestless;
-  made.scores.push_back(
-      {.name = "neutral face",
-       .value = 100 * middle,
-       .unit = "%",
-       .pass = still,
-       .sentence = unrest.empty() ? "no sensor was heard through the hold; look after the links"
-                   : still        ? "how much the middle sensor's light wandered: the face held still"
-                                  : "the face or the glasses moved; relax, hold still and calibrate "
-                                    "again"});
+  made.scores.push_back({.name = "neutral face",
+                         .value = 100 * middle,
+                         .unit = "%",
+                         .pass = still,
+                         .sentence = unrest.empty() ? "no sensor sent all through the hold; check the links"
+                                     : still
+                                         ? "how much the middle sensor's light wandered: the face held still"
+                                         : "the face or the glasses moved; relax, hold still and calibrate "
+                                           "again"});
   for (std::size_t i = 0; i < names_.size(); ++i) {
     const SensorNormalisation& s = made.sensors[i];
     const double light = s.valid ? std::exp(s.neutral) : 0;
@@ -190,7 +190,7 @@ void NormalisationMaker::judge_neutral(Normalisation& made) const {
                 .pass = s.valid && !saturated && light >= kDim,
                 .sentence = "its light at the neutral face, of what it can read"};
     if (!s.valid)
-      score.sentence = "not heard through the hold, or blinded by other light; it counts as missing";
+      score.sentence = "sent too little during the hold, or was blinded by other light; it counts as missing";
     else if (saturated)
       score.sentence = "stands at the end of its range; bend it away from the skin, or shade it";
     else if (light < kDim)

@@ -10,7 +10,7 @@
 namespace mien::face {
 
 /// How far an eye turns per unit of an eyeLook shape, rad: 35 degrees, as Live Link Face records it.
-/// ICT-FaceKit\'s eyes turn so too.
+/// ICT-FaceKit's eyes turn so too.
 inline constexpr double kEyeTurnRadPerUnit = 0.611;
 
 /// Number of shapes inside: the ICT 53.

@@ -185,7 +185,7 @@ Calibration Prologue::solve() const {
   if (still_.count < kMinFrames) {
     out.scores.push_back(
         score("neutral", 0, "", false,
-              "the head sensor was not heard while holding still; check it and hold still again"));
+              "the head sensor sent nothing while you held still; check it and hold still again"));
     return out;
   }
   const double still_dps = still_.rms_rad_s() / kRadPerDeg;
@@ -286,7 +286,7 @@ Calibration Prologue::solve() const {
     const bool good = sensor.heading_sigma_rad <= kMaxHeadingSigma;
     out.scores.push_back(
         score("heading " + names_[i], sensor.heading_sigma_rad / kRadPerDeg, "deg", good,
-              good ? "the nod tells how this sensor is headed"
+              good ? "the nod gave this sensor's heading"
                    : "the nod does not tell how this sensor is headed; keep the face still and nod wider"));
     const ForceSums& f = force_[i];
     sensor.neutral_accel_m_s2 =

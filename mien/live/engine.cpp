@@ -299,7 +299,7 @@ void Engine::State::on_beat() {
     told_silent = true;
     if (loop.report().frames == 0)
       tell("nothing_heard", intake.counts().received == 0
-                                ? "nothing is heard yet: are the devices on, and do they send here?"
+                                ? "nothing is received yet: are the devices on, and do they send here?"
                                 : "packets come, but no frame of the rig's reference sensor yet; the page's "
                                   "sensors and docs/reference/links.md say why");
   }

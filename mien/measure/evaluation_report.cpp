@@ -90,7 +90,8 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
   report.text(
       "PVE is the mean distance of all vertices between the captured face and the true one, in millimetres; "
       "landmarks are "
-      "the 68 of Multi-PIE. MSE is the weights' squared error, felt that of the shapes which sensors on the "
+      "the 68 of Multi-PIE. MSE is the weights' squared error, measured that of the shapes which sensors on "
+      "the "
       "skin can feel. "
       "Ridge is linear on one frame of the model's own features. Hold last second is the truth of a second "
       "ago, which "

@@ -9,37 +9,40 @@ namespace {
 // All of these were tuned on tests/sensor/estimated_clock_test.cpp's boards: delays of 3 to 20 ms, in order
 // and not, with 10 % loss, pauses, rests in which single samples are left away, and stalls of the radio.
 
-/// How much of a bin goes over to each of its neighbours from sample to sample: the grid is not quite even.
+/// Process noise: the share of a bin that diffuses into each neighbour a sample, for the grid is not quite
+/// even.
 constexpr double kSpread = 0.003;
-/// Delays fall off with their mean, but for this share, which is so many times as late: a stall.
+/// The prior of a delay is exponential about the mean delay; this share of it is a stall's, with so many
+/// times the mean.
 constexpr double kStallShare = 0.005;
 constexpr double kStallTimes = 6;
-/// Of samples that were left away, the share that could be any number; the others fall off.
+/// The prior of how many samples in a row a board skipped: this share is uniform, the rest geometric.
 constexpr double kAnyNumber = 0.02;
-/// Samples are left away now and then at the least, and one in so many is the next but a few.
+/// Bounds of the probability that a sample is skipped at all, and the least ratio of the geometric prior.
 constexpr double kLeastSkips = 0.001;
 constexpr double kMostSkips = 0.8;
 constexpr double kLeastFading = 0.3;
-/// That the numbers tell one period too many: what was lost had nothing to do with sampling.
+/// Probability that the packets' numbers count a period too many: a lost packet that carried no sample.
 constexpr double kOneFewer = 0.005;
-/// That the sample stands where nothing foretold it.
+/// Likelihood of an outlier: an arrival that no hypothesis of the filter predicts.
 constexpr double kAnywhere = 1e-6;
-/// Packets that arrive within this time were queued behind the same stall: their delays tell nothing more.
+/// Packets that arrive within this time were queued behind one stall: their delays are not independent.
 constexpr double kQueued_s = 0.0005;
 
-/// extra_ follows by this share a sample; what delays alone make of it does not count as skips.
+/// Gain of the exponential average extra_, its bounds, and the noise band in which delays alone explain it.
 constexpr double kExtraGain = 0.02;
 constexpr double kExtraMost = 3;
 constexpr double kExtraLeast = -8;
 constexpr double kExtraNoise = 3 * kExtraGain;
-/// Below this many extra periods a sample the delays in a block are the radio's alone.
-constexpr double kCalm = 0.08;
+/// Below this many skipped periods a sample, a block's scatter measures the radio's delay.
+constexpr double kFewSkips = 0.08;
 
-constexpr double kStraight = 0.8;  ///< Probability from which on a step counts as straight,
-constexpr int kStraightRun = 12;   ///< and so many of them in a row teach the period.
+constexpr double kStraight =
+    0.8;  ///< Probability that nothing was skipped, from which a step counts as straight,
+constexpr int kStraightRun = 12;  ///< and the steps in a row after which the period adapts.
 constexpr double kPeriodGain = 0.0002;
-/// So many straight samples and the period is known: only something quite different replaces it, and nothing
-/// longer, since boards that leave samples away seem slow.
+/// Straight samples after which the period is confirmed: it is then replaced only by a very different one,
+/// and by no longer one, since boards that skip samples seem slow.
 constexpr std::int64_t kConfirmed = 300;
 
 constexpr std::size_t kBlockSamples = 32;
@@ -215,13 +218,13 @@ void EstimatedClock::close_block() {
   const double yy = block_.yy - block_.y * block_.y / count;
   block_ = {};
   const double slope_s = xy / xx;  // Periods rise with every sample: xx is not 0.
-  if (!delay_known_ || extra_ < kCalm) {
+  if (!delay_known_ || extra_ < kFewSkips) {
     const double scatter_s = std::sqrt(std::max(0.0, yy - slope_s * xy) / (count - 2));
     const double gain = !delay_known_ ? 1.0 : scatter_s < mean_delay_s_ ? 0.3 : 0.1;
     // Not below a bin and a half: there the histogram has no more to say, and its numbers get absurdly small.
     mean_delay_s_ = std::clamp(mean_delay_s_ + gain * (scatter_s - mean_delay_s_),
                                std::max(kLeastDelay_s, bin_s() / 1.5), kMostDelay_s);
-    delay_known_ = extra_ < kCalm;
+    delay_known_ = extra_ < kFewSkips;
   }
   learn_period(slope_s);
 }

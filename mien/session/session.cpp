@@ -116,7 +116,7 @@ void Session::follow_recentring(DeviceTime frame) {
     add_version(frame, "recentre", {});
   else
     add_event("recentre_failed", frame, frame,
-              quoted("why", in_force_ == 0 ? "nothing is calibrated yet" : "no sensor was heard"));
+              quoted("why", in_force_ == 0 ? "nothing is calibrated yet" : "no sensor sent anything"));
 }
 
 void Session::follow_guided(std::span<const tracker::CalibrationEvent> events) {

@@ -71,7 +71,7 @@ class IFacialMocapSink final : public Sink {
     if (!code) socket.non_blocking(true, code);
     if (!code) socket.bind({protocol, port}, code);
     if (code) {
-      no_requests_ = fmt::format("requests are not heard, port {}: {}", port, code.message());
+      no_requests_ = fmt::format("no requests are received, port {}: {}", port, code.message());
       return fail(ErrorCode::io, no_requests_, address_);
     }
     requests_ = std::move(socket);

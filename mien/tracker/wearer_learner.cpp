@@ -10,7 +10,7 @@ namespace {
 
 std::string why_not(const Error& error) {
   if (error.code == ErrorCode::not_found)
-    return "too few expressions were felt to learn your skin; look after the sensors and calibrate again";
+    return "too few expressions were measured to learn your skin; check the sensors and calibrate again";
   return error.what;
 }
 

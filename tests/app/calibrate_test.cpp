@@ -109,7 +109,7 @@ TEST(Calibrate, WithoutASensorItGivesUpAndSaysWhichAreMissing) {
   StagedSession session({}, 0, 1);
   const Outcome outcome = calibrate(session, {"--wait", "1", "--json"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("mien: calibration: no frame came for 1 s, not heard are silent: "));
+  EXPECT_THAT(outcome.err, HasSubstr("mien: calibration: no frame came for 1 s, nothing from silent: "));
   EXPECT_THAT(outcome.err, HasSubstr("mentalis"));
   EXPECT_THAT(outcome.err, HasSubstr("cancelled; nothing was changed"));
   EXPECT_TRUE(json::parse(outcome.out).at("version").is_null());
@@ -121,7 +121,7 @@ TEST(Calibrate, AfterAWhileItSaysWhatItWaitsFor) {
   StagedSession session({}, 0, 1);
   const Outcome outcome = calibrate(session, {"--wait", "11"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("still waiting for frames, not heard are silent: "));
+  EXPECT_THAT(outcome.err, HasSubstr("still waiting for frames, nothing from silent: "));
   EXPECT_THAT(outcome.err, HasSubstr("--wait"));
 }
 
@@ -132,7 +132,7 @@ TEST(Calibrate, WhereEverySensorIsLostItIsRefusedAtOnce) {
   const session::Report::Calibration before = session.report().calibration;
   const Outcome outcome = calibrate(session, {});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("no sensor is heard any more (lost: "));
+  EXPECT_THAT(outcome.err, HasSubstr("no sensor sends any more (lost: "));
   EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
   EXPECT_EQ(session.report().calibration.state, before.state);
   EXPECT_EQ(session.report().calibration.in_force, before.in_force);
@@ -181,7 +181,7 @@ TEST(Calibrate, RecentringWithoutSensorsSaysSo) {
   StagedSession session(std::move(entries), 18, 10);
   const Outcome outcome = calibrate(session, {"recentre"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("no sensor was heard; nothing was changed"));
+  EXPECT_THAT(outcome.err, HasSubstr("no sensor sent anything; nothing was changed"));
 }
 
 TEST(Calibrate, ATokenIsAskedForAndTakenFromThePagesAddress) {

@@ -286,7 +286,7 @@ TEST_F(LiveProgram, AFullDiskIsSaidAndTheCaptureGoesOn) {
 TEST_F(LiveProgram, ASessionThatHearsNothingSaysSo) {
   const Outcome outcome = run({"live", "--listen", "udp://127.0.0.1:0", "--page", "off", "--for", "0.2"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("No frame came: nothing was heard"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("No frame came: nothing was received"), std::string::npos) << outcome.out;
 }
 
 TEST_F(LiveProgram, BadInputIsOneLine) {

@@ -100,7 +100,7 @@ TEST(WearerLearner, SaysWhyNothingCouldBeLearnt) {
   ASSERT_EQ(answers.size(), 1u);
   EXPECT_FALSE(answers[0].learnt.score.pass);
   EXPECT_TRUE(answers[0].learnt.slopes.empty());
-  EXPECT_NE(answers[0].learnt.score.sentence.find("too few expressions were felt"), std::string::npos)
+  EXPECT_NE(answers[0].learnt.score.sentence.find("too few expressions were measured"), std::string::npos)
       << answers[0].learnt.score.sentence;
 }
 

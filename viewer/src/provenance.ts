@@ -10,7 +10,7 @@ export interface Provenance {
 
 /** In the order in which legends show them. The colours and patterns are `--prov-LETTER` and `.prov-LETTER` in theme.css. */
 export const PROVENANCES: readonly Provenance[] = [
-  { letter: "m", name: "measured", meaning: "A sensor that feels this shape was heard in time." },
+  { letter: "m", name: "measured", meaning: "A sensor that measures this shape sent in time." },
   { letter: "i", name: "interpolated", meaning: "A short gap was filled between samples on both sides." },
   { letter: "p", name: "predicted", meaning: "No sample yet: carried on from the last ones." },
   { letter: "a", name: "audio", meaning: "Heard in the voice." },

@@ -226,7 +226,7 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
   const Progress by_condition = [&](double, std::string_view) {
     const std::size_t whole = count * all.size();
     if (!progress(static_cast<double>(done) / static_cast<double>(whole),
-                  fmt::format("{} of {} performances heard", done.load(), whole)))
+                  fmt::format("{} of {} performances received", done.load(), whole)))
       stop = true;
     return !stop;
   };
@@ -236,7 +236,7 @@ Result<LossStudy> study_loss(const LossRequest& request, const sensor::Rig& rig,
                     tracker::CausalTracker::create(model, rig.face_sensor_names()));
     const measure::Meter meter(played.face);
     for (std::size_t c = 0; c < all.size(); ++c) {
-      if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were heard");
+      if (stop) return fail(ErrorCode::cancelled, "stopped before all performances were received");
       MIEN_TRY_ASSIGN(outcomes[c][p], run_condition(all[c], rig, played, meter, tracker));
       ++done;
     }

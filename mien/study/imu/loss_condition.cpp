@@ -45,7 +45,7 @@ std::string LossCondition::name() const {
     case Fault::restart:
       return "one restarts half-way";
     case Fault::shared_id:
-      return "two with one id, both heard";
+      return "two with one id, both received";
     case Fault::sensor_silent:
       return "without " + sensor;
     case Fault::sensors_silent:

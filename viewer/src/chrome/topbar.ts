@@ -98,13 +98,13 @@ export class Topbar {
         if (connection.kind === "lost" && connection.refused) return "The session refuses this page: its address lacks the right token.";
         if (connection.kind === "lost" && this.session.status.value?.prompts?.state === "over") return "The recording is over, and the session has ended.";
         if (connection.kind === "lost") return "Connection lost. Trying again.";
-        return connection.kind === "stalled" ? "Nothing heard from the session." : "Connecting.";
+        return connection.kind === "stalled" ? "Nothing is received from the session." : "Connecting.";
       case "held":
         return "Held: nothing new is measured, this is the last face.";
       case "neutral":
         if (calibration === "running") return "Neutral while it calibrates.";
         if ((this.session.status.value?.links ?? []).every((link) => link.state === "silent" || link.state === "unbound"))
-          return "Neutral: no sensor has been heard yet. Switch them on.";
+          return "Neutral: no sensor has sent anything yet. Switch them on.";
         return calibration === "none" || calibration === "watching" || calibration === "failed"
           ? "Neutral: not calibrated yet, so nothing is measured."
           : "Neutral: nothing is measured.";

@@ -193,7 +193,7 @@ class Detail {
     if (this.device.dataset["key"] === key) return;
     this.device.dataset["key"] = key;
     this.device.replaceChildren(
-      h("option", { value: "", text: devices.length > 0 ? "Bind a device by name…" : "No unbound device is heard" }),
+      h("option", { value: "", text: devices.length > 0 ? "Bind a device by name…" : "No unbound device is sending" }),
       ...unbound.map((one) => h("option", { value: one.device, text: one.announces ? `${one.device} (says ${one.announces})` : one.device })),
     );
     this.device.disabled = devices.length === 0;
