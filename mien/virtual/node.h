@@ -7,7 +7,6 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
-#include "mien/virtual/imu/imu_simulator.h"
 
 namespace mien::virt {
 
@@ -34,13 +33,6 @@ class Node {
   [[nodiscard]] virtual bool answered() const = 0;
   /// All that was played has been said.
   [[nodiscard]] virtual bool idle() const = 0;
-};
-
-/// The board of one IMU.
-class ImuNode : public Node {
- public:
-  /// What the device has sampled next; to be given before it is due. Errors: what the encoders find.
-  [[nodiscard]] virtual Result<void> play(std::span<const VirtualPacket> packets) = 0;
 };
 
 /// A receiver that has not been heard for this long is gone; the node looks for it again.

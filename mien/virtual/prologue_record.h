@@ -5,7 +5,7 @@
 #include "mien/face/motion.h"
 #include "mien/performer/prologue.h"
 #include "mien/take/take.h"
-#include "mien/virtual/imu/imu_simulator.h"
+#include "mien/virtual/virtual_clock.h"
 
 // What a take of a virtual performer says of the performance itself, whatever its sensors are.
 namespace mien::virt {

@@ -2,12 +2,8 @@
 
 #include <vector>
 
-#include "mien/core/progress.h"
-#include "mien/performer/prologue.h"
-#include "mien/sensor/rig.h"
+#include "mien/core/time.h"
 #include "mien/take/take.h"
-#include "mien/virtual/imu/device_faults.h"
-#include "mien/virtual/imu/skin_site.h"
 
 namespace mien::virt {
 
@@ -22,22 +18,5 @@ struct VirtualSession {
   DeviceTime motion_start;              ///< The motion's time 0, after the prologue.
   std::vector<take::Event> events;      ///< "neutral", "nod", "shake", "range", "prompt", "ease".
 };
-
-/// White noise of the lab profile, an axis: 1 degree.
-inline constexpr double kLabNoiseRad = 0.017453292519943295;
-
-/// The *device* profile: each sensor is a node of its own that sends raw axes at 240 Hz, four samples a
-/// packet, with the faults that `random` draws it. `sites` are those of the rig's sensors, in its order.
-/// Errors: bad_usage (a motion without frames), cancelled, and what the packets' encoder finds.
-[[nodiscard]] Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
-                                                  const std::vector<SkinSite>& sites, const sensor::Rig& rig,
-                                                  const DeviceFaults& faults, const Random& random,
-                                                  const Progress& progress = no_progress);
-
-/// The *lab* profile: for each face sensor and each frame of 60 Hz one rotation vector of the skin in the
-/// head frame, with white noise; no acceleration, no ear sensor, and all clocks are one.
-[[nodiscard]] Result<VirtualSession> play_lab(const performer::PrologueMotion& motion,
-                                              const std::vector<SkinSite>& sites, const sensor::Rig& rig,
-                                              const Random& random, double noise_rad = kLabNoiseRad);
 
 }  // namespace mien::virt

@@ -18,7 +18,7 @@
 #include "mien/core/random.h"
 #include "mien/performer/prologue.h"
 #include "mien/take/take.h"
-#include "mien/virtual/session.h"
+#include "mien/virtual/imu/imu_session.h"
 #include "tests/app/program.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"

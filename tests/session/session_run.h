@@ -16,7 +16,7 @@
 #include "mien/performer/prologue.h"
 #include "mien/session/peers.h"
 #include "mien/session/session.h"
-#include "mien/virtual/session.h"
+#include "mien/virtual/imu/imu_session.h"
 #include "tests/virtual/three_sensors.h"
 
 // A live session without sockets: a virtual performer's packets, arriving when and as they arrive.

@@ -19,7 +19,7 @@
 #include "mien/study/imu/trace_features.h"
 #include "mien/study/performers.h"
 #include "mien/virtual/imu/device_faults.h"
-#include "mien/virtual/session.h"
+#include "mien/virtual/imu/imu_session.h"
 
 namespace mien::study {
 namespace {

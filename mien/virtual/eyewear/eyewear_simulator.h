@@ -15,7 +15,7 @@
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
 #include "mien/virtual/eyewear/photo_sensor.h"
-#include "mien/virtual/imu/imu_simulator.h"
+#include "mien/virtual/virtual_clock.h"
 
 namespace mien::virt {
 

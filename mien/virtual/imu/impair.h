@@ -4,8 +4,8 @@
 #include "mien/core/random.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/imu/device_trouble.h"
+#include "mien/virtual/imu/imu_session.h"
 #include "mien/virtual/network.h"
-#include "mien/virtual/session.h"
 
 namespace mien::virt {
 

@@ -9,30 +9,18 @@
 #include "mien/sensor/sample.h"
 #include "mien/virtual/imu/device_faults.h"
 #include "mien/virtual/imu/skin_trajectory.h"
+#include "mien/virtual/virtual_clock.h"
 
 namespace mien::virt {
 
 inline constexpr double kImuRateHz = 240.0;
 inline constexpr int kSamplesPerPacket = 4;
 
-/// A device's clock against true time: device = offset + rate * true.
-struct VirtualClock {
-  double offset_s = 0;
-  double rate = 1;  ///< 1 + drift.
-
-  [[nodiscard]] DeviceTime device(double true_s) const {
-    return DeviceTime(from_seconds(offset_s + rate * true_s));
-  }
-  [[nodiscard]] double true_s(DeviceTime device_time) const {
-    return (to_seconds(device_time.time_since_epoch()) - offset_s) / rate;
-  }
-};
-
-/// Samples that travel together, and when the host hears them.
+/// Samples that travel together, and when they arrive at the host.
 struct VirtualPacket {
   HostTime arrival;                     ///< Or when it would have arrived.
   Duration delay{};                     ///< From its last sample to there.
-  bool lost = false;                    ///< Sampled, and never heard.
+  bool lost = false;                    ///< Sampled, and lost on the way.
   std::vector<sensor::Sample> samples;  ///< SampleKind::imu_raw, kSamplesPerPacket of them.
 };
 

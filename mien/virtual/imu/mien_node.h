@@ -6,7 +6,7 @@
 
 #include "mien/imu/packets/node_message.h"
 #include "mien/virtual/imu/device_faults.h"
-#include "mien/virtual/node.h"
+#include "mien/virtual/imu/imu_node.h"
 
 namespace mien::virt {
 

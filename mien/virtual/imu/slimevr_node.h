@@ -8,7 +8,7 @@
 
 #include "mien/imu/fusion.h"
 #include "mien/imu/packets/slimevr.h"
-#include "mien/virtual/node.h"
+#include "mien/virtual/imu/imu_node.h"
 
 namespace mien::virt {
 

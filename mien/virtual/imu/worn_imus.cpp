@@ -1,4 +1,6 @@
 #include "mien/virtual/imu/worn_imus.h"
+#include "mien/virtual/imu/imu_node.h"
+#include "mien/virtual/imu/imu_session.h"
 
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-#include "mien/virtual/session.h"
+#include "mien/virtual/imu/imu_session.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // What a live session would have seen of a virtual performer: its log, its ticks and its truth.
-#include "mien/virtual/session.h"
+#include "mien/virtual/imu/imu_session.h"
 #include "mien/core/units.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
-namespace mien::virt::session_test {
+namespace mien::virt::imu_session_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -401,4 +401,4 @@ TEST(DeviceSession, ASilentSensorIsMissingAndTheOthersAreNot) {
 }
 
 }  // namespace
-}  // namespace mien::virt::session_test
+}  // namespace mien::virt::imu_session_test
