@@ -1,6 +1,4 @@
 #include "mien/virtual/imu/worn_imus.h"
-#include "mien/virtual/imu/imu_node.h"
-#include "mien/virtual/imu/imu_session.h"
 
 #include <cstdint>
 #include <string>
@@ -8,6 +6,8 @@
 #include "mien/imu/pipeline.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/take/session_log.h"
+#include "mien/virtual/imu/imu_node.h"
+#include "mien/virtual/imu/imu_session.h"
 #include "mien/virtual/imu/imu_simulator.h"
 #include "mien/virtual/imu/mien_node.h"
 #include "mien/virtual/imu/skin_trajectory.h"
