@@ -43,6 +43,8 @@ int run_process(const std::function<int()>& work) {
 /// What a recording child tells the test, whatever happens to it.
 struct Recorded {
   std::atomic<std::int64_t> arrival_ns = 0;  ///< Of the last packet that the writer took.
+  std::atomic<std::int64_t> stall_ns =
+      0;  ///< Longest time between two packets, a millisecond if all is well.
 };
 
 /// A page that parent and children share.
@@ -72,7 +74,9 @@ int record_for_ever(const fs::path& path, Recorded& recorded) {
     ::nanosleep(&pause, nullptr);
     const HostTime arrival(std::chrono::steady_clock::now() - start);
     test::add_example(*writer, id, arrival);
-    recorded.arrival_ns.store(arrival.time_since_epoch().count());
+    const std::int64_t now_ns = arrival.time_since_epoch().count();
+    recorded.stall_ns.store(std::max(recorded.stall_ns.load(), now_ns - recorded.arrival_ns.load()));
+    recorded.arrival_ns.store(now_ns);
   }
   return 1;
 }
@@ -148,6 +152,7 @@ TEST(Recovery, KilledAtAnyMomentItLosesAtMostASecond) {
     for (std::size_t i = 0; i < kAtOnce; ++i) {
       paths.push_back(folder.path() / (std::to_string(wave) + "_" + std::to_string(i) + ".mien"));
       page[i].arrival_ns.store(0);
+      page[i].stall_ns.store(0);
       // Beyond a second, so that losing a second would show.
       kill_at_s.push_back(random.uniform(0.05, 2.6));
       recorders.push_back(start_process([&, i] { return record_for_ever(paths[i], page[i]); }));
@@ -168,15 +173,19 @@ TEST(Recovery, KilledAtAnyMomentItLosesAtMostASecond) {
         --left;
       }
     }
+    // A machine that stood still did so for every thread of every recorder.
+    double stall_s = 0;
+    for (std::size_t i = 0; i < kAtOnce; ++i)
+      stall_s = std::max(stall_s, static_cast<double>(page[i].stall_ns.load()) * 1e-9);
     for (std::size_t i = 0; i < kAtOnce; ++i) {
       SCOPED_TRACE(paths[i].filename().string());
       journals += fs::exists(paths[i].string() + "-journal") ? 1 : 0;
       const auto take = Take::open(paths[i]);
       ASSERT_TRUE(take) << take.error().message();
       const double lost_s = static_cast<double>(page[i].arrival_ns.load() - check_prefix(*take)) * 1e-9;
-      // A commit waits for the disk several times (journal, file, folder); a disk that others keep busy is
-      // not ours to answer for.
-      EXPECT_LE(lost_s, 1.0 + 6 * disk.worst_s());
+      // A commit waits for the disk several times (journal, file, folder) and for a core; what others keep
+      // busy is not ours to answer for.
+      EXPECT_LE(lost_s, 1.0 + 6 * disk.worst_s() + 2 * stall_s);
       worst_s = std::max(worst_s, lost_s);
     }
   }
