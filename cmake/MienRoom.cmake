@@ -110,8 +110,8 @@ function(mien_room name)
       mien_precompiled(mien_${name} room ${MIEN_PRECOMPILED_HEADERS})
     endif()
     target_link_libraries(mien_${name} PRIVATE $<BUILD_INTERFACE:mien_warnings> ${ROOM_HIDES})
-    # libFuzzer's counters, in the asan-ubsan build too: both then compile a room alike, and the second finds it in ccache.
-    if(MIEN_SANITIZE MATCHES "address" AND CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    # libFuzzer's counters: tests and fuzz targets share one build of the rooms.
+    if(MIEN_FUZZ)
       target_compile_options(mien_${name} PRIVATE -fsanitize=fuzzer-no-link)
     endif()
   endif()
