@@ -7,6 +7,7 @@
 #include "mien/performer/performer.h"
 #include "mien/performer/prologue.h"
 #include "mien/performer/script.h"
+#include "mien/virtual/imu/imu_session.h"
 
 namespace mien::study {
 

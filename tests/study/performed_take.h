@@ -7,6 +7,7 @@
 #include <string>
 
 #include "mien/take/take.h"
+#include "mien/virtual/imu/imu_session.h"
 #include "tests/folder.h"
 #include "tests/virtual/three_sensors.h"
 
