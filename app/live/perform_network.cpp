@@ -192,7 +192,7 @@ Result<NetworkSummary> Broadcast::run() {
   // Devices are on a little before the performance begins.
   if (waited) {
     while (nodes_.simulated_s() < kAheadS) MIEN_TRY(nodes_.simulate());
-    start_ = now() + from_seconds(virt::kTrajectoryMarginS);
+    start_ = now() + from_seconds(virt::kDeviceMarginS);
     nodes_.begin(*start_);
   }
   while (!summary_.stopped && !nodes_.finished()) {

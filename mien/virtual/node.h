@@ -35,6 +35,9 @@ class Node {
   [[nodiscard]] virtual bool idle() const = 0;
 };
 
+/// Devices are on this long before a performance begins and after it ends, s.
+inline constexpr double kDeviceMarginS = 0.25;
+
 /// A receiver that has not been heard for this long is gone; the node looks for it again.
 inline constexpr Duration kReceiverGone = std::chrono::seconds(3);
 

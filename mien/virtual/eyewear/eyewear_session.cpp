@@ -6,6 +6,7 @@
 
 #include "mien/virtual/eyewear/eyewear_boards.h"
 #include "mien/virtual/imu/skin_trajectory.h"
+#include "mien/virtual/node.h"
 #include "mien/virtual/prologue_record.h"
 #include "mien/virtual/reception.h"
 
@@ -20,7 +21,7 @@ Result<VirtualSession> play_eyewear(const performer::PrologueMotion& motion, con
   MIEN_TRY_ASSIGN(EyewearBoards boards, EyewearBoards::put_on(wearer, rig, faults, random));
   MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
   std::vector<Datagram> sent;
-  while (boards.scanned_s() < curve.duration_s() + kTrajectoryMarginS)
+  while (boards.scanned_s() < curve.duration_s() + kDeviceMarginS)
     MIEN_TRY(boards.scan([&](double true_s) { return curve.at(true_s).weights; }, sent));
   // By arrival; of one moment by board and sequence, as they stand.
   sort_by_time(sent);

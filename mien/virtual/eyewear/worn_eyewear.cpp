@@ -24,7 +24,7 @@ class EyewearOnNetwork final : public NodeDevices {
       : boards_(std::move(boards)),
         nodes_(boards_.count()),
         motion_(motion),
-        end_s_(motion.curve.duration_s() + kTrajectoryMarginS) {}
+        end_s_(motion.curve.duration_s() + kDeviceMarginS) {}
   [[nodiscard]] std::vector<Node*> nodes() override {
     std::vector<Node*> all;
     for (EyewearNode& node : nodes_) all.push_back(&node);

@@ -7,6 +7,7 @@
 #include "mien/imu/packets/packet.h"
 #include "mien/virtual/imu/device_packet.h"
 #include "mien/virtual/imu/imu_simulator.h"
+#include "mien/virtual/node.h"
 #include "mien/virtual/prologue_record.h"
 #include "mien/virtual/reception.h"
 
@@ -19,7 +20,7 @@ Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
   const SkinTrajectory trajectory =
-      trace_skin(curve, sites, -kTrajectoryMarginS, curve.duration_s() + kTrajectoryMarginS);
+      trace_skin(curve, sites, -kDeviceMarginS, curve.duration_s() + kDeviceMarginS);
 
   MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
   MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));

@@ -12,10 +12,6 @@ namespace mien::virt {
 /// Rate of the grid on which the skin's motion is computed before each sensor samples it at its own times.
 inline constexpr double kTrajectoryRateHz = 240.0;
 
-/// The skin is traced this far beyond both ends of a motion, s, so that filters and differences have
-/// something to stand on.
-inline constexpr double kTrajectoryMarginS = 0.25;
-
 /// Where the skin under every sensor is, and how it is turned, for a whole motion or a stretch of it. True
 /// time, in seconds from the session's start, which is also the motion's.
 struct SkinTrajectory {

@@ -25,7 +25,7 @@ class ImusOnNetwork final : public NodeDevices {
  public:
   ImusOnNetwork(const Stage& stage, const DeviceFaults& faults, const std::vector<SkinSite>& sites,
                 const PlayedMotion& motion, NodeLanguage language)
-      : tracer_(motion.curve, sites, -kTrajectoryMarginS, motion.curve.duration_s() + kTrajectoryMarginS,
+      : tracer_(motion.curve, sites, -kDeviceMarginS, motion.curve.duration_s() + kDeviceMarginS,
                 motion.encore) {
     for (std::size_t s = 0; s < sites.size(); ++s) {
       simulators_.emplace_back(faults, static_cast<std::uint16_t>(s), stage.devices.fork("sensor", s));
