@@ -90,7 +90,7 @@ struct TickResult {
 class Tracker {
  public:
   virtual ~Tracker() = default;
-  /// "imu": what its calibrations are called in a take.
+  /// The kind of its sensors, as rigs name it; what its calibrations are called in a take.
   [[nodiscard]] virtual std::string_view modality() const = 0;
 
   /// A decoded sample of one of its own sensors as it arrives. Order of calls is the log's order.
