@@ -17,16 +17,16 @@ foreach(program mien mien-train mien-media)
   endif()
 endforeach()
 
-# The library without train and media: these are for the helpers, and would bring libtorch and FFmpeg with them.
-foreach(room core face builtin_face sensor take model tracker shaping session performer mocap imu_packets imu eyewear modalities
-        sink render measure virtual study live)
-  if(TARGET mien_${room})
-    set_target_properties(mien_${room} PROPERTIES EXPORT_NAME ${room})
-    install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
-    if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}")  # A part of a room comes with its room.
-      install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
-              FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE PATTERN gltf EXCLUDE)  # Headers of its own sources.
-    endif()
+# The library without train, media and onnx: these are for the program and its helpers, and would bring libtorch, FFmpeg
+# and libonnx with them.
+get_property(rooms GLOBAL PROPERTY MIEN_ROOMS)
+list(REMOVE_ITEM rooms train media onnx)
+foreach(room IN LISTS rooms)
+  set_target_properties(mien_${room} PROPERTIES EXPORT_NAME ${room})
+  install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+  if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}")  # A part of a room comes with its room.
+    install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
+            FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE PATTERN gltf EXCLUDE)  # Headers of its own sources.
   endif()
 endforeach()
 

@@ -91,7 +91,8 @@ set(MIEN_PRECOMPILED_HEADERS <Eigen/Core> <Eigen/Dense> <Eigen/Geometry> <fmt/fo
 
 # mien_room(NAME [FOLDERS folder...] [KNOWS room...] [USES library...] [HIDES library...]): one folder, one library target
 # mien_NAME; FOLDERS are parts of the same target. KNOWS is the only way to reach another room: what it knows is reachable
-# in turn, nothing else is. USES is what the room's headers need of libraries, HIDES what only its sources do.
+# in turn, nothing else is. USES is what the room's headers need of libraries, HIDES what only its sources do. All rooms are
+# in the global property MIEN_ROOMS, the folder of each in MIEN_FOLDER_OF_NAME: tests, checks and installation go by these.
 function(mien_room name)
   cmake_parse_arguments(ROOM "" "" "FOLDERS;KNOWS;USES;HIDES" ${ARGN})
   set(patterns "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
@@ -121,4 +122,7 @@ function(mien_room name)
   endforeach()
   target_link_libraries(mien_${name} ${scope} ${ROOM_USES})
   add_library(mien::${name} ALIAS mien_${name})
+  file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
+  set_property(GLOBAL APPEND PROPERTY MIEN_ROOMS ${name})
+  set_property(GLOBAL PROPERTY MIEN_FOLDER_OF_${name} "${folder}")
 endfunction()

@@ -3,26 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "mien/sensor/specific_force.h"
+
 namespace mien::session {
 namespace {
 
-/// A finger's tap changes the force by tens of m/s^2 from one sample to the next at 240 Hz; a face by few.
+/// A finger's tap changes the specific force by tens of m/s^2 from one sample to the next at 240 Hz; a face
+/// by few.
 constexpr float kTap_m_s2 = 8;
-/// What a tap shakes is told by then, whatever the radio does.
-constexpr Duration kAllHeard = std::chrono::milliseconds(120);
-
-std::optional<Vec3f> force_of(const sensor::Sample& sample) {
-  switch (sample.kind) {
-    case sensor::SampleKind::imu_raw:
-      return Vec3f(sample.values[3], sample.values[4], sample.values[5]);
-    case sensor::SampleKind::imu_fused:
-      return Vec3f(sample.values[4], sample.values[5], sample.values[6]);
-    case sensor::SampleKind::imu_head_relative:
-    case sensor::SampleKind::eyewear_light:
-      break;
-  }
-  return std::nullopt;
-}
+/// All devices that a tap shakes have sent it by then, whatever the radio does.
+constexpr Duration kAllArrived = std::chrono::milliseconds(120);
 
 }  // namespace
 
@@ -34,11 +24,11 @@ void TapWatch::arm(std::string sensor) {
 
 std::optional<sensor::DeviceKey> TapWatch::add(HostTime arrival, const sensor::Reading& reading) {
   if (sensor_.empty()) return std::nullopt;
-  if (first_ && arrival - *first_ > kAllHeard) {
+  if (first_ && arrival - *first_ > kAllArrived) {
     const auto tapped = std::ranges::max_element(devices_, {}, &Device::jump_m_s2);
     return tapped->key;
   }
-  const std::optional<Vec3f> force = force_of(reading.sample);
+  const std::optional<Vec3f> force = sensor::specific_force(reading.sample);
   if (!force) return std::nullopt;
   for (Device& device : devices_) {
     if (device.used && device.key != reading.from) continue;
