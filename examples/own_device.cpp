@@ -10,6 +10,7 @@
 
 namespace {
 using namespace mien;
+using State = tracker::CalibrationState;
 
 constexpr sensor::SampleKind kOpening{200};  // Takes keep it: one number for ever.
 constexpr std::size_t kJaw = face::shape("jawOpen");
@@ -48,7 +49,7 @@ struct JawTracker final : tracker::Tracker {  // With nothing to calibrate.
   }
   void guide(tracker::Step, DeviceTime, DeviceTime) override {}
   void cancel_guidance() override {}
-  tracker::CalibrationState calibration_state() const override { return {}; }
+  State calibration_state() const override { return {.phase = State::Phase::done}; }
   std::string calibration() const override { return {}; }
   std::vector<sensor::Score> scores() const override { return {}; }
   Result<void> restore(std::string_view) override { return {}; }
@@ -63,15 +64,14 @@ int main() {
   parts.tracker = std::make_unique<JawTracker>();
   parts.protocols.push_back(std::make_unique<JawProtocol>());
   const auto session = session::Session::create(std::move(parts)).value();
-  for (std::uint32_t i = 0; i < 400; ++i) {  // Two seconds: every other 5 ms a datagram.
+  for (std::uint32_t i = 0; i < 400; ++i) {  // Two seconds: every 5 ms a datagram.
     const HostTime now(std::chrono::milliseconds(5 * i + 3));
     while (const auto due = session->due(now))
       fmt::print("{:.3f} s  jawOpen {:.2f}\n", to_seconds(due->frame.time_since_epoch()),
                  session->tick(due->frame, due->fired).weights[kJaw]);
-    if (i % 2 == 1) continue;
     ByteWriter out;
     out.append("JAW!");
-    out.little(i / 2);
+    out.little(i);
     out.little(std::uint64_t{5000} * i);
     out.little(static_cast<float>(0.5 - 0.5 * std::cos(0.0314 * i)));
     static_cast<void>(session->receive(now, 0, out.bytes()));

@@ -123,6 +123,7 @@ class Tracker {
   /// Ends guidance; what was in force before its first step is in force again.
   virtual void cancel_guidance() = 0;
 
+  /// Of a tracker without anything to calibrate: Phase::done, else its users are asked to nod.
   [[nodiscard]] virtual CalibrationState calibration_state() const = 0;
   /// The calibration in force as JSON, as a take keeps it; empty when there is none.
   [[nodiscard]] virtual std::string calibration() const = 0;
