@@ -12,7 +12,8 @@ struct Peer {
   std::string why_not;            ///< Then the reason, for people.
 };
 
-/// ONNX Runtime, on the model exported to ONNX: the quickest rounds of its best graph (app/onnx_peer.h).
+/// ONNX Runtime, on the model exported to ONNX: the quickest rounds of its best graph
+/// (app/bench/onnx_peer.h).
 [[nodiscard]] Peer onnxruntime_step(const std::filesystem::path& model);
 /// libtorch, in the helper mien-train: its quickest rounds.
 [[nodiscard]] Peer libtorch_step(const std::filesystem::path& model);

@@ -74,13 +74,13 @@ using NodeMessage = std::variant<Hello, Welcome, NodeHeartbeat, HeartbeatEcho, P
 
 /// The sixth byte of node packets.
 enum class NodePacketType : std::uint8_t {
-  samples = 1,  ///< imu/packet.h
+  samples = 1,  ///< imu/packets/packet.h
   hello = 2,
   welcome = 3,
   heartbeat = 4,
   echo = 5,
   pulse = 6,
-  sealed = 7,  ///< imu/seal.h
+  sealed = 7,  ///< imu/packets/seal.h
 };
 
 /// Parses any node packet but samples and sealed ones. Errors: truncated; malformed (magic, length, checksum,

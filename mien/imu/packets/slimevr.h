@@ -12,8 +12,8 @@
 #include "mien/core/error.h"
 
 /// The packets of SlimeVR's trackers and server, as their firmware (protocol version 22) sends them. All
-/// numbers are big-endian. Values stay in their units and frames; imu/slimevr_protocol.h makes samples of
-/// them. Layout: docs/reference/slimevr.md.
+/// numbers are big-endian. Values stay in their units and frames; imu/packets/slimevr_protocol.h makes
+/// samples of them. Layout: docs/reference/slimevr.md.
 namespace mien::imu::slimevr {
 
 inline constexpr std::uint16_t kPort = 6969;  ///< UDP, both sides; trackers broadcast their handshake to it.

@@ -20,7 +20,7 @@ inline constexpr double kRangeS = 50;
 inline constexpr double kRemountS = 5;
 
 /// What a person is asked for in the range of motion: sixteen poses of three seconds, each as far as it goes,
-/// of brows, lids, nose, cheeks, mouth and jaw; and how a person follows (virtual/mimic.h). As long as
+/// of brows, lids, nose, cheeks, mouth and jaw; and how a person follows (mien/performer/mimic.h). As long as
 /// kRangeS.
 [[nodiscard]] face::Motion range_of_motion(const Random& random);
 
