@@ -88,18 +88,13 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
   table.strong_rows = {0};
   report.table(table);
   report.text(
-      "PVE is the mean distance of all vertices between the captured face and the true one, in millimetres; "
-      "landmarks are "
-      "the 68 of Multi-PIE. MSE is the weights' squared error, measured that of the shapes which sensors on "
-      "the "
-      "skin can feel. "
-      "Ridge is linear on one frame of the model's own features. Hold last second is the truth of a second "
-      "ago, which "
-      "nobody who captures has: hard to beat where little moves. Jitter is the third difference of the "
-      "weights over the "
+      "PVE is the mean distance of all vertices between the captured face and the true one, in "
+      "millimetres; landmarks are the 68 of Multi-PIE. MSE is the weights' squared error, MSE observed "
+      "that of the shapes that sensors on the skin can measure. Ridge is linear on one frame of the "
+      "model's own features. Hold last second is the truth of a second ago, which nobody who captures "
+      "has: hard to beat where little moves. Jitter is the third difference of the weights over the "
       "truth's: 1 is as lively as the truth. Blink F1 is 0 where no blink was found: no sensor of the "
-      "default rig sits on a "
-      "lid. Definitions: docs/reference/metrics.md.");
+      "default rig sits on a lid. Definitions: docs/reference/metrics.md.");
 
   LinePlot vertices;
   vertices.title = "Vertex error, frame by frame";
@@ -123,7 +118,7 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
   std::ranges::sort(order, {}, [&](std::size_t k) { return std::pair(-m.per_shape[k].mae, k); });
   Table shapes;
   shapes.caption = "Every shape, worst first";
-  shapes.columns = {"shape", "mean absolute error", "correlation", "ridge's error", "felt by skin"};
+  shapes.columns = {"shape", "mean absolute error", "correlation", "ridge's error", "observed by skin"};
   for (const std::size_t k : order)
     shapes.rows.push_back({std::string(face::kShapeNames[k]), number(m.per_shape[k].mae, 3),
                            number(m.per_shape[k].pearson, 2),
