@@ -26,7 +26,10 @@ foreach(room IN LISTS rooms)
   install(TARGETS mien_${room} EXPORT mien_rooms ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
   if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}")  # A part of a room comes with its room.
     install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
-            FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE PATTERN gltf EXCLUDE)  # Headers of its own sources.
+            FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE
+            # Headers of a room's own sources, which no installed header includes.
+            PATTERN gltf EXCLUDE REGEX "/take/(database|layout|new_file|opening|row_writer)\\.h$" EXCLUDE
+            REGEX "/(imu/pipeline|render/renderer)_state\\.h$" EXCLUDE)
   endif()
 endforeach()
 

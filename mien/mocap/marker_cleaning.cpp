@@ -130,7 +130,9 @@ Result<ToModel> to_model(const std::vector<Vec3f>& places, const builtin_face::P
   }
   // A pose needs three markers not on one line.
   const Eigen::Matrix3Xd spread = to.colwise() - to.rowwise().mean();
-  if (used.size() < 3 || Eigen::JacobiSVD<Eigen::MatrixXd>(spread).singularValues()[1] < 5e-3)
+  const Vec3 square = Eigen::SelfAdjointEigenSolver<Mat3>(spread * spread.transpose(), Eigen::EigenvaluesOnly)
+                          .eigenvalues();  // Of the singular values, the smallest first.
+  if (used.size() < 3 || square[1] < 5e-3 * 5e-3)
     return fail(ErrorCode::not_found, "too few markers to lay the recording onto the face", kMarkerCleaning,
                 "three that are not in one line are the least");
   const Eigen::Matrix4d fit = Eigen::umeyama(from, to, with_scale);

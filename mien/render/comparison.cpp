@@ -22,8 +22,9 @@ Image comparison(Renderer& renderer, std::span<const Vec3f> truth_m, std::span<c
 
   Image picture(3 * camera.width, camera.height);
   paste(picture, renderer.still(truth_m, camera, look), 0, 0);
-  paste(picture, renderer.still(capture_m, camera, look), camera.width, 0);
-  paste(picture, renderer.still(capture_m, camera, look, &colours), 2 * camera.width, 0);
+  renderer.light(capture_m, camera, look);
+  paste(picture, renderer.draw(), camera.width, 0);
+  paste(picture, renderer.draw(&colours), 2 * camera.width, 0);
 
   const Rgb ink = look.background_top[0] > 128 ? Rgb{40, 42, 48} : Rgb{226, 229, 236};
   const float size = std::max(12.0F, 0.042F * static_cast<float>(camera.height));

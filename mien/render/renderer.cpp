@@ -24,6 +24,15 @@ std::vector<Vec3f> disc_directions(const Vec3f& axis, float radius_rad, int coun
   return directions;
 }
 
+/// Where a camera's picture lies, frame H.
+struct PictureAxes {
+  explicit PictureAxes(const Camera& camera)
+      : forward((camera.target_m - camera.position_m).normalized()),
+        right(forward.cross(camera.up).normalized()),
+        up(right.cross(forward)) {}
+  Vec3f forward, right, up;
+};
+
 }  // namespace
 
 /// `count` directions spread evenly over the sphere (Fibonacci lattice).
@@ -68,20 +77,24 @@ Renderer::~Renderer() = default;
 
 Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look,
                       const ErrorColours* errors) {
+  light(vertices_m, camera, look);
+  return draw(errors);
+}
+
+void Renderer::light(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look) {
   State& s = *state_;
   assert(vertices_m.size() == s.face.neutral_m.size());
-  assert(errors == nullptr || errors->error_m.size() == vertices_m.size());
   assert(camera.width > 0 && camera.height > 0);
+  s.setting.camera = camera;
+  s.setting.background_top = from_srgb(look.background_top);
+  s.setting.background_bottom = from_srgb(look.background_bottom);
 
-  const Vec3f forward = (camera.target_m - camera.position_m).normalized();
-  const Vec3f right = forward.cross(camera.up).normalized();
-  const Vec3f up = right.cross(forward);
-
-  Studio studio;
+  const PictureAxes axes(camera);
+  Studio& studio = s.setting.studio;
   studio.light = {look.key, look.fill, look.rim};
   for (std::size_t l = 0; l < kLights; ++l) {
     const Vec3f d = studio.light[l].direction;
-    studio.light[l].direction = (d.x() * right + d.y() * up - d.z() * forward).normalized();
+    studio.light[l].direction = (d.x() * axes.right + d.y() * axes.up - d.z() * axes.forward).normalized();
     studio.light_samples[l] = disc_directions(studio.light[l].direction, studio.light[l].radius_rad,
                                               s.quality == Quality::still ? 16 : 6);
   }
@@ -94,27 +107,33 @@ Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, c
   s.fringe.move(vertices_m);
   s.light_vertices(studio);
   s.scatter_light();
+}
 
+Image Renderer::draw(const ErrorColours* errors) const {
+  const State& s = *state_;
+  const Camera& camera = s.setting.camera;
+  assert(errors == nullptr || errors->error_m.size() == s.position.size());
+  const PictureAxes axes(camera);
   Image picture(camera.width, camera.height);
   const float half_height = std::tan(0.5F * camera.field_of_view_rad);
   const float pixel = 2 * half_height / static_cast<float>(camera.height);
   const float footprint_m = pixel * (camera.target_m - camera.position_m).norm();
-  const Vec3f top = from_srgb(look.background_top), bottom = from_srgb(look.background_bottom);
   const int grid = s.quality == Quality::still ? 3 : 2;
   const int edge_grid = grid + 2;
 
   const auto background = [&](float x, float y) {
     const float u = x / static_cast<float>(camera.width) - 0.5F, v = y / static_cast<float>(camera.height);
-    return Vec3f(mix(top, bottom, smoothstep(0, 1, v)) * (1 - 0.5F * u * u));
+    return Vec3f(mix(s.setting.background_top, s.setting.background_bottom, smoothstep(0, 1, v)) *
+                 (1 - 0.5F * u * u));
   };
   // What a pixel shows is averaged after the tone curve, so that bright edges stay smooth.
   const auto sample = [&](float x, float y) {
-    const Vec3f direction = (forward + ((x - 0.5F * static_cast<float>(camera.width)) * right -
-                                        (y - 0.5F * static_cast<float>(camera.height)) * up) *
-                                           pixel)
+    const Vec3f direction = (axes.forward + ((x - 0.5F * static_cast<float>(camera.width)) * axes.right -
+                                             (y - 0.5F * static_cast<float>(camera.height)) * axes.up) *
+                                                pixel)
                                 .normalized();
     float cover = 0;
-    const Vec3f light = s.shade(studio, camera.position_m, direction, errors, footprint_m, &cover);
+    const Vec3f light = s.shade(s.setting.studio, camera.position_m, direction, errors, footprint_m, &cover);
     const Vec3f behind = background(x, y);
     return cover > 0 ? mix(behind, tone_map(light), cover) : behind;
   };
@@ -147,7 +166,7 @@ Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, c
       }
   });
   if (errors != nullptr) {
-    const float brightness = bottom.mean();
+    const float brightness = s.setting.background_bottom.mean();
     draw_error_legend(picture, errors->full_scale_m,
                       brightness > 0.3F ? Rgb{40, 42, 48} : Rgb{214, 217, 224});
   }

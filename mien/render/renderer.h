@@ -58,6 +58,12 @@ class Renderer {
   [[nodiscard]] Image still(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look,
                             const ErrorColours* errors = nullptr);
 
+  /// The same in two steps, for several pictures of one pose: the light on it, which is about half of the
+  /// work, ...
+  void light(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look);
+  /// ... and a picture of what was lit last, by the camera and look of then.
+  [[nodiscard]] Image draw(const ErrorColours* errors = nullptr) const;
+
  private:
   struct State;
   std::unique_ptr<State> state_;

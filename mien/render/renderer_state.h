@@ -130,7 +130,13 @@ struct Renderer::State {
   float lowest_m = 0;
   std::vector<Vec3f> ambient_directions, eye_directions;
 
-  // Of the picture at work.
+  // Of the pose that was lit last.
+  struct Setting {
+    Camera camera;
+    Studio studio;
+    Vec3f background_top = Vec3f::Zero(), background_bottom = Vec3f::Zero();  // Linear.
+  };
+  Setting setting;
   std::vector<Vec3f> position, normal;
   std::vector<Vec3f> ambient;                       // Light from everywhere that arrives, over pi.
   std::array<std::vector<Vec3f>, kLights> visible;  // Part of each light that arrives, by channel.
