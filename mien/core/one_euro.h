@@ -13,7 +13,9 @@ struct OneEuroSettings {
   /// Hz per unit a second, >= 0: how fast the cutoff rises with the signal's speed. Raising takes the delay
   /// out of quick movement and lets its noise through.
   double beta = 0;
-  /// Hz, > 0: smooths the speed itself. Rarely worth changing.
+  /// Hz, > 0: the cutoff at which the speed itself is smoothed; without effect while beta is 0. Raising lets
+  /// the filter open sooner when a movement begins, and open with noise at rest; lowering opens and closes it
+  /// later. The authors' value; rarely worth changing.
   double derivative_cutoff_hz = 1;
   bool operator==(const OneEuroSettings&) const = default;
 };

@@ -17,7 +17,9 @@ inline constexpr std::size_t kMaxTextDevices = 16;
 
 struct EyewearProtocolSettings {
   /// Resolution of the converter, bits, kMinAdcBits to kMaxAdcBits, for text lines without a header that
-  /// gives it (10: Arduino Uno). Raising by one halves the light that a step stands for.
+  /// gives it (10: Arduino Uno). Raising by one halves the light that a step stands for, lowering by one
+  /// doubles it. Above the converter's own, saturation is never reported; below it, lines with values beyond
+  /// the range are malformed.
   std::uint8_t text_bits = 10;
 };
 

@@ -11,25 +11,32 @@
 
 namespace mien::face {
 
-/// All of these are squared millimetres of one coordinate a unit of weight, summed over the points: what is
-/// gained by fitting a millimetre better must outweigh them.
+/// The costs are squared millimetres of one coordinate a unit of weight, summed over the points, and not
+/// below 0: what is gained by fitting a millimetre better must outweigh them.
 struct WeightSolverSettings {
-  /// Pull to zero. Raising uses fewer and smaller shapes where the points do not tell.
+  /// Pull to zero. Raising uses fewer and smaller shapes where the points do not tell; lowering fits the
+  /// points more closely, and their noise with shapes that they hardly determine. For measured points;
+  /// estimated ones, millimetres off, had the least error at 100 (docs/experiments/eyewear.md).
   double rest = 0.5;
-  /// Pull to the frame before, at 60 frames a second. Raising is calmer and later.
+  /// Pull to the frame before, at 60 frames a second; it falls with the time since that frame. Raising: less
+  /// jitter, more delay. Lowering: more jitter, less delay; at 0 each frame is solved without the last one.
   double smooth = 2.0;
-  /// Cost of both of an exclusive pair at full weight.
+  /// Cost of both of an exclusive pair at full weight. Raising takes the lesser one out even where the points
+  /// ask for both; lowering lets both share a movement of which the points cannot tell them apart.
   double exclusive = 40.0;
-  /// Cost of a pair that should be alike and is a whole weight apart.
+  /// Cost of a pair that should be alike and is a whole weight apart. Raising makes the two more alike, also
+  /// where the points show a difference; lowering lets noise drive them apart.
   double together = 1.0;
-  /// Sweeps over all shapes at most. A frame that moves little needs three or four.
+  /// Sweeps over all shapes at most. A frame that moves little needs three or four. Raising comes nearer to
+  /// the optimum after a large movement and costs time in proportion; lowering bounds a frame's cost, and the
+  /// following frames finish what it left.
   int sweeps = 40;
 };
 
 /// From where points of the skin are to the weights that bring a face's own points there: least squares
-/// within [0, 1] and the rules of the face, calm from frame to frame. Starts each frame from the last one's
-/// answer, which makes it a pure function of the calls. Method: coordinate descent on the 53 weights, which
-/// minimises exactly along each and keeps bounds for nothing (Tseng 2001, doi:10.1023/A:1017501703105).
+/// within [0, 1] and the rules of the face, smoothed from frame to frame. Starts each frame from the last
+/// one's answer, which makes it a pure function of the calls. Method: coordinate descent on the 53 weights,
+/// which minimises exactly along each and keeps bounds for nothing (Tseng 2001, doi:10.1023/A:1017501703105).
 /// Thread: one at a time. No allocation in solve().
 class WeightSolver {
  public:

@@ -14,10 +14,11 @@
 #include "mien/shaping/settings.h"
 #include "mien/tracker/tracker.h"
 
-// The one place of this room that knows which modalities there are.
+// Trackers, protocols and models of all modalities, by the kinds of a rig's sensors.
 namespace mien::modalities {
 
-/// What devices and a host share, so that nobody else is heard; the program reads it from the file of --key.
+/// What devices and a host share, so that packets of nobody else are accepted; the program reads it from the
+/// file of --key.
 struct PairingKey {
   std::uint8_t id = 0;
   std::array<std::byte, 32> secret{};
@@ -44,12 +45,12 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 [[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
                                                                      const std::filesystem::path& model);
 
-/// Every language that sensors speak; with keys those in which they can be sealed. Errors: internal
+/// The protocols of all sensors; with keys those whose packets can be sealed. Errors: internal
 /// (libsodium), the keys'.
 [[nodiscard]] Result<Protocols> make_protocols(const std::vector<PairingKey>& keys = {});
 
-/// A session for a rig: its sensors' tracker with this live model, and every language that sensors speak.
-/// With keys only what is sealed by one of them is heard, so nothing on serial lines. Errors: those of
+/// A session for a rig: its sensors' tracker with this live model, and the protocols of all sensors. With
+/// keys only what is sealed by one of them is accepted, so nothing from serial lines. Errors: those of
 /// make_tracker and make_protocols, the session's.
 [[nodiscard]] Result<std::unique_ptr<session::Session>> make_session(
     const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& shaping = {},

@@ -10,7 +10,10 @@ namespace mien::model {
 /// levels.
 struct ScheduleSettings {
   std::size_t levels = 1000;  ///< Number of noise levels; level 0 is almost clean.
-  double offset = 0.008;      ///< Keeps the first levels from being too small.
+  /// 0 to 1, a share of all levels: where on the cosine level 0 lies. Raising puts more noise into the first
+  /// levels, lowering less (at 0 hardly any, which teaches nothing). The source's value; a network keeps the
+  /// one that it was trained with.
+  double offset = 0.008;
   bool operator==(const ScheduleSettings&) const = default;
 };
 
@@ -38,8 +41,10 @@ struct SamplerSettings {
   std::size_t steps = 4;
   std::uint64_t seed = 1;  ///< The same seed gives the same weights.
   OverlapHold hold = OverlapHold::noised;
-  /// Size of the first noise, 0 to 1: 1 as trained; 0 begins at the middle of all beginnings, for ddim with
-  /// few steps, whose answer would else tremble with the noise. ddpm takes 1.
+  /// Standard deviation of the first noise, 0 to 1: 1 as trained. Lowering takes out the jitter that the
+  /// noise brings into ddim's answers of few steps; 0 begins at the middle of all beginnings. Raising brings
+  /// their jitter back, and their spread. Training tries 1 and 0 on validation. ddpm takes 1 whatever this
+  /// is.
   double first_noise = 1;
   bool operator==(const SamplerSettings&) const = default;
 };

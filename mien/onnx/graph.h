@@ -34,8 +34,8 @@ struct Attribute {
 };
 
 /// An ONNX graph that is being written, node after node. Values are known by their names; those inside are
-/// numbered. Nothing here checks shapes: onnx::checker does in the tests. Source: github.com/onnx/onnx,
-/// docs/IR.md.
+/// numbered. Nothing here checks shapes: onnx::checker does in the tests. Source: IR.md in the documentation
+/// of github.com/onnx/onnx.
 class Graph {
  public:
   /// `says` describes the graph to who opens the file.

@@ -12,12 +12,16 @@
 namespace mien::sensor {
 
 struct ClockSettings {
-  /// The earliest arrival of each stretch of this length is kept. Raising survives worse radio, follows drift
-  /// later.
+  /// The earliest arrival of each stretch of this length is kept, 60 of them. Raising survives worse radio,
+  /// follows drift later; lowering follows drift sooner, by fewer arrivals a stretch.
   Duration stretch = std::chrono::seconds(1);
-  /// Rates beyond this are noise, not a crystal: share of one.
+  /// The fitted rate is held within plus and minus this, a share (1e-6 is 1 ppm): what is beyond is noise,
+  /// not a crystal. Raising accepts worse crystals, and more of the radio's noise in a young fit; lowering
+  /// rejects more noise, and lets a crystal beyond it drift away from its line.
   double max_rate = 100e-6;
-  /// Before this much has been seen the rate is taken as one: a fit would see the radio's noise.
+  /// Until the kept arrivals span this much device time the rate is taken as 0: a fit would see the radio's
+  /// noise. Raising: less of that noise in the first fitted rate; drift is followed later. Lowering: sooner,
+  /// and noisier.
   Duration min_span = std::chrono::seconds(8);
 };
 
@@ -86,9 +90,9 @@ class ClockModel {
 };
 
 /// The reference's time line and every sensor's way to it. The line is the reference sensor's device time.
-/// When nothing is heard from the reference in the first half second, or the samples are of the lab profile
-/// (which stand on the line already), it is the host's time instead, and stays so for the whole session. A
-/// reference that restarts is joined on where it left off, so that the line never runs back.
+/// When nothing is received from the reference in the first half second, or the samples are of the lab
+/// profile (which stand on the line already), it is the host's time instead, and stays so for the whole
+/// session. A reference that restarts is joined on where it left off, so that the line never runs back.
 class TimeLines {
  public:
   /// `reference` is a number below `sensor_count`, or none.
@@ -109,7 +113,7 @@ class TimeLines {
   [[nodiscard]] bool ready() const { return basis_ != Basis::open; }
   [[nodiscard]] bool on_host_time() const { return basis_ == Basis::host; }
   [[nodiscard]] bool has_samples(std::uint16_t sensor) const;
-  /// One sensor's device time on the line, and back. The sensor has been heard.
+  /// One sensor's device time on the line, and back. The sensor has samples.
   [[nodiscard]] DeviceTime to_line(std::uint16_t sensor, DeviceTime device) const;
   [[nodiscard]] DeviceTime from_line(std::uint16_t sensor, DeviceTime line) const;
   /// When a reference sample of this time arrives at the earliest.

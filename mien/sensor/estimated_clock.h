@@ -8,13 +8,20 @@
 
 namespace mien::sensor {
 
+/// Periods and times of EstimatedClock; all above 0.
 struct EstimatedClockSettings {
-  /// Taken for the sample period until arrivals show another one: SlimeVR's boards send 100 a second.
+  /// Taken for the sample period until arrivals show another one: SlimeVR's boards send 100 a second. One
+  /// that is longer or shorter than the board's own makes its times wrong until then, for about two seconds
+  /// of steady motion.
   Duration first_period = std::chrono::milliseconds(10);
-  /// Periods outside these are not believed.
+  /// The learned period is held within these. Lowering min_period and raising max_period admit faster and
+  /// slower boards, and more wrong periods, learned from bursts and pauses; the other way round a board
+  /// outside them never gets its own period.
   Duration min_period = std::chrono::milliseconds(2);
   Duration max_period = std::chrono::milliseconds(50);
-  /// After a longer gap the grid's phase is found anew. Raising trusts the period's last digits more.
+  /// After a longer gap the grid's phase is found anew, from the arrival alone. Raising keeps the phase
+  /// through longer pauses and trusts the period's last digits more: in ten seconds 100 ppm are 1 ms.
+  /// Lowering forgets it in shorter ones, after which the radio's delay is uncertain again.
   Duration keep_phase = std::chrono::seconds(10);
 };
 

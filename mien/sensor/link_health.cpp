@@ -92,7 +92,7 @@ std::string_view link_state_name(LinkState state) {
 void LinkHealth::Stillness::add(std::span<const float> now, DeviceTime time) {
   bool changed = now.size() != count;
   for (std::size_t i = 0; i < now.size() && !changed; ++i) changed = !same(now[i], values[i]);
-  const bool gap = time - newest > kLostAfter;  // What was not heard may have changed and come back.
+  const bool gap = time - newest > kLostAfter;  // What was not received may have changed and come back.
   newest = time;
   ++samples;
   if (!changed && !gap) return;

@@ -13,9 +13,9 @@ namespace mien::sensor {
 
 /// What a person is told of one sensor's link, the gravest that holds (docs/reference/links.md).
 enum class LinkState : std::uint8_t {
-  unbound,    ///< No device belongs to the sensor: said by the session, never by LinkHealth.
-  silent,     ///< Bound, and no sample was ever heard.
-  good,       ///< Fresh, whole, in time, alive. Never given to a link that is not heard.
+  unbound,    ///< No device belongs to the sensor: reported by the session, never by LinkHealth.
+  silent,     ///< Bound, and no sample was ever received.
+  good,       ///< Fresh, whole, in time, alive. Never of a link that receives nothing.
   lossy,      ///< More than 5 % of the packets of the last seconds never came.
   late,       ///< More than 5 % came so late that they missed their frame: a slow radio, or bursts.
   lost,       ///< Nothing for 100 ms (where times are estimated: a second).
@@ -23,7 +23,7 @@ enum class LinkState : std::uint8_t {
   saturated,  ///< Some axis stood at the end of its range in the last half second.
   unchanged,  ///< Times are estimated and nothing came for a moment: such boards send only what changes.
   restarted,  ///< The board began anew in the last seconds: its time or its sequence ran back.
-  duplicate,  ///< Two devices speak with one id.
+  duplicate,  ///< Two devices send with one id.
 };
 /// As the page's protocol spells it: "good".
 [[nodiscard]] std::string_view link_state_name(LinkState state);
@@ -53,13 +53,14 @@ struct LinkReport {
 };
 
 struct LinkSettings {
-  /// How long a sensor whose board still says other things may be without a sample before it is lost; only
-  /// where times are estimated. Raising it trusts a board whose sensor may have died.
+  /// How long a sensor whose board still sends other packets may be without a sample before it is `lost`;
+  /// only where times are estimated. Raising it trusts a board whose sensor may have died; lowering it
+  /// reports that sooner, down to a second: below, it changes nothing, as such sensors are `lost` no sooner.
   Duration unchanged_for = std::chrono::seconds(1);
 };
 
-/// The truth about one sensor's link, from sequence numbers, device times, arrivals and data. A pure function
-/// of the calls, in the order of arrival. No allocation. Cost: add O(1), report O(20). About 9 KB.
+/// State and counters of one sensor's link, from sequence numbers, device times, arrivals and data. A pure
+/// function of the calls, in the order of arrival. No allocation. Cost: add O(1), report O(20). About 9 KB.
 ///
 /// How it tells apart: a packet continues a *line* when its device time and its sequence number both go on
 /// plausibly from the line's newest packet. One that does not begins a line; the last line is remembered. A
@@ -74,7 +75,7 @@ class LinkHealth {
   void add(HostTime arrival, const Sample& sample, bool saturated);
   /// A datagram of this device that broke its protocol's rules.
   void add_malformed() { ++malformed_; }
-  /// The board said something that is no sample.
+  /// The board sent something that is no sample.
   void add_alive(HostTime arrival) { alive_ = arrival; }
   /// 0 to 100; more is taken as 100.
   void set_battery(std::uint8_t percent) { battery_ = percent > 100 ? std::uint8_t{100} : percent; }

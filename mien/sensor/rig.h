@@ -30,7 +30,8 @@ struct Mount {
 };
 
 /// How the skin under face sensors turns, over many people and performances: mean and covariance of the
-/// rotation vectors against neutral, frame H, three numbers a sensor. Degrees, as the file has them.
+/// rotation vectors against neutral, frame H, three numbers a sensor. Degrees, as the file has them: radians
+/// would not be written back as the same digits.
 struct SkinMotion {
   std::vector<std::string> sensors;  ///< Names, each a face sensor of the rig.
   Eigen::VectorXd mean_deg;

@@ -28,9 +28,8 @@ struct ReplayStep {
 /// when a tick fired, that tick. `for (const auto& step : replay_order(samples, ticks))`.
 ///
 /// Entries decoded one by one as they come and the samples stored beside them give the same sequence of
-/// samples and ticks, which is why a solve from the raw log equals one from the samples. Shape: items in the
-/// order of place_in_log(), ticks in the order of after_entry; Take's readers hold to both. Lifetime: looks
-/// at the spans, owns nothing. No allocation.
+/// samples and ticks. Shape: items in the order of place_in_log(), ticks in the order of after_entry; Take's
+/// readers hold to both. Lifetime: looks at the spans, owns nothing. No allocation.
 template <class Item>
 class ReplayOrder {
  public:
@@ -83,12 +82,13 @@ class ReplayOrder {
   std::span<const Tick> ticks_;
 };
 
-/// From raw packets: `mien solve --from-log`.
+/// Of raw packets: `mien solve` and replays receive them again through session::Receiver (`--from-log` of
+/// `mien solve` changes nothing).
 [[nodiscard]] inline ReplayOrder<LogEntry> replay_order(std::span<const LogEntry> entries,
                                                         std::span<const Tick> ticks) {
   return {entries, ticks};
 }
-/// From decoded samples: `mien solve`.
+/// Of decoded samples: virtual performers are calibrated from their own.
 [[nodiscard]] inline ReplayOrder<StoredSample> replay_order(std::span<const StoredSample> samples,
                                                             std::span<const Tick> ticks) {
   return {samples, ticks};

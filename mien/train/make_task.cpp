@@ -1,7 +1,10 @@
 #include "mien/train/make_task.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -63,7 +66,9 @@ Result<std::unique_ptr<Task>> make_task(Recipe recipe, const std::string& where,
   const auto modality = std::ranges::find(kModalities, kinds.front(), &Modality::kind);
   if (modality == kModalities.end())
     return fail(ErrorCode::unsupported, "nothing is trained for sensors of the kind " + kinds.front(),
-                "rig " + rig.name, "use a rig of the kind imu or eyewear");
+                "rig " + rig.name,
+                fmt::format("use a rig of the kind {}",
+                            fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
   return modality->make(std::move(recipe), where + ", [data]", face, rig, std::move(rig_text), progress);
 }
 

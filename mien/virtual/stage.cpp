@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ranges>
 #include <string_view>
 #include <utility>
 
@@ -62,7 +63,9 @@ Result<Stage> set_stage(const StageRequest& request) {
   const auto modality = std::ranges::find(kModalities, kinds.front(), &Modality::kind);
   if (modality == kModalities.end())
     return fail(ErrorCode::unsupported, "there are no virtual sensors of the kind " + kinds.front(),
-                request.rig.string(), "use a rig of the kind imu or eyewear");
+                request.rig.string(),
+                fmt::format("use a rig of the kind {}",
+                            fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
   stage.lab = request.devices == "lab";
   MIEN_TRY_ASSIGN(face::Face face, builtin_face::load_face(request.face));
   const Random root(request.seed);

@@ -8,6 +8,7 @@
 #include "mien/core/cobs.h"
 #include "mien/core/random.h"
 #include "tests/hex.h"
+#include "tests/wrong_packets.h"
 
 namespace mien::eyewear::packet_test {
 namespace {
@@ -69,31 +70,15 @@ TEST(EyewearPacket, ComesBackAsItWent) {
 }
 
 TEST(EyewearPacket, RefusesEveryTruncationAndTrailingBytes) {
-  auto bytes = encoded(three());
-  for (std::size_t size = 0; size < bytes.size(); ++size)
-    EXPECT_FALSE(parse_packet(std::span(bytes).first(size))) << size;
-  bytes.push_back(std::byte{0});
-  EXPECT_FALSE(parse_packet(bytes));
+  expect_refuses_truncation_and_trailing_bytes(encoded(three()), parse_packet);
 }
 
 TEST(EyewearPacket, RefusesEveryFlippedBit) {
-  const auto good = encoded(three());
-  for (std::size_t i = 0; i < 8 * good.size(); ++i) {
-    auto bytes = good;
-    bytes[i / 8] ^= std::byte{static_cast<unsigned char>(1U << (i % 8))};
-    EXPECT_FALSE(parse_packet(bytes)) << "bit " << i;
-  }
+  expect_refuses_flipped_bits(encoded(three()), parse_packet);
 }
 
-struct Wrong {
-  const char* name;
-  std::size_t at;
-  std::vector<unsigned> bytes;
-  ErrorCode code;
-};
-
 TEST(EyewearPacket, RefusesEachWrongFieldAlone) {
-  const std::vector<Wrong> cases = {
+  const std::vector<WrongField> cases = {
       {"magic", 0, {'X'}, ErrorCode::malformed},
       {"version", 4, {2}, ErrorCode::unsupported},
       {"type", 5, {1}, ErrorCode::unsupported},
@@ -111,15 +96,7 @@ TEST(EyewearPacket, RefusesEachWrongFieldAlone) {
       {"LED on beyond the range", 32, {0, 4}, ErrorCode::out_of_range},
       {"LED off beyond the range", 42, {0xff, 0xff}, ErrorCode::out_of_range},
   };
-  for (const Wrong& wrong : cases) {
-    auto bytes = encoded(three());
-    for (std::size_t i = 0; i < wrong.bytes.size(); ++i)
-      bytes[wrong.at + i] = std::byte{static_cast<unsigned char>(wrong.bytes[i])};
-    renew_checksum(bytes);
-    const auto packet = parse_packet(bytes);
-    ASSERT_FALSE(packet) << wrong.name;
-    EXPECT_EQ(packet.error().code, wrong.code) << wrong.name << ": " << packet.error().message();
-  }
+  expect_refuses_wrong_fields(encoded(three()), cases, parse_packet);
 }
 
 TEST(EyewearPacket, RandomBytesNeverPass) {

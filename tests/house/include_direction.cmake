@@ -46,6 +46,9 @@ foreach(room IN LISTS rooms ITEMS app app_train app_media)
   set(${room}_reach ${reach})
 endforeach()
 
+# It reaches modalities through their table, and names none of them.
+list(REMOVE_ITEM live_reach imu imu_packets eyewear headset speech mocap)
+
 function(room_of path out)
   if(path MATCHES "^mien/study/media/")
     set(${out} media PARENT_SCOPE)

@@ -10,6 +10,7 @@
 #include "mien/core/bytes.h"
 #include "mien/core/random.h"
 #include "tests/hex.h"
+#include "tests/wrong_packets.h"
 
 namespace mien::imu::packet_test {
 namespace {
@@ -123,33 +124,16 @@ TEST(Packet, SaturatesAsTheChipDoes) {
 }
 
 TEST(Packet, RefusesEveryTruncationAndTrailingBytes) {
-  for (const Packet& packet : {raw_packet(), fused_packet(), head_relative_packet()}) {
-    auto bytes = encoded(packet);
-    for (std::size_t size = 0; size < bytes.size(); ++size)
-      EXPECT_FALSE(parse_packet(std::span(bytes).first(size))) << size;
-    bytes.push_back(std::byte{0});
-    EXPECT_FALSE(parse_packet(bytes));
-  }
+  for (const Packet& packet : {raw_packet(), fused_packet(), head_relative_packet()})
+    expect_refuses_truncation_and_trailing_bytes(encoded(packet), parse_packet);
 }
 
 TEST(Packet, RefusesEveryFlippedBit) {
-  const auto good = encoded(raw_packet());
-  for (std::size_t i = 0; i < 8 * good.size(); ++i) {
-    auto bytes = good;
-    bytes[i / 8] ^= std::byte{static_cast<unsigned char>(1U << (i % 8))};
-    EXPECT_FALSE(parse_packet(bytes)) << "bit " << i;
-  }
+  expect_refuses_flipped_bits(encoded(raw_packet()), parse_packet);
 }
 
-struct Wrong {
-  const char* name;
-  std::size_t at;
-  std::vector<unsigned> bytes;
-  ErrorCode code;
-};
-
 TEST(Packet, RefusesEachWrongFieldAlone) {
-  const std::vector<Wrong> cases = {
+  const std::vector<WrongField> cases = {
       {"magic", 0, {'X'}, ErrorCode::malformed},
       {"version", 4, {2}, ErrorCode::unsupported},
       {"type", 5, {9}, ErrorCode::unsupported},
@@ -166,15 +150,7 @@ TEST(Packet, RefusesEachWrongFieldAlone) {
       {"interval 0 of two", 32, {0, 0, 0, 0}, ErrorCode::out_of_range},
       {"interval of seconds", 32, {255, 255, 255, 255}, ErrorCode::out_of_range},
   };
-  for (const Wrong& wrong : cases) {
-    auto bytes = encoded(raw_packet());
-    for (std::size_t i = 0; i < wrong.bytes.size(); ++i)
-      bytes[wrong.at + i] = std::byte{static_cast<unsigned char>(wrong.bytes[i])};
-    renew_checksum(bytes);
-    const auto packet = parse_packet(bytes);
-    ASSERT_FALSE(packet) << wrong.name;
-    EXPECT_EQ(packet.error().code, wrong.code) << wrong.name << ": " << packet.error().message();
-  }
+  expect_refuses_wrong_fields(encoded(raw_packet()), cases, parse_packet);
 }
 
 TEST(Packet, RefusesNumbersThatAreNone) {
