@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "mien/mocap/marker_log.h"
+#include "mien/modalities/modalities.h"
 #include "mien/sensor/clock_model.h"
+#include "mien/session/replay.h"
 #include "mien/take/layout.h"
 
 namespace mien::app {
@@ -16,28 +19,47 @@ DeviceTime device_time(double seconds) {
   return DeviceTime(from_seconds(seconds));
 }
 
+/// Takes no samples: only the clocks that they tell are wanted.
+class NoConsumer final : public session::SampleConsumer {
+  void add(HostTime, const sensor::Sample&) override {}
+  void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override {}
+};
+
 /// The track with its times on the take's line; frames before both clocks are known are left out. What was
-/// known of the clocks when a frame came places it, as in the session itself.
-mocap::MarkerTrack on_line(const mocap::MarkerLog::Received& received, const take::Take& take,
-                           std::span<const take::StoredSample> samples) {
-  sensor::TimeLines lines(take.rig().sensors.size(), take.rig().find(take.rig().reference));
+/// known of the clocks at the first tick after a frame came places it. Errors: the take's,
+/// Receiver::create's.
+Result<mocap::MarkerTrack> on_line(const mocap::MarkerLog::Received& received, const take::Take& take,
+                                   std::span<const take::LogEntry> entries) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
+  MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
+  MIEN_TRY_ASSIGN(modalities::Protocols protocols, modalities::make_protocols());
+  MIEN_TRY_ASSIGN(const std::unique_ptr<session::Receiver> receiver,
+                  session::Receiver::create(take.rig(), std::move(protocols)));
   sensor::ClockModel server;
   mocap::MarkerTrack track;
   track.name = take.path().stem().string();
   track.markers = received.track.markers;
-  auto sample = samples.begin();
-  for (std::size_t i = 0; i < received.track.frames(); ++i) {
-    for (; sample != samples.end() && sample->arrival <= received.arrival[i]; ++sample)
-      lines.add(sample->arrival, sample->sample);
-    const DeviceTime time = device_time(received.track.time_s[i]);
-    server.add(time, received.arrival[i]);
-    if (!lines.ready()) continue;
-    const double line_s = to_seconds(lines.from_host(server.to_host(time)).time_since_epoch());
-    if (!track.time_s.empty() && line_s <= track.time_s.back()) continue;
-    track.time_s.push_back(line_s);
-    const auto frame = received.track.frame(i);
-    track.position_m.insert(track.position_m.end(), frame.begin(), frame.end());
-  }
+  std::size_t next = 0;
+  const auto place_until = [&](HostTime known) {
+    for (; next < received.track.frames() && received.arrival[next] <= known; ++next) {
+      const DeviceTime time = device_time(received.track.time_s[next]);
+      server.add(time, received.arrival[next]);
+      if (!receiver->lines().ready()) continue;
+      const double line_s = to_seconds(receiver->lines().from_host(server.to_host(time)).time_since_epoch());
+      if (!track.time_s.empty() && line_s <= track.time_s.back()) continue;
+      track.time_s.push_back(line_s);
+      const auto frame = received.track.frame(next);
+      track.position_m.insert(track.position_m.end(), frame.begin(), frame.end());
+    }
+  };
+  NoConsumer nobody;
+  MIEN_TRY_ASSIGN(
+      [[maybe_unused]] const bool whole,
+      session::replay_samples(entries, ticks, payloads, *receiver, nobody, [&](const take::Tick& tick) {
+        place_until(tick.fired);
+        return true;
+      }));
+  place_until(HostTime::max());
   return track;
 }
 
@@ -58,8 +80,7 @@ Result<SessionMarkers> session_markers(const take::Take& take, const MarkerImpor
                 take.path().string(),
                 "a motion capture server sends names and positions to a port of mien live: "
                 "docs/reference/protocol.md");
-  MIEN_TRY_ASSIGN(const std::vector<take::StoredSample> samples, take.samples());
-  const mocap::MarkerTrack track = on_line(received.front(), take, samples);
+  MIEN_TRY_ASSIGN(const mocap::MarkerTrack track, on_line(received.front(), take, entries));
   if (track.frames() == 0)
     return fail(ErrorCode::not_found, "no marker came while a sensor was sending", take.path().string());
   markers.begin = device_time(track.time_s.front());

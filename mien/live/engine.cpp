@@ -132,7 +132,7 @@ struct Engine::State {
   Result<std::string> execute_record(const json& command);
   Result<std::string> execute_sink(const json& command);
   Result<std::string> execute_replay(const json& command);
-  [[nodiscard]] json list_takes();
+  [[nodiscard]] json list_takes(bool read_lengths);
   void send_takes();
   void wait_for_play();
   Result<void> start_recording(const std::filesystem::path& path, bool replace);
@@ -340,11 +340,7 @@ Status Engine::State::status() const {
   Status out;
   out.report = loop.report();
   out.missed = loop.missed();
-  Latencies recent;
-  for (const Latencies& part : pieces) recent += part;
-  out.p50 = recent.percentile(0.5);
-  out.p99 = recent.percentile(0.99);
-  out.largest = recent.largest();
+  for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
   out.lines = intake.lines();
   out.recording = recorder.state();
@@ -407,7 +403,7 @@ Result<std::string> Engine::State::execute(const json& command) {
   if (name == "record") return execute_record(command);
   if (name == "sink") return execute_sink(command);
   if (name == "replay") return execute_replay(command);
-  if (name == "takes") return text(list_takes());
+  if (name == "takes") return text(list_takes(true));
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }
 
@@ -462,9 +458,12 @@ Result<std::string> Engine::State::execute_replay(const json& command) {
   return std::string();
 }
 
-json Engine::State::list_takes() {
+json Engine::State::list_takes(bool read_lengths) {
+  std::optional<TakeListing::Growing> growing;
+  if (const Recorder::State recorded = recorder.state(); recorded.on)
+    growing = {recorded.path, recorded.seconds};
   json takes = json::array();
-  for (const TakeListing::Entry& one : listing.list())
+  for (const TakeListing::Entry& one : listing.list(growing, read_lengths))
     takes.push_back({{"name", one.name},
                      {"seconds", one.seconds ? json(*one.seconds) : json(nullptr)},
                      {"error", one.error.empty() ? json(nullptr) : json(one.error)},
@@ -474,7 +473,7 @@ json Engine::State::list_takes() {
 }
 
 void Engine::State::send_takes() {
-  json message = list_takes();
+  json message = list_takes(false);
   message["type"] = "takes";
   page->send(text(message));
 }
@@ -543,7 +542,8 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   out.latency = s.latency;
   const Intake::Counts counts = s.intake.counts();
   out.datagrams = counts.received;
-  out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.overrun + counts.payload_overrun;
+  out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.kernel_dropped + counts.overrun +
+                counts.payload_overrun;
   out.lines = s.intake.lines();
   for (const SerialPort::Status& line : out.lines) out.dropped += line.overlong;
   s.intake.close();

@@ -3,12 +3,15 @@
 #include "mien/live/intake.h"
 
 #include <fmt/format.h>
+#include <linux/sock_diag.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <cstring>
 
 #include "mien/core/host_port.h"
+#include "mien/session/command.h"
 
 namespace mien::live {
 namespace {
@@ -18,12 +21,24 @@ using asio::ip::udp;
 
 /// Two seconds of sixty sensors.
 constexpr std::size_t kRingBytes = std::size_t{1} << 21U;
+constexpr std::size_t kMaxSourceName = 100;
 /// What the system may keep while this thread is busy.
 constexpr int kSocketBytes = 1 << 20;
+
+/// Datagrams that a socket had no room for; 0 where the system does not tell.
+std::uint64_t dropped_by_kernel(udp::socket& socket) {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof(memory);
+  if (!socket.is_open() ||
+      ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) != 0)
+    return 0;
+  return memory[SK_MEMINFO_DROPS];
+}
 
 struct Head {
   Arrived::Kind kind;
   sensor::Peer peer;
+  std::size_t place;  // Of the peer, in the table.
   HostTime arrival;
   std::uint64_t client;
   std::int64_t number;
@@ -117,103 +132,124 @@ void Intake::take(Port& port, std::size_t size) {
     return;
   }
   auto known = known_.find(port.from);
-  const bool slow = known == known_.end() || peers_[known->second].budget.spend(now, kMaxRatePerPeer);
-  if (!slow || !port.budget.spend(now, kMaxRatePerPort)) {
+  const bool is_new = known == known_.end();
+  const bool bound = !is_new && known->second->bound.load(std::memory_order_relaxed);
+  if ((!is_new && !known->second->budget.spend(now, kMaxRatePerPeer)) ||
+      (!bound && !spend_as_stranger(port.from.address(), now)) || !port.budget.spend(now, kMaxRatePerPort)) {
     ++counts_.too_fast;
     return;
   }
-  if (known == known_.end()) {
-    const auto place = place_for_another();
-    if (!place) {
+  if (is_new) {
+    const std::string host = port.from.address().to_string();
+    PeerState* const peer = place_for_another(
+        fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port()));
+    if (peer == nullptr) {
       ++counts_.too_many;
       return;
     }
-    const std::string host = port.from.address().to_string();
-    PeerState& peer = peers_[*place];
-    peer.endpoint = port.from;
-    peer.name =
-        fmt::format("udp://{}:{}", port.from.address().is_v6() ? "[" + host + "]" : host, port.from.port());
-    peer.budget = {kMaxRatePerPeer - 1, now};
-    peer.met = counts_.received;
-    met_ = std::max<std::size_t>(met_, *place + 1);
-    known = known_.emplace(port.from, *place).first;
+    peer->endpoint = port.from;
+    peer->budget = {kMaxRatePerPeer - 1, now};
+    known = known_.emplace(port.from, peer).first;
   }
-  PeerState& peer = peers_[known->second];
+  PeerState& peer = *known->second;
   peer.port = &port;  // Answers go out where it last came in.
-  hand_over(known->second, now, std::span(port.bytes).first(size));
+  hand_over(peer, now, std::span(port.bytes).first(size));
+}
+
+bool Intake::spend_as_stranger(const asio::ip::address& host, HostTime now) {
+  Budget& its = hosts_[std::hash<std::string>()(host.to_string()) % kHosts];
+  return its.spend(now, kMaxRatePerHost) && strangers_.spend(now, kMaxRateUnbound);
 }
 
 Result<std::string> Intake::listen_serial(std::string_view address) {
   MIEN_TRY_ASSIGN(const SerialAddress line, parse_serial_address(address));
   if (std::ranges::any_of(lines_, [&](const auto& l) { return l->status().address == line.source(); }))
     return fail(ErrorCode::bad_usage, "given twice", line.source(), "leave one out");
-  const auto place = place_for_another();
-  if (!place) return fail(ErrorCode::bad_usage, "too many lines", line.source());
-  MIEN_TRY_ASSIGN(std::unique_ptr<SerialPort> opened,
-                  SerialPort::open(network_, line, [this, peer = *place](std::span<const std::byte> frame) {
-                    take_frame(peer, frame);
-                  }));
-  lines_.push_back(std::move(opened));
-  PeerState& peer = peers_[*place];
-  peer.port = nullptr;
-  peer.name = line.source();
-  peer.budget = {kMaxRatePerPeer, clock_()};
-  peer.vouched = true;  // It was asked for.
-  met_ = std::max<std::size_t>(met_, *place + 1);
+  PeerState* const peer = place_for_another(line.source());
+  if (peer == nullptr) return fail(ErrorCode::bad_usage, "too many lines", line.source());
+  auto opened = SerialPort::open(
+      network_, line, [this, peer](std::span<const std::byte> frame) { take_frame(*peer, frame); });
+  if (!opened) return std::unexpected(opened.error());  // Its place is a stranger's, and the first to go.
+  lines_.push_back(std::move(*opened));
+  peer->budget = {kMaxRatePerPeer, clock_()};
+  peer->asked_for = true;
   return fmt::format("{}?baud={}", line.source(), line.baud);
 }
 
-void Intake::take_frame(sensor::Peer peer, std::span<const std::byte> frame) {
+void Intake::take_frame(PeerState& peer, std::span<const std::byte> frame) {
   const HostTime now = clock_();
   ++counts_.received;
-  if (peers_[peer].budget.spend(now, kMaxRatePerPeer))
+  if (peer.budget.spend(now, kMaxRatePerPeer))
     hand_over(peer, now, frame);
   else
     ++counts_.too_fast;
 }
 
-void Intake::hand_over(sensor::Peer peer, HostTime now, std::span<const std::byte> datagram) {
+void Intake::hand_over(PeerState& peer, HostTime now, std::span<const std::byte> datagram) {
+  peer.newest = now;
   const std::span<std::byte> room = ring_.claim(sizeof(Head) + datagram.size());
   if (room.empty()) {
     ++counts_.overrun;
     return;
   }
-  const Head head{Arrived::Kind::datagram, peer, now, 0, 0};
+  const Head head{Arrived::Kind::datagram,
+                  peer.id.load(std::memory_order_relaxed),
+                  static_cast<std::size_t>(&peer - peers_.data()),
+                  now,
+                  0,
+                  0};
   std::memcpy(room.data(), &head, sizeof(head));
   if (!datagram.empty()) std::memcpy(room.data() + sizeof(head), datagram.data(), datagram.size());
-  ++peers_[peer].handed_over;
+  ++peer.handed_over;
   ring_.publish();
   signal_.give();
 }
 
-/// A free place in the table, or that of whom has to go: the oldest of those who never sent anything that was
-/// understood, and of whom nothing is on its way to be.
-std::optional<sensor::Peer> Intake::place_for_another() {
-  if (met_ < kMaxPeers) return static_cast<sensor::Peer>(met_);
-  const PeerState* oldest = nullptr;
-  for (const PeerState& peer : peers_) {
-    const bool judged = peer.judged.load(std::memory_order_acquire) == peer.handed_over;
-    if (!judged || peer.vouched.load(std::memory_order_relaxed)) continue;
-    if (oldest == nullptr || peer.met < oldest->met) oldest = &peer;
+Intake::PeerState* Intake::place_for_another(std::string name) {
+  PeerState* place = nullptr;
+  const HostTime now = clock_();
+  for (PeerState& peer : peers_) {
+    if (peer.id.load(std::memory_order_relaxed) == kNobody) {
+      place = &peer;
+      break;
+    }
+    if (peer.asked_for || peer.judged.load(std::memory_order_acquire) != peer.handed_over) continue;
+    if (peer.logged.load(std::memory_order_relaxed) && !peer.named.load(std::memory_order_acquire)) continue;
+    const bool bound = peer.bound.load(std::memory_order_relaxed);
+    if (bound && now - peer.newest <= kForget) continue;
+    // Strangers before devices, and of both who was silent longest.
+    const auto rank = [](const PeerState& one) {
+      return std::pair(one.bound.load(std::memory_order_relaxed), one.newest);
+    };
+    if (place == nullptr || rank(peer) < rank(*place)) place = &peer;
   }
-  if (oldest == nullptr) return std::nullopt;
-  known_.erase(oldest->endpoint);
-  ++counts_.evicted;
-  return static_cast<sensor::Peer>(oldest - peers_.data());
+  if (place == nullptr) return nullptr;
+  if (place->id.load(std::memory_order_relaxed) != kNobody) {
+    known_.erase(place->endpoint);
+    ++counts_.evicted;
+    name += fmt::format("#{}", met_);
+  }
+  place->port = nullptr;
+  place->name = std::move(name);
+  place->newest = now;
+  place->bound = place->logged = place->named = false;
+  place->id.store(met_++, std::memory_order_release);
+  return place;
 }
 
 Result<PayloadSource*> Intake::add_source(std::string name) {
-  for (std::size_t i = 0; i < met_; ++i)
-    if (peers_[i].name == name)
-      return fail(ErrorCode::bad_usage, "given twice", std::move(name), "leave one out");
-  const auto place = place_for_another();
-  if (!place) return fail(ErrorCode::bad_usage, "too many sources", std::move(name));
-  PeerState& peer = peers_[*place];
-  peer.port = nullptr;
-  peer.name = std::move(name);
-  peer.vouched = true;  // It was asked for.
-  met_ = std::max<std::size_t>(met_, *place + 1);
-  return sources_.emplace_back(std::make_unique<PayloadSource>(*place, clock_, signal_)).get();
+  // A take tells its sources apart by their text: commands, senders and lines have theirs.
+  const bool plain = !name.empty() && name.size() <= kMaxSourceName &&
+                     std::ranges::all_of(name, [](char c) { return c > ' ' && c < 0x7F; });
+  if (!plain || name == session::kPageSource || name.starts_with("udp://") || name.starts_with("serial:"))
+    return fail(ErrorCode::bad_usage, "not a name for a source of the log", plain ? name : "source",
+                "such as camera:left");
+  if (std::ranges::any_of(peers_, [&](const PeerState& p) { return p.asked_for && p.name == name; }))
+    return fail(ErrorCode::bad_usage, "given twice", std::move(name), "leave one out");
+  PeerState* const peer = place_for_another(name);
+  if (peer == nullptr) return fail(ErrorCode::bad_usage, "too many sources", std::move(name));
+  peer->asked_for = true;
+  return sources_.emplace_back(std::make_unique<PayloadSource>(peer->id.load(), clock_, signal_)).get();
 }
 
 Intake::Counts Intake::counts() const {
@@ -224,13 +260,14 @@ Intake::Counts Intake::counts() const {
     counts.too_long += its.too_long;
     counts.payload_overrun += its.overrun;
   }
+  for (const auto& port : ports_) counts.kernel_dropped += dropped_by_kernel(port->socket);
   return counts;
 }
 
 bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view json) {
   const std::span<std::byte> room = ring_.claim(sizeof(Head) + json.size());
   if (room.empty()) return false;
-  const Head head{Arrived::Kind::command, 0, clock_(), client, number};
+  const Head head{Arrived::Kind::command, 0, 0, clock_(), client, number};
   std::memcpy(room.data(), &head, sizeof(head));
   std::memcpy(room.data() + sizeof(head), json.data(), json.size());
   ring_.publish();
@@ -239,10 +276,10 @@ bool Intake::command(std::uint64_t client, std::int64_t number, std::string_view
 }
 
 void Intake::send(sensor::Peer peer, std::span<const std::byte> datagram) {
-  if (peer >= met_ || peers_[peer].port == nullptr) return;
+  const auto found = std::ranges::find_if(peers_, [&](const PeerState& p) { return p.id == peer; });
+  if (found == peers_.end() || found->port == nullptr) return;
   boost::system::error_code ignored;  // Nobody there, or no room: said again when it is due.
-  peers_[peer].port->socket.send_to(asio::buffer(datagram.data(), datagram.size()), peers_[peer].endpoint, 0,
-                                    ignored);
+  found->port->socket.send_to(asio::buffer(datagram.data(), datagram.size()), found->endpoint, 0, ignored);
 }
 
 void Intake::close() {
@@ -261,12 +298,14 @@ std::optional<Arrived> Intake::front() {
   if (front_) return front_;
   front_ = front_of_network();
   front_source_ = nullptr;
+  if (!front_) front_peer_ = nullptr;
   for (const auto& source : sources_) {
     const std::optional<PayloadSource::Waiting> its = source->front();
     if (!its || (front_ && front_->arrival <= its->arrival)) continue;
     front_ =
         Arrived{Arrived::Kind::datagram, its->arrival, source->peer(), 0, 0, its->datagram, its->payload};
     front_source_ = source.get();
+    front_peer_ = nullptr;
   }
   return front_;
 }
@@ -276,6 +315,7 @@ std::optional<Arrived> Intake::front_of_network() {
   if (record.empty()) return std::nullopt;
   Head head{};
   std::memcpy(&head, record.data(), sizeof(head));
+  front_peer_ = head.kind == Arrived::Kind::datagram ? &peers_[head.place] : nullptr;
   return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head)),
                  {}};
 }
@@ -283,8 +323,8 @@ std::optional<Arrived> Intake::front_of_network() {
 void Intake::release() {
   // Released in that order: who sees that it was judged sees how, and that nobody reads its name any more.
   const bool of_source = front_source_ != nullptr;
-  if (front_ && !of_source && front_->kind == Arrived::Kind::datagram)
-    peers_[front_->peer].judged.fetch_add(1, std::memory_order_release);
+  if (front_peer_ != nullptr) front_peer_->judged.fetch_add(1, std::memory_order_release);
+  front_peer_ = nullptr;
   front_.reset();
   if (of_source)
     std::exchange(front_source_, nullptr)->release();
@@ -292,8 +332,19 @@ void Intake::release() {
     ring_.release();
 }
 
-void Intake::vouch(sensor::Peer peer) {
-  peers_[peer].vouched.store(true, std::memory_order_relaxed);
+void Intake::judge(Standing standing) {
+  if (front_peer_ == nullptr || standing == Standing::unsound) return;
+  front_peer_->logged.store(true, std::memory_order_relaxed);
+  if (standing == Standing::bound) front_peer_->bound.store(true, std::memory_order_relaxed);
+}
+
+std::string Intake::peer_name(sensor::Peer peer) {
+  const auto found = std::ranges::find_if(
+      peers_, [&](const PeerState& p) { return p.id.load(std::memory_order_acquire) == peer; });
+  if (found == peers_.end()) return {};
+  std::string name = found->name;
+  found->named.store(true, std::memory_order_release);
+  return name;
 }
 
 }  // namespace mien::live

@@ -37,15 +37,22 @@ struct Arrived {
 
 /// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
 /// hands over. A serial line is one sender, and its frames are datagrams. What is too much, too long or from
-/// too many is dropped and counted. When the table of senders is full, the oldest that never said anything
-/// that was understood gives its place to the next: addresses that somebody invents keep no device out.
-/// Network thread, but where said otherwise.
+/// too many is dropped and counted. A sender is *bound* once a reading of it was accepted for a sensor of the
+/// rig; all that are not share a budget, so that strangers take nothing from devices, and when the table of
+/// senders is full, the one of them that was silent longest gives its place to the next. A bound sender gives
+/// it only after kForget of silence. Network thread, but where said otherwise.
 class Intake {
  public:
-  /// No device of ours sends more than 300 a second.
+  /// Datagrams a second. No device of ours sends more than 300.
   static constexpr double kMaxRatePerPeer = 1000;
   static constexpr double kMaxRatePerPort = 10000;
+  /// Of senders that are not bound: of one address, whatever its ports, ...
+  static constexpr double kMaxRatePerHost = 1500;
+  /// ... and all together: more would delay the devices' own on their way to the tracker.
+  static constexpr double kMaxRateUnbound = 3000;
   static constexpr std::size_t kMaxPeers = 256;
+  /// A bound sender that was silent for so long gives its place to another where there is no other.
+  static constexpr Duration kForget = std::chrono::seconds(10);
   /// Longer datagrams cannot be devices': a network's frame has no more.
   static constexpr std::size_t kMaxDatagram = PayloadSource::kMaxDatagram;
 
@@ -57,7 +64,8 @@ class Intake {
   /// Returns the address as text with its port or rate. Errors: bad_usage (not an address, taken), not_found.
   [[nodiscard]] Result<std::string> listen(std::string_view address);
   /// A device inside this program, whose source text in the log is `name` ("camera:left"). Before the
-  /// tracker's thread begins; it lives as long as this. Errors: bad_usage (too many, a name that is taken).
+  /// tracker's thread begins; it lives as long as this. Errors: bad_usage (too many, a name that is taken, is
+  /// no plain ASCII of at most 100 letters, or means something else in a log).
   [[nodiscard]] Result<PayloadSource*> add_source(std::string name);
   /// As if it had been received; for commands of the page. False: no room.
   bool command(std::uint64_t client, std::int64_t number, std::string_view json);
@@ -72,20 +80,28 @@ class Intake {
   /// when all is taken.
   [[nodiscard]] std::optional<Arrived> front();
   void release();
-  /// A peer said something that was understood: it is not forgotten. Before release(), of the oldest's.
-  void vouch(sensor::Peer peer);
+  /// What became of the datagram that front() gave.
+  enum class Standing : std::uint8_t {
+    unsound,  ///< Not understood: no log has it.
+    logged,   ///< The log has it, and asks for its sender's name by peer_name().
+    bound,    ///< Besides, a reading of it was accepted for a sensor of the rig.
+  };
+  /// Before release(); a sender that is bound stays so.
+  void judge(Standing standing);
   [[nodiscard]] Signal& signal() { return signal_; }
 
-  /// Source text of a peer: "udp://192.168.1.7:5005", "serial:/dev/ttyUSB0". Any thread, of one that was
-  /// vouched for.
-  [[nodiscard]] const std::string& peer_name(sensor::Peer peer) const { return peers_[peer].name; }
+  /// Source text of a peer: "udp://192.168.1.7:5005", "serial:/dev/ttyUSB0"; with "#" and its number where
+  /// another had its place before, so that in a log each sender has a name of its own. Any thread, of a peer
+  /// that is logged; once, since its place may be another's from then on. Empty: nobody's.
+  [[nodiscard]] std::string peer_name(sensor::Peer peer);
 
   struct Counts {
     std::uint64_t received = 0;
-    std::uint64_t too_fast = 0;  ///< Beyond a peer's or a port's rate.
+    std::uint64_t too_fast = 0;  ///< Beyond a peer's, a host's, the strangers' or a port's rate.
     std::uint64_t too_long = 0;
     std::uint64_t too_many = 0;         ///< Of a peer beyond kMaxPeers, when none can be forgotten.
     std::uint64_t evicted = 0;          ///< Peers, not datagrams: forgotten for others.
+    std::uint64_t kernel_dropped = 0;   ///< Before they came here: this thread was too far behind.
     std::uint64_t overrun = 0;          ///< The tracker was too far behind.
     std::uint64_t payload_overrun = 0;  ///< The same of datagrams of sources, with their payloads.
   };
@@ -98,23 +114,33 @@ class Intake {
     HostTime refilled;
     [[nodiscard]] bool spend(HostTime now, double rate);
   };
+  /// A place in the table of senders, and who has it.
   struct PeerState {
+    std::atomic<sensor::Peer> id = kNobody;  // Never given to another.
     boost::asio::ip::udp::endpoint endpoint;
     Port* port = nullptr;  // None: a serial line.
     std::string name;
     Budget budget;
-    std::uint64_t met = 0;                  // Lower: earlier.
+    HostTime newest;                        // Arrival.
     std::uint64_t handed_over = 0;          // Datagrams, ...
     std::atomic<std::uint64_t> judged = 0;  // ... and how many of them the tracker's thread is done with.
-    std::atomic<bool> vouched = false;
+    bool asked_for = false;                 // A line, a source: it keeps its place.
+    std::atomic<bool> bound = false;
+    std::atomic<bool> logged = false;
+    std::atomic<bool> named = false;  // The log has its name.
   };
-  std::optional<sensor::Peer> place_for_another();
+  static constexpr sensor::Peer kNobody = ~sensor::Peer{0};
+  /// Budgets of addresses, by their hash: those that share one are few.
+  static constexpr std::size_t kHosts = 4096;
+  /// A place for a new sender of this name, which is numbered where the place was another's; null: none.
+  PeerState* place_for_another(std::string name);
+  [[nodiscard]] bool spend_as_stranger(const boost::asio::ip::address& host, HostTime now);
   void receive(Port& port);
   void take(Port& port, std::size_t size);
   Result<std::string> listen_serial(std::string_view address);
   [[nodiscard]] std::optional<Arrived> front_of_network();
-  void take_frame(sensor::Peer peer, std::span<const std::byte> frame);
-  void hand_over(sensor::Peer peer, HostTime now, std::span<const std::byte> datagram);
+  void take_frame(PeerState& peer, std::span<const std::byte> frame);
+  void hand_over(PeerState& peer, HostTime now, std::span<const std::byte> datagram);
 
   boost::asio::io_context& network_;
   Clock clock_;
@@ -123,15 +149,19 @@ class Intake {
   std::vector<std::unique_ptr<Port>> ports_;
   std::vector<std::unique_ptr<SerialPort>> lines_;
   std::vector<std::unique_ptr<PayloadSource>> sources_;
-  // Names are written before a peer's first datagram is handed over, and again only for another peer when all
-  // of the first's were judged and none was understood: what is in a log has its name for ever.
+  // A place is given to another only when all datagrams of the one before were judged, and its name is in the
+  // log where any of them is.
   std::array<PeerState, kMaxPeers> peers_;
-  std::size_t met_ = 0;  // So many of these places were given out.
-  // Tracker's thread: what front() gave, and of which source; null: of the network or the page.
+  sensor::Peer met_ = 0;  // Senders so far.
+  Budget strangers_{.tokens = kMaxRateUnbound};
+  std::vector<Budget> hosts_{kHosts, Budget{.tokens = kMaxRatePerHost}};
+  // Tracker's thread: what front() gave, the place of its sender, and of which source; null: of the network
+  // or the page.
   std::optional<Arrived> front_;
+  PeerState* front_peer_ = nullptr;
   PayloadSource* front_source_ = nullptr;
   /// By where they send from, whatever port they send to: as a replay tells them apart.
-  std::map<boost::asio::ip::udp::endpoint, sensor::Peer> known_;
+  std::map<boost::asio::ip::udp::endpoint, PeerState*> known_;
   Counts counts_;
 };
 

@@ -50,6 +50,14 @@ json link_json(const session::Report::Link& link, const std::string& sensor) {
   return out;
 }
 
+/// Null where no frame came: none is not quick.
+json latency_json(const Latencies& latency) {
+  if (latency.count() == 0) return {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}};
+  return {{"p50", milliseconds(latency.percentile(0.5))},
+          {"p99", milliseconds(latency.percentile(0.99))},
+          {"max", milliseconds(latency.largest())}};
+}
+
 /// What is kept of the session until its end, and how long it can be kept at the present rate.
 json log_json(const Recorder::State& recording) {
   const auto megabytes = [](std::uint64_t bytes) { return rounded(static_cast<double>(bytes) / 1e6); };
@@ -176,10 +184,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
        {"time", to_seconds(status.report.time.time_since_epoch())},
        {"frames", status.report.frames},
        {"missed", status.missed},
-       {"latency_ms",
-        {{"p50", milliseconds(status.p50)},
-         {"p99", milliseconds(status.p99)},
-         {"max", milliseconds(status.largest)}}},
+       {"latency_ms", latency_json(status.latency)},
        {"links", std::move(links)},
        {"unbound", std::move(unbound)},
        {"calibration", calibration_json(status.report.calibration)},

@@ -25,7 +25,7 @@ struct SinkState {
   sink::Status status;
 };
 
-/// A take being played instead of devices being heard.
+/// A take that is played in the place of devices.
 struct ReplayState {
   std::string take;
   double time_s = 0;
@@ -38,7 +38,7 @@ struct ReplayState {
 struct Status {
   session::Report report;
   std::uint64_t missed = 0;
-  Duration p50{}, p99{}, largest{};
+  Latencies latency;  ///< Of the last ten seconds.
   std::vector<SinkState> sinks;
   std::vector<SerialPort::Status> lines;  ///< Serial ones that devices speak on.
   Recorder::State recording;

@@ -13,6 +13,8 @@ namespace {
 
 /// What the disk may be behind: about twenty seconds of twelve sensors.
 constexpr std::size_t kRingBytes = std::size_t{1} << 23U;
+/// Records that are taken between looks at the payloads.
+constexpr std::size_t kBatchBytes = std::size_t{1} << 20U;
 constexpr std::size_t kSliceBytes = std::size_t{1} << 22U;
 constexpr Duration kPollInterval = std::chrono::milliseconds(100);
 
@@ -61,7 +63,6 @@ struct Recorder::Writing {
   std::int64_t entry = 0;        // Id of the newest.
   HostTime newest;
   std::optional<HostTime> asked_for;  // The session's newest moment when the recording was asked for.
-  std::vector<std::string> names;     // Of peers; empty: not asked for yet.
 };
 
 Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name,
@@ -174,12 +175,7 @@ void Recorder::turn() {
   }
   bool behind = false;
   do {
-    // What is small goes first. When both queues are found empty, the payloads of all entries that were taken
-    // have been taken too.
-    do {
-      while (drain()) {
-      }
-    } while (drain_payload());
+    drain_queues();
     if (overrun_.exchange(false)) give_up("the disk is too slow; record to another one");
     if (payload_overrun_.exchange(false))
       give_up("the disk is too slow for the session's pictures and sound; record to another one");
@@ -194,12 +190,11 @@ void Recorder::turn() {
         state_.error = why;
         ended_.notify_all();
       }
+    const std::lock_guard lock(mutex_);
+    state_.log = spool_.usage(newest_);
+    if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
   } while (behind && !stopping_);
-
-  const std::lock_guard lock(mutex_);
-  state_.log = spool_.usage(newest_);
-  if (writing_) state_.seconds = std::max(0.0, to_seconds(writing_->newest - *writing_->asked_for));
-  if (writing_ && ending && end_notes_) conclude();
+  if (writing_ && ending) conclude();
 }
 
 /// Keeps the moment of a record that has one.
@@ -209,25 +204,52 @@ void Recorder::note_moment(std::span<const std::byte> record) {
   if (kind == Kind::tick) newest_ = get<sensor::FrameTick>(record).fired;
 }
 
-/// One record of the ring into the temporary log; false when there is none.
-bool Recorder::drain() {
+/// All that stands in the queues into the temporary log; no more, however fast more comes. What is small goes
+/// first. A payload is handed over before its entry: those of all entries that were taken have been taken
+/// too.
+void Recorder::drain_queues() {
+  std::size_t left = kRingBytes + kPayloadQueueBytes;
+  while (left > 0 && !overrun_ && !payload_overrun_) {
+    std::size_t batch = 0;
+    while (batch < kBatchBytes) {
+      const std::size_t bytes = drain();
+      if (bytes == 0) break;
+      batch += bytes;
+    }
+    if (batch == 0) return;
+    while (payloads_due_ > 0) batch += drain_payload();
+    left -= std::min(left, batch);
+  }
+}
+
+/// One record of the ring into the temporary log. Returns its size, 0 when there is none.
+std::size_t Recorder::drain() {
   const std::span<const std::byte> record = ring_.front();
-  if (record.empty()) return false;
+  if (record.empty()) return 0;
+  const std::size_t size = record.size();
   note_moment(record);
+  if (std::span<const std::byte> rest = record; get<Kind>(rest) == Kind::entry) {
+    const auto head = get<EntryHead>(rest);
+    payloads_due_ += head.payload_bytes > 0 ? 1 : 0;
+    // At once: a sender may be forgotten when the log has its name.
+    if (names_.size() <= head.peer) names_.resize(head.peer + std::size_t{1});
+    if (names_[head.peer].empty()) names_[head.peer] = peer_name_(head.peer);
+  }
   if (spool_.is_open())
     if (const auto kept = spool_.append(record); !kept) give_up(kept.error().what);
   ring_.release();
-  return true;
+  return size;
 }
 
-/// The same of a payload.
-bool Recorder::drain_payload() {
+/// The same of a payload that is there.
+std::size_t Recorder::drain_payload() {
   const std::span<const std::byte> payload = payload_ring_.front();
-  if (payload.empty()) return false;
+  const std::size_t size = payload.size();
   if (spool_.is_open())
     if (const auto kept = spool_.append_payload(payload); !kept) give_up(kept.error().what);
   payload_ring_.release();
-  return true;
+  --payloads_due_;
+  return size;
 }
 
 /// A slice of the temporary log into the take; true when there is more.
@@ -272,12 +294,19 @@ bool Recorder::read_payload(std::size_t size) {
   return true;
 }
 
-/// Ends the take; mutex_ is held.
+/// Ends the take, which may take as long as a slow disk does: nobody who asks for the state waits for it.
 void Recorder::conclude() {
-  for (const take::Note& note : *end_notes_) writing_->writer.add_note(note.key, note.value);
-  end_notes_.reset();
-  if (const auto finished = writing_->writer.finish(); !finished) state_.error = finished.error().message();
+  std::vector<take::Note> notes;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!end_notes_) return;
+    notes = *std::exchange(end_notes_, std::nullopt);
+  }
+  for (const take::Note& note : notes) writing_->writer.add_note(note.key, note.value);
+  const auto finished = writing_->writer.finish();
   writing_.reset();
+  const std::lock_guard lock(mutex_);
+  if (!finished) state_.error = finished.error().message();
   state_.on = false;
   ended_.notify_all();
 }
@@ -304,12 +333,9 @@ void Recorder::write(std::span<const std::byte> record) {
       if (!read_payload(head.payload_bytes)) return;
       const std::string_view reducer = as_text(record.first(head.reducer_bytes));
       record = record.subspan(head.reducer_bytes);
-      // Only of peers that are in the log: others may be forgotten, and their numbers given to the next.
-      if (w.names.size() <= head.peer) w.names.resize(head.peer + std::size_t{1});
-      if (w.names[head.peer].empty()) w.names[head.peer] = peer_name_(head.peer);
       w.newest = head.arrival;
       w.entry =
-          w.writer.add_entry(head.arrival, w.names[head.peer], record.first(head.bytes), {payload_, reducer});
+          w.writer.add_entry(head.arrival, names_[head.peer], record.first(head.bytes), {payload_, reducer});
       record = record.subspan(head.bytes);
       for (std::uint32_t i = 0; i < head.samples; ++i)
         w.writer.add_sample(w.entry, head.arrival, get<sensor::Sample>(record));

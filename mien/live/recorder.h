@@ -39,8 +39,8 @@ class Recorder {
 
   /// The temporary log stands in `folder`, that of the takes (empty: the present one): where takes have room,
   /// it has; where there is no such folder, nothing can be recorded. It takes up to `log_limit` bytes, as
-  /// Spool has it. `peer_name` tells a peer's source text; called on the recorder's thread for peers of
-  /// entries.
+  /// Spool has it. `peer_name` tells a peer's source text; called once, on the recorder's thread, for peers
+  /// of entries.
   Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name,
            std::uint64_t log_limit = Spool::kDefaultLimit);
   ~Recorder();  ///< Ends the thread; a take that is recorded stays as far as it came.
@@ -81,8 +81,9 @@ class Recorder {
   std::span<std::byte> claim(std::size_t size);
   void run();
   void turn();
-  bool drain();
-  bool drain_payload();
+  void drain_queues();
+  std::size_t drain();
+  std::size_t drain_payload();
   void note_moment(std::span<const std::byte> record);
   bool feed();
   void write(std::span<const std::byte> record);
@@ -101,7 +102,9 @@ class Recorder {
   // The recorder's thread alone.
   std::unique_ptr<Writing> writing_;
   Spool spool_;
-  HostTime newest_;  // Of all that was drained.
+  HostTime newest_;                 // Of all that was drained.
+  std::vector<std::string> names_;  // By peer that is in the log; empty: of others.
+  std::size_t payloads_due_ = 0;    // Of entries that were drained, and are in the other queue.
   std::vector<std::byte> slice_;
   std::vector<std::byte> payload_;
 

@@ -65,14 +65,18 @@ Result<void> Spool::write(File& to, std::span<const std::byte> bytes) {
   return {};
 }
 
+std::unexpected<Error> Spool::full(std::string_view what) const {
+  return fail(
+      ErrorCode::io,
+      fmt::format("the session has run for too long to be recorded from its beginning: {} the {:g} GB "
+                  "of --log-limit",
+                  what, 1e-9 * static_cast<double>(limit_)),
+      folder_.string());
+}
+
 Result<void> Spool::append(std::span<const std::byte> record) {
   const auto size = static_cast<std::uint32_t>(record.size());
-  if (log_.bytes + payloads_.bytes + sizeof(size) + size > limit_)
-    return fail(ErrorCode::io,
-                fmt::format("the session has run for too long to be recorded from its beginning: its log has "
-                            "reached the {:g} GB of --log-limit",
-                            1e-9 * static_cast<double>(limit_)),
-                folder_.string());
+  if (log_.bytes + payloads_.bytes + sizeof(size) + size > limit_) return full("its log has reached");
   MIEN_TRY(write(log_, std::as_bytes(std::span(&size, 1))));
   return write(log_, record);
 }
@@ -82,13 +86,9 @@ Result<void> Spool::append_payload(std::span<const std::byte> payload) {
     payloads_.file = open_nameless(folder_);
     if (payloads_.file == nullptr) return fail(ErrorCode::io, no_room(), folder_.string());
   }
-  if (payloads_.bytes + payload.size() > limit_ / 2 || log_.bytes + payloads_.bytes + payload.size() > limit_)
-    return fail(
-        ErrorCode::io,
-        fmt::format("the session has run for too long to be recorded from its beginning: its pictures "
-                    "and sound have reached half of the {:g} GB of --log-limit",
-                    1e-9 * static_cast<double>(limit_)),
-        folder_.string());
+  if (payloads_.bytes + payload.size() > limit_ / 2)
+    return full("its pictures and sound have reached half of");
+  if (log_.bytes + payloads_.bytes + payload.size() > limit_) return full("its log has reached");
   return write(payloads_, payload);
 }
 

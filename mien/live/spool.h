@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -72,6 +73,7 @@ class Spool {
   [[nodiscard]] Result<void> write(File& to, std::span<const std::byte> bytes);
   [[nodiscard]] Result<std::size_t> read(const File& from, std::uint64_t at, std::span<std::byte> out);
   [[nodiscard]] std::string no_room() const;
+  [[nodiscard]] std::unexpected<Error> full(std::string_view what) const;
 
   std::filesystem::path folder_;
   std::uint64_t limit_;

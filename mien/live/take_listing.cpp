@@ -26,7 +26,7 @@ TakeListing::TakeListing(std::filesystem::path folder, std::function<void()> len
 
 TakeListing::~TakeListing() = default;
 
-std::vector<TakeListing::Entry> TakeListing::list() {
+std::vector<TakeListing::Entry> TakeListing::list(const std::optional<Growing>& growing, bool read_lengths) {
   struct Found {
     Entry entry;
     Version version;
@@ -53,15 +53,18 @@ std::vector<TakeListing::Entry> TakeListing::list() {
 
   std::vector<Entry> out;
   const std::scoped_lock lock(mutex_);
-  wanted_.clear();
+  if (read_lengths) wanted_.clear();
   for (Found& one : found) {
     const auto known = lengths_.find(one.entry.name);
-    if (known == lengths_.end() || known->second.of != one.version)
-      wanted_.push_back({one.entry.name, one.version});
-    else if (known->second.seconds)
+    const bool is_known = known != lengths_.end() && known->second.of == one.version;
+    if (growing && growing->path == folder_ / one.entry.name)
+      one.entry.seconds = growing->seconds;
+    else if (is_known && known->second.seconds)
       one.entry.seconds = *known->second.seconds;
-    else
+    else if (is_known)
       one.entry.error = known->second.seconds.error().message();
+    else if (read_lengths)
+      wanted_.push_back({one.entry.name, one.version});
     out.push_back(std::move(one.entry));
   }
   std::erase_if(lengths_, [&](const auto& known) {

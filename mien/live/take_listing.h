@@ -33,14 +33,21 @@ class TakeListing {
   };
 
   /// `lengths_read` is called on the listing's thread when all lengths that list() wanted have been read, and
-  /// some are new: ask again.
+  /// some are new: ask again, for no more to be read.
   TakeListing(std::filesystem::path folder, std::function<void()> lengths_read);
   ~TakeListing();  ///< Waits for the take that is being read.
   TakeListing(const TakeListing&) = delete;
   TakeListing& operator=(const TakeListing&) = delete;
 
-  /// Newest first. Errors leave a take, or all, out: a list is for people to pick from.
-  [[nodiscard]] std::vector<Entry> list();
+  /// The take that this session records: it is not opened while it grows.
+  struct Growing {
+    std::filesystem::path path;
+    double seconds = 0;  ///< How long it is.
+  };
+  /// Newest first. `read_lengths`: those that are not known are read, and told of by lengths_read; else they
+  /// stay unknown, so that a file which somebody else writes is not read again and again. Errors leave a
+  /// take, or all, out: a list is for people to pick from.
+  [[nodiscard]] std::vector<Entry> list(const std::optional<Growing>& growing, bool read_lengths);
 
  private:
   /// What tells a file that was written to from the one that was read.

@@ -110,7 +110,7 @@ void TrackerLoop::take(const Arrived& arrived) {
   const session::Session::Received received =
       session_.receive(arrived.arrival, arrived.peer, arrived.bytes, arrived.payload);
   if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
-    intake_.vouch(arrived.peer);
+    intake_.judge(received.samples.empty() ? Intake::Standing::logged : Intake::Standing::bound);
     recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples, received.payload);
   }
   if (!received.reply.empty()) post({OutgoingMessage::Kind::datagram, arrived.peer, 0, received.reply});

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "mien/core/bytes.h"
+#include "mien/core/excerpt.h"
 
 namespace mien::mocap {
 namespace {
@@ -222,7 +223,7 @@ Result<MarkerRecording> parse_c3d(std::span<const std::byte> bytes, const std::s
       if (is_seen(position) && static_cast<double>(position.cwiseAbs().maxCoeff()) > kMaxTrackPositionM)
         return fail(ErrorCode::out_of_range,
                     fmt::format("farther than {} m from the origin", kMaxTrackPositionM),
-                    fmt::format("{}, frame {}, marker {}", name, i + 1, track.markers[p]),
+                    fmt::format("{}, frame {}, marker {}", name, i + 1, excerpt(track.markers[p])),
                     "see whether the file names the right unit");
       track.position_m.push_back(position);
     }

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::mocap {
 namespace {
 
@@ -65,12 +67,12 @@ Result<MarkerRecording> parse_marker_csv(std::string_view text, const std::strin
     const std::size_t axis = (c - 1) % 3;
     if (!column || column->axis != "xyz"[axis] || (axis > 0 && column->marker != table.columns.back().name))
       return fail(ErrorCode::malformed,
-                  fmt::format("column '{}' is not the {} of a marker", header[c].substr(0, 80), "xyz"[axis]),
+                  fmt::format("column '{}' is not the {} of a marker", excerpt(header[c]), "xyz"[axis]),
                   where,
                   "columns are NAME_x_mm, NAME_y_mm, NAME_z_mm of one marker after the other, or ..._m");
     if (column->unit != "mm" && column->unit != "m")
-      return fail(ErrorCode::malformed, fmt::format("column '{}' has no unit", header[c].substr(0, 80)),
-                  where, "end all of them in _mm, or all in _m");
+      return fail(ErrorCode::malformed, fmt::format("column '{}' has no unit", excerpt(header[c])), where,
+                  "end all of them in _mm, or all in _m");
     if (!unit.empty() && column->unit != unit)
       return fail(ErrorCode::malformed, "columns of different units", where);
     unit = column->unit;
@@ -141,7 +143,7 @@ Result<MarkerRecording> parse_motive_csv(std::string_view text, const std::strin
     if (!is_position(c) || axes[c] != "X") continue;
     if (axes[c + 1] != "Y" || axes[c + 2] != "Z" || !is_position(c + 1) || !is_position(c + 2) ||
         names[c + 1] != names[c] || names[c + 2] != names[c])
-      return fail(ErrorCode::malformed, fmt::format("marker '{}' has not three axes", names[c].substr(0, 80)),
+      return fail(ErrorCode::malformed, fmt::format("marker '{}' has not three axes", excerpt(names[c])),
                   name);
     table.columns.push_back({.name = std::string(names[c]), .cell = {c, c + 1, c + 2}});
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "mien/core/bytes.h"
+#include "mien/core/excerpt.h"
 #include "mien/mocap/marker_track.h"
 #include "mien/sensor/packet_envelope.h"
 
@@ -115,7 +116,8 @@ Result<std::vector<std::vector<std::byte>>> encode_marker_names(std::uint64_t de
   MIEN_TRY(check_count(names.size()));
   for (const std::string& name : names)
     if (!is_name(name))
-      return fail(ErrorCode::malformed, fmt::format("'{}' cannot name a marker", name), kMarkerPacket);
+      return fail(ErrorCode::malformed, fmt::format("'{}' cannot name a marker", excerpt(name)),
+                  kMarkerPacket);
   std::vector<std::vector<std::byte>> packets;
   for (std::size_t first = 0; first < names.size();) {
     std::size_t end = first, bytes = kNamesHeaderBytes + kChecksumBytes;

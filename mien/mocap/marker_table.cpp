@@ -10,10 +10,10 @@
 #include <set>
 #include <utility>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::mocap {
 namespace {
-
-constexpr std::size_t kShownBytes = 40;
 
 std::string_view trim(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -45,7 +45,7 @@ Result<Vec3f> position_in(const std::vector<std::string_view>& cells, const Mark
   const auto cell = [&](std::size_t i) { return i < cells.size() ? cells[i] : std::string_view(); };
   const auto empty = std::ranges::count_if(column.cell, [&](std::size_t i) { return is_nothing(cell(i)); });
   if (empty == 3) return kLostMarker;
-  const std::string place = fmt::format("{}, marker {}", where, column.name);
+  const std::string place = fmt::format("{}, marker {}", where, excerpt(column.name));
   if (empty > 0) return fail(ErrorCode::malformed, "half a position", place);
   Vec3 position;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -88,10 +88,9 @@ Result<double> number_in(std::string_view cell, const std::string& where) {
   double value = 0;
   const auto [end, code] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (cell.empty() || end != cell.data() + cell.size() || code == std::errc::invalid_argument)
-    return fail(ErrorCode::malformed, fmt::format("'{}' is no number", cell.substr(0, kShownBytes)), where);
+    return fail(ErrorCode::malformed, fmt::format("'{}' is no number", excerpt(cell)), where);
   if (code != std::errc() || !std::isfinite(value))
-    return fail(ErrorCode::out_of_range, fmt::format("'{}' is out of range", cell.substr(0, kShownBytes)),
-                where);
+    return fail(ErrorCode::out_of_range, fmt::format("'{}' is out of range", excerpt(cell)), where);
   return value;
 }
 
@@ -103,7 +102,7 @@ Result<double> unit_m(std::string_view name, const std::string& where) {
   const std::string wanted = lower(name);
   for (const auto& [unit, metres] : kUnits)
     if (wanted == unit) return metres;
-  return fail(ErrorCode::unsupported, fmt::format("lengths in '{}'", name.substr(0, kShownBytes)), where,
+  return fail(ErrorCode::unsupported, fmt::format("lengths in '{}'", excerpt(name)), where,
               "export in mm, cm or m");
 }
 
@@ -119,7 +118,7 @@ Result<void> check_markers(const std::vector<std::string>& markers, const std::s
       return fail(ErrorCode::malformed, "a marker's name with a comma, a quote or what is no letter in it",
                   where);
     if (!names.insert(name).second)
-      return fail(ErrorCode::malformed, fmt::format("two markers are called '{}'", name), where);
+      return fail(ErrorCode::malformed, fmt::format("two markers are called '{}'", excerpt(name)), where);
   }
   return {};
 }

@@ -7,6 +7,8 @@
 #include <cctype>
 #include <optional>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::mocap {
 namespace {
 
@@ -54,6 +56,13 @@ MarkerTrack pick(const MarkerTrack& track, std::vector<std::string> names,
   return picked;
 }
 
+/// Names of a file, as a message repeats them.
+std::string list_of(const std::vector<std::string>& names) {
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + excerpt(name);
+  return list;
+}
+
 }  // namespace
 
 Result<MatchedTrack> match_markers(const MarkerTrack& track, const builtin_face::MarkerSet& set,
@@ -64,8 +73,8 @@ Result<MatchedTrack> match_markers(const MarkerTrack& track, const builtin_face:
   const auto take = [&](std::size_t theirs, std::size_t ours) -> Result<void> {
     if (face[ours])
       return fail(ErrorCode::mismatch,
-                  fmt::format("'{}' and '{}' are both the marker '{}'", track.markers[*face[ours]],
-                              track.markers[theirs], set.markers[ours].name),
+                  fmt::format("'{}' and '{}' are both the marker '{}'", excerpt(track.markers[*face[ours]]),
+                              excerpt(track.markers[theirs]), set.markers[ours].name),
                   track.name, "leave one out: --rename NAME=");
     face[ours] = theirs;
     return {};
@@ -75,7 +84,7 @@ Result<MatchedTrack> match_markers(const MarkerTrack& track, const builtin_face:
     const auto theirs = find_name(track.markers, name);
     if (!theirs)
       return fail(ErrorCode::not_found, fmt::format("the recording has no marker '{}'", name), track.name,
-                  fmt::format("it has: {}", fmt::join(track.markers, ", ")));
+                  fmt::format("it has: {}", list_of(track.markers)));
     head.push_back(theirs);
     used[*theirs] = true;
   }
@@ -83,7 +92,7 @@ Result<MatchedTrack> match_markers(const MarkerTrack& track, const builtin_face:
     const auto theirs = find_name(track.markers, from);
     if (!theirs)
       return fail(ErrorCode::not_found, fmt::format("the recording has no marker '{}'", from), track.name,
-                  fmt::format("it has: {}", fmt::join(track.markers, ", ")));
+                  fmt::format("it has: {}", list_of(track.markers)));
     used[*theirs] = true;
     if (to.empty()) continue;
     const auto ours = find_marker(set, to);
@@ -108,8 +117,8 @@ Result<MatchedTrack> match_markers(const MarkerTrack& track, const builtin_face:
   }
   if (!strangers.empty())
     return fail(
-        ErrorCode::mismatch,
-        fmt::format("not in the marker set '{}': {}", set.name, fmt::join(strangers, ", ")), track.name,
+        ErrorCode::mismatch, fmt::format("not in the marker set '{}': {}", set.name, list_of(strangers)),
+        track.name,
         "name them with --rename THEIRS=OURS, leave them out with --rename THEIRS=, or say with --head "
         "which are fixed to the head");
   if (std::ranges::none_of(face, [](const auto& column) { return column.has_value(); }))

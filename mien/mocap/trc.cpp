@@ -6,6 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::mocap {
 namespace {
 
@@ -55,7 +57,7 @@ Result<MarkerRecording> parse_trc(std::string_view text, const std::string& name
     const std::size_t first = 2 + 3 * table.columns.size();
     if (c != first)
       return fail(ErrorCode::malformed,
-                  fmt::format("marker '{}' does not stand above three columns", names[c].substr(0, 80)),
+                  fmt::format("marker '{}' does not stand above three columns", excerpt(names[c])),
                   name + ", line 4");
     table.columns.push_back({.name = std::string(names[c]), .cell = {first, first + 1, first + 2}});
   }

@@ -209,7 +209,11 @@ Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig,
   MIEN_TRY_ASSIGN(parts.protocols, make_protocols(keys));
   for (const Modality& modality : kModalities)
     if (modality.make_reducers != nullptr)
-      for (session::ProtocolReducer& one : modality.make_reducers()) parts.reducers.push_back(std::move(one));
+      for (session::ProtocolReducer& one : modality.make_reducers())
+        // Protocols without keys are not there when keys are.
+        if (std::ranges::find(parts.protocols, one.protocol, [](const auto& p) { return p->name(); }) !=
+            parts.protocols.end())
+          parts.reducers.push_back(std::move(one));
   return session::Session::create(std::move(parts));
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/toml.h"
 
@@ -35,8 +36,8 @@ Result<void> only_keys(const toml::table& table, std::initializer_list<std::stri
                        const std::string& where) {
   for (const auto& [key, value] : table) {
     if (std::find(known.begin(), known.end(), key.str()) == known.end())
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", key.str()), place(where, value),
-                  fmt::format("known keys are: {}", fmt::join(known, ", ")));
+      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
+                  place(where, value), fmt::format("known keys are: {}", fmt::join(known, ", ")));
   }
   return {};
 }
@@ -110,13 +111,13 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   MIEN_TRY_ASSIGN(mount.role, text(table, "role", true, where));
   MIEN_TRY_ASSIGN(mount.device, text(table, "device", false, where));
   if (mount.role != "face" && mount.role != "head")
-    return fail(ErrorCode::malformed, fmt::format("role '{}' is unknown", mount.role), place(where, table),
-                "use \"face\" or \"head\"");
+    return fail(ErrorCode::malformed, fmt::format("role '{}' is unknown", excerpt(mount.role)),
+                place(where, table), "use \"face\" or \"head\"");
   MIEN_TRY_ASSIGN(const std::string side, text(table, "side", false, where));
   if (!side.empty()) {
     if (side != "L" && side != "R" && side != "M")
-      return fail(ErrorCode::malformed, fmt::format("side '{}' is unknown", side), place(where, table),
-                  "use \"L\", \"R\" or \"M\"");
+      return fail(ErrorCode::malformed, fmt::format("side '{}' is unknown", excerpt(side)),
+                  place(where, table), "use \"L\", \"R\" or \"M\"");
     mount.side = side[0];
   }
   if (const toml::node* node = table.get("ict_vertex")) {
@@ -155,7 +156,7 @@ Result<SkinMotion> read_skin(const toml::node& node, const Rig& rig, const std::
       return fail(ErrorCode::malformed, "skin.sensors names what is no face sensor", place(where, name),
                   "name sensors of this rig with role \"face\"");
     if (std::ranges::find(skin.sensors, sensor) != skin.sensors.end())
-      return fail(ErrorCode::malformed, fmt::format("skin.sensors names '{}' twice", sensor),
+      return fail(ErrorCode::malformed, fmt::format("skin.sensors names '{}' twice", excerpt(sensor)),
                   place(where, name), "name it once");
     skin.sensors.push_back(sensor);
   }
@@ -292,7 +293,7 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
   for (const toml::node& node : sensors) {
     MIEN_TRY_ASSIGN(Mount mount, read_mount(*node.as_table(), where));
     if (!names.insert(mount.name).second)
-      return fail(ErrorCode::malformed, fmt::format("two sensors are called '{}'", mount.name),
+      return fail(ErrorCode::malformed, fmt::format("two sensors are called '{}'", excerpt(mount.name)),
                   place(where, node), "give each its own name");
     if (mount.role == "head" && rig.head_sensor())
       return fail(ErrorCode::malformed, "two sensors have the role \"head\"", place(where, node), "keep one");
@@ -300,7 +301,7 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
   }
   if (!rig.find(rig.reference))
     return fail(ErrorCode::malformed,
-                fmt::format("the reference '{}' is not one of the sensors", rig.reference), where,
+                fmt::format("the reference '{}' is not one of the sensors", excerpt(rig.reference)), where,
                 "name a sensor of this rig");
 
   if (const toml::node* skin = root.get("skin")) {

@@ -93,6 +93,14 @@ void TickRule::forget(std::uint16_t sensor) {
   if (sensor < received_.size()) received_[sensor] = {};
 }
 
+void TickRule::refill(HostTime fired) {
+  if (refilled_ && fired > *refilled_) {
+    const Duration passed = std::min(fired - *refilled_, kMostAhead);
+    credit_ = std::min(kMostAhead, credit_ + passed + from_seconds(kFaster * to_seconds(passed)));
+  }
+  if (!refilled_ || fired > *refilled_) refilled_ = fired;
+}
+
 std::optional<FrameTick> TickRule::due(HostTime now) {
   if (!next_) return std::nullopt;
   const DeviceTime frame{frame_offset(*next_)};
@@ -100,7 +108,16 @@ std::optional<FrameTick> TickRule::due(HostTime now) {
   const bool complete = all_have(frame, now);
   if (!complete && now < limit) return std::nullopt;
   // An arrival may move the deadline before itself; the frame then fires with it, not before.
-  const FrameTick tick{*next_, frame, std::max(std::min(now, limit), newest_arrival_), complete};
+  const HostTime fired = std::max(std::min(now, limit), newest_arrival_);
+  refill(fired);
+  const Duration step(frame_offset(*next_ + 1) - frame_offset(*next_));
+  if (credit_ < step) {
+    // Left out up to what a sample that arrives now is of.
+    next_ = std::max(*next_ + 1, frame_at_or_after(lines_.from_host(now)));
+    return std::nullopt;
+  }
+  credit_ -= step;
+  const FrameTick tick{*next_, frame, fired, complete};
   ++*next_;
   return tick;
 }

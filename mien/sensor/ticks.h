@@ -16,14 +16,14 @@ struct FrameTick {
   DeviceTime frame;        ///< On the reference's line.
   HostTime fired;          ///< Arrival that completed it, or the deadline that it did not wait beyond; never
                            ///< before the newest arrival that it knows of.
-  bool complete = false;   ///< Every sensor heard lately had a sample at or after the frame.
+  bool complete = false;   ///< Every sensor received lately had a sample at or after the frame.
   bool operator==(const FrameTick&) const = default;
 };
 
 /// When frames are taken: the frames of a 60 Hz grid on the reference sensor's device time. One fires when
-/// every sensor heard in the last 100 ms has a sample at or after its frame time, or 8 ms after the clock
+/// every sensor received in the last 100 ms has a sample at or after its frame time, or 8 ms after the clock
 /// model expected the reference's; what comes later joins the next. While the reference is silent the grid
-/// runs on along its clock as last known, and when it never spoke, along the host's. A pure function of the
+/// runs on along its clock as last known, and when it never sent, along the host's. A pure function of the
 /// calls.
 ///
 /// For each log entry: fire all that due(arrival) gives, then add its samples, then fire all that
@@ -32,6 +32,11 @@ class TickRule {
  public:
   static constexpr Duration kFresh = std::chrono::milliseconds(100);
   static constexpr Duration kWait = std::chrono::milliseconds(8);
+  /// By so much of the line may frames run ahead of the host time at which they fire, and then come no faster
+  /// than that goes (kFaster): a clock that leaps ahead leaves frames out instead of a backlog.
+  static constexpr Duration kMostAhead = std::chrono::seconds(1);
+  /// Share by which the line may run ahead of host time: far more than any crystal.
+  static constexpr double kFaster = 0.02;
 
   explicit TickRule(const Rig& rig);
 
@@ -57,12 +62,15 @@ class TickRule {
   [[nodiscard]] bool all_have(DeviceTime frame, HostTime now) const;
   void begin();
   void follow_reference(const Sample& sample);
+  void refill(HostTime fired);
 
   TimeLines lines_;
   std::optional<std::uint16_t> reference_;
   std::vector<Received> received_;
   HostTime newest_arrival_ = HostTime::min();
   std::optional<std::int64_t> next_;
+  Duration credit_ = kMostAhead;  // How much of the line frames may go on by.
+  std::optional<HostTime> refilled_;
   // The reference sends samples in packets; a sample in the middle of one comes with its end.
   std::optional<std::uint32_t> packet_;
   DeviceTime packet_end_;

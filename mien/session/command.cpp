@@ -7,6 +7,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::session {
 namespace {
 
@@ -42,9 +44,8 @@ Result<Prompt> prompt_of(const json& object) {
     for (const auto& [name, weight] : target->items()) {
       const std::size_t shape = face::shape_index(name);
       if (shape == face::kShapeCount || !weight.is_number())
-        return fail(ErrorCode::malformed,
-                    fmt::format("\"{}\" is no shape or has no number", name.substr(0, 40)), kCommand,
-                    "name ICT-FaceKit's shapes, each with a weight from 0 to 1");
+        return fail(ErrorCode::malformed, fmt::format("\"{}\" is no shape or has no number", excerpt(name)),
+                    kCommand, "name ICT-FaceKit's shapes, each with a weight from 0 to 1");
       prompt.target[shape] = weight.get<float>();
     }
   }
@@ -60,7 +61,7 @@ Result<Shape> shape_of(const json& object) {
   for (const auto& [key, value] : object.items()) {
     if (key == "command" || key == "id") continue;
     if (std::ranges::find(kShapeKeys, key) == kShapeKeys.end())
-      return fail(ErrorCode::malformed, fmt::format("\"shape\" has no \"{}\"", key.substr(0, 40)), kCommand,
+      return fail(ErrorCode::malformed, fmt::format("\"shape\" has no \"{}\"", excerpt(key)), kCommand,
                   fmt::format("{}", fmt::join(kShapeKeys, ", ")));
     settings[key] = value;
   }
@@ -136,8 +137,8 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(const std::string kind, text_of(object, "kind"));
     const auto found = std::ranges::find(kCalibrationKinds, kind);
     if (found == kCalibrationKinds.end())
-      return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", kind), kCommand,
-                  "short, full or wearer");
+      return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", excerpt(kind)),
+                  kCommand, "short, full or wearer");
     return Calibrate{static_cast<Calibrate::Kind>(found - kCalibrationKinds.begin())};
   }
   if (name == "cancel_calibration") return CancelCalibration{};
@@ -171,11 +172,11 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(const std::string word, text_of(object, "do"));
     const auto* const found = std::ranges::find(kPromptingWords, word);
     if (found == kPromptingWords.end())
-      return fail(ErrorCode::malformed, fmt::format("\"do\": \"{}\" is nothing to do", word.substr(0, 40)),
+      return fail(ErrorCode::malformed, fmt::format("\"do\": \"{}\" is nothing to do", excerpt(word)),
                   kCommand, fmt::format("{}", fmt::join(kPromptingWords, ", ")));
     return Prompting{static_cast<Prompting::Do>(found - kPromptingWords.begin())};
   }
-  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), kCommand,
+  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", excerpt(name)), kCommand,
               "docs/reference/page_protocol.md lists them");
 }
 

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <utility>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/toml.h"
 #include "mien/face/shapes_named.h"
@@ -25,7 +26,7 @@ Result<void> only_keys(const toml::table& table, std::initializer_list<std::stri
                        const std::string& where) {
   for (const auto& [key, value] : table)
     if (std::ranges::find(known, key.str()) == known.end())
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", key.str().substr(0, 40)),
+      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
                   place(where, value), fmt::format("known keys are: {}", fmt::join(known, ", ")));
   return {};
 }
@@ -54,7 +55,7 @@ Result<double> number(const toml::table& table, std::string_view key, double oth
 Result<std::vector<std::size_t>> shapes_of(std::string_view name, const std::string& where) {
   std::vector<std::size_t> shapes = face::shapes_named(name);
   if (!shapes.empty()) return shapes;
-  return fail(ErrorCode::malformed, fmt::format("there is no shape '{}'", name.substr(0, 40)), where,
+  return fail(ErrorCode::malformed, fmt::format("there is no shape '{}'", excerpt(name)), where,
               "docs/guide/recording.md names them: jawOpen, mouthSmile_L, or mouthSmile for both sides");
 }
 
@@ -69,12 +70,11 @@ Result<face::BlendshapeWeights> weights_of(const toml::table& table, const std::
   for (const auto& [key, value] : *named) {
     const auto weight = value.value<double>();
     if (!weight || !value.is_number())
-      return fail(ErrorCode::malformed, fmt::format("weight '{}' is not a number", key.str().substr(0, 40)),
+      return fail(ErrorCode::malformed, fmt::format("weight '{}' is not a number", excerpt(key.str())),
                   place(where, value));
     if (!(*weight >= 0 && *weight <= 1))
-      return fail(ErrorCode::out_of_range,
-                  fmt::format("weight '{}' is {:g}", key.str().substr(0, 40), *weight), place(where, value),
-                  "weights go from 0 to 1");
+      return fail(ErrorCode::out_of_range, fmt::format("weight '{}' is {:g}", excerpt(key.str()), *weight),
+                  place(where, value), "weights go from 0 to 1");
     MIEN_TRY_ASSIGN(const std::vector<std::size_t> shapes, shapes_of(key.str(), place(where, value)));
     for (const std::size_t shape : shapes) weights[shape] = static_cast<float>(*weight);
   }

@@ -68,20 +68,24 @@ Receiver::Device* Receiver::find(const DeviceKey& key) {
   return found == devices_.end() ? nullptr : &*found;
 }
 
-Receiver::Device* Receiver::meet(const DeviceKey& key, sensor::Peer peer, std::size_t protocol,
+Receiver::Device& Receiver::meet(const DeviceKey& key, sensor::Peer peer, std::size_t protocol,
                                  HostTime arrival) {
-  if (Device* known = find(key)) return known;
-  // A stranger's inventions must not keep the rig's own boards out.
-  const bool expected = std::ranges::any_of(bound_, [&](const auto& b) { return b.first == key; });
-  if (devices_.size() >= kMaxDevices && !expected) return nullptr;
-  Device& met = devices_.emplace_back();
+  if (Device* known = find(key)) return *known;
+  // A stranger's inventions must not keep boards out, neither the rig's own nor those that are to be bound:
+  // of the others the one gives way that was silent longest.
+  Device* place = nullptr;
+  if (devices_.size() >= kMaxDevices + rig_.sensors.size())
+    for (Device& one : devices_)
+      if (!one.sensor && (place == nullptr || one.received < place->received)) place = &one;
+  Device& met = place != nullptr ? *place : devices_.emplace_back();
+  met = Device();
   met.key = key;
   met.peer = peer;
   met.received = arrival;
   met.protocol = protocol;
   for (const auto& [bound, sensor] : bound_)
     if (bound == key) met.sensor = sensor;
-  return &met;
+  return met;
 }
 
 void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& consumer) {
@@ -100,18 +104,48 @@ void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& 
   consumer.rebound(sensor, key, was_received);
 }
 
+bool Receiver::prevails(Device& device, HostTime arrival, sensor::Peer peer, const sensor::Sample& sample) {
+  const auto is_free = [&](const Rival& r) { return !r.received || arrival - *r.received > kSamePlace; };
+  auto rival =
+      std::ranges::find_if(device.rivals, [&](const Rival& r) { return r.received && r.peer == peer; });
+  if (rival == device.rivals.end()) {
+    // A place of one who is silent, or else of one who is no sensor either.
+    rival = std::ranges::find_if(device.rivals, is_free);
+    if (rival == device.rivals.end())
+      rival =
+          std::ranges::find_if(device.rivals, [](const Rival& r) { return r.plausibility.is_implausible(); });
+    if (rival == device.rivals.end()) return false;
+    *rival = {.peer = peer};
+  }
+  rival->received = arrival;
+  rival->plausibility.add(arrival, sample);
+  if (!device.plausibility.is_implausible() || !rival->plausibility.is_plausible()) return false;
+  // They change places.
+  std::swap(device.plausibility, rival->plausibility);
+  *rival = {.peer = device.peer, .received = device.received, .plausibility = rival->plausibility};
+  return true;
+}
+
 void Receiver::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
                             const sensor::Reading& reading, SampleConsumer& consumer) {
-  Device* from = meet(reading.from, peer, protocol, arrival);
-  if (from == nullptr) {
-    ++refused_;
-    return;
-  }
+  Device* const from = &meet(reading.from, peer, protocol, arrival);
   // Another place, or another clock, while the one that is known still sends.
   const Duration silent = arrival - from->received;
   const Duration off = (reading.sample.time - from->newest) - silent;
   const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
-  const bool impostor = (from->peer != peer && silent < kSamePlace) || (other_clock && silent < kSameBoard);
+  const bool elsewhere = from->peer != peer && silent < kSamePlace;
+  bool impostor = elsewhere || (other_clock && silent < kSameBoard);
+  if (elsewhere) {
+    if (from->sensor && prevails(*from, arrival, peer, reading.sample)) {
+      impostor = false;
+      links_[*from->sensor] = Link();
+      ticks_.forget(*from->sensor);
+      consumer.rebound(*from->sensor, from->key, true);
+    }
+  } else {
+    if (from->peer != peer) from->plausibility = {};
+    from->plausibility.add(arrival, reading.sample);
+  }
   if (!impostor) {
     from->peer = peer;
     from->received = arrival;
@@ -197,8 +231,7 @@ Receiver::Received Receiver::decode(HostTime arrival, sensor::Peer peer, std::si
     return out;
   }
   for (const sensor::Announcement& announced : inbox_.announcements) {
-    Device* from = meet(announced.from, peer, protocol, arrival);
-    if (from == nullptr) continue;
+    Device* const from = &meet(announced.from, peer, protocol, arrival);
     from->announces = announced.site;
     const auto sensor = rig_.find(announced.site);
     const bool taken =

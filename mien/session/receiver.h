@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "mien/core/time.h"
 #include "mien/sensor/link_health.h"
 #include "mien/sensor/payload.h"
+#include "mien/sensor/plausibility.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
@@ -52,7 +54,7 @@ struct ProtocolReducer {
 /// allocation in receive() and due() once every device has been received.
 class Receiver {
  public:
-  /// Devices beyond this many are refused.
+  /// Beyond so many devices and the rig's, whichever is not bound and was silent longest is forgotten.
   static constexpr std::size_t kMaxDevices = 64;
 
   /// A rig that binds no sensor binds virtual nodes, whose ids name their place (sensor::bindings). Errors:
@@ -114,10 +116,18 @@ class Receiver {
   [[nodiscard]] const sensor::Rig& rig() const { return rig_; }
 
  private:
+  /// Somebody else who sends a device's readings, and is not accepted as it.
+  struct Rival {
+    sensor::Peer peer = 0;
+    std::optional<HostTime> received;  // None: nobody.
+    sensor::Plausibility plausibility;
+  };
   struct Device {
     sensor::DeviceKey key;
     std::optional<std::uint16_t> sensor;
     sensor::Peer peer = 0;
+    sensor::Plausibility plausibility;
+    std::array<Rival, 4> rivals;
     HostTime received;
     DeviceTime newest;  // Of accepted samples.
     std::size_t protocol = 0;
@@ -142,10 +152,14 @@ class Receiver {
                   SampleConsumer& consumer);
   Received reject_malformed(sensor::Peer peer);
   Device* find(const sensor::DeviceKey& key);
-  /// The device of this key, from now on if it is new; null when there are too many.
-  Device* meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
+  /// The device of this key, from now on if it is new.
+  Device& meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
   /// Whether the readings of a device come from there: nobody else is accepted as it.
   [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;
+  /// What a rival's reading tells. Whether it is the sensor, and not who was accepted as it so far: that one
+  /// does not behave as a sensor does, and the rival does.
+  [[nodiscard]] bool prevails(Device& device, HostTime arrival, sensor::Peer peer,
+                              const sensor::Sample& sample);
   void take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol, const sensor::Reading& reading,
                     SampleConsumer& consumer);
 

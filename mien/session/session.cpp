@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::session {
 namespace {
 
@@ -246,15 +248,16 @@ Result<void> Session::execute(const Recentre&) {
 Result<void> Session::execute(const Bind& command) {
   const auto sensor = rig().find(command.sensor);
   if (!sensor)
-    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kSession,
-                "the page lists its sensors");
+    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", excerpt(command.sensor)),
+                kSession, "the page lists its sensors");
   receiver_->bind(*sensor, command.device, *this);
   return {};
 }
 
 Result<void> Session::execute(const Tap& command) {
   if (!command.sensor.empty() && !rig().find(command.sensor))
-    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", command.sensor), kSession);
+    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", excerpt(command.sensor)),
+                kSession);
   receiver_->bind_by_tap(command.sensor);
   return {};
 }

@@ -32,13 +32,18 @@ class IntakeTest : public ::testing::Test {
     const std::uint64_t before = intake.counts().received;
     EXPECT_TRUE(test::run_until(network, [&] { return intake.counts().received > before; }));
   }
-  /// Takes all that is there as the tracker's thread does, and vouches for who is sound.
-  std::vector<std::string> take(bool sound) {
+  using Standing = Intake::Standing;
+  /// Takes all that is there as the tracker's thread does, and judges it; the log asks for names at once.
+  std::vector<std::string> take(Standing standing) {
     std::vector<std::string> texts;
     while (const auto arrived = intake.front()) {
       texts.emplace_back(reinterpret_cast<const char*>(arrived->bytes.data()), arrived->bytes.size());
       last = arrived->peer;
-      if (sound) intake.vouch(arrived->peer);
+      intake.judge(standing);
+      if (standing != Standing::unsound && (names.size() <= last || names[last].empty())) {
+        names.resize(std::max<std::size_t>(names.size(), last + 1));
+        names[last] = intake.peer_name(last);
+      }
       intake.release();
     }
     return texts;
@@ -49,6 +54,7 @@ class IntakeTest : public ::testing::Test {
   Intake intake{network, [this] { return now; }};
   udp::endpoint there;
   sensor::Peer last = 0;
+  std::vector<std::string> names;
 };
 
 TEST_F(IntakeTest, HandsOverInOrderWithArrivalAndPeer) {
@@ -92,7 +98,7 @@ TEST_F(IntakeTest, HoldsASenderToItsRateAndNobodyElse) {
   for (std::size_t i = 0; i < most + 50; ++i) send(fast, "x");
   send(calm, "y");
   EXPECT_EQ(intake.counts().too_fast, 50u);
-  EXPECT_EQ(take(true).size(), most + 1);
+  EXPECT_EQ(take(Standing::bound).size(), most + 1);
   now += std::chrono::milliseconds(100);
   for (int i = 0; i < 150; ++i) send(fast, "x");
   EXPECT_EQ(intake.counts().too_fast, 100u) << "a tenth of a second is worth a hundred";
@@ -113,61 +119,109 @@ TEST_F(IntakeTest, DropsAndCountsWhatIsTooLongOrTooMuch) {
   EXPECT_EQ(intake.counts().too_long, 1u);
   EXPECT_FALSE(intake.front());
   send(one, std::string(Intake::kMaxDatagram, 'x'));
-  EXPECT_EQ(take(true).size(), 1u);
+  EXPECT_EQ(take(Standing::bound).size(), 1u);
   // Nobody takes: two megabytes wait, and the rest is dropped.
   for (int second = 0; second < 3; ++second, now += std::chrono::seconds(1))
     for (int i = 0; i < 900; ++i) send(one, std::string(Intake::kMaxDatagram, 'x'));
   EXPECT_GT(intake.counts().overrun, 0u);
-  EXPECT_EQ(take(true).size() + intake.counts().overrun, 2700u);
+  EXPECT_EQ(take(Standing::bound).size() + intake.counts().overrun, 2700u);
+}
+
+TEST_F(IntakeTest, CountsWhatTheKernelHadNoRoomFor) {
+  udp::socket one = somebody();
+  // Nobody runs the network: the socket's buffer, of a megabyte or what the system allows, fills.
+  const std::string text(1400, 'x');
+  for (int i = 0; i < 6000; ++i) one.send_to(boost::asio::buffer(text), there);
+  EXPECT_GT(intake.counts().kernel_dropped, 0u);
+  EXPECT_EQ(intake.counts().received, 0u);
+}
+
+TEST_F(IntakeTest, HoldsStrangersToABudgetOfTheirOwn) {
+  udp::socket device = somebody();
+  send(device, "reading");
+  take(Standing::bound);
+  // Of one address, whatever its ports: beyond its budget they are dropped, and devices are not.
+  std::vector<udp::socket> strangers;
+  for (int i = 0; i < 20; ++i) strangers.push_back(somebody());
+  for (int i = 0; i < 2000; ++i) send(strangers[static_cast<std::size_t>(i % 20)], "junk");
+  const auto most = static_cast<std::size_t>(Intake::kMaxRatePerHost) - 1;
+  EXPECT_EQ(take(Standing::unsound).size(), most);
+  EXPECT_EQ(intake.counts().too_fast, 2000 - most);
+  send(device, "reading");
+  EXPECT_EQ(take(Standing::bound).size(), 1u);
 }
 
 TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
   udp::socket device = somebody();
-  send(device, "sound");
-  take(true);
+  send(device, "reading");
+  take(Standing::bound);
   const sensor::Peer peer = last;
-  const std::string name = intake.peer_name(peer);
   // Nobody knows yet what these are: none has to go, and whoever comes then is too many.
   std::vector<udp::socket> strangers;
-  for (std::size_t i = 1; i < Intake::kMaxPeers; ++i) send(strangers.emplace_back(somebody()), "noise");
+  for (std::size_t i = 1; i < Intake::kMaxPeers; ++i) send(strangers.emplace_back(somebody()), "hello");
   udp::socket late = somebody();
-  send(late, "sound");
+  send(late, "reading");
   EXPECT_EQ(intake.counts().too_many, 1u);
   EXPECT_EQ(intake.counts().evicted, 0u);
-  // They were noise: the oldest of them gives way, and then the next.
-  EXPECT_EQ(take(false).size(), Intake::kMaxPeers - 1);
-  send(late, "sound");
+  // They were understood, and none is bound: who was silent longest gives way, and then the next.
+  EXPECT_EQ(take(Standing::logged).size(), Intake::kMaxPeers - 1);
+  now += std::chrono::seconds(1);
+  send(late, "reading");
   EXPECT_EQ(intake.counts().evicted, 1u);
-  EXPECT_EQ(take(true), std::vector<std::string>{"sound"});
-  EXPECT_EQ(last, 1u) << "the first stranger's place";
-  EXPECT_EQ(intake.peer_name(last), "udp://127.0.0.1:" + std::to_string(late.local_endpoint().port()));
+  EXPECT_EQ(take(Standing::bound), std::vector<std::string>{"reading"});
+  const sensor::Peer late_peer = last;
+  EXPECT_GE(late_peer, Intake::kMaxPeers) << "a number of its own";
+  EXPECT_EQ(names[late_peer], "udp://127.0.0.1:" + std::to_string(late.local_endpoint().port()) + "#" +
+                                  std::to_string(late_peer));
   for (std::size_t i = 0; i < 2 * Intake::kMaxPeers; ++i) {
+    now += std::chrono::milliseconds(5);
     udp::socket stranger = somebody();
-    send(stranger, "noise");
-    take(false);
+    send(stranger, "hello");
+    take(Standing::logged);
   }
   EXPECT_EQ(intake.counts().too_many, 1u);
-  // Who said something sound is still who it was.
-  send(device, "sound");
-  EXPECT_EQ(take(true), std::vector<std::string>{"sound"});
+  // Who is bound is still who it was.
+  send(device, "reading");
+  EXPECT_EQ(take(Standing::bound), std::vector<std::string>{"reading"});
   EXPECT_EQ(last, peer);
-  EXPECT_EQ(intake.peer_name(peer), name);
-  send(late, "sound");
-  take(true);
-  EXPECT_EQ(last, 1u);
+  send(late, "reading");
+  take(Standing::bound);
+  EXPECT_EQ(last, late_peer);
+  // Every sender of the log has a name of its own.
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
 }
 
-TEST_F(IntakeTest, ATableOfDevicesTakesNoMore) {
+TEST_F(IntakeTest, ASenderIsNotForgottenBeforeTheLogHasItsName) {
+  std::vector<udp::socket> strangers;
+  for (std::size_t i = 0; i < Intake::kMaxPeers; ++i) send(strangers.emplace_back(somebody()), "hello");
+  while (const auto arrived = intake.front()) {
+    intake.judge(Standing::logged);
+    intake.release();
+  }
+  now += std::chrono::seconds(1);
+  udp::socket late = somebody();
+  send(late, "reading");
+  EXPECT_EQ(intake.counts().too_many, 1u);
+  EXPECT_EQ(intake.peer_name(7), "udp://127.0.0.1:" + std::to_string(strangers[7].local_endpoint().port()));
+  send(late, "reading");
+  EXPECT_EQ(intake.counts().too_many, 1u);
+  EXPECT_EQ(intake.peer_name(7), "") << "its place is another's";
+}
+
+TEST_F(IntakeTest, ATableOfDevicesTakesNoMoreUntilOneWasSilentForLong) {
   std::vector<udp::socket> devices;
   for (std::size_t i = 0; i < Intake::kMaxPeers; ++i) {
-    send(devices.emplace_back(somebody()), "sound");
-    take(true);
+    send(devices.emplace_back(somebody()), "reading");
+    take(Standing::bound);
   }
   udp::socket late = somebody();
-  send(late, "sound");
+  send(late, "reading");
   EXPECT_FALSE(intake.front());
   EXPECT_EQ(intake.counts().too_many, 1u);
   EXPECT_EQ(intake.counts().evicted, 0u);
+  now += Intake::kForget + std::chrono::seconds(1);
+  send(late, "reading");
+  EXPECT_EQ(take(Standing::bound).size(), 1u);
 }
 
 TEST_F(IntakeTest, SaysWhatIsWrongWithAnAddress) {

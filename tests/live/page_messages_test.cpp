@@ -77,6 +77,15 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
   EXPECT_TRUE(said["prompts"]["next"].is_null());
 }
 
+TEST(PageMessages, ASessionWithoutFramesHasNoLatency) {
+  Status now = status();
+  const Json none = Json::parse(status_json(now, glasses()))["latency_ms"];
+  EXPECT_EQ(none, Json::parse(R"({"p50": null, "p99": null, "max": null})"));
+  now.latency.add(std::chrono::milliseconds(5));
+  const Json some = Json::parse(status_json(now, glasses()))["latency_ms"];
+  EXPECT_EQ(some, Json::parse(R"({"p50": 5.0, "p99": 5.0, "max": 5.0})"));
+}
+
 TEST(PageMessages, StatusTellsWhatIsLeftOfTheLog) {
   Status now = status();
   now.recording.log = {.bytes = 1'500'000'000,

@@ -114,6 +114,19 @@ TEST(RecordedPayloads, MoreThanTheirQueueHoldsEndTheRecordingWithTheReason) {
   EXPECT_TRUE(take::Take::open(folder / "a.mien")) << "what was written stays";
 }
 
+TEST(RecordedPayloads, ComingFasterThanTheyAreTakenTheyDoNotKeepTheRecorderFromItsOtherWork) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  Recorder recorder(folder.path(), camera, 200'000'000);
+  ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
+  const std::vector<std::byte> large = picture(1, sensor::kMaxPayload);
+  const std::jthread device([&](const std::stop_token& stop) {
+    for (std::uint32_t n = 0; !stop.stop_requested(); ++n) record_entry(recorder, n, large);
+  });
+  // Either the limit or the queue ends it; the recorder must see which.
+  EXPECT_TRUE(wait_until([&] { return !recorder.state().unable.empty(); }));
+  EXPECT_FALSE(recorder.wait());
+}
+
 TEST(RecordedPayloads, AtTheirHalfOfTheLimitNothingCanBeRecordedAnyMore) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   Recorder recorder(folder.path(), camera, 1'000'000);

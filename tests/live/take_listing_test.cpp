@@ -34,9 +34,9 @@ struct Stage {
   /// What list() gives when all lengths it wants have been read.
   Entries settled() {
     const int before = read;
-    Entries entries = listing.list();
+    Entries entries = listing.list({}, true);
     read.wait(before);
-    return listing.list();
+    return listing.list({}, false);
   }
   std::atomic<int> read = 0;
   TakeListing listing;
@@ -69,14 +69,41 @@ TEST(TakeListing, ReadsATakeAnewWhenItsFileIsAnother) {
   Stage stage(folder.path());
   EXPECT_NEAR(stage.settled().at(0).seconds.value_or(-1), 1, 1e-6);
   const int read = stage.read;
-  EXPECT_NEAR(stage.listing.list().at(0).seconds.value_or(-1), 1, 1e-6);
+  EXPECT_NEAR(stage.listing.list({}, true).at(0).seconds.value_or(-1), 1, 1e-6);
   EXPECT_EQ(stage.read, read) << "what was read is kept";
 
   std::filesystem::remove(path);
   write_take(path, 601);
   EXPECT_NEAR(stage.settled().at(0).seconds.value_or(-1), 10, 1e-6);
   std::filesystem::remove(path);
-  EXPECT_TRUE(stage.listing.list().empty());
+  EXPECT_TRUE(stage.listing.list({}, true).empty());
+}
+
+TEST(TakeListing, NeverOpensATakeThatGrows) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  std::ofstream(folder / "growing.mien") << "half a take";
+  write_take(folder / "one.mien", 61);
+  Stage stage(folder.path());
+  const TakeListing::Growing growing{folder / "growing.mien", 7};
+  static_cast<void>(stage.listing.list(growing, true));
+  stage.read.wait(0);
+  for (const TakeListing::Entry& entry : stage.listing.list(growing, false)) {
+    EXPECT_EQ(entry.error, "");
+    EXPECT_NEAR(entry.seconds.value_or(-1), entry.name == "growing.mien" ? 7 : 1, 1e-6);
+  }
+}
+
+TEST(TakeListing, WhatWasReadAsksForNoMoreToBeRead) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  write_take(folder / "one.mien", 61);
+  Stage stage(folder.path());
+  ASSERT_EQ(stage.settled().size(), 1u);
+  // Somebody else's recording: another file at each look.
+  std::filesystem::remove(folder / "one.mien");
+  write_take(folder / "one.mien", 601);
+  EXPECT_FALSE(stage.listing.list({}, false).at(0).seconds);
+  EXPECT_NEAR(stage.settled().at(0).seconds.value_or(-1), 10, 1e-6);
+  EXPECT_EQ(stage.read, 2);
 }
 
 TEST(TakeListing, TheNewestComeFirstAndNoMoreThanTheLimit) {
@@ -88,7 +115,7 @@ TEST(TakeListing, TheNewestComeFirstAndNoMoreThanTheLimit) {
     std::filesystem::last_write_time(path, now - std::chrono::seconds(i));
   }
   Stage stage(folder.path());
-  const Entries entries = stage.listing.list();
+  const Entries entries = stage.listing.list({}, true);
   ASSERT_EQ(entries.size(), TakeListing::kMaxTakes);
   EXPECT_EQ(entries.front().name, "0.mien");
   EXPECT_EQ(entries.back().name, std::to_string(TakeListing::kMaxTakes - 1) + ".mien");
@@ -96,7 +123,7 @@ TEST(TakeListing, TheNewestComeFirstAndNoMoreThanTheLimit) {
 
 TEST(TakeListing, AFolderThatIsNotThereHasNone) {
   TakeListing listing("/nowhere/at/all", [] {});
-  EXPECT_TRUE(listing.list().empty());
+  EXPECT_TRUE(listing.list({}, true).empty());
 }
 
 }  // namespace

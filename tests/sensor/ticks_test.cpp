@@ -157,5 +157,41 @@ TEST(Ticks, DependOnNothingButTheCalls) {
   EXPECT_EQ(run(rig_of(4), entries), run(rig_of(4), entries));
 }
 
+/// How many frames fire within a second of host time, at most.
+std::size_t most_in_a_second(const std::vector<FrameTick>& ticks) {
+  std::size_t most = 0, first = 0;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    while (ticks[i].fired - ticks[first].fired > std::chrono::seconds(1)) ++first;
+    most = std::max(most, i - first + 1);
+  }
+  return most;
+}
+
+TEST(Ticks, AClockThatCreepsAheadMakesNoBacklog) {
+  // Sixteen times as fast as time goes, in leaps that are each too small for a restart.
+  std::vector<Entry> entries = play(3, 30, 5);
+  for (Entry& entry : entries)
+    for (Sample& sample : entry.samples)
+      if (sample.sensor == 0) sample.time = DeviceTime(16 * sample.time.time_since_epoch());
+  const auto ticks = run(rig_of(3), entries);
+  EXPECT_GT(ticks.size(), 1500u);
+  EXPECT_LE(ticks.size(), 30u * 62 + 61);
+  EXPECT_LE(most_in_a_second(ticks), 123u);
+  for (std::size_t i = 1; i < ticks.size(); ++i) ASSERT_GT(ticks[i].frame, ticks[i - 1].frame);
+}
+
+TEST(Ticks, ASilenceOfAllLeavesNoFrameOut) {
+  std::vector<Entry> entries = play(3, 30, 6);
+  std::erase_if(entries, [](const Entry& entry) {
+    return entry.arrival > HostTime(std::chrono::seconds(10)) &&
+           entry.arrival < HostTime(std::chrono::seconds(20));
+  });
+  // Nobody looked meanwhile: they fire with what comes next, each at its deadline.
+  const auto ticks = run(rig_of(3), entries);
+  EXPECT_GT(ticks.size(), 1770u);
+  for (std::size_t i = 1; i < ticks.size(); ++i) ASSERT_EQ(ticks[i].index, ticks[i - 1].index + 1);
+  EXPECT_LE(most_in_a_second(ticks), 70u);
+}
+
 }  // namespace
 }  // namespace mien::sensor::ticks_test

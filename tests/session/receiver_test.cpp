@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include "mien/imu/packets/packet.h"
 #include "mien/sensor/bindings.h"
 #include "mien/session/replay.h"
 #include "tests/session/session_run.h"
@@ -123,6 +125,85 @@ TEST(Receiver, RefusesARigThatBindsTwoSensorsToOneDevice) {
   EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
   rig.sensors[2].device = "a board";
   EXPECT_EQ(Receiver::create(rig, {}).error().code, ErrorCode::malformed);
+}
+
+/// The same packet with other values, as a stranger forges it.
+std::vector<std::byte> forged(std::span<const std::byte> datagram, float value, Duration later = {}) {
+  imu::Packet packet = imu::parse_packet(datagram).value();
+  for (auto& values : packet.values) values.fill(value);
+  packet.time += later;
+  return imu::encode_packet(packet).value();
+}
+
+/// Which readings came through: of the device, or forged, which all have one value.
+class Accepted final : public SampleConsumer {
+ public:
+  void add(HostTime arrival, const sensor::Sample& sample) override {
+    const bool of_stranger =
+        std::ranges::all_of(sample.used(), [&](float v) { return std::abs(v - sample.values[0]) < 1e-6F; });
+    (of_stranger ? stranger : device).push_back(arrival);
+  }
+  void rebound(std::uint16_t, const DeviceKey&, bool) override { ++changes; }
+  std::vector<HostTime> stranger, device;
+  int changes = 0;
+};
+
+TEST(Receiver, AFirstComerWhoIsNoSensorIsPutAsideWithinFiveSeconds) {
+  const virt::VirtualSession performed = test::performance(4);
+  const auto receiver = receiver_test::receiver();
+  Accepted accepted;
+  const HostTime begin = performed.entries.front().arrival;
+  const HostTime on = begin + std::chrono::seconds(2);  // When the boards are switched on.
+  for (const take::LogEntry& entry : performed.entries) {
+    if (!imu::is_packet(entry.bytes)) continue;
+    receiver->receive(entry.arrival, 99, forged(entry.bytes, 0), accepted);
+    if (entry.arrival >= on) receiver->receive(entry.arrival, 1, entry.bytes, accepted);
+  }
+  ASSERT_FALSE(accepted.device.empty());
+  EXPECT_LT(accepted.device.front(), on + std::chrono::seconds(5));
+  EXPECT_EQ(accepted.changes, 3) << "each sensor once, and for good";
+  EXPECT_LT(accepted.stranger.back(), on + std::chrono::seconds(5));
+}
+
+TEST(Receiver, NobodyTakesADeviceOverByClaimingItsId) {
+  const virt::VirtualSession performed = test::performance(4);
+  for (const float value : {0.0F, 5.0F}) {
+    const auto receiver = receiver_test::receiver();
+    Accepted accepted;
+    for (const take::LogEntry& entry : performed.entries) {
+      if (!imu::is_packet(entry.bytes)) continue;
+      receiver->receive(entry.arrival, 1, entry.bytes, accepted);
+      for (sensor::Peer peer = 90; peer < 100; ++peer)
+        receiver->receive(entry.arrival, peer, forged(entry.bytes, value), accepted);
+    }
+    EXPECT_TRUE(accepted.stranger.empty());
+    EXPECT_EQ(accepted.changes, 0);
+    EXPECT_EQ(accepted.device.size(), performed.samples.size());
+  }
+}
+
+TEST(Receiver, StrangersWithManyIdsKeepNoDeviceOut) {
+  const virt::VirtualSession performed = test::performance(1);
+  const auto receiver = receiver_test::receiver();
+  Accepted accepted;
+  const auto claim = [&](std::uint64_t device) {
+    imu::Packet packet = imu::parse_packet(performed.entries.front().bytes).value();
+    packet.device = device;
+    receiver->receive(performed.entries.front().arrival, 99, imu::encode_packet(packet).value(), accepted);
+  };
+  for (std::uint64_t device = 1000; device < 2000; ++device) claim(device);
+  for (const take::LogEntry& entry : performed.entries)
+    receiver->receive(entry.arrival, 1, entry.bytes, accepted);
+  EXPECT_EQ(accepted.device.size(), performed.samples.size());
+  Report report;
+  receiver->report(performed.entries.back().arrival, report);
+  EXPECT_EQ(report.unbound.size(), Receiver::kMaxDevices);
+  // A board that is to be bound is met whoever was there before.
+  claim(5000);
+  receiver->report(performed.entries.back().arrival, report);
+  EXPECT_TRUE(std::ranges::any_of(report.unbound, [](const Report::Unbound& one) {
+    return one.device == sensor::format_device({5000, 0});
+  }));
 }
 
 }  // namespace

@@ -83,7 +83,12 @@ Verdict SlimeVrProtocol::greet(HostTime arrival, sensor::Peer peer, const slimev
   auto board =
       std::find_if(boards_.begin(), boards_.end(), [&](const Board& b) { return b.mac == handshake.mac; });
   if (board == boards_.end()) {
-    if (boards_.size() == kMaxBoards) return Verdict::refused;
+    if (boards_.size() == kMaxBoards) {
+      // Who never sent a rotation gives way first, and of those, or else of all, who was silent longest.
+      boards_.erase(std::ranges::min_element(
+          boards_, {}, [](const Board& b) { return std::pair(!b.channels.empty(), b.received); }));
+      board = boards_.end();
+    }
     board = boards_.insert(board, Board{.mac = handshake.mac, .next_heartbeat = arrival});
   }
   board->peer = peer;

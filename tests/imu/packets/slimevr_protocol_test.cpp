@@ -287,13 +287,12 @@ TEST(SlimeVrProtocol, KeepsInTouch) {
 TEST(SlimeVrProtocol, DoesNotGrowWithStrangers) {
   SlimeVrProtocol protocol;
   Inbox inbox;
-  int greeted = 0;
-  for (sensor::Peer peer = 1; peer < 1000; ++peer) {
-    inbox.clear();
+  for (sensor::Peer peer = 1; peer < 1000; ++peer)
     protocol.receive(at(0), peer, encoded(0, slimevr::Handshake{.mac = peer}), inbox);
-    greeted += inbox.reply.empty() ? 0 : 1;
-  }
-  EXPECT_EQ(greeted, 64);
+  std::vector<sensor::Protocol::Outgoing> out;
+  protocol.heartbeats(at(1), out);
+  EXPECT_EQ(out.size(), 2U * 64) << "a heartbeat and a ping to each that is known";
+  protocol.receive(at(1), 1, encoded(0, slimevr::Handshake{.mac = 1}), inbox);
   std::size_t readings = 0;
   for (int sensor = 0; sensor < 256; ++sensor) {
     inbox.clear();
@@ -304,6 +303,21 @@ TEST(SlimeVrProtocol, DoesNotGrowWithStrangers) {
     readings += inbox.readings.size();
   }
   EXPECT_EQ(readings, 32U);
+}
+
+TEST(SlimeVrProtocol, StrangersKeepNoBoardOut) {
+  SlimeVrProtocol protocol;
+  Inbox inbox;
+  for (sensor::Peer peer = 100; peer < 400; ++peer)
+    protocol.receive(at(0), peer, encoded(0, slimevr::Handshake{.mac = peer}), inbox);
+  protocol.receive(at(1), 1, encoded(0, slimevr::Handshake{.mac = kMac}), inbox);
+  protocol.receive(at(1), 1, encoded(1, rotation(Quat::Identity())), inbox);
+  // They go on; who sends rotations stays.
+  for (sensor::Peer peer = 400; peer < 700; ++peer)
+    protocol.receive(at(2), peer, encoded(0, slimevr::Handshake{.mac = peer}), inbox);
+  inbox.clear();
+  EXPECT_EQ(protocol.receive(at(3), 1, encoded(2, rotation(Quat::Identity())), inbox), Verdict::taken);
+  EXPECT_EQ(inbox.readings.size(), 1U);
 }
 
 TEST(SlimeVrProtocol, TakesNothingFromBrokenPackets) {
