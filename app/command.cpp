@@ -16,6 +16,7 @@
 #include <optional>
 #include <system_error>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 
 namespace mien::app {
@@ -26,6 +27,11 @@ std::atomic<bool> line_is_open = false;  // Progress stands on the terminal's la
 
 void catch_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, [](int) { interrupted = true; });
+}
+
+/// One line, whatever a file or a stranger had to say in it.
+void complain(const std::string& program, const std::string& what) {
+  fmt::print(stderr, "{}: {}\n", program, without_controls(what));
 }
 
 }  // namespace
@@ -76,18 +82,18 @@ int Commands::main(int argc, char** argv, UsageError usage_error) {
   const std::string name = line_.program().name();
   const auto parsed = line_.parse(argc, argv);
   if (!parsed) {
-    fmt::print(stderr, "{}: {}\n", name, usage_error(line_.program(), parsed.error()));
+    complain(name, usage_error(line_.program(), parsed.error()));
     return 2;
   }
   if (!*parsed) return 0;
   try {
     if (const auto done = run(); !done) {
       clear_progress();
-      fmt::print(stderr, "{}: {}\n", name, done.error().message());
+      complain(name, done.error().message());
       return is_bad_input(done.error().code) ? 2 : 1;
     }
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}: {}; this is a defect, please report it\n", name, error.what());
+    complain(name, fmt::format("{}; this is a defect, please report it", error.what()));
     return 1;
   }
   return 0;

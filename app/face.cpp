@@ -9,6 +9,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/one_line.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/obj.h"
@@ -66,8 +67,8 @@ Json describe(const face::Face& face) {
 
 void print_face(const face::Face& face) {
   const Vec3f size = size_mm(face);
-  fmt::print("{}: {} vertices, {} triangles, {:.0f} x {:.0f} x {:.0f} mm\n", face.name, face.neutral_m.size(),
-             face.triangles.size(), size.x(), size.y(), size.z());
+  fmt::print("{}: {} vertices, {} triangles, {:.0f} x {:.0f} x {:.0f} mm\n", one_line(face.name),
+             face.neutral_m.size(), face.triangles.size(), size.x(), size.y(), size.z());
   fmt::print("landmarks: {}\n", face.has_landmarks ? "68" : "none");
   for (std::size_t e = 0; e < face.eyes.size(); ++e)
     fmt::print(
@@ -82,10 +83,10 @@ void print_face(const face::Face& face) {
                  s.vertex.size());
   fmt::print("\n{:<18} {:>9}\n", "region", "vertices");
   for (const face::Region& region : face.regions)
-    fmt::print("{:<18} {:>9}\n", region.name, region.vertex.size());
+    fmt::print("{:<18} {:>9}\n", one_line(region.name), region.vertex.size());
   fmt::print("\n{:<18} {:>9}  material\n", "part", "triangles");
   for (const face::Part& part : face.parts)
-    fmt::print("{:<18} {:>9}  {}\n", part.name, part.triangle_count, material_name(part.material));
+    fmt::print("{:<18} {:>9}  {}\n", one_line(part.name), part.triangle_count, material_name(part.material));
 }
 
 struct FaceArguments {

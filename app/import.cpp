@@ -12,6 +12,7 @@
 #include "app/live/session_markers.h"
 #include "app/marker_import.h"
 #include "app/write_motion.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/face/load_motion.h"
 #include "mien/mocap/load_marker_track.h"
@@ -85,7 +86,8 @@ Result<void> run_import(const ImportOptions& options) {
   } else {
     MIEN_TRY_ASSIGN(motion, face::load_motion(options.motion, &warnings));
   }
-  for (const std::string& warning : warnings) fmt::print(stderr, "mien: {}: {}\n", options.motion, warning);
+  for (const std::string& warning : warnings)
+    fmt::print(stderr, "mien: {}: {}\n", options.motion, without_controls(warning));
   if (!options.take.empty() && session)
     MIEN_TRY(write_with_truth(*session, motion, begin, options.markers.face, options.take, options.force));
   else if (!options.take.empty())

@@ -25,4 +25,8 @@ class PrivateFolder {
   std::filesystem::path path_;
 };
 
+/// Makes a folder for what shows a person's face, and those above it that are missing: nobody but their owner
+/// may look into them (mode 700), whatever the umask. One that is there stays as it is. Errors: io.
+[[nodiscard]] Result<void> make_private_folders(const std::filesystem::path& folder);
+
 }  // namespace mien::app

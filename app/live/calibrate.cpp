@@ -17,6 +17,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live/calibration_text.h"
+#include "app/live/page_token.h"
 #include "app/live/session_client.h"
 #include "app/one_line.h"
 
@@ -28,7 +29,7 @@ using Version = session::CalibrationVersion;
 
 struct CalibrateOptions {
   std::string at = "127.0.0.1:8740";
-  std::string token;
+  TokenOption token;
   bool json = false;
   std::string kind = "short";
   double wait_s = 60;
@@ -335,7 +336,7 @@ void add_calibrate_command(Commands& commands) {
         .add_option("--at", options->at,
                     "Where the session is: HOST:PORT of its page, or the address that mien live printed")
         .show_default();
-    command.add_option("--token", options->token, "The page's token, where it has one");
+    add_token_options(command, options->token, "The page's token, where it has one");
     command.add_flag("--json", options->json, "Print one JSON object");
   }
 }

@@ -17,6 +17,7 @@
 #include "app/live/running_session.h"
 #include "app/media_helper.h"
 #include "app/performance.h"
+#include "app/private_folder.h"
 #include "app/read_aloud.h"
 #include "app/seed_option.h"
 #include "app/write_motion.h"
@@ -119,11 +120,7 @@ Result<void> run_demo(DemoOptions options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path model_path, modalities::live_model(sensors, options.model));
   MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(model_path));
   MIEN_TRY(find_helper("mien-media"));
-  std::error_code code;
-  std::filesystem::create_directories(options.out, code);
-  if (code)
-    return fail(ErrorCode::io, code.message(), options.out.string(),
-                "choose a folder that can be written with --out");
+  MIEN_TRY(make_private_folders(options.out));
 
   // A person whom the model has never met: identity, style and placement come from a seed that training did
   // not use.

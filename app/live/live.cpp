@@ -9,6 +9,7 @@
 #include "app/json_output.h"
 #include "app/live/live_command.h"
 #include "app/live/live_session.h"
+#include "app/one_line.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/session/replay.h"
@@ -62,7 +63,7 @@ Result<void> run_replay(LiveOptions options) {
       fmt::print(
           "Not the bits of the session that recorded it, which had the model {} and the kernels {}: give "
           "that model with --model, or it was another build.\n",
-          live_model, live_kernels);
+          one_line(live_model), one_line(live_kernels));
     }
   }
   return {};
@@ -114,8 +115,8 @@ void add_live_command(Commands& commands) {
           .excludes(sinks)
           .excludes(record);
   // A log has its rig and its length, and nobody looks on.
-  for (const char* name : {"--rig", "--force", "--takes", "--page", "--token", "--face", "--performer",
-                           "--key", "--for", "--log-limit"})
+  for (const char* name : {"--rig", "--force", "--takes", "--page", "--token", "--token-file", "--face",
+                           "--performer", "--key", "--for", "--log-limit"})
     replay.excludes(command.option(name));
   command.add_flag("--json", options->json, "Print one JSON object at the end");
 }

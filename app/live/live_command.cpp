@@ -25,7 +25,8 @@ Json peak_memory_mb() {
 }
 
 Json summary_json(const live::EngineSummary& summary) {
-  const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
+  const bool none = summary.latency.count() == 0;
+  const auto ms = [none](Duration d) { return none ? Json() : Json(1e3 * to_seconds(d)); };
   Json sinks = Json::array();
   for (const sink::Status& sink : summary.sinks)
     sinks.push_back({{"address", sink.address}, {"sent", sink.sent}, {"failed", sink.failed}});
@@ -73,6 +74,13 @@ Json summary_json(const live::EngineSummary& summary) {
           {"links", std::move(links)}};
 }
 
+std::string latency_text(const live::Latencies& latency) {
+  if (latency.count() == 0) return "no latency without a frame";
+  const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
+  return fmt::format("latency p50 {:.2f} ms, p99 {:.2f} ms, at most {:.2f} ms", ms(latency.percentile(0.5)),
+                     ms(latency.percentile(0.99)), ms(latency.largest()));
+}
+
 }  // namespace
 
 std::string log_text(const live::Spool::Usage& log) {
@@ -98,8 +106,8 @@ Option add_session_options(Command command, LiveRequest& request) {
           "Where the page is served: HOST[:PORT], or off; 0.0.0.0 lets other machines see it. Another host "
           "than this machine asks for a token")
       .show_default();
-  command.add_option("--token", request.token,
-                     "What the page's visitors must know (default: drawn anew where one is needed)");
+  add_token_options(command, request.token,
+                    "What the page's visitors must know (default: drawn anew where one is needed)");
   command
       .add_option(
           "--face", request.face,
@@ -135,15 +143,8 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
   if (json) {
     print_json(summary_json(summary));
   } else {
-    fmt::print("{} frames, {} missed; latency p50 {:.2f} ms, p99 {:.2f} ms, at most {:.2f} ms\n",
-               summary.frames, summary.missed, 1e3 * to_seconds(summary.latency.percentile(0.5)),
-               1e3 * to_seconds(summary.latency.percentile(0.99)),
-               1e3 * to_seconds(summary.latency.largest()));
-    if (summary.frames == 0)
-      fmt::print("No frame came: {}\n", summary.datagrams == 0
-                                            ? "nothing was received"
-                                            : "packets did, but none of the rig's reference sensor");
-    else if (summary.report.calibration.state == "watching")
+    fmt::print("{} frames, {} missed; {}\n", summary.frames, summary.missed, latency_text(summary.latency));
+    if (summary.frames > 0 && summary.report.calibration.state == "watching")
       fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
                  summary.report.calibration.prompt);
     for (const sink::Status& sink : summary.sinks)
@@ -155,7 +156,12 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
   }
   if (!summary.recording_error.empty())
     return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
-  return {};
+  if (summary.frames > 0) return {};
+  if (summary.datagrams == 0)
+    return fail(ErrorCode::io, "nothing was received", "no frame came",
+                "see that the devices are on, and send to where the session listened");
+  return fail(ErrorCode::io, "packets did, but none of the rig's reference sensor", "no frame came",
+              "docs/reference/links.md says why that may be");
 }
 
 }  // namespace mien::app

@@ -20,7 +20,7 @@ Option add_session_options(Command command, LiveRequest& request);
 /// Where it listens and sends, where its page is, and how it ends.
 void print_opening(std::FILE* out, const LiveSession& session);
 
-/// Prints how it went, in words or as one JSON object. Errors: io (the take is not whole).
+/// Prints how it went, in words or as one JSON object. Errors: io (the take is not whole; no frame came).
 [[nodiscard]] Result<void> print_closing(const live::EngineSummary& summary, bool json);
 
 }  // namespace mien::app

@@ -22,7 +22,6 @@
 #include "mien/core/host_port.h"
 #include "mien/modalities/modalities.h"
 #include "mien/render/gltf_export.h"
-#include "mien/sink/ws_admission.h"
 
 namespace mien::app {
 namespace {
@@ -92,10 +91,7 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   if (!address || (no_number && address->host != "localhost")) return wrong();
   page.host = address->host;
   page.port = address->port.value_or(page.port);
-  page.token = request.token;
-  if (!page.token.empty() && !sink::is_token(page.token))
-    return fail(ErrorCode::bad_usage, "a token has 8 to 128 letters, digits, or - . _ ~", "--token",
-                "leave it out, and one is drawn");
+  MIEN_TRY_ASSIGN(page.token, given_token(request.token));
   if (!is_loopback(page.host) && page.token.empty()) {
     // Whoever opens the page to a network gets a token, whether they thought of one or not.
     std::array<unsigned char, 16> bytes{};

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/live/page_token.h"
 #include "mien/core/error.h"
 #include "mien/live/engine.h"
 
@@ -20,7 +21,7 @@ struct LiveRequest {
   bool force = false;
   std::filesystem::path takes;          ///< Empty: the folder of `record`, or the present one.
   std::string page = "127.0.0.1:8740";  ///< Or "off"; without a port 8740.
-  std::string token;
+  TokenOption token;                    ///< Of the page.
   std::string face = "builtin";
   std::string performer;
   std::string script = "live";           ///< What is performed: goes into takes.

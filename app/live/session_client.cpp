@@ -42,14 +42,15 @@ struct Place {
   std::string target;     ///< "/ws", with the token.
 };
 
-Result<Place> parse_place(const std::string& at, std::string token) {
+Result<Place> parse_place(const std::string& at, const TokenOption& given) {
   MIEN_TRY_ASSIGN(const sink::Address address,
                   sink::parse_address(at.find("://") == std::string::npos ? "http://" + at : at));
   if (address.scheme != "http" || address.host.empty() || (!address.path.empty() && address.path != "/"))
     return fail(ErrorCode::bad_usage, "not a session's address", at,
                 "write it as 127.0.0.1:8740, or as mien live prints the page's");
   MIEN_TRY(address.expect_options({"token"}));
-  if (const std::string* given = address.option("token"); given != nullptr && token.empty()) token = *given;
+  const std::string* const in_address = address.option("token");
+  MIEN_TRY_ASSIGN(const std::string token, given_token(given, in_address == nullptr ? "" : *in_address));
   const bool sendable = std::ranges::all_of(
       token, [](char c) { return c > ' ' && c < 0x7F && c != '&' && c != '#' && c != '?'; });
   if (!sendable)
@@ -129,7 +130,7 @@ Result<void> SessionClient::State::connect(const Place& place, const std::atomic
   MIEN_TRY(wait(ended, "what is there does not answer as a session does", &stop));
   if (*code && response.result() == beast::http::status::forbidden)
     return fail(ErrorCode::bad_usage, "the session wants its token", where,
-                "give --token as mien live printed it with the page's address");
+                "give --token-file, or the page's address as mien live printed it");
   if (*code) return fail(ErrorCode::io, "what is there is no session", where, kStartOne);
 
   socket.text(true);
@@ -169,7 +170,7 @@ void SessionClient::State::take(std::string_view text) {
 SessionClient::SessionClient(std::unique_ptr<State> state) : state_(std::move(state)) {}
 SessionClient::~SessionClient() = default;
 
-Result<std::unique_ptr<SessionClient>> SessionClient::open(const std::string& at, const std::string& token,
+Result<std::unique_ptr<SessionClient>> SessionClient::open(const std::string& at, const TokenOption& token,
                                                            const std::atomic<bool>& stop) {
   MIEN_TRY_ASSIGN(const Place place, parse_place(at, token));
   auto state = std::make_unique<State>();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/live/page_token.h"
 #include "app/live/session_message.h"
 #include "mien/core/error.h"
 
@@ -17,10 +18,11 @@ namespace mien::app {
 class SessionClient {
  public:
   /// Connects and waits for the first status. `at` is HOST:PORT, or the page's address as `mien live` prints
-  /// it, token and all; `token` goes before the one in `at`. `stop` ends the waiting. Errors: bad_usage (no
-  /// such address or token, the wrong token), io (no session there, or something else), cancelled.
+  /// it, token and all; `token` goes before the one in `at`, and that before the environment's. `stop` ends
+  /// the waiting. Errors: bad_usage (no such address or token, the wrong token), given_token()'s, io (no
+  /// session there, or something else), cancelled.
   [[nodiscard]] static Result<std::unique_ptr<SessionClient>> open(const std::string& at,
-                                                                   const std::string& token,
+                                                                   const TokenOption& token,
                                                                    const std::atomic<bool>& stop);
   ~SessionClient();
 

@@ -6,8 +6,10 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/one_line.h"
 #include "app/study/model_option.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/measure/evaluation_json.h"
 #include "mien/measure/evaluation_report.h"
@@ -42,17 +44,18 @@ void print_row(const char* name, const measure::Metrics& m) {
 /// the built-in one where that is not on this machine. `name` becomes the one that it is.
 Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on, std::string& name) {
   if (!name.empty()) return builtin_face::load_face(name);
+  std::vector<std::string> shown;
+  for (const std::string& one : performed_on) shown.push_back(excerpt(one));
   if (performed_on.size() > 1)
-    return fail(
-        ErrorCode::bad_usage,
-        fmt::format("the takes were performed on different faces ({})", fmt::join(performed_on, ", ")),
-        "evaluate", "evaluate them apart, or name one face for all with --face");
+    return fail(ErrorCode::bad_usage,
+                fmt::format("the takes were performed on different faces ({})", fmt::join(shown, ", ")),
+                "evaluate", "evaluate them apart, or name one face for all with --face");
   name = *performed_on.begin();
   auto face = builtin_face::load_face(name);
   if (face || face.error().code != ErrorCode::not_found) return face;
   fmt::print(stderr,
              "mien: the take's face {} is not here: measured on the built-in one; --face names another\n",
-             name);
+             one_line(name));
   name = "builtin";
   return builtin_face::load_face(name);
 }

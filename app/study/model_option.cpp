@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/command.h"
+#include "mien/core/excerpt.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
@@ -41,7 +42,7 @@ Result<Adapted> adapt(const take::Take& take, std::span<const model::FeatureFram
     out.personalised = *learnt;
   else if (learnt.error().code == ErrorCode::not_found)
     fmt::print(stderr, "mien: {}: the wearer was not learnt: {}\n", take.path().string(),
-               learnt.error().what);
+               without_controls(learnt.error().what));
   else
     return std::unexpected(learnt.error());
   return out;

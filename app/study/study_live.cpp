@@ -10,6 +10,7 @@
 
 #include "app/json_output.h"
 #include "app/performance.h"
+#include "app/private_folder.h"
 #include "app/seed_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
@@ -155,15 +156,6 @@ std::string text_of(const study::LiveStudy& study) {
   return out;
 }
 
-Result<void> make_folder(const std::filesystem::path& folder) {
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (!std::filesystem::is_directory(folder))
-    return fail(ErrorCode::io, "the folder cannot be made: " + code.message(), folder.string(),
-                "name one in a place where you may write");
-  return {};
-}
-
 Result<void> run_study_live(StudyLiveOptions options) {
   for (const std::string& row : options.rows) {
     MIEN_TRY_ASSIGN(options.request.conditions.emplace_back(), study::parse_live_condition(row));
@@ -181,7 +173,7 @@ Result<void> run_study_live(StudyLiveOptions options) {
     return fail(ErrorCode::bad_usage, "nobody performs", "study live",
                 "give --takes that are here, or --performers above 0");
   const std::filesystem::path folder = options.out;
-  MIEN_TRY(make_folder(folder));
+  MIEN_TRY(make_private_folders(folder));
 
   MIEN_TRY_ASSIGN(const study::LiveStudy study,
                   study::study_live(options.request, rig, models, terminal_progress("live")));

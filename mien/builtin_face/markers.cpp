@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/toml.h"
 #include "mien/face/surface_point.h"
@@ -39,16 +40,16 @@ Result<std::string> text(const toml::table& table, std::string_view key, const s
 Result<Marker> read_marker(const toml::table& table, const std::string& where) {
   for (const auto& [key, value] : table)
     if (key.str() != "name" && key.str() != "region" && key.str() != "position_m")
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", key.str()), place_of(where, value),
-                  "known keys are: name, region, position_m");
+      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
+                  place_of(where, value), "known keys are: name, region, position_m");
   Marker marker;
   MIEN_TRY_ASSIGN(marker.name, text(table, "name", where));
   MIEN_TRY_ASSIGN(const std::string region, text(table, "region", where));
   if (region == region_name(MarkerRegion::mouth))
     marker.region = MarkerRegion::mouth;
   else if (region != region_name(MarkerRegion::eyes_nose))
-    return fail(ErrorCode::malformed, fmt::format("region '{}' is unknown", region), place_of(where, table),
-                "use \"eyes_nose\" or \"mouth\"");
+    return fail(ErrorCode::malformed, fmt::format("region '{}' is unknown", excerpt(region)),
+                place_of(where, table), "use \"eyes_nose\" or \"mouth\"");
   const toml::array* position = table["position_m"].as_array();
   if (position == nullptr || position->size() != 3)
     return fail(ErrorCode::malformed, "'position_m' is not a list of three numbers", place_of(where, table));
@@ -83,8 +84,8 @@ Result<MarkerSet> parse_markers(std::string_view toml_text, const std::string& w
   MIEN_TRY_ASSIGN(const toml::table root, parse_toml(toml_text, where));
   for (const auto& [key, value] : root)
     if (key.str() != "name" && key.str() != "marker")
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", key.str()), place_of(where, value),
-                  "known keys are: name, marker");
+      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
+                  place_of(where, value), "known keys are: name, marker");
   MarkerSet set;
   MIEN_TRY_ASSIGN(set.name, text(root, "name", where));
   const toml::node* list = root.get("marker");
@@ -96,7 +97,7 @@ Result<MarkerSet> parse_markers(std::string_view toml_text, const std::string& w
   for (const toml::node& node : *list->as_array()) {
     MIEN_TRY_ASSIGN(Marker marker, read_marker(*node.as_table(), where));
     if (!names.insert(marker.name).second)
-      return fail(ErrorCode::malformed, fmt::format("two markers are called '{}'", marker.name),
+      return fail(ErrorCode::malformed, fmt::format("two markers are called '{}'", excerpt(marker.name)),
                   place_of(where, node), "give each its own name");
     set.markers.push_back(std::move(marker));
   }

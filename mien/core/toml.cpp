@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "mien/core/excerpt.h"
+
 namespace mien {
 namespace {
 
@@ -52,13 +54,26 @@ Result<std::string> plain_text(std::string_view toml_text, const std::string& wh
   return out;
 }
 
+/// What the library says of an error, on one line. What it repeats of the text stands between its first
+/// single quote and the last, which is missing where that is long.
+std::string one_line(std::string_view description) {
+  const std::size_t first = description.find('\'');
+  if (first == std::string_view::npos) return without_controls(description);
+  const std::size_t last = description.find('\'', first + 1) == std::string_view::npos
+                               ? description.size()
+                               : description.rfind('\'');
+  const std::string_view rest = last == description.size() ? "'" : description.substr(last);
+  return without_controls(description.substr(0, first + 1)) +
+         excerpt(description.substr(first + 1, last - first - 1)) + without_controls(rest);
+}
+
 }  // namespace
 
 Result<toml::table> parse_toml(std::string_view text, const std::string& where) {
   MIEN_TRY_ASSIGN(const std::string plain, plain_text(text, where));
   toml::parse_result parsed = toml::parse(plain);
   if (!parsed)
-    return fail(ErrorCode::malformed, std::string(parsed.error().description()),
+    return fail(ErrorCode::malformed, one_line(parsed.error().description()),
                 fmt::format("{}, line {}", where, parsed.error().source().begin.line));
   return std::move(parsed).table();
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/tracker/provenance.h"
 
 namespace mien::eyewear {
 namespace {
@@ -103,7 +104,7 @@ tracker::TickResult EyewearTracker::tick(DeviceTime frame, const sensor::TimeLin
   last_frame_ = frame;
   solver_.solve(markers_m_, {}, since_s > 0 ? std::min(since_s, kLongestStepS) : 1 / kFrameRateHz,
                 out.weights);
-  out.provenance.fill(there > 0 ? face::Provenance::measured : face::Provenance::predicted);
+  tracker::set_provenance(there > 0, tracker::Gaze::unseen, out);  // They look at lids and skin.
   out.confidence.fill(static_cast<float>(there) / static_cast<float>(sensors_.size()));
   result.sensors_present = there;
   return result;

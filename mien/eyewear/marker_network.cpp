@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/model/network_parts.h"
 #include "mien/sensor/sensor_places.h"
@@ -56,8 +57,8 @@ Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
     return fail(ErrorCode::unsupported, "this safetensors file is not a model of smart eyewear", where);
   if (metadata["version"] != kVersion)
     return fail(ErrorCode::unsupported,
-                fmt::format("the model's version is {:?}, not {}", metadata["version"], kVersion), where,
-                "update the program");
+                fmt::format("the model's version is \"{}\", not {}", excerpt(metadata["version"]), kVersion),
+                where, "update the program");
   MarkerNetworkFile file;
   MIEN_TRY_ASSIGN(file.architecture, model::parse_architecture(metadata["architecture"], where));
   try {
@@ -66,7 +67,8 @@ Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
     file.scale_m = markers.at("scale_m").get<double>();
     file.sensors = Json::parse(metadata["sensors"]).get<std::vector<std::string>>();
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed, fmt::format("the model's description is wrong: {}", error.what()),
+    return fail(ErrorCode::malformed,
+                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
                 where);
   }
   file.rig = metadata["rig"];

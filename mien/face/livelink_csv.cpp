@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "mien/core/ascii.h"
+#include "mien/core/excerpt.h"
 
 namespace mien::face {
 namespace {
@@ -112,7 +113,7 @@ Result<Header> parse_header(std::string_view line, std::string_view name,
       continue;
     }
     if (column[meaning] != 0)
-      return fail(ErrorCode::malformed, fmt::format("the column {} stands there twice", cell),
+      return fail(ErrorCode::malformed, fmt::format("the column {} stands there twice", excerpt(cell)),
                   fmt::format("{}, line 1", name));
     column[meaning] = header.meaning.size();
   }
@@ -164,7 +165,7 @@ std::vector<std::size_t> longest_rising(const std::vector<double>& time_s) {
 
 Result<Timecode> parse_timecode(std::string_view text) {
   const auto bad = [text](ErrorCode code) {
-    return fail(code, fmt::format("'{}' is no time code such as 00:32:09:07.867", text.substr(0, 40)));
+    return fail(code, fmt::format("'{}' is no time code such as 00:32:09:07.867", excerpt(text)));
   };
   std::string_view rest = text;
   const auto hour = whole_number(cut(rest, ':'), 99);
@@ -246,7 +247,7 @@ Result<LiveLinkCsv> parse_livelink_csv(std::string_view text, std::string_view n
           row.values[header.meaning[c]] = *value;
         else
           error = Error{ErrorCode::out_of_range,
-                        fmt::format("'{}' is no number within {}", cells[c].substr(0, 40), kMaxValue),
+                        fmt::format("'{}' is no number within {}", excerpt(cells[c]), kMaxValue),
                         fmt::format("{}, column {}", where(), c + 1),
                         {}};
       }

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <iterator>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::face {
 namespace {
 
@@ -94,8 +96,7 @@ Result<ObjMesh> parse_obj(std::string_view text, std::string_view name, ObjConte
       for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
         const std::int64_t vertex = corner_vertex(word, mesh.position.size());
         if (vertex < 0 || vertex >= static_cast<std::int64_t>(kMaxElements))
-          return bad(ErrorCode::out_of_range,
-                     fmt::format("the corner '{}' names no vertex", word.substr(0, 40)));
+          return bad(ErrorCode::out_of_range, fmt::format("the corner '{}' names no vertex", excerpt(word)));
         corner[count < 2 ? count : 2] = static_cast<std::uint32_t>(vertex);
         if (++count < 3) continue;
         if (mesh.triangles.size() == kMaxElements)

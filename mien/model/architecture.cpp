@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::model {
 namespace {
 
@@ -44,7 +46,7 @@ Result<Architecture> named_architecture(std::string_view name, std::size_t condi
     result.window = 240;
     return result;
   }
-  return fail(ErrorCode::not_found, fmt::format("there is no architecture called {:?}", name), {},
+  return fail(ErrorCode::not_found, fmt::format("there is no architecture called \"{}\"", excerpt(name)), {},
               "use faithful, light or causal");
 }
 
@@ -113,7 +115,7 @@ Result<void> check_tensors(const Architecture& a, std::span<const Tensor> networ
     std::size_t count = 1;
     for (const std::size_t n : t.shape) count *= n;
     if (t.name != specs[i].name || t.shape != specs[i].shape || t.values.size() != count)
-      return fail(ErrorCode::mismatch, fmt::format("tensor {} {} stands where {} {} belongs", t.name,
+      return fail(ErrorCode::mismatch, fmt::format("tensor {} {} stands where {} {} belongs", excerpt(t.name),
                                                    listed(t.shape), specs[i].name, listed(specs[i].shape)));
   }
   return {};

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/model/network_parts.h"
 
@@ -156,16 +157,18 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
       format == file.metadata.end() || format->second != "mien-model")
     return fail(ErrorCode::unsupported, "this safetensors file is not a model of blendshape weights", where);
   if (file.metadata["version"] != std::to_string(kVersion))
-    return fail(ErrorCode::unsupported,
-                fmt::format("the model's version is {:?}, not {}", file.metadata["version"], kVersion), where,
-                "update the program");
+    return fail(
+        ErrorCode::unsupported,
+        fmt::format("the model's version is \"{}\", not {}", excerpt(file.metadata["version"]), kVersion),
+        where, "update the program");
   ModelFile m;
   MIEN_TRY_ASSIGN(m.architecture, parse_architecture(file.metadata["architecture"], where));
   try {
     read_metadata(file, m);
     read_ridges(file, m);
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed, fmt::format("the model's description is wrong: {}", error.what()),
+    return fail(ErrorCode::malformed,
+                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
                 where);
   }
   MIEN_TRY_ASSIGN(m.network, take_network(m.architecture, file, where));

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::model {
 namespace {
 
@@ -51,7 +53,8 @@ Result<Architecture> parse_architecture(std::string_view text, const std::string
           value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
     }
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed, fmt::format("the model's description is wrong: {}", error.what()),
+    return fail(ErrorCode::malformed,
+                fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
                 where);
   }
   if (const auto ok = check(a); !ok) return fail(ok.error().code, ok.error().what, where);

@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "mien/core/bytes.h"
+#include "mien/core/excerpt.h"
 
 namespace mien::model {
 namespace {
@@ -130,7 +131,8 @@ Result<Tensor> read_tensor(const Declared& declared, std::span<const std::byte> 
                              : std::bit_cast<float>(std::uint32_t{reader.little<std::uint16_t>()} << 16U);
     if (!std::isfinite(value))
       return fail(ErrorCode::out_of_range,
-                  fmt::format("tensor {:?} holds a number that is not finite", tensor.name), where);
+                  fmt::format("tensor \"{}\" holds a number that is not finite", excerpt(tensor.name)),
+                  where);
     tensor.values.push_back(value);
   }
   return tensor;
@@ -165,10 +167,11 @@ Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::stri
         where);
 
   for (const Declared& declared : content.declared) {
-    const std::string name = fmt::format("tensor {:?}", declared.name);
+    const std::string name = fmt::format("tensor \"{}\"", excerpt(declared.name));
     if (declared.type != "F32" && declared.type != "BF16")
       return fail(ErrorCode::unsupported,
-                  fmt::format("{} has the type {:?}, not F32 or BF16", name, declared.type), where);
+                  fmt::format("{} has the type \"{}\", not F32 or BF16", name, excerpt(declared.type)),
+                  where);
     if (!declared.has_shape || declared.offsets.size() != 2)
       return fail(ErrorCode::malformed, name + " lacks its shape or its place", where);
     const std::uint64_t begin = declared.offsets[0], end = declared.offsets[1];
@@ -185,7 +188,8 @@ Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::stri
   for (const Declared& declared : content.declared) {
     if (declared.offsets[0] != covered)
       return fail(ErrorCode::malformed,
-                  fmt::format("tensor {:?} leaves a gap or overlaps another", declared.name), where);
+                  fmt::format("tensor \"{}\" leaves a gap or overlaps another", excerpt(declared.name)),
+                  where);
     covered = declared.offsets[1];
   }
   if (covered != data.size())

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::shaping {
 
 using nlohmann::json;
@@ -33,7 +35,7 @@ Result<Centre> parse_centre(std::string_view text, const std::string& where) {
       for (const auto& [name, rest] : value.items()) {
         const std::size_t i = face::shape_index(name);
         if (i == face::kShapeCount)
-          return bad(ErrorCode::malformed, fmt::format("no shape is called '{}'", name));
+          return bad(ErrorCode::malformed, fmt::format("no shape is called '{}'", excerpt(name)));
         if (!rest.is_number())
           return bad(ErrorCode::malformed, fmt::format("the rest of {} is not a number", name));
         centre.rest[i] = rest.get<float>();
@@ -42,7 +44,7 @@ Result<Centre> parse_centre(std::string_view text, const std::string& where) {
                      fmt::format("the rest of {} is not within 0 to {}", name, Centre::kRestAtMost));
       }
     } else {
-      return bad(ErrorCode::malformed, fmt::format("a centre has no '{}'", key));
+      return bad(ErrorCode::malformed, fmt::format("a centre has no '{}'", excerpt(key)));
     }
   }
   return centre;

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::shaping {
 namespace {
 
@@ -155,8 +157,8 @@ Result<void> CombinedTracker::restore(std::string_view text) {
                 "give one that was made with " + modality_);
   for (const auto& [name, one] : all.items())
     if (std::ranges::none_of(members_, [&](const Member& m) { return m.tracker->modality() == name; }))
-      return fail(ErrorCode::mismatch, fmt::format("there is no tracker \"{}\" here", name), "calibration",
-                  "give one that was made with " + modality_);
+      return fail(ErrorCode::mismatch, fmt::format("there is no tracker \"{}\" here", excerpt(name)),
+                  "calibration", "give one that was made with " + modality_);
   std::vector<std::pair<tracker::Tracker*, std::string>> changed;
   for (Member& member : members_) {
     const auto found = all.find(std::string(member.tracker->modality()));

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::shaping {
 namespace {
 
@@ -27,7 +29,7 @@ Result<void> read_within(const json& value, const std::string& name, T low, T hi
 Result<std::size_t> read_shape(const std::string& name, const std::string& where) {
   const std::size_t i = face::shape_index(name);
   if (i == face::kShapeCount)
-    return fail(ErrorCode::malformed, fmt::format("no shape is called '{}'", name), where,
+    return fail(ErrorCode::malformed, fmt::format("no shape is called '{}'", excerpt(name)), where,
                 "names are those of the 53, as eyeBlink_L");
   return i;
 }
@@ -68,7 +70,7 @@ Result<void> read_fallback(const json& table, const std::string& where, Fallback
     } else if (key == "return_s") {
       MIEN_TRY(read_within(value, "'return_s'", kShortest_s, kLongest_s, where, fallback.return_s));
     } else {
-      return fail(ErrorCode::malformed, fmt::format("'fallback' has no '{}'", key), where);
+      return fail(ErrorCode::malformed, fmt::format("'fallback' has no '{}'", excerpt(key)), where);
     }
   }
   return {};
@@ -79,7 +81,7 @@ Result<void> read_order(const std::string& place, const json& names, const std::
                         MergeSettings& merge) {
   const auto found = std::ranges::find(kMergePlaceNames, place);
   if (found == kMergePlaceNames.end())
-    return fail(ErrorCode::malformed, fmt::format("'order' has no '{}'", place), where,
+    return fail(ErrorCode::malformed, fmt::format("'order' has no '{}'", excerpt(place)), where,
                 fmt::format("places are {}", fmt::join(kMergePlaceNames, ", ")));
   if (!names.is_array())
     return fail(ErrorCode::malformed, fmt::format("the order of {} is no list", place), where,
@@ -116,7 +118,7 @@ Result<void> read_merge(const json& table, const std::string& where, MergeSettin
       if (!value.is_object()) return fail(ErrorCode::malformed, "'order' is no table of places", where);
       for (const auto& [place, names] : value.items()) MIEN_TRY(read_order(place, names, where, merge));
     } else {
-      return fail(ErrorCode::malformed, fmt::format("'merge' has no '{}'", key), where);
+      return fail(ErrorCode::malformed, fmt::format("'merge' has no '{}'", excerpt(key)), where);
     }
   }
   if (merge.unsure > merge.sure)
@@ -174,7 +176,7 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "merge") {
       MIEN_TRY(read_merge(value, where, settings.merge));
     } else {
-      return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", key), where);
+      return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", excerpt(key)), where);
     }
   }
   return settings;

@@ -9,6 +9,10 @@ namespace {
 /// No eye turns so far; keeps the tangents of these angles within bounds.
 constexpr float kMaxEyeRad = 1.5F;
 
+bool seen(face::Provenance provenance) {
+  return provenance == face::Provenance::measured || provenance == face::Provenance::interpolated;
+}
+
 float within(float value, float least, float most) {
   return std::isfinite(value) ? std::clamp(value, least, most) : 0.0F;
 }
@@ -31,7 +35,10 @@ ArkitFrame arkit_frame(const face::OutputFrame& frame) {
       arkit.eyes_rad[eye][k] = within(frame.eyes_rad[eye][k], -kMaxEyeRad, kMaxEyeRad);
   arkit.face_tracked = std::ranges::any_of(frame.provenance,
                                            [](face::Provenance p) { return p != face::Provenance::neutral; });
-  arkit.eyes_tracked = frame.eyes_provenance != face::Provenance::neutral;
+  arkit.eyes_tracked = seen(frame.eyes_provenance);
+  for (const std::size_t lid : {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")})
+    arkit.lids_tracked =
+        arkit.lids_tracked || seen(frame.provenance[lid]) || frame.provenance[lid] == face::Provenance::held;
   return arkit;
 }
 

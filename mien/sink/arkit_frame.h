@@ -17,7 +17,10 @@ struct ArkitFrame {
   /// eye.
   std::array<Eigen::Vector2f, 2> eyes_rad = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()};
   bool face_tracked = false;  ///< Some weight has another provenance than neutral.
-  bool eyes_tracked = false;  ///< The eyes' provenance is not neutral.
+  /// Something looks at the eyes: the provenance of their directions is measured or interpolated.
+  bool eyes_tracked = false;
+  /// The same of a lid (eyeBlink), or it is held.
+  bool lids_tracked = false;
 };
 
 /// The rotation as it may be sent: unit, w >= 0; the identity for what is none.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "mien/core/excerpt.h"
 #include "mien/sink/osc_bundles.h"
 
 namespace mien::sink {
@@ -23,6 +24,12 @@ std::optional<std::size_t> parameter_index(std::string_view name) {
   const auto found = std::ranges::find(all, name, &UnifiedParameter::name);
   if (found == all.end()) return std::nullopt;
   return static_cast<std::size_t>(found - all.begin());
+}
+
+/// EyeLeftX, EyeY and the like.
+bool is_gaze(std::size_t parameter) {
+  const std::string_view name = unified_parameters()[parameter].name;
+  return name.starts_with("Eye") && (name.ends_with('X') || name.ends_with('Y'));
 }
 
 /// "JawOpen4" is bit 2 of JawOpen, "JawXNegative" its sign.
@@ -140,7 +147,7 @@ Result<VrchatEncoder> VrchatEncoder::make(const VrchatOptions& options, const Vr
     }
     if (channel.source == Source::parameter) {
       const std::string_view name = all[channel.parameter].name;
-      eyes_turn = eyes_turn || (name.starts_with("Eye") && (name.ends_with('X') || name.ends_with('Y')));
+      eyes_turn = eyes_turn || is_gaze(channel.parameter);
       eyes_close = eyes_close || name.starts_with("EyeLid") || name.starts_with("EyeOpen") ||
                    name.starts_with("EyeClosed");
     }
@@ -159,7 +166,7 @@ Result<VrchatEncoder> VrchatEncoder::make(const VrchatOptions& options, const Vr
   }
   if (encoder.channels_.empty())
     return fail(ErrorCode::mismatch, "the avatar has no parameter of face tracking (v2/JawOpen and the like)",
-                avatar.name.empty() ? "the avatar" : avatar.name,
+                avatar.name.empty() ? "the avatar" : excerpt(avatar.name),
                 "leave out avatar= to send all, or wear an avatar that is made for face tracking");
   encoder.add_native_eyes(options.native_eyes && !eyes_turn, options.native_eyes && !eyes_close);
   return encoder;
@@ -177,6 +184,7 @@ void VrchatEncoder::encode(const ArkitFrame& frame, std::int64_t frame_index, Da
     std::array<float, 4> now{};
     switch (channel.source) {
       case Source::parameter: {
+        if (!frame.eyes_tracked && is_gaze(channel.parameter)) continue;
         const float value = values_[channel.parameter];
         if (channel.form == Form::real)
           now[0] = value;
@@ -204,7 +212,8 @@ void VrchatEncoder::encode(const ArkitFrame& frame, std::int64_t frame_index, Da
         break;
       }
       case Source::eyes_closed:
-        now[0] = 1 - 0.5F * (unified.openness[0] + unified.openness[1]);
+        if (!frame.lids_tracked && channel.last[0] == 0) continue;
+        now[0] = frame.lids_tracked ? 1 - 0.5F * (unified.openness[0] + unified.openness[1]) : 0.0F;
         break;
     }
     float change = 0;

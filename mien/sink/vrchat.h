@@ -36,8 +36,10 @@ inline constexpr int kMaxBinaryBits = 7;
 
 /// Writes frames for VRChat as VRCFaceTracking does: its parameters v2/..., the states of tracking, and
 /// VRChat's own eyes, each when it has changed by more than 0.001 and all of them once a second. Eyes are in
-/// degrees, pitch positive down and yaw positive to the right. Where nothing looks at the eyes
-/// (provenance neutral) their directions are not sent, so that VRChat's own idle eyes go on.
+/// degrees, pitch positive down and yaw positive to the right. Only while something looks at the eyes
+/// (ArkitFrame::eyes_tracked) are their directions sent, as parameters or as VRChat's own: else its idle eyes
+/// go on. Its own lids are sent while lids are tracked; when they no longer are, they are opened once and
+/// left.
 class VrchatEncoder {
  public:
   /// All parameters that there are, under one prefix. Errors: out_of_range (binary_bits), malformed (a prefix

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mien/core/excerpt.h"
+
 namespace mien::sink {
 namespace {
 
@@ -60,7 +62,7 @@ Result<VrchatAvatar::Parameter> parse_input(const Json& input, const std::string
     parameter.type = VrchatAvatar::Type::truth;
   else
     return fail(ErrorCode::unsupported,
-                fmt::format("the type '{}' is none of Float, Int, Bool", type->substr(0, 40)), where);
+                fmt::format("the type '{}' is none of Float, Int, Bool", excerpt(*type)), where);
   return parameter;
 }
 

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "mien/core/excerpt.h"
+#include "mien/core/utf8.h"
 #include "mien/take/layout.h"
-#include "mien/take/utf8.h"
 
 namespace mien::take {
 namespace fs = std::filesystem;
@@ -72,9 +73,10 @@ Result<std::string> Database::read_text(const char* sql) const {
 
 Error Database::error(int code) const {
   const int system_error = handle_ == nullptr ? 0 : sqlite3_system_errno(handle_.get());
-  const std::string detail =
-      system_error != 0 ? std::strerror(system_error)
-                        : (handle_ == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(handle_.get()));
+  // It may repeat what the file says.
+  const std::string said =
+      excerpt(handle_ == nullptr ? sqlite3_errstr(code) : sqlite3_errmsg(handle_.get()), kComplaintLetters);
+  const std::string detail = system_error != 0 ? std::strerror(system_error) : said;
   if (code == SQLITE_READONLY_DBMOVED)
     return {ErrorCode::io, "the file was moved, replaced or deleted while it was in use", where_, ""};
   switch (code & 0xFF) {
@@ -86,8 +88,7 @@ Error Database::error(int code) const {
       return {ErrorCode::io, "another program is using the take", where_, "close it there and try again"};
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return {ErrorCode::malformed, fmt::format("the file is damaged ({})", sqlite3_errmsg(handle_.get())),
-              where_, kUseBackup};
+      return {ErrorCode::malformed, fmt::format("the file is damaged ({})", said), where_, kUseBackup};
     case SQLITE_TOOBIG:
       return {ErrorCode::out_of_range, "a value in it is larger than any that a take holds", where_,
               kDamagedFix};
@@ -101,8 +102,7 @@ Error Database::error(int code) const {
     case SQLITE_NOMEM:
       return {ErrorCode::io, "there is not enough memory", where_, ""};
     default:
-      return {ErrorCode::malformed,
-              fmt::format("it cannot be read as a take ({})", sqlite3_errmsg(handle_.get())), where_,
+      return {ErrorCode::malformed, fmt::format("it cannot be read as a take ({})", said), where_,
               kDamagedFix};
   }
 }

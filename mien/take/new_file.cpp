@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <stdio.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -22,13 +21,7 @@ Result<void> NewFile::make() {
   if (file < 0)
     return fail(ErrorCode::io, std::strerror(errno), path_.string(), "check the folder and its permissions");
   made_ = true;
-  // mkstemp makes it private; give it what a plain creation would have had.
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  const bool changed = ::fchmod(file, 0666 & ~mask) == 0;
-  const int problem = errno;
   ::close(file);
-  if (!changed) return fail(ErrorCode::io, std::strerror(problem), path_.string());
   return {};
 }
 

@@ -9,7 +9,8 @@
 namespace mien::take {
 
 /// Makes a new file at `path` in one piece: it is filled under another name and then renamed, so at any
-/// moment there is no file, the old one, or the new one.
+/// moment there is no file, the old one, or the new one. Nobody but its owner may read or write it (mode
+/// 600), whatever the umask: takes hold a person's face. SQLite gives the journal beside it the same mode.
 class NewFile {
  public:
   explicit NewFile(std::filesystem::path path) : path_(std::move(path)), name_(path_.string() + ".XXXXXX") {}

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "mien/core/bytes.h"
+#include "mien/core/excerpt.h"
 #include "mien/take/layout.h"
 
 namespace mien::take {
@@ -125,7 +126,8 @@ Result<void> check_tables(const Database& database, std::int64_t version) {
     const auto* table =
         std::ranges::find_if(kTables, [&](const Table& t) { return name == t.name && t.since <= version; });
     if (!has_text || table == kTables.end())
-      return fail(ErrorCode::malformed, fmt::format("it holds a {} \"{}\", which no take has", type, name),
+      return fail(ErrorCode::malformed,
+                  fmt::format("it holds a {} \"{}\", which no take has", excerpt(type), excerpt(name)),
                   database.where(), "it was changed by another program; use the original");
     if (type != "table" || of != name || sql != table->sql)
       return fail(ErrorCode::malformed, fmt::format("its table \"{}\" is not as takes have it", name),
@@ -144,7 +146,8 @@ Result<void> check_pages(const Database& database) {
   MIEN_TRY_ASSIGN(const std::string verdict, database.read_text("PRAGMA quick_check(1)"));
   if (verdict != "ok")
     return fail(ErrorCode::malformed,
-                fmt::format("the file is damaged ({})", verdict.substr(0, verdict.find('\n'))),
+                fmt::format("the file is damaged ({})",
+                            excerpt(verdict.substr(0, verdict.find('\n')), kComplaintLetters)),
                 database.where(), kUseBackup);
   return {};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mien/core/excerpt.h"
 #include "mien/take/layout.h"
 #include "mien/take/opening.h"
 
@@ -140,8 +141,7 @@ Result<Take> Take::open(const std::filesystem::path& path) {
   // What a foreign file calls its tables or writes into its rig is told, but it does not get to break the
   // line or to command the terminal.
   Error error = std::move(take).error();
-  for (char& letter : error.what)
-    if (static_cast<unsigned char>(letter) < 0x20 || letter == 0x7F) letter = ' ';
+  error.what = without_controls(error.what);
   return std::unexpected(std::move(error));
 }
 
@@ -384,8 +384,9 @@ Result<void> Take::check() const {
   MIEN_TRY_ASSIGN(const std::string verdict, s.open.database.read_text("PRAGMA integrity_check(1)"));
   if (verdict != "ok")
     return fail(ErrorCode::malformed,
-                fmt::format("the file is damaged ({})", verdict.substr(0, verdict.find('\n'))), s.where(),
-                kUseBackup);
+                fmt::format("the file is damaged ({})",
+                            excerpt(verdict.substr(0, verdict.find('\n')), kComplaintLetters)),
+                s.where(), kUseBackup);
   MIEN_TRY(entries());
   {
     MIEN_TRY_ASSIGN(PayloadReader reader, payloads());

@@ -8,11 +8,12 @@
 #include <utility>
 
 #include "mien/core/bytes.h"
+#include "mien/core/excerpt.h"
+#include "mien/core/utf8.h"
 #include "mien/take/layout.h"
 #include "mien/take/new_file.h"
 #include "mien/take/row_writer.h"
 #include "mien/take/take.h"
-#include "mien/take/utf8.h"
 
 namespace mien::take {
 namespace fs = std::filesystem;
@@ -180,7 +181,7 @@ Result<TakeWriter> TakeWriter::create(const fs::path& path, const Header& header
     if (!is_text(*text, kMaxTextBytes))
       return fail(ErrorCode::out_of_range,
                   fmt::format("a text of the header (\"{}\") is not UTF-8, or longer than {} bytes",
-                              is_utf8(*text) ? text->substr(0, 40) : "?", kMaxTextBytes),
+                              excerpt(*text), kMaxTextBytes),
                   where, "rename the file that it names, or shorten it");
 
   auto file = std::make_unique<NewFile>(path);
@@ -299,7 +300,7 @@ void TakeWriter::add_truth(const TruthFrame& truth) {
 void TakeWriter::add_event(const Event& event) {
   State& s = *state_;
   if (!is_time(event.begin) || !is_time(event.end) || event.end < event.begin)
-    s.refuse(fmt::format("the event \"{}\" ends before it begins, or at no time", event.kind));
+    s.refuse(fmt::format("the event \"{}\" ends before it begins, or at no time", excerpt(event.kind)));
   else if (!is_text(event.kind, kMaxNameBytes) || !is_text(event.json, kMaxTextBytes))
     s.refuse("an event is not UTF-8, or longer than a take holds");
   s.add(TableId::event, event.json.size(), [&](ByteWriter& queue) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mien/model/schedule.h"
+#include "mien/tracker/provenance.h"
 
 namespace mien::tracker {
 namespace {
@@ -50,7 +51,7 @@ void FrameWriter::write(const model::FeatureFrame& features, const ModelInput& i
   // The sum of all shares may differ from 1 by rounding.
   if (present == input.sensor_count()) out.confidence.fill(1);
   for (float& confidence : out.confidence) confidence = std::min(confidence, 1.0F);
-  out.provenance.fill(present > 0 ? face::Provenance::measured : face::Provenance::predicted);
+  set_provenance(present > 0, Gaze::unseen, out);
   if (features.has_head) {
     out.head = features.head;
     out.head_confidence = 1;

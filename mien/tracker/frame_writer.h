@@ -16,7 +16,8 @@ class FrameWriter {
   explicit FrameWriter(const model::ModelFile& file);
 
   /// Fills `out`. Weights: `answer`, the network's 53 outputs, mapped to [0, 1]. Provenance: measured where
-  /// any sensor has a rotation, else predicted. Confidence of a shape, 0 to 1: the share of present sensors,
+  /// any sensor has a rotation, else predicted; of gaze, which no sensor on the skin sees, always predicted.
+  /// Confidence of a shape, 0 to 1: the share of present sensors,
   /// each weighted by the size of the ridge baseline's coefficients for that shape. Head: as in the features.
   /// Eyes: neutral. `input` has just encoded `features`. No allocation.
   void write(const model::FeatureFrame& features, const ModelInput& input, std::span<const float> answer,

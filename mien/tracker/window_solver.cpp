@@ -5,6 +5,7 @@
 
 #include "mien/model/sampler.h"
 #include "mien/tracker/model_input.h"
+#include "mien/tracker/provenance.h"
 
 namespace mien::tracker {
 
@@ -44,7 +45,7 @@ Result<std::vector<face::OutputFrame>> WindowSolver::solve(std::span<const model
     std::copy_n(weights.begin() + static_cast<std::ptrdiff_t>(f * face::kShapeCount), face::kShapeCount,
                 frame.weights.values.begin());
     frame.confidence.fill(static_cast<float>(present[f]) / static_cast<float>(input.sensor_count()));
-    frame.provenance.fill(present[f] > 0 ? face::Provenance::measured : face::Provenance::predicted);
+    set_provenance(present[f] > 0, Gaze::unseen, frame);
     if (features[f].has_head) {
       frame.head = features[f].head;
       frame.head_confidence = 1;

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 
 namespace mien::train {
@@ -60,7 +61,8 @@ Result<Checkpoint> read_checkpoint(const std::filesystem::path& path,
     c.best_score = state.at("best_score").get<double>();
     c.best_step = state.at("best_step").get<std::int64_t>();
   } catch (const Json::exception& error) {
-    return fail(ErrorCode::malformed, fmt::format("the checkpoint's state is wrong: {}", error.what()),
+    return fail(ErrorCode::malformed,
+                fmt::format("the checkpoint's state is wrong: {}", excerpt(error.what(), kComplaintLetters)),
                 where);
   }
   const auto specs = model::network_tensors(architecture);

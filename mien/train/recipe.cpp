@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 
 namespace mien::train {
@@ -37,7 +38,7 @@ class Section {
   std::optional<std::string> choice(const char* key, const std::set<std::string>& choices) {
     auto given = find<std::string>(key);
     if (given && !choices.contains(*given))
-      wrong(key, fmt::format("is {:?}, which is none of {}", *given, fmt::join(choices, ", ")));
+      wrong(key, fmt::format("is \"{}\", which is none of {}", excerpt(*given), fmt::join(choices, ", ")));
     return given;
   }
   void whole_list(const char* key, std::vector<std::size_t>& value, std::int64_t low, std::int64_t high) {
@@ -66,8 +67,9 @@ class Section {
   Result<void> finish() {
     for (const auto& [key, node] : table_)
       if (!problem_ && !known_.contains(std::string(key.str())))
-        problem_ = Error{ErrorCode::bad_usage, fmt::format("{}{} is not a key of recipes", name_, key.str()),
-                         where_, "see docs/guide/training.md"};
+        problem_ = Error{ErrorCode::bad_usage,
+                         fmt::format("{}{} is not a key of recipes", name_, excerpt(key.str())), where_,
+                         "see docs/guide/training.md"};
     if (problem_) return std::unexpected(*problem_);
     return {};
   }

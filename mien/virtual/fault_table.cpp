@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 
 namespace mien::virt {
@@ -46,7 +47,7 @@ Result<void> FaultTable::read(std::string_view text, const std::string& where) c
         return fail(ErrorCode::malformed, fmt::format("{} must be true or false", key), where);
       *turned->second = *node.value<bool>();
     } else {
-      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", key), where);
+      return fail(ErrorCode::malformed, fmt::format("there is no fault named {}", excerpt(key)), where);
     }
   }
   return {};

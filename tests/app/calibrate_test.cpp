@@ -3,6 +3,7 @@
 //
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <sys/wait.h>
 
 #include "tests/app/program.h"
@@ -193,6 +194,49 @@ TEST(Calibrate, ATokenIsAskedForAndTakenFromThePagesAddress) {
   const Outcome whole = run({"calibrate", "list", "--at", session.page()});
   EXPECT_EQ(whole.status, 0) << whole.err;
   EXPECT_THAT(whole.out, HasSubstr("There is no calibration yet. Look ahead"));
+}
+
+/// Sets a variable of the environment, which programs that are started inherit, for as long as it lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) { ::setenv(name, value.c_str(), 1); }
+  ~Variable() { ::unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+TEST(Calibrate, ATokenIsReadFromAFileOrTheEnvironment) {
+  const std::string token = "0123456789abcdef", wrong = "fedcba9876543210";
+  StagedSession session({}, 0, 1, token);
+  const Folder folder;
+  write(folder / "token", "  " + token + " \r\nand more\n");
+  write(folder / "wrong", wrong);
+  write(folder / "short", "abc\n");
+  write(folder / "blank", "\n" + token + "\n");
+  EXPECT_EQ(calibrate(session, {"list", "--token-file", folder / "token"}).status, 0);
+  for (const std::string& file : {folder / "wrong", folder / "short", folder / "blank", folder / "none"}) {
+    const Outcome outcome = calibrate(session, {"list", "--token-file", file});
+    EXPECT_EQ(outcome.status, 2) << file;
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.err.find("abc"), std::string::npos) << "a token is not shown: " << outcome.err;
+  }
+  const Outcome both = calibrate(session, {"list", "--token-file", folder / "token", "--token", token});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_THAT(both.err, HasSubstr("cannot be given together"));
+
+  {
+    const Variable set("MIEN_TOKEN", token);
+    EXPECT_EQ(calibrate(session, {"list"}).status, 0);
+    EXPECT_EQ(calibrate(session, {"list", "--token-file", folder / "wrong"}).status, 2)
+        << "the file goes before";
+    EXPECT_EQ(calibrate(session, {"list", "--token", wrong}).status, 2) << "so does the option";
+  }
+  const Variable set("MIEN_TOKEN", wrong);
+  EXPECT_EQ(calibrate(session, {"list"}).status, 2);
+  EXPECT_EQ(run({"calibrate", "list", "--at", session.page()}).status, 0) << "so does the page's address";
 }
 
 TEST(Calibrate, NobodyThereIsOneLineWithTheWayOut) {

@@ -271,5 +271,11 @@ TEST_F(WrongInput, ADemoThatCannotEndDoesNotBegin) {
                   {{"demo", "--out", "@demo", "--seconds", "0"}, "--seconds"}});
 }
 
+TEST(Program, AnErrorIsOneLineThatNoTerminalObeys) {
+  const Outcome outcome = run({"take", "info", "no\x1b]0;pwned\x07\nsuch.mien"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "mien: no?]0;pwned? such.mien: there is no such file\n");
+}
+
 }  // namespace
 }  // namespace mien::app::test::command_line_test

@@ -158,6 +158,8 @@ TEST_F(LiveProgram, ATakeReplaysToTheBitsOfTheSessionThatRecordedIt) {
   for (const char* option : {"--rig", "--page", "--for"})
     EXPECT_EQ(run({"live", "--replay", take, option, "1"}).status, 2) << option;
   EXPECT_EQ(run({"take", "check", take}).status, 0);
+  EXPECT_EQ(std::filesystem::status(take).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   // Nobody knows what the face did: that is said before anything is solved.
   const Outcome measured = run({"evaluate", "--live", take});
   EXPECT_EQ(measured.status, 2);
@@ -284,9 +286,45 @@ TEST_F(LiveProgram, AFullDiskIsSaidAndTheCaptureGoesOn) {
 }
 
 TEST_F(LiveProgram, ASessionThatHearsNothingSaysSo) {
-  const Outcome outcome = run({"live", "--listen", "udp://127.0.0.1:0", "--page", "off", "--for", "0.2"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("No frame came: nothing was received"), std::string::npos) << outcome.out;
+  const std::string why =
+      "mien: no frame came: nothing was received; see that the devices are on, and send to where the session "
+      "listened\n";
+  const std::vector<std::string> live = {"live",  "--listen", "udp://127.0.0.1:0", "--page", "off",
+                                         "--for", "0.2"};
+  Outcome outcome = run(live);
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  EXPECT_EQ(outcome.err, why);
+  EXPECT_NE(outcome.out.find("0 frames, 0 missed; no latency"), std::string::npos) << outcome.out;
+  EXPECT_EQ(outcome.out.find("0.00 ms"), std::string::npos) << outcome.out;
+
+  std::vector<std::string> arguments = live;
+  arguments.push_back("--json");
+  outcome = run(arguments);
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_TRUE(outcome.err.ends_with(why)) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  for (const char* which : {"p50", "p99", "max"})
+    EXPECT_TRUE(summary.at("latency_ms").at(which).is_null()) << which;
+
+  outcome = run({"record", "--listen", "udp://127.0.0.1:0", "--page", "off", "--for", "0.2", "--out",
+                 folder / "nothing.mien"});
+  EXPECT_EQ(outcome.status, 1) << outcome.out;
+  EXPECT_TRUE(outcome.err.ends_with(why)) << outcome.err;
+}
+
+TEST_F(LiveProgram, ThePagesTokenComesFromAFile) {
+  write(folder / "token", "0123456789abcdef\n");
+  const std::vector<std::string> live = {"live",  "--listen", "udp://127.0.0.1:0", "--page", "127.0.0.1:0",
+                                         "--for", "0.2"};
+  std::vector<std::string> arguments = live;
+  arguments.insert(arguments.end(), {"--token-file", folder / "token"});
+  Outcome outcome = run(arguments);
+  if (outcome.err.find("built without its page") != std::string::npos) GTEST_SKIP() << outcome.err;
+  EXPECT_NE(outcome.out.find("/?token=0123456789abcdef\n"), std::string::npos) << outcome.out << outcome.err;
+  arguments.insert(arguments.end(), {"--token", "0123456789abcdef"});
+  outcome = run(arguments);
+  EXPECT_EQ(outcome.status, 2) << outcome.out;
+  EXPECT_NE(run({"live", "--help"}).out.find("Other users"), std::string::npos);
 }
 
 TEST_F(LiveProgram, BadInputIsOneLine) {

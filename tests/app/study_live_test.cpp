@@ -18,6 +18,8 @@ TEST(StudyLive, LeavesAPageATableAndFigures) {
   ASSERT_EQ(done.status, 0) << done.err;
   EXPECT_NE(done.err.find("none.csv is not here"), std::string::npos) << done.err;
 
+  EXPECT_EQ(std::filesystem::status(folder / "live").permissions(), std::filesystem::perms::owner_all);
+
   const auto json = nlohmann::json::parse(done.out);
   EXPECT_EQ(json, nlohmann::json::parse(test::content(folder / "live/live.json")));
   EXPECT_EQ(json.at("skipped").size(), 1U);

@@ -114,6 +114,10 @@ TEST(EyewearTracker, FollowsTheLightAndKnowsNothingOfTheHead) {
   EXPECT_EQ(worn.frame.head_confidence, 0);
   EXPECT_EQ(worn.frame.eyes_provenance, Provenance::neutral);
   EXPECT_EQ(worn.frame.eyes_confidence, 0);
+  // Lids it sees, but not where the eyes look.
+  EXPECT_EQ(worn.frame.provenance[face::shape("eyeBlink_L")], Provenance::measured);
+  for (const char* gaze : {"eyeLookDown_L", "eyeLookIn_R", "eyeLookOut_L", "eyeLookUp_R"})
+    EXPECT_EQ(worn.frame.provenance[face::shape_index(gaze)], Provenance::predicted) << gaze;
   EXPECT_EQ(worn.tracker->heading_sigma_rad(0), std::nullopt);
 }
 

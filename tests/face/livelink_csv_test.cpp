@@ -188,6 +188,26 @@ INSTANTIATE_TEST_SUITE_P(
         BadCsv{"negative_time", take({"00:00:-1:00.000"}), ErrorCode::malformed, "line 2"}),
     [](const auto& one) { return std::string(one.param.what); });
 
+TEST(LiveLinkCsv, NoCellIsRepeatedWholeOrObeyed) {
+  const auto refusal = [](const std::string& cell, std::size_t column) {
+    std::string line = row("00:00:00:00.000", ArkitOrder::live_link_csv);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < column; ++i) at = line.find(',', at) + 1;
+    line.replace(at, line.find(',', at) - at, cell);
+    const auto csv = parse_livelink_csv(header(ArkitOrder::live_link_csv, true) + line + line, "test.csv");
+    return csv ? std::string() : csv.error().message();
+  };
+  for (const std::size_t column : {0U, 5U}) {
+    const std::string escape = refusal("\x1b]0;pwned\x07", column);
+    EXPECT_THAT(escape, HasSubstr("'?]0;pwned?'"));
+    std::string binary;
+    for (int i = 0; i < 10'000; ++i) binary += static_cast<char>(i % 2 == 0 ? 0x80 + i % 64 : 1 + i % 8);
+    const std::string cut = refusal(binary, column);
+    EXPECT_THAT(cut, HasSubstr("'" + std::string(40, '?') + "...'"));
+    EXPECT_LT(cut.size(), 150U);
+  }
+}
+
 TEST(Timecode, TextAndNumbersAreTheSame) {
   for (const char* text : {"00:32:09:07.867", "23:59:59:59.999", "99:00:00:00.000"}) {
     const auto timecode = parse_timecode(text);

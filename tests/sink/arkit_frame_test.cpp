@@ -43,11 +43,16 @@ TEST(ArkitFrame, SaysWhatIsTracked) {
   face::OutputFrame frame;
   frame.provenance.fill(face::Provenance::neutral);
   EXPECT_FALSE(arkit_frame(frame).face_tracked);
-  EXPECT_FALSE(arkit_frame(frame).eyes_tracked);
+  EXPECT_FALSE(arkit_frame(frame).lids_tracked);
   frame.provenance[7] = face::Provenance::predicted;
-  frame.eyes_provenance = face::Provenance::held;
   EXPECT_TRUE(arkit_frame(frame).face_tracked);
-  EXPECT_TRUE(arkit_frame(frame).eyes_tracked);
+  using enum face::Provenance;
+  for (const face::Provenance p : {measured, interpolated, predicted, held, audio, neutral}) {
+    frame.eyes_provenance = p;
+    frame.provenance[face::shape("eyeBlink_R")] = p;
+    EXPECT_EQ(arkit_frame(frame).eyes_tracked, p == measured || p == interpolated);
+    EXPECT_EQ(arkit_frame(frame).lids_tracked, p == measured || p == interpolated || p == held);
+  }
 }
 
 }  // namespace

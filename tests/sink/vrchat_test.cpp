@@ -58,13 +58,11 @@ TEST(Vrchat, SendsAllThenWhatChangesThenAllAgain) {
   auto encoder = VrchatEncoder::make({});
   ASSERT_TRUE(encoder);
   const auto first = encoded(*encoder, jaw(0.25F), 0);
-  // Directions of eyes that nobody looks at are left to VRChat.
-  EXPECT_EQ(first.size(), encoder->size() - 1);
-  EXPECT_FALSE(first.contains("/tracking/eye/LeftRightPitchYaw"));
+  // Eyes and lids that nobody looks at are left to VRChat: six directions, and its own of both.
+  EXPECT_EQ(first.size(), encoder->size() - 8);
   EXPECT_EQ(std::get<float>(first.at(parameter("v2/JawOpen"))[0]), 0.25F);
   EXPECT_EQ(std::get<bool>(first.at(parameter("EyeTrackingActive"))[0]), false);
   EXPECT_EQ(std::get<bool>(first.at(parameter("LipTrackingActive"))[0]), false);
-  EXPECT_EQ(std::get<float>(first.at("/tracking/eye/EyesClosedAmount")[0]), 0);
 
   EXPECT_TRUE(encoded(*encoder, jaw(0.25F), 1).empty());
   EXPECT_TRUE(encoded(*encoder, jaw(0.2509F), 2).empty());
@@ -97,6 +95,7 @@ TEST(Vrchat, TurnsTheEyesInDegrees) {
   const float degree = std::numbers::pi_v<float> / 180;
   frame.eyes_rad = {Eigen::Vector2f(10, 5) * degree, Eigen::Vector2f(-20, -10) * degree};
   frame.weights[face::shape("eyeBlink_L")] = 1;
+  frame.provenance[face::shape("eyeBlink_L")] = face::Provenance::measured;
   const auto messages = encoded(*encoder, frame, 0);
   const auto& eyes = messages.at("/tracking/eye/LeftRightPitchYaw");
   ASSERT_EQ(eyes.size(), 4u);
@@ -106,12 +105,77 @@ TEST(Vrchat, TurnsTheEyesInDegrees) {
   EXPECT_NEAR(std::get<float>(eyes[3]), 20, 1e-4);
   EXPECT_EQ(std::get<float>(messages.at("/tracking/eye/EyesClosedAmount")[0]), 0.5F);
   EXPECT_EQ(std::get<bool>(messages.at(parameter("EyeTrackingActive"))[0]), true);
-  EXPECT_EQ(std::get<bool>(messages.at(parameter("ExpressionTrackingActive"))[0]), false);
+  EXPECT_EQ(std::get<bool>(messages.at(parameter("ExpressionTrackingActive"))[0]), true);
 
   auto without = VrchatEncoder::make({.native_eyes = false});
   ASSERT_TRUE(without);
   for (const auto& [address, arguments] : encoded(*without, frame, 0))
     EXPECT_FALSE(address.starts_with("/tracking"));
+}
+
+/// Does the message say where the eyes look?
+bool of_gaze(const std::string& address) {
+  const std::string_view name = std::string_view(address).substr(address.rfind('/') + 1);
+  return address == "/tracking/eye/LeftRightPitchYaw" || name.starts_with("EyeX") ||
+         name.starts_with("EyeY") || name.starts_with("EyeLeftX") || name.starts_with("EyeLeftY") ||
+         name.starts_with("EyeRightX") || name.starts_with("EyeRightY");
+}
+
+TEST(Vrchat, SendsGazeOnlyWhileSomethingLooksAtTheEyes) {
+  using enum face::Provenance;
+  for (const face::Provenance p : {measured, interpolated, predicted, held, audio, neutral}) {
+    auto encoder = VrchatEncoder::make({.prefix = "FT/", .binary_bits = 2});
+    ASSERT_TRUE(encoder);
+    face::OutputFrame frame = jaw(0.5F);
+    frame.provenance.fill(measured);
+    frame.eyes_rad = {Eigen::Vector2f(0.2F, 0.1F), Eigen::Vector2f(0.2F, 0.1F)};
+    frame.eyes_provenance = p;
+    const bool looks = p == measured || p == interpolated;
+    int gaze = 0;
+    for (std::int64_t i = 0; i < 180; ++i) {
+      frame.eyes_rad[0].x() = 0.001F * static_cast<float>(i);
+      const auto messages = encoded(*encoder, frame, i);
+      for (const auto& [address, arguments] : messages) gaze += of_gaze(address) ? 1 : 0;
+      if (i == 0) {
+        EXPECT_EQ(std::get<bool>(messages.at(parameter("FT/EyeTrackingActive"))[0]), looks);
+        EXPECT_TRUE(messages.contains(parameter("FT/v2/EyeLidLeft"))) << "a lid is no gaze";
+      }
+    }
+    EXPECT_EQ(gaze > 0, looks) << static_cast<int>(p) << ": " << gaze;
+  }
+}
+
+TEST(Vrchat, LeavesAnAvatarsEyesAloneThatNobodyLooksAt) {
+  const VrchatAvatar avatar{"a",
+                            "Fox",
+                            {{parameter("v2/EyeLeftX"), Type::real},
+                             {parameter("v2/EyeY1"), Type::truth},
+                             {parameter("v2/EyeYNegative"), Type::truth},
+                             {parameter("v2/JawOpen"), Type::real}}};
+  auto encoder = VrchatEncoder::make({}, avatar);
+  ASSERT_TRUE(encoder);
+  face::OutputFrame frame = jaw(0.5F);
+  frame.eyes_provenance = face::Provenance::predicted;
+  frame.eyes_rad[0] = {0.2F, 0.3F};
+  const auto messages = encoded(*encoder, frame, 0);
+  EXPECT_EQ(messages.size(), 1U);
+  EXPECT_TRUE(messages.contains(parameter("v2/JawOpen")));
+}
+
+TEST(Vrchat, OpensLidsOnceThatNobodySeesAnyMore) {
+  const std::string closed = "/tracking/eye/EyesClosedAmount";
+  auto encoder = VrchatEncoder::make({});
+  ASSERT_TRUE(encoder);
+  face::OutputFrame frame = jaw(0);
+  for (const char* lid : {"eyeBlink_L", "eyeBlink_R"}) {
+    frame.weights[face::shape_index(lid)] = 1;
+    frame.provenance[face::shape_index(lid)] = face::Provenance::measured;
+  }
+  EXPECT_EQ(std::get<float>(encoded(*encoder, frame, 0).at(closed)[0]), 1);
+  for (const char* lid : {"eyeBlink_L", "eyeBlink_R"})
+    frame.provenance[face::shape_index(lid)] = face::Provenance::neutral;
+  EXPECT_EQ(std::get<float>(encoded(*encoder, frame, 1).at(closed)[0]), 0);
+  for (std::int64_t i = 2; i < 130; ++i) EXPECT_FALSE(encoded(*encoder, frame, i).contains(closed)) << i;
 }
 
 TEST(Vrchat, WritesBinariesUnderAPrefix) {
@@ -160,7 +224,7 @@ TEST(Vrchat, SendsAnAvatarWhatItDeclares) {
   frame.tongue_out = 0.75F;
   frame.weights[face::shape("jawRight")] = 0.5F;
   frame.weights[face::shape("mouthLeft")] = 0.5F;
-  frame.provenance[0] = face::Provenance::measured;
+  frame.provenance[0] = frame.provenance[face::shape("eyeBlink_R")] = face::Provenance::measured;
   frame.eyes_provenance = face::Provenance::measured;
   const auto messages = encoded(*encoder, frame, 0);
   const auto truth = [&](const char* name) { return std::get<bool>(messages.at(parameter(name))[0]); };

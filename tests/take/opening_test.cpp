@@ -75,7 +75,7 @@ TEST_F(Opening, RefusesAnythingThatCouldRun) {
 
 TEST_F(Opening, TellsOnOneLineWhatAFileCallsItsTables) {
   test::run_sql(path_, "CREATE TABLE \"a\nb\x1B[2J\"(c)");
-  EXPECT_EQ(open_error().what, "it holds a table \"a b [2J\", which no take has");
+  EXPECT_EQ(open_error().what, "it holds a table \"a b?[2J\", which no take has");
 }
 
 TEST_F(Opening, RefusesTablesThatDifferByALetter) {

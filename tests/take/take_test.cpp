@@ -1,16 +1,20 @@
 #include "mien/take/take.h"
 
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 
+#include "mien/take/row_writer.h"
 #include "tests/take/example_take.h"
 
 namespace mien::take::take_test {
 namespace {
 
+namespace fs = std::filesystem;
 using test::device_ms;
 using test::host_ms;
 using ::testing::HasSubstr;
@@ -463,6 +467,38 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"note_of_no_text", [](TakeWriter& w) { w.add_note("key", "\xFF"); }, "UTF-8"},
         BadInput{"reserved_note", [](TakeWriter& w) { w.add_note("mien.finished", "yes"); }, "reserved"}),
     [](const auto& tested) { return tested.param.name; });
+
+fs::perms mode_of(const fs::path& path) {
+  return fs::status(path).permissions();
+}
+
+TEST(TakeWriter, WhatItWritesIsItsOwnersAlone) {
+  const mien::test::Folder folder;
+  const mode_t before = ::umask(022);
+  const fs::perms own = fs::perms::owner_read | fs::perms::owner_write;
+  {
+    auto at_once = TakeWriter::create(folder / "a.mien", test::example_header(), false);
+    ASSERT_TRUE(at_once);
+    EXPECT_EQ(mode_of(folder / "a.mien"), own);
+    auto later = TakeWriter::create(folder / "b.mien", test::example_header(), false, Appears::when_finished);
+    ASSERT_TRUE(later);
+    for (const std::string& file : folder.files()) EXPECT_EQ(mode_of(file), own) << file;
+    ASSERT_TRUE(later->finish());
+  }
+  EXPECT_EQ(mode_of(folder / "b.mien"), own);
+  // The file that a replaced take becomes is a new one.
+  test::write_raw(folder / "c.mien", "old");
+  EXPECT_NE(mode_of(folder / "c.mien"), own);
+  ASSERT_TRUE(TakeWriter::create(folder / "c.mien", test::example_header(), true));
+  EXPECT_EQ(mode_of(folder / "c.mien"), own);
+  // A commit under way.
+  auto database = open_for_writing((folder / "a.mien").string(), "a.mien");
+  ASSERT_TRUE(database);
+  ASSERT_TRUE(database->run("BEGIN IMMEDIATE;INSERT INTO note VALUES(99,'a','b')"));
+  EXPECT_EQ(mode_of(folder / "a.mien-journal"), own);
+  ASSERT_TRUE(database->run("ROLLBACK"));
+  ::umask(before);
+}
 
 TEST(TakeWriter, RefusesAdditionsAfterTheEnd) {
   const mien::test::Folder folder;

@@ -50,7 +50,7 @@ TEST(CausalTracker, FillsAFrameAFrame) {
       EXPECT_LE(w, 1);
     }
     EXPECT_THAT(frames[f].confidence, Each(1));
-    EXPECT_THAT(frames[f].provenance, Each(face::Provenance::measured));
+    EXPECT_EQ(frames[f].provenance, test::felt());
     EXPECT_EQ(frames[f].head_provenance, face::Provenance::neutral);
     EXPECT_EQ(frames[f].eyes_provenance, face::Provenance::neutral);
   }
@@ -145,7 +145,7 @@ TEST(CausalTracker, ConfidenceIsTheShareOfTheSensorsThatFeelAShape) {
   features[2].sensors[1] = {};
   auto frames = run(features);
   EXPECT_THAT(frames[1].confidence, Each(0));
-  EXPECT_THAT(frames[1].provenance, Each(face::Provenance::measured));
+  EXPECT_EQ(frames[1].provenance, test::felt());
   EXPECT_THAT(frames[2].confidence, Each(1));
   // Without a ridge all sensors count alike.
   model::ModelFile file = test::tiny_causal_model(kSensors);
@@ -162,7 +162,7 @@ TEST(CausalTracker, SaysWhenItFeltNothing) {
   const auto frames = run(features);
   EXPECT_THAT(frames[1].confidence, Each(0));
   EXPECT_THAT(frames[1].provenance, Each(face::Provenance::predicted));
-  EXPECT_THAT(frames[2].provenance, Each(face::Provenance::measured));
+  EXPECT_EQ(frames[2].provenance, test::felt());
 }
 
 TEST(CausalTracker, AReadingThatIsNotFiniteIsMissingAndSpoilsNothing) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "mien/core/time.h"
+#include "mien/face/output_frame.h"
 #include "mien/model/features.h"
 
 namespace mien::tracker::test {
@@ -22,6 +24,16 @@ inline std::vector<model::FeatureFrame> turning(std::size_t frames, std::size_t 
       out[f].sensors[s].has_rotation = true;
     }
   }
+  return out;
+}
+
+/// What sensors on the skin answer: measured, but where the eyes look, which none of them sees.
+inline std::array<face::Provenance, face::kShapeCount> felt() {
+  std::array<face::Provenance, face::kShapeCount> out{};
+  out.fill(face::Provenance::measured);
+  for (const char* gaze : {"eyeLookDown_L", "eyeLookDown_R", "eyeLookIn_L", "eyeLookIn_R", "eyeLookOut_L",
+                           "eyeLookOut_R", "eyeLookUp_L", "eyeLookUp_R"})
+    out[face::shape_index(gaze)] = face::Provenance::predicted;
   return out;
 }
 

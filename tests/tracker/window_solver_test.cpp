@@ -56,8 +56,8 @@ TEST(WindowSolver, GivesOneFrameAFrame) {
         EXPECT_GE(frames[f].weights[k], 0);
         EXPECT_LE(frames[f].weights[k], 1);
         EXPECT_EQ(frames[f].confidence[k], 1);
-        EXPECT_EQ(frames[f].provenance[k], face::Provenance::measured);
       }
+      EXPECT_EQ(frames[f].provenance, test::felt());
       EXPECT_EQ(frames[f].head_provenance, face::Provenance::neutral);
       EXPECT_EQ(frames[f].head_confidence, 0);
     }

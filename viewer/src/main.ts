@@ -1,8 +1,20 @@
 /** Puts the page together. */
 import "uplot/dist/uPlot.min.css";
+// In this order: of equally specific rules the last one counts.
 import "./style/theme.css";
 import "./style/layout.css";
+import "./style/face.css";
+import "./style/over_face.css";
+import "./style/guide.css";
+import "./style/dock.css";
+import "./style/help.css";
+import "./style/narrow.css";
 import "./style/panels.css";
+import "./style/panel_weights.css";
+import "./style/panel_sensors.css";
+import "./style/panel_calibration.css";
+import "./style/panel_takes.css";
+import "./style/panel_output.css";
 import { Actions } from "./actions";
 import { ActionBar } from "./chrome/action_bar";
 import { Dock } from "./chrome/dock";

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "mien/core/excerpt.h"
 #include "mien/face/gltf/names.h"
 
 namespace mien::face::gltf {
@@ -54,7 +55,7 @@ Result<Shared> add_vertices(const tinygltf::Model& model, const tinygltf::Primit
   const std::size_t vertices = position.size() / 3;
   if (out.position.size() + vertices > kMaxVertices)
     return fail(ErrorCode::out_of_range, fmt::format("there are more than {} vertices", kMaxVertices),
-                printable(node.name));
+                excerpt(node.name));
   const auto first = static_cast<std::uint32_t>(out.position.size());
   MIEN_TRY_ASSIGN(const auto matrices,
                   vertex_matrices(model, primitive, node, placed.world, worlds, vertices, arrays));
@@ -65,7 +66,7 @@ Result<Shared> add_vertices(const tinygltf::Model& model, const tinygltf::Primit
   for (std::size_t v = 0; v < vertices; ++v) {
     const Vec3 at_v = (matrix(v) * vec(position, v).homogeneous()).head<3>();
     if (!(at_v.cwiseAbs().maxCoeff() <= 1e9))
-      return fail(ErrorCode::out_of_range, "a vertex lies beyond all bounds", printable(node.name));
+      return fail(ErrorCode::out_of_range, "a vertex lies beyond all bounds", excerpt(node.name));
     out.position.push_back(at_v);
   }
 
@@ -106,7 +107,7 @@ Result<Shared> add_vertices(const tinygltf::Model& model, const tinygltf::Primit
     bound = bound || !moved.empty();
     for (std::size_t v = 0; v < moved.size(); ++v) {
       if (!(moved[v].cwiseAbs().maxCoeff() <= 1e9))
-        return fail(ErrorCode::out_of_range, "a morph target moves beyond all bounds", printable(node.name));
+        return fail(ErrorCode::out_of_range, "a morph target moves beyond all bounds", excerpt(node.name));
       if (moved[v].isZero(0)) continue;
       if (++out.delta_count > kMaxDeltas) return arrays.bad("its morph targets move too many vertices");
       out.delta[k].emplace_back(first + static_cast<std::uint32_t>(v), moved[v]);

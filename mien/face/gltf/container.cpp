@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <exception>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "mien/core/bytes.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 
 namespace mien::face::gltf {
@@ -64,13 +66,9 @@ tinygltf::FsCallbacks callbacks(Folder& folder) {
 }
 
 std::string first_line(std::string text) {
-  const std::size_t end = text.find_first_of("\r\n");
-  if (end != std::string::npos) text.resize(end);
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7F) c = '?';
-  if (text.size() > 160) text = text.substr(0, 157) + "...";
+  text.resize(std::min(text.find_first_of("\r\n"), text.size()));
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
-  return text;
+  return excerpt(text, kComplaintLetters);
 }
 
 }  // namespace

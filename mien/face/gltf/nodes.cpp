@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "mien/core/excerpt.h"
 #include "mien/core/rotation.h"
 #include "mien/face/gltf/names.h"
 
@@ -63,7 +64,7 @@ Result<std::vector<Placed>> place_nodes(const tinygltf::Model& model, const Arra
     seen[static_cast<std::size_t>(next.node)] = true;
     const Mat4 world = next.parent * local_transform(*node);
     if (!world.allFinite() || world.cwiseAbs().maxCoeff() > 1e9)
-      return fail(ErrorCode::out_of_range, "a node's transform is beyond all bounds", printable(node->name));
+      return fail(ErrorCode::out_of_range, "a node's transform is beyond all bounds", excerpt(node->name));
     placed.push_back({next.node, world});
     for (auto child = node->children.rbegin(); child != node->children.rend(); ++child)
       open.push_back({*child, world, next.depth + 1});

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 #include "mien/eyewear/normalisation.h"
 #include "mien/performer/canvas.h"
@@ -141,7 +142,7 @@ Result<EyewearDataRecipe> parse_eyewear_data_recipe(std::string_view text, const
       if (!number || !(*number >= 12 && *number <= kMostSeconds)) return wrong("from 12 to 3600");
       recipe.seconds = *number;
     } else {
-      return fail(ErrorCode::malformed, fmt::format("[data] has no key {:?}", key.str()), where,
+      return fail(ErrorCode::malformed, fmt::format("[data] has no key \"{}\"", excerpt(key.str())), where,
                   "use seed, wearers, validation_wearers and seconds");
     }
   }

@@ -10,6 +10,7 @@
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/builtin_face/load_face.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/toml.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
@@ -206,7 +207,7 @@ Result<DataRecipe> parse_data_recipe(std::string_view text, const std::string& w
         return wrong(key, fmt::format("0 or a number from 1 to {}", kMostSeconds));
       *length->second = *number;
     } else {
-      return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", key), where);
+      return fail(ErrorCode::malformed, fmt::format("[data] has no setting named {}", excerpt(key)), where);
     }
   }
   if (table.contains("kinematics_deg"))

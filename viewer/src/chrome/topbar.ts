@@ -3,6 +3,7 @@ import { h, setAttribute, setHidden, setText } from "../dom";
 import { fixed } from "../format";
 import { standingOf } from "../provenance";
 import { autoIcon, helpIcon, moonIcon, sunIcon } from "../icons";
+import { sessionWord } from "./session_word";
 import type { Session } from "../session";
 import type { ThemeChoice, ViewState } from "../view_state";
 
@@ -49,21 +50,8 @@ export class Topbar {
   }
 
   private update(): void {
-    const connection = this.session.connection.value;
     const status = this.session.status.value;
-    let text = "connecting";
-    let tone = "idle";
-    if (connection.kind === "open") {
-      const replay = status?.replay;
-      text = status?.recording.on ? "recording" : replay ? (replay.paused ? "replay, paused" : "replay") : "live";
-      tone = status?.recording.on ? "record" : replay ? "replay" : "live";
-    } else if (connection.kind === "stalled") {
-      text = "no news";
-      tone = "bad";
-    } else if (connection.kind === "lost") {
-      text = connection.refused ? "refused" : "connection lost";
-      tone = "bad";
-    }
+    const { text, tone } = sessionWord(this.session.connection.value, status);
     setText(this.state, text);
     setAttribute(this.state, "data-tone", tone);
     const latency = this.session.connected ? status?.latency : null;

@@ -5,6 +5,7 @@ import { load } from "./load.mjs";
 const { ago, clock, fixed, milliseconds, percentage } = await load("format.ts");
 const { countLetters, letterOf, standingOf } = await load("provenance.ts");
 const { healthOf, HEALTH_STATES } = await load("health.ts");
+const { sessionWord } = await load("chrome/session_word.ts");
 
 test("numbers read as a person says them", () => {
   assert.equal(milliseconds(4.21), "4.2 ms");
@@ -32,6 +33,18 @@ test("a face is live while anything of it is", () => {
   assert.equal(standingOf("nnhh"), "resting");
   assert.equal(standingOf("xxxx"), "neutral");
   assert.equal(standingOf(""), "neutral");
+});
+
+test("a session is live once there was a frame, and not before", () => {
+  const status = (fields) => ({ frames: 0, recording: { on: false }, replay: null, ...fields });
+  const open = { kind: "open" };
+  assert.deepEqual(sessionWord(open, status({ frames: 1 })), { text: "live", tone: "live" });
+  for (const silent of [null, status({})]) assert.deepEqual(sessionWord(open, silent), { text: "waiting", tone: "idle" });
+  assert.equal(sessionWord(open, status({ recording: { on: true } })).tone, "record");
+  assert.equal(sessionWord(open, status({ replay: { paused: true } })).text, "replay, paused");
+  assert.equal(sessionWord({ kind: "stalled" }, status({ frames: 9 })).tone, "bad");
+  assert.equal(sessionWord({ kind: "lost", refused: true }, null).text, "refused");
+  assert.equal(sessionWord({ kind: "connecting" }, null).tone, "idle");
 });
 
 test("letters that nobody knows are not taken for measured", () => {

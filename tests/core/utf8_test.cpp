@@ -1,8 +1,8 @@
-#include "mien/take/utf8.h"
+#include "mien/core/utf8.h"
 
 #include <gtest/gtest.h>
 
-namespace mien::take::utf8_test {
+namespace mien::utf8_test {
 namespace {
 
 TEST(Utf8, TakesWellFormedText) {
@@ -22,4 +22,4 @@ TEST(Utf8, RefusesAnythingElse) {
 }
 
 }  // namespace
-}  // namespace mien::take::utf8_test
+}  // namespace mien::utf8_test
