@@ -112,6 +112,9 @@ Result<void> run_evaluate(EvaluateOptions options) {
   }
   fmt::print("{} frames of {} take{} on {}, {} profile, {}\n\n", evaluation.frames, evaluation.takes,
              evaluation.takes == 1 ? "" : "s", face_name, context.devices, measure::asked_how(context));
+  const std::vector<std::string> ahead = measure::baselines_ahead(evaluation);
+  for (const std::string& sentence : ahead) fmt::print("{}\n", sentence);
+  if (!ahead.empty()) fmt::print("\n");
   fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>8} {:>7} {:>7}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
              "MSE observed", "jitter", "blink F1");
   print_row("model", evaluation.model);
@@ -134,7 +137,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
 void add_evaluate_command(Commands& commands) {
   auto options = std::make_shared<EvaluateOptions>();
   const Command command = commands.add(
-      "evaluate", "Measures a model on takes with truth, beside its baselines",
+      "evaluate", "Measures the live model, or another, on takes with truth, beside its baselines",
       "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
   command.add_option("takes", options->takes, "Takes with a truth track").required();
   options->model.add_to(command);
@@ -144,7 +147,7 @@ void add_evaluate_command(Commands& commands) {
   command
       .add_flag("--no-adapt", options->no_adapt,
                 "Do not personalise the live model on a take's full prologue first")
-      .needs(command.option("--live"));
+      .excludes(command.option("--window"));
   command.add_flag("--json", options->json, "Print one JSON object");
 }
 

@@ -130,16 +130,19 @@ Result<study::Solution> OpenModel::solve_tracked(const take::Take& take, const P
 }
 
 void ModelOption::add_to(Command command) {
-  command.add_option("--model", path,
-                     "Model file (default: the one in models/ for the take's sensors); a live one, or a "
-                     "wearer's own, goes frame by frame by itself");
-  const Option counted =
-      command
-          .add_option("--steps", steps,
-                      "Denoising steps a window; 1000 is the published sampler (default: the model's own)")
-          .in_range(1, 1000);
-  command.add_flag("--live", live, "The live model, frame by frame, which sees nothing of what comes later")
-      .excludes(counted);
+  command.add_option(
+      "--model", path,
+      "Model file, of any kind (default: the one that a live session of the take's sensors uses, "
+      "which goes frame by frame)");
+  command
+      .add_option("--steps", steps,
+                  "Denoising steps a window of a window model; 1000 is the published sampler (default: the "
+                  "model's own)")
+      .in_range(1, 1000);
+  command.add_flag(
+      "--window", window,
+      "The window model, models/default.safetensors: two seconds at a time, which sees what comes "
+      "later, as no session can");
 }
 
 Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
@@ -150,19 +153,22 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
       return fail(ErrorCode::bad_usage,
                   "this rig's sensors are solved frame by frame, without denoising steps", path,
                   "leave --steps out");
+    if (window)
+      return fail(ErrorCode::bad_usage, "there is no window model of this rig's sensors", path,
+                  "leave --window out");
     return OpenModel(std::move(file));
   }
-  MIEN_TRY_ASSIGN(path, path_or(path, live ? "models/live.safetensors" : "models/default.safetensors"));
+  MIEN_TRY_ASSIGN(path, path_or(path, window ? "models/default.safetensors" : "models/live.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   if (file.architecture.kind == model::NetworkKind::causal) {
     if (steps > 0)
       return fail(ErrorCode::bad_usage, "a causal model answers at once, without denoising steps", path,
-                  "leave --steps out");
+                  "leave --steps out, or ask the window model with --window");
+    if (window)
+      return fail(ErrorCode::bad_usage, "this is a live model, which goes frame by frame", path,
+                  "leave --window out, or name a window model");
     return OpenModel(path, std::move(file), adapt);
   }
-  if (live)
-    return fail(ErrorCode::bad_usage, "this is a window network, which sees what comes later", path,
-                "leave --live out, or name a live model");
   auto solver = tracker::WindowSolver::create(std::move(file));
   if (!solver) {
     solver.error().where = path;

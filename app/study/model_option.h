@@ -51,16 +51,16 @@ class OpenModel {
 
 /// What the commands that solve takes have in common: which model, and how it is sampled.
 struct ModelOption {
-  std::string path;   ///< Empty: the default model.
-  bool live = false;  ///< The default model is then the live one.
-  int steps = 0;      ///< 0: as the model file says.
+  std::string path;     ///< Empty: the one that a live session of the rig would use.
+  bool window = false;  ///< The window model instead, which sees what comes later.
+  int steps = 0;        ///< 0: as the model file says.
   /// Where a take has a full prologue and the model can be personalised, that is done first.
   bool adapt = false;
 
   void add_to(Command command);
   /// Finds the model for takes of a rig; `path` becomes the one that it is. Errors:
-  /// not_found (no default model is installed), bad_usage (steps for a model that takes none), and the model
-  /// reader's.
+  /// not_found (no default model is installed), bad_usage (steps for a model that takes none, a window model
+  /// for sensors that have none, or another kind of model where it is asked for), and the model reader's.
   [[nodiscard]] Result<OpenModel> open(const sensor::Rig& rig);
 };
 

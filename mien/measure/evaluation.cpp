@@ -1,11 +1,43 @@
 #include "mien/measure/evaluation.h"
 
+#include <fmt/format.h>
+
 namespace mien::measure {
 namespace {
 
 constexpr std::size_t kHoldFrames = 60;  // hold_last: the truth one second ago.
 
+/// The errors in which `baseline` is closer to the truth than `model`, with both values.
+std::vector<std::string> errors_ahead(const Metrics& baseline, const Metrics& model) {
+  std::vector<std::string> errors;
+  const auto compare = [&](const char* name, double theirs, double ours, int decimals, const char* unit) {
+    if (theirs < ours)
+      errors.push_back(
+          fmt::format("{} {:.{}f} against {:.{}f}{}", name, theirs, decimals, ours, decimals, unit));
+  };
+  compare("PVE", baseline.pve_mm.mean, model.pve_mm.mean, 3, " mm");
+  if (baseline.lmk_mm && model.lmk_mm)
+    compare("landmarks", baseline.lmk_mm->mean, model.lmk_mm->mean, 3, " mm");
+  compare("MSE", baseline.mse, model.mse, 4, "");
+  compare("MSE observed", baseline.mse_observed, model.mse_observed, 4, "");
+  return errors;
+}
+
 }  // namespace
+
+std::vector<std::string> baselines_ahead(const Evaluation& evaluation) {
+  std::vector<std::string> sentences;
+  const auto judge = [&](const char* name, const Metrics& baseline) {
+    const std::vector<std::string> errors = errors_ahead(baseline, evaluation.model);
+    if (!errors.empty())
+      sentences.push_back(
+          fmt::format("{} is closer than the model here: {}.", name, fmt::join(errors, ", ")));
+  };
+  if (evaluation.ridge) judge("Ridge", *evaluation.ridge);
+  judge("The mean pose", evaluation.mean_pose);
+  judge("The truth of a second ago, which no tracker has,", evaluation.hold_last);
+  return sentences;
+}
 
 std::vector<std::pair<std::size_t, std::size_t>> evaluated_runs(std::span<const take::TruthFrame> truth) {
   std::vector<std::pair<std::size_t, std::size_t>> runs;

@@ -41,6 +41,10 @@ struct Evaluation {
 [[nodiscard]] Metrics measure_track(const Meter& meter, std::span<const take::TruthFrame> truth,
                                     std::span<const face::BlendshapeWeights> estimate);
 
+/// One sentence for each baseline that is closer to the truth than the model in any error, which names the
+/// errors with both values; empty where the model is ahead of all. Errors: PVE, landmarks, MSE, MSE observed.
+[[nodiscard]] std::vector<std::string> baselines_ahead(const Evaluation& evaluation);
+
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
 /// Errors: not_found when no frame is left to measure.
 [[nodiscard]] Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,

@@ -7,6 +7,7 @@
 
 #include "mien/model/model_file.h"
 #include "tests/app/program.h"
+#include "tests/project_path.h"
 #include "tests/tracker/tiny_model.h"
 #include "tests/virtual/three_sensors.h"
 
@@ -241,9 +242,10 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"evaluate", "@sound.mien", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
        {{"solve", "@kept.mien", "--model", "@tiny.safetensors", "--out", "@new.txt"}, "new.txt"},
        {{"solve", "@kept.mien", "--steps", "0"}, "--steps"},
-       {{"solve", "@sound.mien", "--live", "--model", "@tiny.safetensors"}, "leave --live out"},
-       {{"evaluate", "@kept.mien", "--live", "--steps", "4"}, "--steps"},
-       {{"evaluate", "@kept.mien", "--no-adapt"}, "--live"},
+       {{"solve", "@sound.mien", "--window", "--model", project_path("models/live.safetensors")},
+        "leave --window out"},
+       {{"evaluate", "@sound.mien", "--steps", "4"}, "--window"},
+       {{"evaluate", "@kept.mien", "--no-adapt", "--window"}, "--window"},
        {{"face", "--face", "nobody"}, "nobody"},
        {{"face", "export", "--out", "@new.txt"}, "new.txt"},
        {{"export", "--motion", "@garbage.csv", "--out", "@new.glb"}, "garbage.csv"},

@@ -161,7 +161,7 @@ TEST_F(LiveProgram, ATakeReplaysToTheBitsOfTheSessionThatRecordedIt) {
   EXPECT_EQ(std::filesystem::status(take).permissions(),
             std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   // Nobody knows what the face did: that is said before anything is solved.
-  const Outcome measured = run({"evaluate", "--live", take});
+  const Outcome measured = run({"evaluate", take});
   EXPECT_EQ(measured.status, 2);
   EXPECT_EQ(measured.err.find("mien: " + take + ": the take has no truth"), 0U) << measured.err;
   // The CSV is one that any importer takes.

@@ -52,6 +52,25 @@ TEST(EvaluationReport, NamesRidgeOnlyWhereThereIsOne) {
   EXPECT_THAT(html, HasSubstr("0.50 of ridge"));
 }
 
+TEST(EvaluationReport, BaselinesThatWinAreNamedBeforeAnyFigure) {
+  Evaluation evaluation = some_evaluation();
+  for (Metrics* baseline : {&evaluation.mean_pose, &evaluation.hold_last}) {
+    baseline->pve_mm.mean = 2;
+    baseline->mse = 1;
+  }
+  EXPECT_THAT(baselines_ahead(evaluation), ::testing::IsEmpty());
+  evaluation.ridge = Metrics{};
+  evaluation.ridge->pve_mm.mean = 0.5;
+  evaluation.ridge->lmk_mm = MeanStd{3, 1};
+  evaluation.ridge->mse = 0.03125;
+  EXPECT_THAT(
+      baselines_ahead(evaluation),
+      ::testing::ElementsAre("Ridge is closer than the model here: PVE 0.500 against 0.750 mm, MSE 0.0312 "
+                             "against 0.0625."));
+  const std::string html = evaluation_report(evaluation, some_context()).html();
+  EXPECT_LT(html.find("Ridge is closer"), html.find("Vertex error"));
+}
+
 TEST(EvaluationReport, NothingInANameIsMarkup) {
   EXPECT_THAT(evaluation_report(some_evaluation(), some_context()).html(), Not(HasSubstr("<img src=x>")));
 }
