@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "app/private_folder.h"
@@ -132,6 +133,25 @@ Result<ChildOutput> Child::wait() {
   MIEN_TRY_ASSIGN(output.out, read_text(state_->out()));
   MIEN_TRY_ASSIGN(output.complaints, read_text(state_->complaints()));
   return output;
+}
+
+Result<ChildOutput> Child::stop(std::chrono::milliseconds patience) {
+  if (state_->id <= 0) return fail(ErrorCode::io, "it has ended already", state_->name);
+  ::kill(state_->id, SIGTERM);
+  state_->input.close();
+  const auto until = std::chrono::steady_clock::now() + patience;
+  siginfo_t ended{};
+  // Looked at only: wait() takes its status.
+  while (::waitid(P_PID, static_cast<id_t>(state_->id), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == 0) {
+    if (std::chrono::steady_clock::now() >= until) {
+      ::kill(state_->id, SIGKILL);
+      MIEN_TRY(wait());
+      return fail(ErrorCode::io, "it did not end when it was asked to, and was killed", state_->name);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return wait();
 }
 
 Result<ChildOutput> run_child(std::vector<std::string> command, std::vector<std::string> environment) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -38,6 +39,9 @@ class Child {
   [[nodiscard]] Result<void> send(std::span<const std::uint8_t> bytes);
   /// Ends its input and waits for its end. Errors: io (it has been waited for already).
   [[nodiscard]] Result<ChildOutput> wait();
+  /// Asks it to stop (SIGTERM, and its input's end) and waits for that. One that goes on beyond `patience` is
+  /// killed. Errors: io (it was killed, or has been waited for already).
+  [[nodiscard]] Result<ChildOutput> stop(std::chrono::milliseconds patience);
 
  private:
   struct State;

@@ -12,6 +12,7 @@
 #include <memory>
 #include <thread>
 
+#include "app/bench/bench_attack.h"
 #include "app/bench/bench_causal.h"
 #include "app/bench/bench_onnxruntime.h"
 #include "app/bench/bench_start.h"
@@ -210,6 +211,7 @@ void add_bench_command(Commands& commands) {
   live.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
   live.add_flag("--json", options->json, "Print one JSON object");
   add_start_bench(commands, bench);
+  add_attack_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
 
   auto asked = std::make_shared<CausalBench>();

@@ -134,6 +134,7 @@ Result<void> Broadcast::send_due() {
       if (code && code != asio::error::connection_refused)
         return fail(ErrorCode::io, code.message(), options_.to);
       ++summary_.packets;
+      if (options_.sent) options_.sent(*datagram);
       if (start_) summary_.latest_ms = std::max(summary_.latest_ms, 1e3 * to_seconds(now() - due));
     }
   }
@@ -245,10 +246,16 @@ Result<NetworkTarget> parse_target(const std::string& text) {
 }
 
 Result<NetworkSummary> perform_to_network(const virt::StageRequest& request, const NetworkOptions& options) {
-  MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
+  MIEN_TRY(parse_target(options.to));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
+  return perform_to_network(std::move(stage), options);
+}
+
+Result<NetworkSummary> perform_to_network(virt::Stage stage, const NetworkOptions& options) {
+  MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
   MIEN_TRY_ASSIGN(const std::unique_ptr<virt::NodeGroup> nodes,
                   virt::NodeGroup::create(std::move(stage), target.language, options.loop));
+  if (options.key) nodes->seal(*options.key);
   Broadcast broadcast(*nodes, options);
   MIEN_TRY(broadcast.open(target));
   return broadcast.run();

@@ -3,10 +3,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "mien/core/error.h"
+#include "mien/imu/packets/seal.h"
 #include "mien/virtual/node_group.h"
 #include "mien/virtual/stage.h"
 
@@ -28,6 +31,9 @@ struct NetworkOptions {
   std::string title = "perform";  ///< Stands before the progress; empty: it says nothing.
   /// Asked often, where there is one: true ends the performance, and that is no stop by its user.
   std::function<bool(std::size_t round)> enough;
+  std::optional<imu::SealKey> key;  ///< The nodes are paired by it; for our own packets of IMUs.
+  /// Told of each datagram as it leaves, where there is one.
+  std::function<void(std::span<const std::byte>)> sent;
 };
 
 /// What went out.
@@ -48,5 +54,7 @@ struct NetworkSummary {
 /// bad_usage (a target that is none, the profile *lab*); not_found (no such host); io.
 [[nodiscard]] Result<NetworkSummary> perform_to_network(const virt::StageRequest& request,
                                                         const NetworkOptions& options);
+/// The same of a stage that is set.
+[[nodiscard]] Result<NetworkSummary> perform_to_network(virt::Stage stage, const NetworkOptions& options);
 
 }  // namespace mien::app

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "mien/virtual/imu/sealed_node.h"
+
 namespace mien::virt {
 
 NodeGroup::NodeGroup(Stage stage, bool again)
@@ -24,6 +26,10 @@ Result<std::unique_ptr<NodeGroup>> NodeGroup::create(Stage stage, NodeLanguage l
                   own.worn->on_network(own, {.curve = group->curve_, .encore = group->encore_}, language));
   group->nodes_ = group->devices_->nodes();
   return group;
+}
+
+void NodeGroup::seal(const imu::SealKey& key) {
+  for (Node*& node : nodes_) node = sealed_.emplace_back(std::make_unique<SealedNode>(*node, key)).get();
 }
 
 NodeGroup::Round NodeGroup::round_at(double time_s) const {

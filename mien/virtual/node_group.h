@@ -12,7 +12,13 @@
 #include "mien/virtual/stage.h"
 #include "mien/virtual/worn_devices.h"
 
+namespace mien::imu {
+struct SealKey;
+}
+
 namespace mien::virt {
+
+class SealedNode;
 
 /// All nodes of a performer, one an IMU of the rig or one a board of its eyewear, and their simulation, which
 /// runs a little ahead of the performance. The devices are those of play(): the same stage gives the same
@@ -26,6 +32,10 @@ class NodeGroup {
   NodeGroup(const NodeGroup&) = delete;
   NodeGroup& operator=(const NodeGroup&) = delete;
   ~NodeGroup();
+
+  /// All nodes are paired by this key: what they say leaves sealed. Once, before they say anything; they
+  /// speak our own packets of IMUs, the only ones that can be sealed.
+  void seal(const imu::SealKey& key);
 
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] Node& operator[](std::size_t node) { return *nodes_[node]; }
@@ -54,7 +64,8 @@ class NodeGroup {
   std::optional<performer::Encore> encore_;
   face::MotionCurve curve_;
   std::unique_ptr<NodeDevices> devices_;
-  std::vector<Node*> nodes_;  // Of the devices.
+  std::vector<std::unique_ptr<SealedNode>> sealed_;  // One around each of the devices', or none.
+  std::vector<Node*> nodes_;                         // Those, or else the devices' own.
 };
 
 }  // namespace mien::virt

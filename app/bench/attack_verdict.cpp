@@ -1,0 +1,87 @@
+#include "app/bench/attack_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace mien::app {
+namespace {
+
+constexpr double kMostPveShare = 0.02;
+constexpr double kLeastHeardShare = 0.99;
+constexpr double kMostP99_ms = 1;
+constexpr double kMostP99Keyed_ms = 0.2;
+/// Frames at the window's ends come or stay out by a hair.
+constexpr double kMostAdded = 1;
+/// What a session may need for strangers: tables and queues are of fixed size, and their pages are touched
+/// when they are first used.
+constexpr double kMostMemory_mb = 8;
+
+double middle_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+double median_of(const std::vector<AttackFigures>& runs, double AttackFigures::*figure) {
+  std::vector<double> values;
+  for (const AttackFigures& run : runs) values.push_back(run.*figure);
+  return middle_of(std::move(values));
+}
+
+double largest_of(const std::vector<AttackFigures>& runs, double AttackFigures::*figure) {
+  double largest = 0;
+  for (const AttackFigures& run : runs) largest = std::max(largest, run.*figure);
+  return largest;
+}
+
+std::vector<double> errors_of(const std::vector<AttackFigures>& runs) {
+  std::vector<double> values;
+  for (const AttackFigures& run : runs)
+    if (run.pve_mm) values.push_back(*run.pve_mm);
+  return values;
+}
+
+}  // namespace
+
+AttackFigures median(const std::vector<AttackFigures>& runs) {
+  AttackFigures out;
+  using F = AttackFigures;
+  for (double F::*figure : {&F::frames, &F::missed, &F::added, &F::p50_ms, &F::p99_ms, &F::peak_memory_mb,
+                            &F::dropped, &F::evicted, &F::malformed, &F::heard, &F::strangers, &F::sent})
+    out.*figure = median_of(runs, figure);
+  if (const auto errors = errors_of(runs); !errors.empty()) out.pve_mm = middle_of(errors);
+  out.same_bits = !runs.empty() && std::ranges::all_of(runs, &F::same_bits);
+  return out;
+}
+
+std::vector<std::string> breaches(const Attack& attack, bool keyed,
+                                  const std::vector<AttackFigures>& attacked,
+                                  const std::vector<AttackFigures>& quiet) {
+  std::vector<std::string> out;
+  const AttackFigures with = median(attacked), without = median(quiet);
+  if (keyed || !attack.behaves) {
+    if (with.strangers > 0) out.push_back(fmt::format("{:.0f} readings of his accepted", with.strangers));
+    if (with.heard < kLeastHeardShare * without.heard)
+      out.push_back(
+          fmt::format("{:.1f} % of the devices' readings accepted", 100 * with.heard / without.heard));
+    if (without.pve_mm) {
+      const double spread = std::ranges::max(errors_of(quiet)) - *without.pve_mm;
+      const double most = *without.pve_mm + std::max(kMostPveShare * *without.pve_mm, spread);
+      if (!with.pve_mm || *with.pve_mm > most) out.push_back("the face moved");
+    }
+  }
+  if (with.added > without.added + kMostAdded)
+    out.push_back(fmt::format("{:.0f} frames added", with.added - without.added));
+  if (with.missed > largest_of(quiet, &AttackFigures::missed))
+    out.push_back(fmt::format("{:.0f} frames missed", with.missed));
+  const double spread_ms = largest_of(quiet, &AttackFigures::p99_ms) - without.p99_ms;
+  if (with.p99_ms - without.p99_ms > (keyed ? std::max(kMostP99Keyed_ms, spread_ms) : kMostP99_ms))
+    out.push_back(fmt::format("p99 {:+.2f} ms", with.p99_ms - without.p99_ms));
+  if (with.peak_memory_mb - without.peak_memory_mb > kMostMemory_mb)
+    out.push_back(fmt::format("memory {:+.1f} MB", with.peak_memory_mb - without.peak_memory_mb));
+  if (!with.same_bits) out.push_back("its take replays to other bits");
+  return out;
+}
+
+}  // namespace mien::app

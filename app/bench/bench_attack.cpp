@@ -1,0 +1,265 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "app/bench/bench_attack.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <boost/asio/ip/address.hpp>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "app/bench/attack.h"
+#include "app/bench/attack_verdict.h"
+#include "app/bench/attacked_session.h"
+#include "app/bench/clock.h"
+#include "app/json_output.h"
+#include "app/seed_option.h"
+#include "mien/core/host_port.h"
+#include "mien/sensor/rig.h"
+
+namespace mien::app {
+namespace {
+
+/// A session that nobody attacks is run before each so many that somebody does.
+constexpr std::size_t kAttacksEach = 3;
+
+struct AttackOptions {
+  SceneRequest scene;
+  std::vector<std::string> names;
+  std::string keys = "both";
+  std::size_t rounds = 1;
+  bool brief = false;
+  std::string to;
+  bool json = false;
+};
+
+/// The attacks that were asked for; none named: all.
+Result<std::vector<const Attack*>> chosen(const std::vector<std::string>& names) {
+  std::vector<const Attack*> out;
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(attacks(), name, &Attack::name);
+    if (found == attacks().end()) {
+      std::vector<std::string_view> all;
+      for (const Attack& attack : attacks()) all.push_back(attack.name);
+      return fail(ErrorCode::bad_usage, "no such attack", "--attack " + name,
+                  fmt::format("one of {}", fmt::join(all, ", ")));
+    }
+    out.push_back(&*found);
+  }
+  if (names.empty())
+    for (const Attack& attack : attacks()) out.push_back(&attack);
+  return out;
+}
+
+/// All runs of the table's half with or without a key.
+struct Half {
+  bool keyed = false;
+  std::vector<const Attack*> attacks;
+  std::vector<AttackFigures> quiet;
+  std::vector<std::vector<AttackFigures>> attacked;  // One list an attack.
+};
+
+/// Sessions that somebody attacks and such that nobody does, in turn.
+Result<void> run_half(const AttackScene& scene, std::size_t rounds, const Progress& progress, Half& half) {
+  const std::size_t quiet_a_round = (half.attacks.size() + kAttacksEach - 1) / kAttacksEach;
+  const std::size_t runs = rounds * (half.attacks.size() + quiet_a_round);
+  std::size_t done = 0;
+  const auto run = [&](const Attack* attack) {
+    const auto its = [&](double share, std::string_view what) {
+      return progress((static_cast<double>(done) + share) / static_cast<double>(runs), what);
+    };
+    auto figures = run_attacked_session(scene, attack, half.keyed, its);
+    ++done;
+    return figures;
+  };
+  half.attacked.resize(half.attacks.size());
+  for (std::size_t round = 0; round < rounds; ++round)
+    for (std::size_t i = 0; i < half.attacks.size(); ++i) {
+      if (i % kAttacksEach == 0) {
+        MIEN_TRY_ASSIGN(half.quiet.emplace_back(), run(nullptr));
+      }
+      MIEN_TRY_ASSIGN(half.attacked[i].emplace_back(), run(half.attacks[i]));
+    }
+  return {};
+}
+
+std::string verdict(const Attack& attack, bool keyed, const std::vector<std::string>& wrong) {
+  if (!wrong.empty()) return fmt::format("NOT HELD: {}", fmt::join(wrong, ", "));
+  return attack.behaves && !keyed ? "only a key or a choice on the page" : "held";
+}
+
+void print_row(std::string_view name, const AttackFigures& f, double heard_without,
+               std::string_view verdict) {
+  fmt::print(
+      "{:<15} {:>7.0f} {:>6.0f} {:>7.0f} {:>7.2f} {:>7.2f} {:>7.1f} {:>9.0f} {:>9.0f} {:>7} {:>6.1f}  {}\n",
+      name, f.frames, f.added, f.missed, f.p50_ms, f.p99_ms, f.peak_memory_mb, f.sent, f.dropped,
+      f.pve_mm ? fmt::format("{:.3f}", *f.pve_mm) : "-",
+      heard_without > 0 ? 100 * f.heard / heard_without : 0.0, verdict);
+}
+
+/// Its rows, printed unless JSON is asked for, and how many of them are not held.
+std::size_t conclude(const Half& half, bool print, Json& json) {
+  const AttackFigures quiet = median(half.quiet);
+  if (print) {
+    fmt::print("{}\n{:<15} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>7} {:>6}\n",
+               half.keyed ? "With a key" : "Without a key", "stranger", "frames", "added", "missed", "p50 ms",
+               "p99 ms", "MB", "sent", "dropped", "PVE mm", "heard");
+    print_row("nobody", quiet, quiet.heard, "");
+  }
+  std::size_t not_held = 0;
+  Json rows = Json::array(), quiet_runs = Json::array();
+  for (const AttackFigures& run : half.quiet) quiet_runs.push_back(to_json(run));
+  for (std::size_t i = 0; i < half.attacks.size(); ++i) {
+    const Attack& attack = *half.attacks[i];
+    const auto wrong = breaches(attack, half.keyed, half.attacked[i], half.quiet);
+    const std::string said = verdict(attack, half.keyed, wrong);
+    not_held += wrong.empty() ? 0 : 1;
+    const AttackFigures figures = median(half.attacked[i]);
+    if (print) print_row(attack.name, figures, quiet.heard, said);
+    Json runs = Json::array();
+    for (const AttackFigures& run : half.attacked[i]) runs.push_back(to_json(run));
+    rows.push_back({{"attack", attack.name},
+                    {"does", attack.does},
+                    {"median", to_json(figures)},
+                    {"runs", std::move(runs)},
+                    {"breaches", wrong},
+                    {"verdict", said}});
+  }
+  json.push_back({{"key", half.keyed},
+                  {"nobody", {{"median", to_json(quiet)}, {"runs", std::move(quiet_runs)}}},
+                  {"attacks", std::move(rows)}});
+  return not_held;
+}
+
+/// All strangers that speak second at once, against a session that somebody else runs on this machine.
+Result<void> attack_there(const AttackOptions& options) {
+  std::string_view rest = options.to;
+  const bool udp = rest.starts_with("udp://");
+  if (udp) rest.remove_prefix(6);
+  const auto there = parse_host_port(rest);
+  if (!udp || !there || there->host != "127.0.0.1" || there->port.value_or(0) == 0)
+    return fail(ErrorCode::bad_usage, "only a session on this machine is attacked", "--to " + options.to,
+                "write it as udp://127.0.0.1:5005");
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, path_or(options.scene.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(path));
+  MIEN_TRY_ASSIGN(const std::vector<const Attack*> all, chosen(options.names));
+  const Overheard overheard(rig);
+  std::vector<std::unique_ptr<Stranger>> strangers;
+  for (const Attack* attack : all)
+    if (attack->begins == Attack::Begins::second && attack->devices == virt::NodeLanguage::mien)
+      strangers.push_back(std::make_unique<Stranger>(*attack, *there->port, Victims{rig, overheard},
+                                                     options.scene.rate, options.scene.seed));
+  const Progress progress = terminal_progress("bench attack");
+  const auto sent = [&] {
+    std::uint64_t all_sent = 0;
+    for (const auto& stranger : strangers) all_sent += stranger->sent();
+    return all_sent;
+  };
+  for (const auto begun = Clock::now(); seconds_since(begun) < options.scene.seconds;) {
+    // Who stops it wants no more of it, which is no error: what was sent stands.
+    if (!progress(seconds_since(begun) / options.scene.seconds, fmt::format("{} datagrams", sent()))) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  clear_progress();
+  const Json json = {{"strangers", strangers.size()}, {"sent", sent()}};
+  if (options.json)
+    print_json(json);
+  else
+    fmt::print("{} strangers sent {} datagrams\n", strangers.size(), sent());
+  return {};
+}
+
+Result<void> run_attack_bench(AttackOptions options) {
+  if (!options.to.empty()) return attack_there(options);
+  options.scene.calibrated = !options.brief;
+  MIEN_TRY_ASSIGN(const std::vector<const Attack*> all, chosen(options.names));
+  MIEN_TRY_ASSIGN(const AttackScene scene, set_attack_scene(options.scene));
+  std::vector<Half> halves;
+  for (const bool keyed : {false, true}) {
+    if (options.keys == (keyed ? "without" : "with")) continue;
+    Half& half = halves.emplace_back(Half{.keyed = keyed, .attacks = {}, .quiet = {}, .attacked = {}});
+    // SlimeVR's boards cannot be paired.
+    for (const Attack* attack : all)
+      if (!keyed || attack->devices == virt::NodeLanguage::mien) half.attacks.push_back(attack);
+  }
+  const Progress progress = terminal_progress("bench attack");
+  std::size_t not_held = 0;
+  Json json = Json::array();
+  for (std::size_t h = 0; h < halves.size(); ++h) {
+    const auto its = [&](double share, std::string_view what) {
+      return progress(std::min(0.999, (static_cast<double>(h) + share) / static_cast<double>(halves.size())),
+                      what);
+    };
+    MIEN_TRY(run_half(scene, options.rounds, its, halves[h]));
+    clear_progress();
+    not_held += conclude(halves[h], !options.json, json);
+  }
+  progress(1, "attacked");
+  if (options.json)
+    print_json({{"seconds", options.scene.seconds},
+                {"rate", options.scene.rate},
+                {"rounds", options.rounds},
+                {"seed", options.scene.seed},
+                {"not_held", not_held},
+                {"sessions", std::move(json)}});
+  if (not_held > 0)
+    return fail(ErrorCode::internal, fmt::format("{} attacks are not held", not_held), "bench attack",
+                "docs/reference/threat_model.md says what each must not do");
+  return {};
+}
+
+}  // namespace
+
+void add_attack_bench(Commands& commands, Command bench) {
+  auto options = std::make_shared<AttackOptions>();
+  const Command command = commands.add_under(bench, "attack",
+                                             "What a stranger on the network can do to `mien live`: sessions "
+                                             "as processes of their own with a virtual "
+                                             "performer's boards on real sockets, each beside a stranger who "
+                                             "sends junk, fills tables, forges readings "
+                                             "and clocks, before the boards speak or after; beside them the "
+                                             "same sessions without him, in turn. Only "
+                                             "on this machine's loopback",
+                                             "mien bench attack --seconds 20 --rounds 3 --json",
+                                             [options] { return run_attack_bench(*options); });
+  std::vector<std::string> names;
+  for (const Attack& attack : attacks()) names.emplace_back(attack.name);
+  command.add_option("--attack", options->names, "Only this one; may be given often").one_of(names);
+  command
+      .add_option("--key", options->keys, "Sessions and boards that are paired, such that are not, or both")
+      .one_of({"both", "with", "without"})
+      .show_default();
+  command.add_option("--seconds", options->scene.seconds, "How long the performer performs in each session")
+      .number_between(1.0, 36'000.0)
+      .show_default();
+  command
+      .add_option(
+          "--still", options->scene.still_s,
+          "How long the performer sits still first: who speaks first and is no sensor is put aside within "
+          "five seconds")
+      .number_between(0.0, 60.0)
+      .show_default();
+  command.add_option("--rounds", options->rounds, "How often each is run; the table has medians")
+      .in_range(std::size_t{1}, std::size_t{100})
+      .show_default();
+  command.add_option("--rate", options->scene.rate, "Share of each attack's own rate")
+      .number_between(0.001, 10.0)
+      .show_default();
+  command.add_flag(
+      "--brief", options->brief,
+      "Without a calibration, so that faces are not compared: who is heard, frames, memory, bits");
+  command.add_option("--to", options->to,
+                     "Instead of sessions of its own, attack one that runs at this address of this machine "
+                     "(udp://127.0.0.1:PORT) with all that begin after the boards, at once, for --seconds");
+  command.add_option("--model", options->scene.model, "The live model (default: the one in models/)");
+  add_seed_option(command, options->scene.seed, "Who performs, and what strangers draw");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app
