@@ -251,9 +251,9 @@ void add_attack_bench(Commands& commands, Command bench) {
   command.add_option("--rate", options->scene.rate, "Share of each attack's own rate")
       .number_between(0.001, 10.0)
       .show_default();
-  command.add_flag(
-      "--brief", options->brief,
-      "Without a calibration, so that faces are not compared: who is heard, frames, memory, bits");
+  command.add_flag("--brief", options->brief,
+                   "Without a calibration, so that neither faces nor times are judged: who is heard, frames, "
+                   "memory, bits");
   command.add_option("--to", options->to,
                      "Instead of sessions of its own, attack one that runs at this address of this machine "
                      "(udp://127.0.0.1:PORT) with all that begin after the boards, at once, for --seconds");

@@ -10,6 +10,7 @@
 #include <boost/asio/buffer.hpp>
 #include <cstring>
 
+#include "mien/core/bytes.h"
 #include "mien/core/host_port.h"
 #include "mien/session/command.h"
 
@@ -157,7 +158,11 @@ void Intake::take(Port& port, std::size_t size) {
 }
 
 bool Intake::spend_as_stranger(const asio::ip::address& host, HostTime now) {
-  Budget& its = hosts_[std::hash<std::string>()(host.to_string()) % kHosts];
+  // By its bytes: a text of it would be made anew for every datagram of a flood.
+  const auto place = [](const auto& bytes) {
+    return std::hash<std::string_view>()(as_text(std::as_bytes(std::span(bytes)))) % kHosts;
+  };
+  Budget& its = hosts_[host.is_v6() ? place(host.to_v6().to_bytes()) : place(host.to_v4().to_bytes())];
   return its.spend(now, kMaxRatePerHost) && strangers_.spend(now, kMaxRateUnbound);
 }
 

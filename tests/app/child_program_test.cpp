@@ -5,10 +5,12 @@
 #include <signal.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/app/program.h"
@@ -37,6 +39,25 @@ TEST(Child, TellsTheSignalThatEndedIt) {
   const auto said = run_child(shell("kill -9 $$"));
   ASSERT_TRUE(said) << said.error().message();
   EXPECT_EQ(said->status, 128 + SIGKILL);
+}
+
+TEST(Child, IsAskedToStopAndKilledWhereItGoesOn) {
+  auto obeys = Child::start(shell("trap 'echo bye; exit 4' TERM; echo on; while :; do sleep 0.01; done"),
+                            Child::Input::none);
+  ASSERT_TRUE(obeys) << obeys.error().message();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // It has nothing to say when it is ready.
+  const auto said = obeys->stop(std::chrono::minutes(1));
+  ASSERT_TRUE(said) << said.error().message();
+  EXPECT_EQ(said->status, 4);
+  EXPECT_EQ(said->out, "on\nbye\n");
+  // An ignored signal stays ignored by the program that a shell becomes.
+  auto goes_on = Child::start(shell("trap '' TERM; exec sleep 60"), Child::Input::none);
+  ASSERT_TRUE(goes_on) << goes_on.error().message();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const auto killed = goes_on->stop(std::chrono::milliseconds(50));
+  ASSERT_FALSE(killed);
+  EXPECT_NE(killed.error().message().find("was killed"), std::string::npos);
+  EXPECT_FALSE(goes_on->stop(std::chrono::milliseconds(50))) << "it has ended";
 }
 
 TEST(Child, HasNothingToReadUnlessItIsFed) {

@@ -7,6 +7,7 @@
 
 #include <set>
 
+#include "tests/allocation_count.h"
 #include "tests/live/page_client.h"
 
 namespace mien::live::intake_test {
@@ -149,6 +150,26 @@ TEST_F(IntakeTest, HoldsStrangersToABudgetOfTheirOwn) {
   EXPECT_EQ(intake.counts().too_fast, 2000 - most);
   send(device, "reading");
   EXPECT_EQ(take(Standing::bound).size(), 1u);
+}
+
+TEST_F(IntakeTest, AFloodBeyondItsBudgetCostsNoMemoryWhateverTheAddressIs) {
+  const auto listening = intake.listen("udp://[::]:0");
+  if (!listening) GTEST_SKIP() << "no IPv6 here: " << listening.error().message();
+  // From an IPv6 address whose text is long.
+  const auto port = static_cast<std::uint16_t>(std::stoi(listening->substr(listening->rfind(':') + 1)));
+  there = {boost::asio::ip::make_address("::ffff:127.0.0.1"), port};
+  std::vector<udp::socket> strangers;
+  for (int i = 0; i < 4; ++i) strangers.emplace_back(network, udp::v6());
+  // Beyond the budget of the address, and none beyond that of a sender.
+  const auto say = [&](std::size_t i) { strangers[i % 4].send_to(boost::asio::buffer("junk", 4), there); };
+  const auto most = static_cast<std::size_t>(Intake::kMaxRatePerHost);
+  for (std::size_t i = 0; i < most + 4; ++i) send(strangers[i % 4], "junk");
+  const std::uint64_t too_fast = intake.counts().too_fast;
+  ASSERT_GT(too_fast, 0u);
+  for (std::size_t i = 0; i < 500; ++i) say(i);
+  const std::size_t before = mien::test::allocation_count();
+  while (intake.counts().too_fast < too_fast + 500) network.poll_one();
+  EXPECT_EQ(mien::test::allocation_count(), before);
 }
 
 TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
