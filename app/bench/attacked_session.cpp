@@ -9,6 +9,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <span>
 #include <thread>
@@ -178,6 +179,61 @@ Result<void> read_take(const AttackScene& scene, const std::filesystem::path& pa
   return {};
 }
 
+std::filesystem::path take_in(const std::filesystem::path& folder) {
+  return folder / "take.mien";
+}
+
+/// `mien live`, once it listens. Errors: io (it does not).
+Result<Child> start_session(const AttackScene& scene, const Boards& boards,
+                            const std::filesystem::path& folder, std::uint16_t port,
+                            std::uint16_t sink_port) {
+  MIEN_TRY_ASSIGN(const std::filesystem::path program, running_program());
+  const std::string address = fmt::format("udp://127.0.0.1:{}", port);
+  std::vector<std::string> command = {program.string(), "live",
+                                      "--rig",          scene.rig,
+                                      "--model",        scene.model,
+                                      "--listen",       address,
+                                      "--out",          fmt::format("livelink://127.0.0.1:{}", sink_port),
+                                      "--record",       take_in(folder).string(),
+                                      "--page",         "off",
+                                      "--json"};
+  if (boards.keyed) {
+    const std::filesystem::path key = folder / "key";
+    MIEN_TRY(write_file(key, key_text(run_key(scene.seed))));
+    command.insert(command.end(), {"--key", key.string()});
+  }
+  MIEN_TRY_ASSIGN(Child session, Child::start(std::move(command), Child::Input::none));
+  for (const auto from = Clock::now(); !somebody_listens(port);) {
+    if (Clock::now() - from > kPatience) return fail(ErrorCode::io, "the session does not listen", address);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return session;
+}
+
+/// The performance. `seen` is asked often: how far it is, and for how long it goes on; false stops it.
+/// Errors: the performance's; cancelled.
+Result<void> perform_for(const AttackScene& scene, const Boards& boards, std::uint16_t port,
+                         Overheard& overheard, const std::function<bool(double share, double time_s)>& seen) {
+  NetworkOptions network;
+  const bool slimevr = boards.language == virt::NodeLanguage::slimevr;
+  network.to = fmt::format("{}://127.0.0.1:{}", slimevr ? "slimevr" : "udp", port);
+  network.title = "";
+  if (boards.keyed) network.key = run_key(scene.seed);
+  network.sent = [&](std::span<const std::byte> datagram) { overheard.add(datagram); };
+  const double lasts_s = scene.stage.motion.motion.duration_s();
+  std::optional<Clock::time_point> begun;
+  bool stopped = false;
+  network.enough = [&](std::size_t) {
+    if (!begun) begun = Clock::now();
+    const double time_s = seconds_since(*begun);
+    stopped = !seen(std::min(1.0, time_s / lasts_s), time_s);
+    return stopped;
+  };
+  MIEN_TRY_ASSIGN(const NetworkSummary performed, perform_to_network(virt::Stage(scene.stage), network));
+  if (stopped || performed.stopped) return fail(ErrorCode::cancelled, "stopped", "bench attack");
+  return {};
+}
+
 }  // namespace
 
 Json to_json(const AttackFigures& f) {
@@ -222,35 +278,14 @@ Result<AttackScene> set_attack_scene(const SceneRequest& request) {
   return scene;
 }
 
-Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attack* attack, bool keyed,
-                                           const Progress& progress) {
+Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attack* attack,
+                                           const Boards& boards, const Progress& progress) {
   MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
-  MIEN_TRY_ASSIGN(const std::filesystem::path program, running_program());
-  const std::filesystem::path take = folder.path() / "take.mien", key_file = folder.path() / "key";
-  const imu::SealKey key = run_key(scene.seed);
   const std::uint16_t port = free_port();
   asio::io_context io;
   const udp::socket face = loopback(io);  // Somebody who gets the face, and does nothing with it.
-  std::vector<std::string> command = {
-      program.string(), "live",
-      "--rig",          scene.rig,
-      "--model",        scene.model,
-      "--listen",       fmt::format("udp://127.0.0.1:{}", port),
-      "--out",          fmt::format("livelink://127.0.0.1:{}", face.local_endpoint().port()),
-      "--record",       take.string(),
-      "--page",         "off",
-      "--json"};
-  if (keyed) {
-    MIEN_TRY(write_file(key_file, key_text(key)));
-    command.insert(command.end(), {"--key", key_file.string()});
-  }
-  MIEN_TRY_ASSIGN(Child session, Child::start(command, Child::Input::none));
-  for (const auto from = Clock::now(); !somebody_listens(port);) {
-    if (Clock::now() - from > kPatience)
-      return fail(ErrorCode::io, "the session does not listen", fmt::format("udp://127.0.0.1:{}", port));
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-
+  MIEN_TRY_ASSIGN(Child session,
+                  start_session(scene, boards, folder.path(), port, face.local_endpoint().port()));
   Overheard overheard(scene.stage.rig);
   std::unique_ptr<Stranger> stranger;
   const auto attack_now = [&] {
@@ -261,24 +296,11 @@ Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attac
     attack_now();
     std::this_thread::sleep_for(kLead);
   }
-  NetworkOptions network;
-  const bool slimevr = attack != nullptr && attack->devices == virt::NodeLanguage::slimevr;
-  network.to = fmt::format("{}://127.0.0.1:{}", slimevr ? "slimevr" : "udp", port);
-  network.title = "";
-  if (keyed) network.key = key;
-  network.sent = [&](std::span<const std::byte> datagram) { overheard.add(datagram); };
-  const double lasts_s = scene.stage.motion.motion.duration_s();
-  std::optional<Clock::time_point> begun;
-  bool stopped = false;
-  network.enough = [&](std::size_t) {
-    if (!begun) begun = Clock::now();
-    if (attack != nullptr && !stranger && Clock::now() - *begun > kLead) attack_now();
-    stopped = !progress(std::min(1.0, seconds_since(*begun) / lasts_s),
-                        attack == nullptr ? "nobody attacks" : attack->name);
-    return stopped;
+  const auto seen = [&](double share, double performed_s) {
+    if (attack != nullptr && !stranger && performed_s > to_seconds(kLead)) attack_now();
+    return progress(share, attack == nullptr ? "nobody attacks" : attack->name);
   };
-  MIEN_TRY_ASSIGN(const NetworkSummary performed, perform_to_network(virt::Stage(scene.stage), network));
-  if (stopped || performed.stopped) return fail(ErrorCode::cancelled, "stopped", "bench attack");
+  MIEN_TRY(perform_for(scene, boards, port, overheard, seen));
   AttackFigures out;
   if (stranger) out.sent = static_cast<double>(stranger->sent());
   // It is asked to end while the stranger goes on.
@@ -289,7 +311,8 @@ Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attac
     return fail(ErrorCode::internal, said.complaints.empty() ? "the session said nothing" : said.complaints,
                 "bench attack");
   read_summary(summary, out);
-  if (out.frames > 0) MIEN_TRY(read_take(scene, take, summary["hash"].get<std::string>(), out));
+  if (out.frames > 0)
+    MIEN_TRY(read_take(scene, take_in(folder.path()), summary["hash"].get<std::string>(), out));
   return out;
 }
 

@@ -54,11 +54,16 @@ struct SceneRequest {
 /// Errors: the stage's, and the face's.
 [[nodiscard]] Result<AttackScene> set_attack_scene(const SceneRequest& request);
 
+/// The performer's boards.
+struct Boards {
+  virt::NodeLanguage language = virt::NodeLanguage::mien;
+  bool keyed = false;  ///< They and the session are paired.
+};
+
 /// Runs `mien live` as a process of its own, performs for it through real sockets, and attacks it meanwhile;
-/// nobody does where there is no attack. `keyed`: devices and session are paired. The session is asked to end
-/// after the performance. Errors: the performance's; io (the session did not end); internal (it failed);
-/// cancelled.
+/// nobody does where there is no attack. The session is asked to end after the performance. Errors: the
+/// performance's; io (the session did not end); internal (it failed); cancelled.
 [[nodiscard]] Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attack* attack,
-                                                         bool keyed, const Progress& progress);
+                                                         const Boards& boards, const Progress& progress);
 
 }  // namespace mien::app

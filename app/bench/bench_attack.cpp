@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <boost/asio/ip/address.hpp>
 #include <chrono>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,17 +40,19 @@ struct AttackOptions {
   bool json = false;
 };
 
+std::string all_names() {
+  std::vector<std::string_view> names;
+  for (const Attack& attack : attacks()) names.push_back(attack.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 /// The attacks that were asked for; none named: all.
 Result<std::vector<const Attack*>> chosen(const std::vector<std::string>& names) {
   std::vector<const Attack*> out;
   for (const std::string& name : names) {
     const auto found = std::ranges::find(attacks(), name, &Attack::name);
-    if (found == attacks().end()) {
-      std::vector<std::string_view> all;
-      for (const Attack& attack : attacks()) all.push_back(attack.name);
-      return fail(ErrorCode::bad_usage, "no such attack", "--attack " + name,
-                  fmt::format("one of {}", fmt::join(all, ", ")));
-    }
+    if (found == attacks().end())
+      return fail(ErrorCode::bad_usage, "no such attack", "--attack " + name, "one of " + all_names());
     out.push_back(&*found);
   }
   if (names.empty())
@@ -57,34 +60,34 @@ Result<std::vector<const Attack*>> chosen(const std::vector<std::string>& names)
   return out;
 }
 
-/// All runs of the table's half with or without a key.
-struct Half {
-  bool keyed = false;
+/// All runs of one of the table's parts: of sessions with the same boards.
+struct Part {
+  Boards boards;
   std::vector<const Attack*> attacks;
   std::vector<AttackFigures> quiet;
   std::vector<std::vector<AttackFigures>> attacked;  // One list an attack.
 };
 
 /// Sessions that somebody attacks and such that nobody does, in turn.
-Result<void> run_half(const AttackScene& scene, std::size_t rounds, const Progress& progress, Half& half) {
-  const std::size_t quiet_a_round = (half.attacks.size() + kAttacksEach - 1) / kAttacksEach;
-  const std::size_t runs = rounds * (half.attacks.size() + quiet_a_round);
+Result<void> run_part(const AttackScene& scene, std::size_t rounds, const Progress& progress, Part& part) {
+  const std::size_t quiet_a_round = (part.attacks.size() + kAttacksEach - 1) / kAttacksEach;
+  const std::size_t runs = rounds * (part.attacks.size() + quiet_a_round);
   std::size_t done = 0;
   const auto run = [&](const Attack* attack) {
     const auto its = [&](double share, std::string_view what) {
       return progress((static_cast<double>(done) + share) / static_cast<double>(runs), what);
     };
-    auto figures = run_attacked_session(scene, attack, half.keyed, its);
+    auto figures = run_attacked_session(scene, attack, part.boards, its);
     ++done;
     return figures;
   };
-  half.attacked.resize(half.attacks.size());
+  part.attacked.resize(part.attacks.size());
   for (std::size_t round = 0; round < rounds; ++round)
-    for (std::size_t i = 0; i < half.attacks.size(); ++i) {
+    for (std::size_t i = 0; i < part.attacks.size(); ++i) {
       if (i % kAttacksEach == 0) {
-        MIEN_TRY_ASSIGN(half.quiet.emplace_back(), run(nullptr));
+        MIEN_TRY_ASSIGN(part.quiet.emplace_back(), run(nullptr));
       }
-      MIEN_TRY_ASSIGN(half.attacked[i].emplace_back(), run(half.attacks[i]));
+      MIEN_TRY_ASSIGN(part.attacked[i].emplace_back(), run(part.attacks[i]));
     }
   return {};
 }
@@ -103,27 +106,32 @@ void print_row(std::string_view name, const AttackFigures& f, double heard_witho
       heard_without > 0 ? 100 * f.heard / heard_without : 0.0, verdict);
 }
 
+std::string_view title_of(const Boards& boards) {
+  if (boards.language == virt::NodeLanguage::slimevr) return "SlimeVR boards, without a key";
+  return boards.keyed ? "With a key" : "Without a key";
+}
+
 /// Its rows, printed unless JSON is asked for, and how many of them are not held.
-std::size_t conclude(const Half& half, bool print, Json& json) {
-  const AttackFigures quiet = median(half.quiet);
+std::size_t conclude(const Part& part, bool print, Json& json) {
+  const AttackFigures quiet = median(part.quiet);
   if (print) {
     fmt::print("{}\n{:<15} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>7} {:>6}\n",
-               half.keyed ? "With a key" : "Without a key", "stranger", "frames", "added", "missed", "p50 ms",
-               "p99 ms", "MB", "sent", "dropped", "PVE mm", "heard");
+               title_of(part.boards), "stranger", "frames", "added", "missed", "p50 ms", "p99 ms", "MB",
+               "sent", "dropped", "PVE mm", "heard");
     print_row("nobody", quiet, quiet.heard, "");
   }
   std::size_t not_held = 0;
   Json rows = Json::array(), quiet_runs = Json::array();
-  for (const AttackFigures& run : half.quiet) quiet_runs.push_back(to_json(run));
-  for (std::size_t i = 0; i < half.attacks.size(); ++i) {
-    const Attack& attack = *half.attacks[i];
-    const auto wrong = breaches(attack, half.keyed, half.attacked[i], half.quiet);
-    const std::string said = verdict(attack, half.keyed, wrong);
+  for (const AttackFigures& run : part.quiet) quiet_runs.push_back(to_json(run));
+  for (std::size_t i = 0; i < part.attacks.size(); ++i) {
+    const Attack& attack = *part.attacks[i];
+    const auto wrong = breaches(attack, part.boards.keyed, part.attacked[i], part.quiet);
+    const std::string said = verdict(attack, part.boards.keyed, wrong);
     not_held += wrong.empty() ? 0 : 1;
-    const AttackFigures figures = median(half.attacked[i]);
+    const AttackFigures figures = median(part.attacked[i]);
     if (print) print_row(attack.name, figures, quiet.heard, said);
     Json runs = Json::array();
-    for (const AttackFigures& run : half.attacked[i]) runs.push_back(to_json(run));
+    for (const AttackFigures& run : part.attacked[i]) runs.push_back(to_json(run));
     rows.push_back({{"attack", attack.name},
                     {"does", attack.does},
                     {"median", to_json(figures)},
@@ -131,7 +139,8 @@ std::size_t conclude(const Half& half, bool print, Json& json) {
                     {"breaches", wrong},
                     {"verdict", said}});
   }
-  json.push_back({{"key", half.keyed},
+  json.push_back({{"key", part.boards.keyed},
+                  {"boards", part.boards.language == virt::NodeLanguage::slimevr ? "slimevr" : "mien"},
                   {"nobody", {{"median", to_json(quiet)}, {"runs", std::move(quiet_runs)}}},
                   {"attacks", std::move(rows)}});
   return not_held;
@@ -180,25 +189,27 @@ Result<void> run_attack_bench(AttackOptions options) {
   options.scene.calibrated = !options.brief;
   MIEN_TRY_ASSIGN(const std::vector<const Attack*> all, chosen(options.names));
   MIEN_TRY_ASSIGN(const AttackScene scene, set_attack_scene(options.scene));
-  std::vector<Half> halves;
-  for (const bool keyed : {false, true}) {
-    if (options.keys == (keyed ? "without" : "with")) continue;
-    Half& half = halves.emplace_back(Half{.keyed = keyed, .attacks = {}, .quiet = {}, .attacked = {}});
-    // SlimeVR's boards cannot be paired.
-    for (const Attack* attack : all)
-      if (!keyed || attack->devices == virt::NodeLanguage::mien) half.attacks.push_back(attack);
+  std::vector<Part> parts;
+  // SlimeVR's boards cannot be paired.
+  for (const Boards boards :
+       {Boards{}, Boards{.language = virt::NodeLanguage::slimevr}, Boards{.keyed = true}}) {
+    if (options.keys == (boards.keyed ? "without" : "with")) continue;
+    Part part{.boards = boards, .attacks = {}, .quiet = {}, .attacked = {}};
+    std::ranges::copy_if(all, std::back_inserter(part.attacks),
+                         [&](const Attack* attack) { return attack->devices == boards.language; });
+    if (!part.attacks.empty()) parts.push_back(std::move(part));
   }
   const Progress progress = terminal_progress("bench attack");
   std::size_t not_held = 0;
   Json json = Json::array();
-  for (std::size_t h = 0; h < halves.size(); ++h) {
+  for (std::size_t h = 0; h < parts.size(); ++h) {
     const auto its = [&](double share, std::string_view what) {
-      return progress(std::min(0.999, (static_cast<double>(h) + share) / static_cast<double>(halves.size())),
+      return progress(std::min(0.999, (static_cast<double>(h) + share) / static_cast<double>(parts.size())),
                       what);
     };
-    MIEN_TRY(run_half(scene, options.rounds, its, halves[h]));
+    MIEN_TRY(run_part(scene, options.rounds, its, parts[h]));
     clear_progress();
-    not_held += conclude(halves[h], !options.json, json);
+    not_held += conclude(parts[h], !options.json, json);
   }
   progress(1, "attacked");
   if (options.json)
@@ -228,9 +239,8 @@ void add_attack_bench(Commands& commands, Command bench) {
                                              "on this machine's loopback",
                                              "mien bench attack --seconds 20 --rounds 3 --json",
                                              [options] { return run_attack_bench(*options); });
-  std::vector<std::string> names;
-  for (const Attack& attack : attacks()) names.emplace_back(attack.name);
-  command.add_option("--attack", options->names, "Only this one; may be given often").one_of(names);
+  command.add_option("--attack", options->names,
+                     fmt::format("Only this one; may be given often: {}", all_names()));
   command
       .add_option("--key", options->keys, "Sessions and boards that are paired, such that are not, or both")
       .one_of({"both", "with", "without"})

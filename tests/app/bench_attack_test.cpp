@@ -61,6 +61,13 @@ TEST(BenchAttack, WhoBehavesAsASensorAndSpeaksFirstWinsWithoutAKeyAndNotWithOne)
   EXPECT_GT(with["median"]["heard"], 0);
 }
 
+TEST(BenchAttack, NamesItsAttacksWhereOneIsUnknown) {
+  const Outcome outcome = run({"bench", "attack", "--attack", "flood"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--attack flood"));
+  EXPECT_THAT(outcome.err, HasSubstr("sensor-first"));
+}
+
 TEST(BenchAttack, AttacksNobodyButThisMachine) {
   for (const char* address : {"udp://192.168.1.7:5005", "udp://0.0.0.0:5005", "127.0.0.1:5005",
                               "udp://127.0.0.1", "udp://localhost:5005"}) {
