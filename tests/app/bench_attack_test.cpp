@@ -38,7 +38,7 @@ void expect_held(const json& all) {
 
 TEST(BenchAttack, DevicesAreHeardAndNobodyElse) {
   const json all = attack(
-      {"--seconds", "2", "--still", "0", "--attack", "table", "--attack", "mutated", "--attack", "restart"});
+      {"--seconds", "2", "--still", "2", "--attack", "table", "--attack", "mutated", "--attack", "restart"});
   ASSERT_EQ(all["sessions"].size(), 2U);
   EXPECT_EQ(all["sessions"][0]["key"], false);
   EXPECT_EQ(all["sessions"][1]["key"], true);
@@ -52,7 +52,7 @@ TEST(BenchAttack, AFirstComerWhoseClockLeapsIsPutAsideAndGivesNoBacklog) {
 }
 
 TEST(BenchAttack, WhoBehavesAsASensorAndSpeaksFirstWinsWithoutAKeyAndNotWithOne) {
-  const json all = attack({"--seconds", "2", "--still", "0", "--attack", "sensor-first"});
+  const json all = attack({"--seconds", "2", "--still", "2", "--attack", "sensor-first"});
   const json &without = all["sessions"][0]["attacks"][0], &with = all["sessions"][1]["attacks"][0];
   EXPECT_EQ(without["verdict"], "only a key or a choice on the page");
   EXPECT_GT(without["median"]["strangers_heard"], 0);
