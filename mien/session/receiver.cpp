@@ -376,6 +376,9 @@ void Receiver::report(HostTime now, Report& out) const {
     }
     link.health = links_[i].health.report(now, clock);
     report_senders(now, bound == bound_.end() ? DeviceKey() : bound->first, link);
+    // Two that send the same packets have no line of their own by which a link would tell them apart.
+    if (!link.rivals.empty() && link.health.state == sensor::LinkState::good)
+      link.health.state = sensor::LinkState::duplicate;
     if (bound == bound_.end()) link.health.state = sensor::LinkState::unbound;
     link.level = links_[i].level;
   }

@@ -221,6 +221,7 @@ TEST(Receiver, TwoSendersOfOneIdAreBothShownAndOneIsChosen) {
   Report report = play(0, part);
   for (const Report::Link& link : report.links) {
     EXPECT_EQ(link.source, TwoSenders::kBoards);
+    EXPECT_EQ(link.health.state, sensor::LinkState::duplicate);
     ASSERT_EQ(link.rivals.size(), 1u);
     EXPECT_EQ(link.rivals[0].source, TwoSenders::kForger);
     EXPECT_FALSE(link.rivals[0].implausible);

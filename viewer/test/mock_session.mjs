@@ -142,7 +142,7 @@ class MockSession {
     this.random = seeded(7);
     this.started = Date.now();
     this.clients = new Set();
-    this.states = eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost" };
+    this.states = eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost", frontalis_R: "duplicate" };
     this.prompts = prompts ? { at: 0, seconds: -LEAD_IN, paused: false } : null;
     this.devices = Object.fromEntries(this.sensors.map(({ name }, i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
     // Two send as one of them.

@@ -159,7 +159,7 @@ test("sensors: numbers, one picked on the face, tapped, bound", { timeout: 4 * P
   await page.keyboard.press("Enter");
   await settled(page, () => document.querySelector(".detail h3")?.textContent === "frontalis L", "the sensor's details");
   await page.locator(".links tr[data-sensor=mentalis] button").click();
-  assert.match(await page.locator(".detail").innerText(), /Nothing heard any more/);
+  assert.match(await page.locator(".detail").innerText(), /Nothing is received any more/);
   await picture(page, "sensor");
   await button(page, "Tap it to bind it").click();
   await obeyed("tap", (command) => command.sensor === "mentalis");
