@@ -138,12 +138,12 @@ std::vector<std::byte> forged(std::span<const std::byte> datagram, float value, 
   return imu::encode_packet(packet).value();
 }
 
-/// Which readings came through: of the device, or forged, which all have one value.
+/// Which readings came through: of the device, or forged, which all have one value but for rounding.
 class Accepted final : public SampleConsumer {
  public:
   void add(HostTime arrival, const sensor::Sample& sample) override {
     const bool of_stranger =
-        std::ranges::all_of(sample.used(), [&](float v) { return std::abs(v - sample.values[0]) < 1e-6F; });
+        std::ranges::all_of(sample.used(), [&](float v) { return std::abs(v - sample.values[0]) < 0.01F; });
     (of_stranger ? stranger : device).push_back(arrival);
   }
   void rebound(std::uint16_t, const DeviceKey&, bool) override { ++changes; }
