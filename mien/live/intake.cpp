@@ -254,13 +254,14 @@ Result<PayloadSource*> Intake::add_source(std::string name) {
   PeerState* const peer = place_for_another(name);
   if (peer == nullptr) return fail(ErrorCode::bad_usage, "too many sources", std::move(name));
   peer->asked_for = true;
-  return sources_.emplace_back(std::make_unique<PayloadSource>(peer->id.load(), clock_, signal_)).get();
+  return sources_.emplace_back(std::make_unique<PayloadSource>(peer->id.load(), clock_, signal_), peer->name)
+      .queue.get();
 }
 
 Intake::Counts Intake::counts() const {
   Counts counts = counts_;
-  for (const auto& source : sources_) {
-    const PayloadSource::Counts its = source->counts();
+  for (const Source& source : sources_) {
+    const PayloadSource::Counts its = source.queue->counts();
     counts.received += its.received;
     counts.too_long += its.too_long;
     counts.payload_overrun += its.overrun;
@@ -304,12 +305,12 @@ std::optional<Arrived> Intake::front() {
   front_ = front_of_network();
   front_source_ = nullptr;
   if (!front_) front_peer_ = nullptr;
-  for (const auto& source : sources_) {
-    const std::optional<PayloadSource::Waiting> its = source->front();
+  for (const Source& source : sources_) {
+    const std::optional<PayloadSource::Waiting> its = source.queue->front();
     if (!its || (front_ && front_->arrival <= its->arrival)) continue;
-    front_ =
-        Arrived{Arrived::Kind::datagram, its->arrival, source->peer(), 0, 0, its->datagram, its->payload};
-    front_source_ = source.get();
+    front_ = Arrived{Arrived::Kind::datagram, its->arrival, source.queue->peer(), 0, 0,
+                     its->datagram,           its->payload, source.name};
+    front_source_ = source.queue.get();
     front_peer_ = nullptr;
   }
   return front_;
@@ -321,8 +322,10 @@ std::optional<Arrived> Intake::front_of_network() {
   Head head{};
   std::memcpy(&head, record.data(), sizeof(head));
   front_peer_ = head.kind == Arrived::Kind::datagram ? &peers_[head.place] : nullptr;
+  // Nobody else gets its place, and it no other name, before this datagram is judged.
+  const std::string_view source = front_peer_ != nullptr ? front_peer_->name : std::string_view();
   return Arrived{head.kind, head.arrival, head.peer, head.client, head.number, record.subspan(sizeof(head)),
-                 {}};
+                 {},        source};
 }
 
 void Intake::release() {

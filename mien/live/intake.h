@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -33,6 +34,7 @@ struct Arrived {
   std::int64_t number = 0;
   std::span<const std::byte> bytes;
   std::span<const std::byte> payload;  ///< Beside a datagram of a source; empty: none.
+  std::string_view source;             ///< Of a datagram: its sender's, as peer_name() gives it.
 };
 
 /// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
@@ -148,7 +150,11 @@ class Intake {
   Signal signal_;
   std::vector<std::unique_ptr<Port>> ports_;
   std::vector<std::unique_ptr<SerialPort>> lines_;
-  std::vector<std::unique_ptr<PayloadSource>> sources_;
+  struct Source {
+    std::unique_ptr<PayloadSource> queue;
+    const std::string& name;  // Of its place in the table, which it keeps.
+  };
+  std::vector<Source> sources_;
   // A place is given to another only when all datagrams of the one before were judged, and its name is in the
   // log where any of them is.
   std::array<PeerState, kMaxPeers> peers_;

@@ -20,10 +20,20 @@ double milliseconds(Duration duration) {
   return std::round(1e6 * to_seconds(duration)) / 1e3;
 }
 
+json rivals_json(const std::vector<session::Report::Rival>& rivals) {
+  json out = json::array();
+  for (const session::Report::Rival& rival : rivals)
+    out.push_back(
+        {{"source", rival.source}, {"age_ms", milliseconds(rival.age)}, {"implausible", rival.implausible}});
+  return out;
+}
+
 json link_json(const session::Report::Link& link, const std::string& sensor) {
   const sensor::LinkReport& health = link.health;
   json out = {{"sensor", sensor},
               {"device", link.device},
+              {"source", link.source},
+              {"rivals", rivals_json(link.rivals)},
               {"state", sensor::link_state_name(health.state)},
               {"age_ms", health.age ? json(milliseconds(*health.age)) : json(nullptr)},
               {"rate_hz", rounded(health.rate_hz)},
@@ -223,6 +233,9 @@ std::string event_text(const take::Event& event) {
     return text("sensor") + " is now device " + text("device") +
            (anew ? "; calibrate again when all are in their places, it has no neutral yet" : "");
   }
+  if (event.kind == "contested")
+    return fmt::format("two devices send as {}: {} is heard, {} is not; the page's sensors let you choose",
+                       text("sensor"), text("accepted"), text("other"));
   if (event.kind == "calibration_failed") return "not calibrated: " + text("why");
   if (event.kind == "recentre_failed") return "not re-centred: " + text("why");
   if (event.kind != "calibrated") return {};

@@ -108,7 +108,7 @@ void TrackerLoop::take(const Arrived& arrived) {
     return;
   }
   const session::Session::Received received =
-      session_.receive(arrived.arrival, arrived.peer, arrived.bytes, arrived.payload);
+      session_.receive(arrived.arrival, {arrived.peer, arrived.source}, arrived.bytes, arrived.payload);
   if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
     intake_.judge(received.samples.empty() ? Intake::Standing::logged : Intake::Standing::bound);
     recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples, received.payload);

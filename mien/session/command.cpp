@@ -86,6 +86,9 @@ struct Writer {
   json operator()(const Bind& c) const {
     return {{"command", "bind"}, {"sensor", c.sensor}, {"device", sensor::format_device(c.device)}};
   }
+  json operator()(const Hear& c) const {
+    return {{"command", "hear"}, {"sensor", c.sensor}, {"source", c.source}};
+  }
   json operator()(const Tap& c) const { return {{"command", "tap"}, {"sensor", c.sensor}}; }
   json operator()(const Shape& c) const {
     json out = json::parse(c.json);
@@ -107,12 +110,13 @@ struct Writer {
 }  // namespace
 
 bool is_session_command(std::string_view name) {
-  static constexpr std::array<std::string_view, 10> kNames = {"calibrate",
+  static constexpr std::array<std::string_view, 11> kNames = {"calibrate",
                                                               "cancel_calibration",
                                                               "use_calibration",
                                                               "restore_calibration",
                                                               "recentre",
                                                               "bind",
+                                                              "hear",
                                                               "tap",
                                                               "shape",
                                                               "prompt",
@@ -158,6 +162,11 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(const std::string device, text_of(object, "device"));
     MIEN_TRY_ASSIGN(const sensor::DeviceKey key, sensor::parse_device(device));
     return Bind{std::move(sensor), key};
+  }
+  if (name == "hear") {
+    MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
+    MIEN_TRY_ASSIGN(std::string source, text_of(object, "source"));
+    return Hear{std::move(sensor), std::move(source)};
   }
   if (name == "tap") {
     MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));

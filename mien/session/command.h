@@ -38,6 +38,11 @@ struct Bind {
   std::string sensor;  ///< Of the rig.
   sensor::DeviceKey device;
 };
+/// Of those who send as a sensor's device this one is accepted.
+struct Hear {
+  std::string sensor;  ///< Of the rig.
+  std::string source;  ///< As the log names it: "udp://192.168.1.7:5005".
+};
 /// The next device that is tapped is bound to this sensor; empty: none any more.
 struct Tap {
   std::string sensor;
@@ -58,7 +63,7 @@ struct Prompting {
 };
 
 using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
-                             Tap, Shape, AddPrompt, Prompting>;
+                             Hear, Tap, Shape, AddPrompt, Prompting>;
 
 /// Where commands come from, in a session log.
 inline constexpr std::string_view kPageSource = "page";

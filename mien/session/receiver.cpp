@@ -13,10 +13,14 @@ using sensor::Verdict;
 
 /// A device that was received from one place lately is not accepted from another: two with one id.
 constexpr Duration kSamePlace = std::chrono::seconds(1);
+/// Where a board sends no readings while nothing changes, its other datagrams hold its place for so long.
+constexpr Duration kUnchangedPlace = std::chrono::seconds(5);
 /// Nor is one whose time is so far from its last, ...
 constexpr Duration kSameClock = std::chrono::seconds(1);
 /// ... unless it was silent for as long as a board takes to restart.
 constexpr Duration kSameBoard = std::chrono::milliseconds(300);
+/// Who was silent for so long is no rival any more, and news when it is back.
+constexpr Duration kContest = std::chrono::seconds(10);
 /// A sensor has dropped out when nothing was received of it for this long, ...
 constexpr Duration kLost = std::chrono::milliseconds(100);
 /// ... or, where the board sends nothing while nothing changes, for this.
@@ -68,7 +72,7 @@ Receiver::Device* Receiver::find(const DeviceKey& key) {
   return found == devices_.end() ? nullptr : &*found;
 }
 
-Receiver::Device& Receiver::meet(const DeviceKey& key, sensor::Peer peer, std::size_t protocol,
+Receiver::Device& Receiver::meet(const DeviceKey& key, Sender sender, std::size_t protocol,
                                  HostTime arrival) {
   if (Device* known = find(key)) return *known;
   // A stranger's inventions must not keep boards out, neither the rig's own nor those that are to be bound:
@@ -80,7 +84,8 @@ Receiver::Device& Receiver::meet(const DeviceKey& key, sensor::Peer peer, std::s
   Device& met = place != nullptr ? *place : devices_.emplace_back();
   met = Device();
   met.key = key;
-  met.peer = peer;
+  met.peer = sender.peer;
+  met.source = sender.source;
   met.received = arrival;
   met.protocol = protocol;
   for (const auto& [bound, sensor] : bound_)
@@ -104,52 +109,112 @@ void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& 
   consumer.rebound(sensor, key, was_received);
 }
 
-bool Receiver::prevails(Device& device, HostTime arrival, sensor::Peer peer, const sensor::Sample& sample) {
-  const auto is_free = [&](const Rival& r) { return !r.received || arrival - *r.received > kSamePlace; };
-  auto rival =
-      std::ranges::find_if(device.rivals, [&](const Rival& r) { return r.received && r.peer == peer; });
-  if (rival == device.rivals.end()) {
-    // A place of one who is silent, or else of one who is no sensor either.
-    rival = std::ranges::find_if(device.rivals, is_free);
-    if (rival == device.rivals.end())
-      rival =
-          std::ranges::find_if(device.rivals, [](const Rival& r) { return r.plausibility.is_implausible(); });
-    if (rival == device.rivals.end()) return false;
-    *rival = {.peer = peer};
-  }
+bool Receiver::is_received(const Device& device, HostTime arrival) {
+  const Duration silent = arrival - device.received;
+  if (silent < kSamePlace) return true;
+  return device.estimated && silent < kUnchangedPlace && arrival - device.alive < kSamePlace;
+}
+
+Receiver::Rival* Receiver::rival_of(Device& device, HostTime arrival, Sender sender) {
+  auto rival = std::ranges::find_if(device.rivals,
+                                    [&](const Rival& r) { return r.received && r.peer == sender.peer; });
+  if (rival != device.rivals.end()) return &*rival;
+  // A place of one who is silent, or else of one who is no sensor either.
+  rival = std::ranges::find_if(
+      device.rivals, [&](const Rival& r) { return !r.received || arrival - *r.received > kSamePlace; });
+  if (rival == device.rivals.end())
+    rival =
+        std::ranges::find_if(device.rivals, [](const Rival& r) { return r.plausibility.is_implausible(); });
+  if (rival == device.rivals.end()) return nullptr;
+  rival->peer = sender.peer;
+  rival->source = sender.source;
+  rival->plausibility = {};
+  return &*rival;
+}
+
+void Receiver::change_places(Device& device, Rival& rival, SampleConsumer& consumer) {
+  std::swap(device.peer, rival.peer);
+  std::swap(device.source, rival.source);
+  std::swap(device.plausibility, rival.plausibility);
+  std::swap(device.received, *rival.received);
+  device.alive = device.received;
+  device.newest = {};
+  device.chosen = false;
+  if (!device.sensor) return;
+  links_[*device.sensor] = Link();
+  ticks_.forget(*device.sensor);
+  consumer.rebound(*device.sensor, device.key, true);
+  consumer.contested(*device.sensor, device.source, rival.source);
+}
+
+bool Receiver::judge_rival(Device& device, HostTime arrival, Sender sender, const sensor::Sample& sample,
+                           SampleConsumer& consumer) {
+  if (!device.sensor) return false;
+  if (!device.contested || arrival - *device.contested > kContest)
+    consumer.contested(*device.sensor, device.source, sender.source);
+  device.contested = arrival;
+  Rival* const rival = rival_of(device, arrival, sender);
+  if (rival == nullptr) return false;
   rival->received = arrival;
   rival->plausibility.add(arrival, sample);
-  if (!device.plausibility.is_implausible() || !rival->plausibility.is_plausible()) return false;
-  // They change places.
-  std::swap(device.plausibility, rival->plausibility);
-  *rival = {.peer = device.peer, .received = device.received, .plausibility = rival->plausibility};
+  if (device.chosen || !device.plausibility.is_implausible() || !rival->plausibility.is_plausible())
+    return false;
+  change_places(device, *rival, consumer);
   return true;
 }
 
-void Receiver::take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol,
+void Receiver::follow(Device& device, Sender sender) {
+  for (Rival& rival : device.rivals)
+    if (rival.peer == sender.peer) rival.received.reset();
+  device.peer = sender.peer;
+  device.source = sender.source;
+  device.plausibility = {};
+  device.chosen = false;
+}
+
+bool Receiver::hear(std::uint16_t sensor, std::string_view source, SampleConsumer& consumer) {
+  const auto rival_in = [&](Device& device) {
+    const auto found =
+        std::ranges::find_if(device.rivals, [&](const Rival& r) { return r.received && r.source == source; });
+    return found == device.rivals.end() ? nullptr : &*found;
+  };
+  const auto asked =
+      std::ranges::find_if(devices_, [&](const Device& device) { return device.sensor == sensor; });
+  if (source.empty() || asked == devices_.end() || (asked->source != source && rival_in(*asked) == nullptr))
+    return false;
+  // A board's sensors come from one place.
+  const std::uint64_t board = asked->key.device;
+  for (Device& device : devices_) {
+    if (device.key.device != board) continue;
+    if (device.source != source) {
+      Rival* const rival = rival_in(device);
+      if (rival == nullptr) continue;
+      change_places(device, *rival, consumer);
+    }
+    device.chosen = true;
+  }
+  return true;
+}
+
+void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protocol,
                             const sensor::Reading& reading, SampleConsumer& consumer) {
-  Device* const from = &meet(reading.from, peer, protocol, arrival);
+  Device* const from = &meet(reading.from, sender, protocol, arrival);
   // Another place, or another clock, while the one that is known still sends.
   const Duration silent = arrival - from->received;
   const Duration off = (reading.sample.time - from->newest) - silent;
   const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
-  const bool elsewhere = from->peer != peer && silent < kSamePlace;
+  const bool elsewhere = from->peer != sender.peer && is_received(*from, arrival);
   bool impostor = elsewhere || (other_clock && silent < kSameBoard);
   if (elsewhere) {
-    if (from->sensor && prevails(*from, arrival, peer, reading.sample)) {
-      impostor = false;
-      links_[*from->sensor] = Link();
-      ticks_.forget(*from->sensor);
-      consumer.rebound(*from->sensor, from->key, true);
-    }
+    if (judge_rival(*from, arrival, sender, reading.sample, consumer)) impostor = false;
   } else {
-    if (from->peer != peer) from->plausibility = {};
+    if (from->peer != sender.peer) follow(*from, sender);
     from->plausibility.add(arrival, reading.sample);
   }
   if (!impostor) {
-    from->peer = peer;
     from->received = arrival;
     from->newest = reading.sample.time;
+    from->estimated = reading.sample.time_estimated;
     if (const auto tapped = tap_.add(arrival, reading)) {
       const auto sensor = rig_.find(tap_.armed());
       tap_.arm({});
@@ -193,27 +258,28 @@ Receiver::Received Receiver::reject_malformed(sensor::Peer peer) {
   return out;
 }
 
-Receiver::Received Receiver::receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+Receiver::Received Receiver::receive(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                                      std::span<const std::byte> payload, SampleConsumer& consumer) {
   const std::size_t protocol = protocol_of(datagram);
   sensor::Reducer* const reducer = protocol < reducers_.size() ? reducers_[protocol].get() : nullptr;
   if (payload.empty() || payload.size() > sensor::kMaxPayload || reducer == nullptr)
-    return decode(arrival, peer, protocol, datagram, {payload, {}}, consumer);
+    return decode(arrival, sender, protocol, datagram, {payload, {}}, consumer);
   const std::optional<std::size_t> length = reducer->reduce(datagram, payload, reduction_);
-  if (!length || *length == 0 || *length > reduction_.size()) return reject_malformed(peer);
-  return decode(arrival, peer, protocol, datagram, {std::span(reduction_).first(*length), reducer->hash()},
+  if (!length || *length == 0 || *length > reduction_.size()) return reject_malformed(sender.peer);
+  return decode(arrival, sender, protocol, datagram, {std::span(reduction_).first(*length), reducer->hash()},
                 consumer);
 }
 
-Receiver::Received Receiver::receive_logged(HostTime arrival, sensor::Peer peer,
+Receiver::Received Receiver::receive_logged(HostTime arrival, Sender sender,
                                             std::span<const std::byte> datagram,
                                             const sensor::Payload& payload, SampleConsumer& consumer) {
-  return decode(arrival, peer, protocol_of(datagram), datagram, payload, consumer);
+  return decode(arrival, sender, protocol_of(datagram), datagram, payload, consumer);
 }
 
-Receiver::Received Receiver::decode(HostTime arrival, sensor::Peer peer, std::size_t protocol,
+Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t protocol,
                                     std::span<const std::byte> datagram, const sensor::Payload& payload,
                                     SampleConsumer& consumer) {
+  const sensor::Peer peer = sender.peer;
   if (protocol >= protocols_.size() || payload.bytes.size() > sensor::kMaxPayload)
     return reject_malformed(peer);
   inbox_.clear();
@@ -231,7 +297,7 @@ Receiver::Received Receiver::decode(HostTime arrival, sensor::Peer peer, std::si
     return out;
   }
   for (const sensor::Announcement& announced : inbox_.announcements) {
-    Device* const from = &meet(announced.from, peer, protocol, arrival);
+    Device* const from = &meet(announced.from, sender, protocol, arrival);
     from->announces = announced.site;
     const auto sensor = rig_.find(announced.site);
     const bool taken =
@@ -239,7 +305,7 @@ Receiver::Received Receiver::decode(HostTime arrival, sensor::Peer peer, std::si
     if (sensor && !taken && !from->sensor) bind(*sensor, announced.from, consumer);
   }
   for (const sensor::Reading& reading : inbox_.readings)
-    take_reading(arrival, peer, protocol, reading, consumer);
+    take_reading(arrival, sender, protocol, reading, consumer);
   for (const sensor::Inbox::Pulse& pulse : inbox_.pulses) {
     // A board's sensors share its clock.
     for (const auto& [key, sensor] : bound_)
@@ -253,9 +319,11 @@ Receiver::Received Receiver::decode(HostTime arrival, sensor::Peer peer, std::si
   const std::optional<DeviceKey> speaker =
       !inbox_.readings.empty() ? std::optional(inbox_.readings.front().from) : inbox_.alive;
   if (speaker)
-    for (const Device& known : devices_)
-      if (known.key.device == speaker->device && known.peer == peer && known.sensor)
-        links_[*known.sensor].health.add_alive(arrival);
+    for (Device& known : devices_) {
+      if (known.key.device != speaker->device || known.peer != peer) continue;
+      known.alive = arrival;
+      if (known.sensor) links_[*known.sensor].health.add_alive(arrival);
+    }
   out.samples = samples_;
   if (!inbox_.opened.empty()) out.log = inbox_.opened;
   out.reply = inbox_.reply;
@@ -277,6 +345,17 @@ void Receiver::watch_links(HostTime fired, const std::function<void(std::uint16_
   }
 }
 
+void Receiver::report_senders(HostTime now, const DeviceKey& key, Report::Link& out) const {
+  out.source.clear();
+  out.rivals.clear();
+  const auto found = std::ranges::find(devices_, key, &Device::key);
+  if (found == devices_.end()) return;
+  out.source = found->source;
+  for (const Rival& rival : found->rivals)
+    if (rival.received && now - *rival.received < kContest)
+      out.rivals.push_back({rival.source, now - *rival.received, rival.plausibility.is_implausible()});
+}
+
 void Receiver::report(HostTime now, Report& out) const {
   out.malformed = malformed_;
   out.refused = refused_;
@@ -296,6 +375,10 @@ void Receiver::report(HostTime now, Report& out) const {
           .uncertainty = model.uncertainty(links_[i].newest)};
     }
     link.health = links_[i].health.report(now, clock);
+    report_senders(now, bound == bound_.end() ? DeviceKey() : bound->first, link);
+    // Two that send the same packets have no line of their own by which a link would tell them apart.
+    if (!link.rivals.empty() && link.health.state == sensor::LinkState::good)
+      link.health.state = sensor::LinkState::duplicate;
     if (bound == bound_.end()) link.health.state = sensor::LinkState::unbound;
     link.level = links_[i].level;
   }

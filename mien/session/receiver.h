@@ -19,6 +19,7 @@
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
+#include "mien/session/peers.h"
 #include "mien/session/report.h"
 #include "mien/session/tap_watch.h"
 
@@ -39,6 +40,11 @@ class SampleConsumer {
   /// From here on another device is bound to this sensor: whatever was estimated of the one before is void.
   /// `was_received`: samples of the one before had come.
   virtual void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) = 0;
+  /// Two send as this sensor's device: whose readings are taken, and whose are not. When the other comes, and
+  /// when they change places (then after rebound()); not again while both go on. Source texts, valid during
+  /// the call.
+  virtual void contested([[maybe_unused]] std::uint16_t sensor, [[maybe_unused]] std::string_view accepted,
+                         [[maybe_unused]] std::string_view other) {}
 };
 
 /// What reduces the payloads of a protocol's datagrams before they are logged.
@@ -75,18 +81,18 @@ class Receiver {
     std::span<const std::byte> reply;  ///< For the sender; empty: none. Until the next call.
   };
   /// One datagram. Take all that due() gives before it, and again after it.
-  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+  Received receive(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                    SampleConsumer& consumer) {
-    return receive_logged(arrival, peer, datagram, {}, consumer);
+    return receive_logged(arrival, sender, datagram, {}, consumer);
   }
   /// One datagram of a device with a raw payload beside it (empty: none), which is reduced where the
   /// datagram's protocol has a reducer. A payload of more than sensor::kMaxPayload bytes, or one that its
   /// reducer does not take, makes the datagram malformed.
-  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+  Received receive(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                    std::span<const std::byte> payload, SampleConsumer& consumer);
   /// One datagram of a log, its payload as the log has it: raw or reduced, by whatever reducer, it is handed
   /// on as it is. So a replay decodes what the live session decoded.
-  Received receive_logged(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+  Received receive_logged(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                           const sensor::Payload& payload, SampleConsumer& consumer);
 
   /// The next frame that is due; ask until there is none.
@@ -100,6 +106,10 @@ class Receiver {
   void bind(std::uint16_t sensor, const sensor::DeviceKey& device, SampleConsumer& consumer);
   /// The next device that is tapped is bound to this sensor of the rig; empty: none any more.
   void bind_by_tap(std::string sensor) { tap_.arm(std::move(sensor)); }
+  /// Of those who send as this sensor's device the one of this source text is accepted from now on, for all
+  /// sensors of its board: until nothing of it is received, or another is chosen. False, and nothing changes,
+  /// where none of them has it.
+  bool hear(std::uint16_t sensor, std::string_view source, SampleConsumer& consumer);
   /// The sensor's next samples stand on another clock.
   void forget(std::uint16_t sensor) { ticks_.forget(sensor); }
 
@@ -119,16 +129,22 @@ class Receiver {
   /// Somebody else who sends a device's readings, and is not accepted as it.
   struct Rival {
     sensor::Peer peer = 0;
+    std::string source;
     std::optional<HostTime> received;  // None: nobody.
     sensor::Plausibility plausibility;
   };
   struct Device {
     sensor::DeviceKey key;
     std::optional<std::uint16_t> sensor;
-    sensor::Peer peer = 0;
+    sensor::Peer peer = 0;  // Whose readings are accepted.
+    std::string source;
     sensor::Plausibility plausibility;
     std::array<Rival, 4> rivals;
-    HostTime received;
+    bool chosen = false;                // By a person: nobody else prevails.
+    std::optional<HostTime> contested;  // The newest reading of a rival.
+    HostTime received;                  // The newest accepted reading, ...
+    HostTime alive;                     // ... and the newest datagram of its board from there.
+    bool estimated = false;
     DeviceTime newest;  // Of accepted samples.
     std::size_t protocol = 0;
     std::string announces;
@@ -147,21 +163,29 @@ class Receiver {
            std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound);
   /// The place of the protocol that the datagram is of; that after the last for none.
   [[nodiscard]] std::size_t protocol_of(std::span<const std::byte> datagram) const;
-  Received decode(HostTime arrival, sensor::Peer peer, std::size_t protocol,
-                  std::span<const std::byte> datagram, const sensor::Payload& payload,
-                  SampleConsumer& consumer);
+  Received decode(HostTime arrival, Sender sender, std::size_t protocol, std::span<const std::byte> datagram,
+                  const sensor::Payload& payload, SampleConsumer& consumer);
   Received reject_malformed(sensor::Peer peer);
   Device* find(const sensor::DeviceKey& key);
   /// The device of this key, from now on if it is new.
-  Device& meet(const sensor::DeviceKey& key, sensor::Peer peer, std::size_t protocol, HostTime arrival);
+  Device& meet(const sensor::DeviceKey& key, Sender sender, std::size_t protocol, HostTime arrival);
   /// Whether the readings of a device come from there: nobody else is accepted as it.
   [[nodiscard]] bool speaks_from(const sensor::DeviceKey& key, sensor::Peer peer) const;
-  /// What a rival's reading tells. Whether it is the sensor, and not who was accepted as it so far: that one
-  /// does not behave as a sensor does, and the rival does.
-  [[nodiscard]] bool prevails(Device& device, HostTime arrival, sensor::Peer peer,
-                              const sensor::Sample& sample);
-  void take_reading(HostTime arrival, sensor::Peer peer, std::size_t protocol, const sensor::Reading& reading,
+  /// Whether who is accepted as this device is still there, so that nobody takes its place.
+  [[nodiscard]] static bool is_received(const Device& device, HostTime arrival);
+  /// The place of one more who sends as this device; null: none is free.
+  [[nodiscard]] static Rival* rival_of(Device& device, HostTime arrival, Sender sender);
+  /// What a rival's reading tells. Whether it is accepted from now on: who was so far does not behave as a
+  /// sensor does, the rival does, and nobody has chosen.
+  bool judge_rival(Device& device, HostTime arrival, Sender sender, const sensor::Sample& sample,
+                   SampleConsumer& consumer);
+  /// The rival is accepted from now on, and who was so far is its rival.
+  void change_places(Device& device, Rival& rival, SampleConsumer& consumer);
+  /// Another sender has come to a device whose own was silent.
+  static void follow(Device& device, Sender sender);
+  void take_reading(HostTime arrival, Sender sender, std::size_t protocol, const sensor::Reading& reading,
                     SampleConsumer& consumer);
+  void report_senders(HostTime now, const sensor::DeviceKey& key, Report::Link& out) const;
 
   sensor::Rig rig_;
   std::vector<std::unique_ptr<sensor::Protocol>> protocols_;

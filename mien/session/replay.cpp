@@ -17,6 +17,8 @@ void bind_as_asked(const take::LogEntry& entry, Receiver& receiver, SampleConsum
   if (!command) return;
   if (const auto* bind = std::get_if<Bind>(&*command)) {
     if (const auto sensor = receiver.rig().find(bind->sensor)) receiver.bind(*sensor, bind->device, consumer);
+  } else if (const auto* hear = std::get_if<Hear>(&*command)) {
+    if (const auto sensor = receiver.rig().find(hear->sensor)) receiver.hear(*sensor, hear->source, consumer);
   } else if (const auto* tap = std::get_if<Tap>(&*command)) {
     if (tap->sensor.empty() || receiver.rig().find(tap->sensor)) receiver.bind_by_tap(tap->sensor);
   }

@@ -20,8 +20,9 @@ namespace mien::session {
     const std::function<bool(const take::Tick&, const face::OutputFrame&)>& seen);
 
 /// The same through a fresh receiver alone: samples and bindings go to the consumer as they came, commands
-/// that bind a device are carried out, and all other commands are passed over. Shape: entries by id, ticks by
-/// after_entry. `ticked` is called at each tick; false ends the replay, which then returns false.
+/// that bind or choose a device are carried out, and all other commands are passed over. Shape: entries by
+/// id, ticks by after_entry. `ticked` is called at each tick; false ends the replay, which then returns
+/// false.
 [[nodiscard]] bool replay_samples(std::span<const take::LogEntry> entries, std::span<const take::Tick> ticks,
                                   Receiver& receiver, SampleConsumer& consumer,
                                   const std::function<bool(const take::Tick&)>& ticked);

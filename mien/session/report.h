@@ -25,8 +25,16 @@ struct CalibrationVersion {
 
 /// How a session is, for people: what `status` messages carry (docs/reference/page_protocol.md).
 struct Report {
+  /// Somebody who sends as a sensor's device, and is not accepted as it.
+  struct Rival {
+    std::string source;        ///< As the log names it: "udp://192.168.1.7:5005".
+    Duration age{};            ///< Since its newest reading.
+    bool implausible = false;  ///< As sensor::Plausibility has it.
+  };
   struct Link {
-    std::string device;  ///< Empty while unbound.
+    std::string device;         ///< Empty while unbound.
+    std::string source;         ///< Where the readings that are taken come from; empty while none came.
+    std::vector<Rival> rivals;  ///< Of the last ten seconds, at most four.
     sensor::LinkReport health;
     std::optional<double> heading_sigma_rad;
     std::optional<double> level;  ///< As sensor::level() has it, of the newest sample.

@@ -57,6 +57,15 @@ void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_re
           .dump());
 }
 
+void Session::contested(std::uint16_t sensor, std::string_view accepted, std::string_view other) {
+  // A take's sources need not be UTF-8.
+  add_event("contested", newest_frame_, newest_frame_,
+            nlohmann::json({{"sensor", rig().sensors[sensor].name},
+                            {"accepted", std::string(accepted)},
+                            {"other", std::string(other)}})
+                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
 void Session::leave_guide(std::string_view why) {
   guide_.cancel();
   tracker_->cancel_guidance();
@@ -251,6 +260,18 @@ Result<void> Session::execute(const Bind& command) {
     return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", excerpt(command.sensor)),
                 kSession, "the page lists its sensors");
   receiver_->bind(*sensor, command.device, *this);
+  return {};
+}
+
+Result<void> Session::execute(const Hear& command) {
+  const auto sensor = rig().find(command.sensor);
+  if (!sensor)
+    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", excerpt(command.sensor)),
+                kSession, "the page lists its sensors");
+  if (!receiver_->hear(*sensor, command.source, *this))
+    return fail(ErrorCode::not_found,
+                fmt::format("nobody sends as {} from {}", command.sensor, excerpt(command.source)), kSession,
+                "the page lists who does");
   return {};
 }
 

@@ -51,14 +51,14 @@ class Session final : private SampleConsumer {
   using Received = Receiver::Received;
   /// One datagram. Fire all that due() gives before it, and again after it.
   /// `payload`: raw, as its device gave it; empty for none (Receiver::receive).
-  Received receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+  Received receive(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                    std::span<const std::byte> payload = {}) {
-    return receiver_->receive(arrival, peer, datagram, payload, *this);
+    return receiver_->receive(arrival, sender, datagram, payload, *this);
   }
   /// The same of a log's entry in a replay: its payload is handed on as the log has it.
-  Received receive_logged(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+  Received receive_logged(HostTime arrival, Sender sender, std::span<const std::byte> datagram,
                           const sensor::Payload& payload) {
-    return receiver_->receive_logged(arrival, peer, datagram, payload, *this);
+    return receiver_->receive_logged(arrival, sender, datagram, payload, *this);
   }
 
   /// One command of the page, as it goes into the log. Errors: parse_command's; not_found (no such sensor,
@@ -101,6 +101,7 @@ class Session final : private SampleConsumer {
     tracker_->add_with_payload(arrival, sample, payload);
   }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) override;
+  void contested(std::uint16_t sensor, std::string_view accepted, std::string_view other) override;
   /// What was estimated of the board at this sensor is void.
   void forget(std::uint16_t sensor);
   /// Ends a guided calibration before its time, and tells why; what was in force stays.
@@ -122,6 +123,7 @@ class Session final : private SampleConsumer {
   Result<void> execute(const RestoreCalibration& command);
   Result<void> execute(const Recentre& command);
   Result<void> execute(const Bind& command);
+  Result<void> execute(const Hear& command);
   Result<void> execute(const Tap& command);
   Result<void> execute(const Shape& command);
   Result<void> execute(const AddPrompt& command);

@@ -30,11 +30,13 @@ using ::testing::IsEmpty;
 using Json = nlohmann::json;
 
 /// Sends what a performer's nodes would, each from a socket of its own, when it is due; and what somebody
-/// else sends who knows nothing.
+/// else sends who knows nothing. With a twin the same comes from another socket too.
 class Nodes {
  public:
-  Nodes(const virt::VirtualSession& performed, std::uint16_t port)
-      : thread_([this, &performed, port](const std::stop_token& asked) { send(performed, port, asked); }) {}
+  enum class Twin : bool { no, yes };
+  Nodes(const virt::VirtualSession& performed, std::uint16_t port, Twin twin = Twin::no)
+      : twin_(twin == Twin::yes),
+        thread_([this, &performed, port](const std::stop_token& asked) { send(performed, port, asked); }) {}
 
   /// Garbage that went out.
   [[nodiscard]] std::uint64_t garbage() const { return garbage_; }
@@ -63,12 +65,14 @@ class Nodes {
       std::this_thread::sleep_until(begun + entry.arrival.time_since_epoch());
       if (asked.stop_requested()) return;
       socket(entry.source).send_to(boost::asio::buffer(entry.bytes), there, 0, ignored);
+      if (twin_) socket("twin").send_to(boost::asio::buffer(entry.bytes), there, 0, ignored);
       if (entry.id % 16 != 0) continue;
       socket("stranger").send_to(boost::asio::buffer(std::string("who is there?")), there, 0, ignored);
       ++garbage_;
     }
   }
 
+  bool twin_;
   std::atomic<std::uint64_t> garbage_ = 0;
   std::jthread thread_;
 };
@@ -237,6 +241,56 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
   EXPECT_EQ(session->frames(), summary.frames);
   EXPECT_EQ(session->hash(), summary.hash);
   EXPECT_EQ(take->note("live.hash").value(), summary.hash);
+}
+
+TEST(Engine, OneOfTwoSendersIsChosenOnThePageAndAReplayDoesTheSame) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  EngineSettings asked = settings(folder);
+  asked.record = folder / "two.mien";
+  asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
+  Running running(std::move(asked));
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  boost::asio::io_context network;
+  PageClient page(network, test::port_of((*running).page()));
+  const virt::VirtualSession performed = session::test::performance(60);
+  Nodes nodes(performed, test::port_of((*running).listening().front()), Nodes::Twin::yes);
+  const auto chin = [&] {
+    Json status = page.last("status");
+    return status["links"][0];
+  };
+  ASSERT_TRUE(run_until(network, [&] {
+    Json link = chin();
+    return link.is_object() && link["rivals"].size() == 1 && page.frames() > 30;
+  }));
+  EXPECT_TRUE(run_until(network, [&] { return page.has_event("contested"); }));
+  const std::string first = chin()["source"];
+  const std::string other = chin()["rivals"][0]["source"];
+  EXPECT_THAT(first, HasSubstr("udp://127.0.0.1:"));
+  EXPECT_THAT(other, HasSubstr("udp://127.0.0.1:"));
+  EXPECT_NE(first, other);
+  EXPECT_FALSE(
+      page.ask({{"command", "hear"}, {"sensor", "mentalis"}, {"source", "udp://127.0.0.2:1"}})["ok"]);
+  EXPECT_TRUE(page.ask({{"command", "hear"}, {"sensor", "mentalis"}, {"source", other}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] {
+    const Json link = chin();
+    return link["source"] == other && link["rivals"].size() == 1 && link["rivals"][0]["source"] == first;
+  }));
+  const std::size_t before = page.frames();
+  EXPECT_TRUE(run_until(network, [&] { return page.frames() > before + 30; }));
+  nodes.stop();
+  running.ask_to_stop();
+  const EngineSummary summary = running.wait();
+  EXPECT_THAT(summary.recording_error, IsEmpty());
+
+  const auto take = take::Take::open(folder / "two.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  const auto session = session::test::session();
+  ASSERT_TRUE(
+      session::replay(*take, *session, [](const take::Tick&, const face::OutputFrame&) { return true; }));
+  EXPECT_EQ(session->hash(), summary.hash);
+  session::Report report;
+  session->report(take->ticks().value().back().fired, report);
+  EXPECT_EQ(report.links[0].source, other);
 }
 
 TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {

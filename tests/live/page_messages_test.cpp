@@ -41,6 +41,20 @@ TEST(PageMessages, HelloSaysWhereASensorLooks) {
   EXPECT_FALSE(hello["rig"]["sensors"][1].contains("aim"));
 }
 
+TEST(PageMessages, StatusNamesWhoIsHeardAsASensorAndWhoIsNot) {
+  Status now = status();
+  now.report.links[0].source = "udp://10.0.0.1:5005";
+  now.report.links[0].rivals = {{"udp://10.0.0.9:5005", std::chrono::milliseconds(4), true}};
+  const Json said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["links"][0]["source"], "udp://10.0.0.1:5005");
+  EXPECT_EQ(said["links"][0]["rivals"],
+            Json::parse(R"([{"source": "udp://10.0.0.9:5005", "age_ms": 4.0, "implausible": true}])"));
+  EXPECT_EQ(said["links"][1]["source"], "");
+  EXPECT_EQ(said["links"][1]["rivals"], Json::array());
+  EXPECT_EQ(event_text({"contested", {}, {}, R"({"sensor": "brow", "accepted": "a", "other": "b"})"}),
+            "two devices send as brow: a is heard, b is not; the page's sensors let you choose");
+}
+
 TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor) {
   Status now = status();
   Json said = Json::parse(status_json(now, glasses()));

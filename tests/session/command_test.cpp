@@ -15,6 +15,7 @@ TEST(Command, AreWrittenAsTheyAreRead) {
        R"({"command":"use_calibration","version":3})",
        R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
        R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
+       R"({"command":"hear","sensor":"mentalis","source":"udp://192.168.1.7:5005"})",
        R"({"command":"prompt","name":"smile","say":"","seconds":2.5,"target":{"jawOpen":0.1,"mouthSmile_L":1}})",
        R"({"command":"prompts","do":"pause"})", R"({"command":"prompts","do":"stop"})",
        R"({"command":"tap","sensor":""})", R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "mien/imu/packets/packet.h"
+#include "mien/imu/packets/slimevr.h"
 #include "mien/sensor/bindings.h"
+#include "mien/session/command.h"
 #include "mien/session/replay.h"
 #include "tests/session/session_run.h"
 
@@ -135,16 +138,20 @@ std::vector<std::byte> forged(std::span<const std::byte> datagram, float value, 
   return imu::encode_packet(packet).value();
 }
 
-/// Which readings came through: of the device, or forged, which all have one value.
+/// Which readings came through: of the device, or forged, which all have one value but for rounding.
 class Accepted final : public SampleConsumer {
  public:
   void add(HostTime arrival, const sensor::Sample& sample) override {
     const bool of_stranger =
-        std::ranges::all_of(sample.used(), [&](float v) { return std::abs(v - sample.values[0]) < 1e-6F; });
+        std::ranges::all_of(sample.used(), [&](float v) { return std::abs(v - sample.values[0]) < 0.01F; });
     (of_stranger ? stranger : device).push_back(arrival);
   }
   void rebound(std::uint16_t, const DeviceKey&, bool) override { ++changes; }
+  void contested(std::uint16_t, std::string_view accepted, std::string_view other) override {
+    contests.push_back(std::string(accepted) + " not " + std::string(other));
+  }
   std::vector<HostTime> stranger, device;
+  std::vector<std::string> contests;
   int changes = 0;
 };
 
@@ -180,6 +187,215 @@ TEST(Receiver, NobodyTakesADeviceOverByClaimingItsId) {
     EXPECT_EQ(accepted.changes, 0);
     EXPECT_EQ(accepted.device.size(), performed.samples.size());
   }
+}
+
+/// A performance in which somebody forges every packet a moment later, well enough to pass for a sensor.
+struct TwoSenders {
+  static constexpr const char* kBoards = "udp://10.0.0.1:5005";
+  static constexpr const char* kForger = "udp://10.0.0.9:5005";
+  std::vector<take::LogEntry> entries;
+  explicit TwoSenders(double seconds) {
+    for (const take::LogEntry& entry : test::performance(seconds).entries) {
+      if (!imu::is_packet(entry.bytes)) continue;
+      const auto id = static_cast<std::int64_t>(entries.size());
+      entries.push_back({id + 1, entry.arrival, kBoards, entry.bytes});
+      entries.push_back({id + 2, entry.arrival, kForger, forged(entry.bytes, 5)});
+    }
+  }
+};
+
+TEST(Receiver, TwoSendersOfOneIdAreBothShownAndOneIsChosen) {
+  const TwoSenders both(4);
+  const auto receiver = receiver_test::receiver();
+  Accepted accepted;
+  Peers peers;
+  const auto play = [&](std::size_t from, std::size_t to, const char* only = nullptr) {
+    for (std::size_t i = from; i < to; ++i)
+      if (const take::LogEntry& e = both.entries[i]; only == nullptr || e.source == only)
+        receiver->receive(e.arrival, peers.of(e.source), e.bytes, accepted);
+    Report report;
+    receiver->report(both.entries[to - 1].arrival, report);
+    return report;
+  };
+  const std::size_t part = both.entries.size() / 4;
+  Report report = play(0, part);
+  for (const Report::Link& link : report.links) {
+    EXPECT_EQ(link.source, TwoSenders::kBoards);
+    EXPECT_EQ(link.health.state, sensor::LinkState::duplicate);
+    ASSERT_EQ(link.rivals.size(), 1u);
+    EXPECT_EQ(link.rivals[0].source, TwoSenders::kForger);
+    EXPECT_FALSE(link.rivals[0].implausible);
+  }
+  EXPECT_TRUE(accepted.stranger.empty());
+  EXPECT_EQ(accepted.contests,
+            std::vector<std::string>(3, std::string(TwoSenders::kBoards) + " not " + TwoSenders::kForger));
+
+  // One sensor's sender is chosen; the others' stay.
+  EXPECT_FALSE(receiver->hear(0, "udp://10.0.0.7:5005", accepted));
+  EXPECT_EQ(accepted.changes, 0);
+  ASSERT_TRUE(receiver->hear(0, TwoSenders::kForger, accepted));
+  EXPECT_EQ(accepted.changes, 1);
+  report = play(part, 2 * part);
+  EXPECT_EQ(report.links[0].source, TwoSenders::kForger);
+  ASSERT_EQ(report.links[0].rivals.size(), 1u);
+  EXPECT_EQ(report.links[0].rivals[0].source, TwoSenders::kBoards);
+  EXPECT_EQ(report.links[1].source, TwoSenders::kBoards);
+  EXPECT_FALSE(accepted.stranger.empty());
+  EXPECT_EQ(accepted.changes, 1);
+
+  // And chosen otherwise.
+  ASSERT_TRUE(receiver->hear(0, TwoSenders::kBoards, accepted));
+  const std::size_t of_stranger = accepted.stranger.size();
+  report = play(2 * part, 3 * part);
+  EXPECT_EQ(report.links[0].source, TwoSenders::kBoards);
+  EXPECT_EQ(accepted.stranger.size(), of_stranger);
+
+  // Who was chosen and falls silent has no place any more, and who took it is nobody's rival.
+  report = play(3 * part, 4 * part, TwoSenders::kForger);
+  EXPECT_EQ(report.links[0].source, TwoSenders::kForger);
+  EXPECT_TRUE(report.links[0].rivals.empty());
+}
+
+TEST(Receiver, WhoWasChosenStaysHoweverItBehaves) {
+  const virt::VirtualSession performed = test::performance(6);
+  const auto receiver = receiver_test::receiver();
+  Accepted accepted;
+  bool asked = false;
+  for (const take::LogEntry& entry : performed.entries) {
+    if (!imu::is_packet(entry.bytes)) continue;
+    receiver->receive(entry.arrival, {1, "udp://boards"}, entry.bytes, accepted);
+    receiver->receive(entry.arrival, {9, "udp://zeros"}, forged(entry.bytes, 0), accepted);
+    if (!asked && entry.arrival - performed.entries.front().arrival > std::chrono::seconds(1)) {
+      asked = true;
+      for (const std::uint16_t sensor : {0, 1, 2})
+        ASSERT_TRUE(receiver->hear(sensor, "udp://zeros", accepted));
+    }
+  }
+  EXPECT_EQ(accepted.changes, 3);
+  EXPECT_GT(accepted.stranger.back(), accepted.device.back() + std::chrono::seconds(5));
+  Report report;
+  receiver->report(performed.entries.back().arrival, report);
+  EXPECT_EQ(report.links[0].rivals.at(0).source, "udp://boards");
+}
+
+TEST(Receiver, AReplayObeysTheChoiceAtItsPlaceInTheLog) {
+  const TwoSenders both(2);
+  std::vector<take::LogEntry> entries = both.entries;
+  const auto half = static_cast<std::ptrdiff_t>(entries.size() / 2);
+  const HostTime at = entries[static_cast<std::size_t>(half)].arrival;
+  const std::string json = write_command(Hear{"mentalis", TwoSenders::kForger});
+  entries.insert(entries.begin() + half, page(0, at, json));
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].id = static_cast<std::int64_t>(i) + 1;
+  Accepted accepted;
+  ASSERT_TRUE(replay_samples(entries, {}, *receiver(), accepted, always));
+  EXPECT_EQ(accepted.changes, 1);
+  ASSERT_FALSE(accepted.stranger.empty());
+  EXPECT_GE(accepted.stranger.front(), at);
+  Accepted unasked;
+  ASSERT_TRUE(replay_samples(both.entries, {}, *receiver(), unasked, always));
+  EXPECT_TRUE(unasked.stranger.empty());
+}
+
+/// SlimeVR boards at addresses of their own, one of them bound, and what was accepted of it.
+class SlimeVrBoards final : public SampleConsumer {
+ public:
+  SlimeVrBoards() {
+    sensor::Rig rig = virt::test::three_sensors();
+    rig.sensors[0].device = sensor::format_device({kMac, 0});
+    std::vector<std::unique_ptr<sensor::Protocol>> protocols;
+    protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
+    receiver_ = Receiver::create(std::move(rig), std::move(protocols)).value();
+  }
+  void add(HostTime, const sensor::Sample&) override { ++(*speaker_); }
+  void rebound(std::uint16_t, const DeviceKey&, bool) override {}
+  void greet(const Sender& from) { say(from, 0, imu::slimevr::Handshake{.protocol = 22, .mac = kMac}); }
+  void turn(const Sender& from) {
+    say(from, ++number_, imu::slimevr::Rotation{.data_type = 1, .xyzw = {0, 0, 0, 1}});
+  }
+  void answer(const Sender& from) { say(from, 0, imu::slimevr::Pong{}); }
+  [[nodiscard]] Report::Link link() const {
+    Report report;
+    receiver_->report(now_, report);
+    return report.links[0];
+  }
+  [[nodiscard]] int accepted_of(sensor::Peer peer) { return accepted_[peer]; }
+  Receiver& receiver() { return *receiver_; }
+  void wait(int ms) { now_ += std::chrono::milliseconds(ms); }
+
+ private:
+  static constexpr std::uint64_t kMac = 0x024D49454E03;
+  void say(const Sender& from, std::uint64_t number, const imu::slimevr::TrackerMessage& message) {
+    ByteWriter writer;
+    EXPECT_TRUE(encode_tracker_message(number, message, writer));
+    speaker_ = &accepted_[from.peer];
+    receiver_->receive(now_, from, writer.bytes(), *this);
+  }
+  std::unique_ptr<Receiver> receiver_;
+  std::map<sensor::Peer, int> accepted_;
+  int* speaker_ = nullptr;
+  HostTime now_{std::chrono::seconds(1)};
+  std::uint64_t number_ = 0;
+};
+
+const Sender kBoard(1, "udp://10.0.0.1:6969");
+const Sender kElsewhere(2, "udp://10.0.0.2:6969");
+
+TEST(Receiver, ASlimeVrBoardKeepsItsPlaceAgainstItsNumberFromElsewhere) {
+  SlimeVrBoards boards;
+  boards.greet(kBoard);
+  const auto play = [&](int packets) {
+    for (int i = 0; i < packets; ++i) {
+      boards.wait(10);
+      boards.turn(kBoard);
+      if (i == 10) boards.greet(kElsewhere);
+      boards.turn(kElsewhere);
+    }
+  };
+  play(300);
+  EXPECT_EQ(boards.accepted_of(1), 300);
+  EXPECT_EQ(boards.accepted_of(2), 0);
+  EXPECT_EQ(boards.link().source, kBoard.source);
+  ASSERT_EQ(boards.link().rivals.size(), 1u);
+  EXPECT_EQ(boards.link().rivals[0].source, kElsewhere.source);
+  ASSERT_TRUE(boards.receiver().hear(0, kElsewhere.source, boards));
+  play(5);
+  EXPECT_EQ(boards.accepted_of(2), 5);
+  EXPECT_EQ(boards.accepted_of(1), 300);
+}
+
+TEST(Receiver, ASlimeVrBoardThatLiesStillAndAnswersKeepsItsPlaceForFiveSeconds) {
+  SlimeVrBoards boards;
+  boards.greet(kBoard);
+  boards.turn(kBoard);
+  boards.greet(kElsewhere);
+  for (int ms = 0; ms < 4900; ms += 100) {
+    boards.wait(100);
+    boards.answer(kBoard);
+    boards.turn(kElsewhere);
+  }
+  EXPECT_EQ(boards.accepted_of(2), 0);
+  boards.wait(200);
+  boards.answer(kBoard);  // Who never gives a reading keeps no sensor out.
+  boards.turn(kElsewhere);
+  EXPECT_EQ(boards.accepted_of(2), 1);
+}
+
+TEST(Receiver, ASlimeVrBoardThatComesBackAtAnotherAddressIsHeardAfterASecond) {
+  SlimeVrBoards boards;
+  boards.greet(kBoard);
+  for (int i = 0; i < 100; ++i) {
+    boards.wait(10);
+    boards.turn(kBoard);
+  }
+  boards.wait(500);
+  boards.greet(kElsewhere);
+  for (int i = 0; i < 100; ++i) {
+    boards.wait(10);
+    boards.turn(kElsewhere);
+  }
+  EXPECT_GT(boards.accepted_of(2), 45);
+  EXPECT_EQ(boards.link().source, kElsewhere.source);
+  EXPECT_TRUE(boards.link().rivals.empty());
 }
 
 TEST(Receiver, StrangersWithManyIdsKeepNoDeviceOut) {

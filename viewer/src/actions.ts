@@ -112,6 +112,11 @@ export class Actions {
     await this.send({ command: "bind", sensor, device });
   }
 
+  /** Of those who send as this sensor's device this one is heard. */
+  async hear(sensor: string, source: string): Promise<void> {
+    await this.send({ command: "hear", sensor, source });
+  }
+
   async stopTap(): Promise<void> {
     await this.send({ command: "tap", sensor: "" });
   }

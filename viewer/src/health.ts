@@ -19,7 +19,7 @@ const HEALTH: Readonly<Record<string, Health>> = {
   saturated: { label: "saturated", severity: "warn", mark: "▲", sentence: "It moved faster than it can measure." },
   unchanged: { label: "unchanged", severity: "warn", mark: "=", sentence: "The board answers, but has nothing new to say." },
   restarted: { label: "restarted", severity: "warn", mark: "↻", sentence: "It has just restarted; its clock is being learnt again." },
-  duplicate: { label: "duplicate", severity: "bad", mark: "2", sentence: "Two devices use this id. Give one of them another." },
+  duplicate: { label: "duplicate", severity: "bad", mark: "2", sentence: "Two devices use this id. Choose which is heard, and give the other another." },
   silent: { label: "silent", severity: "idle", mark: "…", sentence: "Bound to a device that has sent nothing yet." },
   unbound: { label: "unbound", severity: "idle", mark: "+", sentence: "No device is bound to this site." },
 };

@@ -51,9 +51,21 @@ export interface Frame {
   truth: Float32Array | null;
 }
 
+/** Somebody who sends as a sensor's device, and is not heard as it. */
+export interface Rival {
+  /** An address, as the session's log names it. */
+  source: string;
+  ageMs: number | null;
+  /** It does not behave as a sensor does. */
+  implausible: boolean;
+}
+
 export interface Link {
   sensor: string;
   device: string;
+  /** Where the readings come from that are heard; empty while none came. */
+  source: string;
+  rivals: Rival[];
   state: string;
   ageMs: number | null;
   rateHz: number | null;
@@ -223,6 +235,7 @@ export type Command =
   | { command: "sink"; sink: string | number; on: boolean }
   | { command: "sink"; sink: string | number; remove: true }
   | { command: "bind"; sensor: string; device: string }
+  | { command: "hear"; sensor: string; source: string }
   | { command: "tap"; sensor: string }
   | { command: "shape"; smoothing?: number; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "takes" }
@@ -364,6 +377,12 @@ function readLink(one: Fields): Link {
   return {
     sensor: text(one["sensor"]),
     device: text(one["device"]),
+    source: text(one["source"]),
+    rivals: list(one["rivals"], (rival) => ({
+      source: text(rival["source"]),
+      ageMs: numberOrNull(rival["age_ms"]),
+      implausible: rival["implausible"] === true,
+    })).filter((rival) => rival.source !== ""),
     state: text(one["state"]),
     ageMs: numberOrNull(one["age_ms"]),
     rateHz: numberOrNull(one["rate_hz"]),

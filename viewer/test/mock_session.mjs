@@ -142,9 +142,12 @@ class MockSession {
     this.random = seeded(7);
     this.started = Date.now();
     this.clients = new Set();
-    this.states = eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost" };
+    this.states = eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost", frontalis_R: "duplicate" };
     this.prompts = prompts ? { at: 0, seconds: -LEAD_IN, paused: false } : null;
     this.devices = Object.fromEntries(this.sensors.map(({ name }, i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
+    // Two send as one of them.
+    this.heard = { frontalis_R: "udp://192.168.1.40:5005" };
+    this.rivals = eyewear ? {} : { frontalis_R: [{ source: "udp://192.168.1.66:5005", implausible: true }] };
     this.unbound = [
       { device: "02:4D:49:45:4E:1F/0", announces: "mentalis", protocol: "mien" },
       { device: "5C:CF:7F:0A:11:3E/0", announces: "", protocol: "slimevr" },
@@ -260,7 +263,8 @@ class MockSession {
       const rate = { good: 240, lossy: 208, frozen: 240, lost: 0, unbound: 0 }[state] ?? 200;
       const heard = state !== "unbound";
       return {
-        sensor, device: this.devices[sensor] ?? "", state, age_ms: state === "lost" ? 1000 * t + 4200 : state === "unbound" ? null : 1 + 3 * this.random(),
+        sensor, device: this.devices[sensor] ?? "", source: heard ? (this.heard[sensor] ?? `udp://192.168.1.${20 + i}:5005`) : "",
+        rivals: (this.rivals[sensor] ?? []).map((one) => ({ ...one, age_ms: 2 + 3 * this.random() })), state, age_ms: state === "lost" ? 1000 * t + 4200 : state === "unbound" ? null : 1 + 3 * this.random(),
         rate_hz: heard ? rate + (rate ? 0.6 * (this.random() - 0.5) : 0) : null, lost: state === "lossy" ? Math.floor(31 * t) : i, late: Math.floor(this.random() * 2), doubled: 0,
         reordered: 0, malformed: 0, loss: !heard ? null : state === "lost" ? 1 : state === "lossy" ? 0.12 + 0.02 * this.random() : 0.003 * this.random(),
         offset_ms: heard ? 3187.4 * (i + 1) + 0.2 * this.random() : null, drift_ppm: heard ? 18 * Math.sin(3 * i) : null, uncertainty_ms: heard ? 0.3 + 0.2 * this.random() : null,
@@ -387,6 +391,13 @@ class MockSession {
       case "bind":
         this.bind(command.sensor, command.device);
         return null;
+      case "hear": {
+        const rival = this.rivals[command.sensor]?.find((one) => one.source === command.source);
+        if (!rival) throw new Error(`nobody sends as ${command.sensor} from ${command.source}`);
+        rival.source = this.heard[command.sensor];
+        this.heard[command.sensor] = command.source;
+        return null;
+      }
       case "tap":
         this.tap = command.sensor || null;
         if (this.tap && this.unbound.length > 0) {

@@ -159,13 +159,25 @@ test("sensors: numbers, one picked on the face, tapped, bound", { timeout: 4 * P
   await page.keyboard.press("Enter");
   await settled(page, () => document.querySelector(".detail h3")?.textContent === "frontalis L", "the sensor's details");
   await page.locator(".links tr[data-sensor=mentalis] button").click();
-  assert.match(await page.locator(".detail").innerText(), /Nothing heard any more/);
+  assert.match(await page.locator(".detail").innerText(), /Nothing is received any more/);
   await picture(page, "sensor");
   await button(page, "Tap it to bind it").click();
   await obeyed("tap", (command) => command.sensor === "mentalis");
   await page.locator(".tap-banner").waitFor({ state: "visible" });
   await page.locator(".tap-banner").waitFor({ state: "hidden" });
   await settled(page, () => /good/.test(document.querySelector(".links tr[data-sensor=mentalis]").textContent), "a bound sensor");
+  await button(page, "Close").first().click();
+
+  // Two send as one sensor: both are shown, and one is chosen.
+  await page.locator(".links tr[data-sensor=frontalis_R] button").click();
+  const senders = page.locator(".detail .sender");
+  await settled(page, () => document.querySelectorAll(".detail .sender").length === 2, "two senders");
+  assert.match(await senders.nth(0).innerText(), /udp:\/\/192\.168\.1\.40:5005[\s\S]*heard/);
+  assert.match(await senders.nth(1).innerText(), /udp:\/\/192\.168\.1\.66:5005[\s\S]*not heard[\s\S]*behaves as no sensor/);
+  await picture(page, "two_senders");
+  await senders.nth(1).getByRole("button", { name: "Hear this one" }).click();
+  await obeyed("hear", (command) => command.sensor === "frontalis_R" && command.source === "udp://192.168.1.66:5005");
+  await settled(page, () => /192\.168\.1\.66/.test(document.querySelector(".detail .sender")?.textContent ?? ""), "the other one is heard");
   await button(page, "Close").first().click();
 
   await page.locator(".unbound-row select").selectOption("buccinator_R");

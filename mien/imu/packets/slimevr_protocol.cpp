@@ -78,10 +78,9 @@ Verdict SlimeVrProtocol::receive(HostTime arrival, sensor::Peer peer, std::span<
 Verdict SlimeVrProtocol::greet(HostTime arrival, sensor::Peer peer, const slimevr::Handshake& handshake,
                                Inbox& inbox) {
   if (handshake.mac == 0) return Verdict::ignored;  // No identity that a rig could bind.
-  // Replaces the peer's earlier board, and this board at another address.
+  // Replaces the peer's earlier board, and nobody else's: anyone can say a number.
   std::erase_if(boards_, [&](const Board& b) { return b.peer == peer && b.mac != handshake.mac; });
-  auto board =
-      std::find_if(boards_.begin(), boards_.end(), [&](const Board& b) { return b.mac == handshake.mac; });
+  auto board = std::find_if(boards_.begin(), boards_.end(), [&](const Board& b) { return b.peer == peer; });
   if (board == boards_.end()) {
     if (boards_.size() == kMaxBoards) {
       // Who never sent a rotation gives way first, and of those, or else of all, who was silent longest.
@@ -89,9 +88,8 @@ Verdict SlimeVrProtocol::greet(HostTime arrival, sensor::Peer peer, const slimev
           boards_, {}, [](const Board& b) { return std::pair(!b.channels.empty(), b.received); }));
       board = boards_.end();
     }
-    board = boards_.insert(board, Board{.mac = handshake.mac, .next_heartbeat = arrival});
+    board = boards_.insert(board, Board{.peer = peer, .mac = handshake.mac, .next_heartbeat = arrival});
   }
-  board->peer = peer;
   board->protocol = handshake.protocol;
   board->firmware = handshake.firmware;
   board->last_number = 0;

@@ -14,7 +14,8 @@
 namespace mien::imu {
 
 /// Server side of the SlimeVR protocol (docs/reference/protocol.md). A board is identified by the MAC of its
-/// handshake; peers without a handshake are ignored (they time out after 3 s and send one). Rotations become
+/// handshake, at the peer that sent it: two peers may name one board, and whoever hears this tells them
+/// apart. Peers without a handshake are ignored (they time out after 3 s and send one). Rotations become
 /// imu_fused samples, each with the acceleration of its own datagram, else the newest of the last few; device
 /// times are estimated, one clock a sensor. Packets whose number does not rise are ignored. Requests bundles,
 /// but not their compact form, whose 16 bits are coarser than skin motion.

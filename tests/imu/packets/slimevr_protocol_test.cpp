@@ -202,11 +202,12 @@ TEST(SlimeVrProtocol, HearsNobodyWithoutAHandshake) {
   EXPECT_TRUE(out.empty());  // Else a board that waits for a greeting would wait for ever.
 }
 
-TEST(SlimeVrProtocol, FollowsABoardToAnotherAddress) {
+TEST(SlimeVrProtocol, HearsANumberAtEveryAddressThatGivesIt) {
   Server server;
   Inbox inbox;
   server.protocol.receive(at(100), 6, encoded(0, slimevr::Handshake{.mac = kMac}), inbox);
-  EXPECT_EQ(server.receive(encoded(1, rotation(Quat::Identity()))), Verdict::ignored);
+  EXPECT_EQ(server.receive(encoded(1, rotation(Quat::Identity()))), Verdict::taken)
+      << "anyone can give a number: the board at the first address stays";
   EXPECT_EQ(server.protocol.receive(at(110), 6, encoded(1, rotation(Quat::Identity())), inbox),
             Verdict::taken);
   // Another board at that address.

@@ -7,7 +7,7 @@ const SHOWN_MS = 5000;
 /** Bad news stays longer. */
 const BAD_MS = 9000;
 const MOST = 3;
-const BAD_KINDS = /lost|fail|full|error|missing|disk/;
+const BAD_KINDS = /lost|fail|full|error|missing|disk|contested/;
 
 export class Notices {
   readonly element = h("div", { class: "notices", role: "status", "aria-live": "polite" });

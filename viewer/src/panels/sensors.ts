@@ -3,7 +3,7 @@ import type { Actions } from "../actions";
 import { h, KeyedList, setAttribute, setHidden, setText } from "../dom";
 import { fixed, milliseconds, percentage, sensorLabel } from "../format";
 import { healthOf } from "../health";
-import type { Link, UnboundDevice } from "../protocol";
+import type { Link, Rival, UnboundDevice } from "../protocol";
 import type { Session } from "../session";
 import type { ViewState } from "../view_state";
 
@@ -135,12 +135,14 @@ class Detail {
   private readonly facts = h("dl", { class: "facts" });
   private readonly tap = h("button", { type: "button", class: "button" });
   private readonly device = h("select", { "aria-label": "Device at this site" });
+  private readonly senders: Senders;
 
   constructor(
     private readonly session: Session,
     private readonly view: ViewState,
     private readonly actions: Actions,
   ) {
+    this.senders = new Senders(actions);
     this.tap.addEventListener("click", () => {
       if (view.sensor.value) void actions.tap(view.sensor.value);
     });
@@ -151,6 +153,7 @@ class Detail {
     this.element.append(
       h("div", { class: "detail-head" }, this.title, h("button", { type: "button", class: "text-button", text: "Close", onclick: () => view.sensor.set(null) })),
       this.sentence,
+      this.senders.element,
       h("div", { class: "button-row" }, this.tap, this.device),
       this.facts,
     );
@@ -167,9 +170,11 @@ class Detail {
     const waiting = status.tap === link.sensor;
     setText(this.sentence, waiting ? "Waiting: tap the real sensor that sits here, two or three times." : `${capital(health.label)}. ${health.sentence}`);
     setText(this.tap, waiting ? "Stop waiting" : "Tap it to bind it");
+    this.senders.update(link);
     this.fillDevices(link, status.unbound);
     const facts: [string, string][] = [
       ["Device", link.device || "none"],
+      ["Heard from", link.source || "–"],
       ["Clock known to", link.uncertaintyMs === null ? "–" : `±${milliseconds(link.uncertaintyMs)}`],
       ["Heading known to", link.headingSigmaDeg === null ? "–" : `±${fixed(link.headingSigmaDeg, 1)}°`],
       ["Lost", String(link.lost)],
@@ -197,6 +202,46 @@ class Detail {
       ...unbound.map((one) => h("option", { value: one.device, text: one.announces ? `${one.device} (says ${one.announces})` : one.device })),
     );
     this.device.disabled = devices.length === 0;
+  }
+}
+
+/** Who sends as one sensor's device, a row each, where more than one does: who is heard, and a button for the others. */
+class Senders {
+  readonly element = h("div", { class: "senders", hidden: true });
+  private readonly heard = h("strong", { class: "mono" });
+  private readonly rivals: KeyedList<Rival, RivalRow>;
+  private sensor = "";
+
+  constructor(actions: Actions) {
+    const list = h("ul", { class: "sender-list" });
+    const rows = h("ul", { class: "sender-list" }, h("li", { class: "sender" }, h("div", {}, this.heard, h("span", { class: "quiet", text: "heard" }))));
+    this.element.append(rows, list);
+    this.rivals = new KeyedList(list, (one) => one.source, (one) => new RivalRow(one.source, () => void actions.hear(this.sensor, one.source)));
+  }
+
+  update(link: Link): void {
+    this.sensor = link.sensor;
+    setHidden(this.element, link.rivals.length === 0);
+    setText(this.heard, link.source);
+    this.rivals.update(link.rivals);
+  }
+}
+
+class RivalRow {
+  readonly element: HTMLLIElement;
+  private readonly about = h("span", { class: "quiet" });
+
+  constructor(source: string, hear: () => void) {
+    this.element = h(
+      "li",
+      { class: "sender" },
+      h("div", {}, h("strong", { class: "mono", text: source }), this.about),
+      h("button", { type: "button", class: "button small", text: "Hear this one", onclick: hear }),
+    );
+  }
+
+  update(rival: Rival): void {
+    setText(this.about, `not heard, sent ${milliseconds(rival.ageMs)} ago${rival.implausible ? ", behaves as no sensor" : ""}`);
   }
 }
 

@@ -98,6 +98,13 @@ test("every message survives every field being of a wrong kind", () => {
   for (root of samples) spoil(root, []);
 });
 
+test("who sends as a sensor is read, and nobody without an address", () => {
+  const status = read({ type: "status", links: [{ sensor: "a", source: "udp://h:1", rivals: [{ source: "udp://h:2", age_ms: 3, implausible: true }, { source: 7 }, null] }, { sensor: "b", rivals: "x" }] });
+  assert.equal(status.links[0].source, "udp://h:1");
+  assert.deepEqual(status.links[0].rivals, [{ source: "udp://h:2", ageMs: 3, implausible: true }]);
+  assert.deepEqual(status.links[1].rivals, []);
+});
+
 test("a status is read", () => {
   const message = read({
     type: "status", time: 3, frames: 180, missed: 1, latency_ms: { p50: 7, p99: 12, max: 20 },
@@ -108,6 +115,7 @@ test("a status is read", () => {
   });
   assert.equal(message.links[0].loss, 0.1);
   assert.equal(message.links[0].battery, null);
+  assert.deepEqual(message.links[0].rivals, []);
   assert.equal(message.calibration.target[SHAPES.indexOf("mouthSmile_L")], 1);
   assert.equal(message.calibration.steps, 8);
   assert.equal(message.sinks[0].id, 2);
