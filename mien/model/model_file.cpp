@@ -21,6 +21,11 @@ constexpr std::string_view kRidgePrefix = "ridge.";
 constexpr const char* kStandardSkin = "skin.standard";
 constexpr const char* kWearerSkin = "skin.wearer";
 constexpr const char* kWeightCovariance = "skin.weight_covariance";
+constexpr const char* kConfidence = "confidence";
+constexpr const char* kCoverageEdges = "confidence.coverage_edges";
+constexpr const char* kValueEdges = "confidence.value_edges";
+constexpr const char* kExplained = "confidence.explained";
+constexpr const char* kWithin = "confidence.within";
 /// Two whole turns per unit weight, rad.
 constexpr float kMostSlope = 12.6F;
 
@@ -92,6 +97,7 @@ Result<void> check_model(const ModelFile& m, const std::string& where) {
       return differ(fmt::format("the ridge for {} has another size", ridge.profile));
   }
   if (m.skin) MIEN_TRY(check_skin(m, where));
+  if (m.confidence) MIEN_TRY(check(*m.confidence, m.shapes.size(), where));
   if (const auto ok = check_tensors(a, m.network); !ok) return differ(ok.error().what);
   return {};
 }
@@ -131,6 +137,16 @@ void read_metadata(const TensorFile& file, ModelFile& m) {
   m.results = text("results");
 }
 
+/// The table's numbers follow as tensors.
+void read_confidence(const TensorFile& file, ModelFile& m) {
+  const Json confidence = entry(file, kConfidence);
+  if (confidence.is_null()) return;
+  ConfidenceTable& table = m.confidence.emplace();
+  table.measured_from = confidence.at("measured_from").get<float>();
+  table.people = confidence.at("people").get<std::size_t>();
+  table.seed = confidence.at("seed").get<std::uint64_t>();
+}
+
 void read_ridges(const TensorFile& file, ModelFile& m) {
   for (const Json& r : entry(file, "ridge")) {
     RidgeBaseline& ridge = m.ridge.emplace_back();
@@ -166,6 +182,7 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
   try {
     read_metadata(file, m);
     read_ridges(file, m);
+    read_confidence(file, m);
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed,
                 fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
@@ -190,6 +207,12 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
     take(kStandardSkin, m.skin->standard);
     take(kWeightCovariance, m.skin->covariance);
     take(kWearerSkin, m.skin->wearer);
+  }
+  if (m.confidence) {
+    take(kCoverageEdges, m.confidence->coverage_edges);
+    take(kValueEdges, m.confidence->value_edges);
+    take(kExplained, m.confidence->explained);
+    take(kWithin, m.confidence->within);
   }
   if (!by_name.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
@@ -247,6 +270,19 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
     add(kStandardSkin, {rows, shapes}, m.skin->standard);
     add(kWeightCovariance, {shapes, shapes}, m.skin->covariance);
     if (!m.skin->wearer.empty()) add(kWearerSkin, {rows, shapes}, m.skin->wearer);
+  }
+  if (m.confidence) {
+    const ConfidenceTable& table = *m.confidence;
+    const std::size_t shapes = m.shapes.size();
+    file.metadata[kConfidence] = Json{
+        {"tolerance", 0.1},
+        {"measured_from", table.measured_from},
+        {"people", table.people},
+        {"seed", table.seed}}.dump();
+    add(kCoverageEdges, {table.coverage_edges.size()}, table.coverage_edges);
+    add(kValueEdges, {table.value_edges.size()}, table.value_edges);
+    add(kExplained, {shapes, table.coverage_bins()}, table.explained);
+    add(kWithin, {shapes, table.coverage_bins(), table.value_bins()}, table.within);
   }
   return write_safetensors(file);
 }

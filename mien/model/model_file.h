@@ -7,6 +7,7 @@
 
 #include "mien/core/error.h"
 #include "mien/model/architecture.h"
+#include "mien/model/confidence.h"
 #include "mien/model/features.h"
 #include "mien/model/ridge.h"
 #include "mien/model/safetensors.h"
@@ -27,6 +28,9 @@ struct ModelFile {
   /// How skin turns under the sensors; with a wearer's slopes the model is that wearer's
   /// (tracker::personalise). None: the model cannot be personalised.
   std::optional<Skin> skin;
+  /// What its answers are worth. None (older files): nobody measured it, so nothing is called measured and
+  /// no confidence is claimed.
+  std::optional<ConfidenceTable> confidence;
   ScheduleSettings schedule;    ///< This and the sampler: of a window network alone.
   SamplerSettings sampler;      ///< The defaults, chosen on validation.
   std::string rig;              ///< The rig file's text that the sensors come from; may be empty.

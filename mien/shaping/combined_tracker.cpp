@@ -72,6 +72,7 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
     for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
     sources_[i].sensors_present = one.sensors_present;
     sources_[i].frame = &members_[i].frame;
+    sources_[i].calibrated = members_[i].tracker->calibrated_confidence();
   }
   if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
   all.sensors_present = merge_.apply(sources_, out);

@@ -93,6 +93,8 @@ Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
   out.confidence = shape               ? frame.confidence[part]
                    : part == kHeadPart ? frame.head_confidence
                                        : frame.eyes_confidence;
+  out.calibrated = shape && source.calibrated;
+  out.measured = provenance == Provenance::measured;
   return out;
 }
 
@@ -101,7 +103,7 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
   const std::uint8_t present = answers_[part];
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources[s], part);
-    if (vote.known && vote.confidence >= (s == present ? settings_.unsure : settings_.sure)) return s;
+    if (vote.sure(s == present ? settings_.unsure : settings_.sure)) return s;
   }
   const float hysteresis = settings_.sure - settings_.unsure;
   std::uint8_t best = kNobody;

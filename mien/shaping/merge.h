@@ -21,7 +21,8 @@ namespace mien::shaping {
 /// Selection, for each part:
 ///
 /// 1. the first tracker in the region's order that has sensors and a confidence of at least `sure`, or
-///    `unsure` for the present one (hysteresis, MergeSettings);
+///    `unsure` for the present one (hysteresis, MergeSettings); of a calibrated one (Source) that measures
+///    it;
 /// 2. else the most confident one that has sensors; another replaces the present one where it leads by more
 ///    than the hysteresis, sure - unsure;
 /// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
@@ -39,6 +40,10 @@ class Merge {
   struct Source {
     face::OutputFrame* frame = nullptr;  ///< Invalid values are mended (bounds.h), in place.
     std::size_t sensors_present = 0;     ///< This tracker's; 0: not selected.
+    /// Its shapes' confidence is a probability (tracker::Tracker::calibrated_confidence). That falls as a
+    /// weight rises, and a choice that followed it would change hands within a smile: so a shape that it
+    /// calls measured is sure, and one that it predicts is not.
+    bool calibrated = false;
   };
 
   /// `modalities`: names of the sources of every apply, in their order; 1 to kMostSources.
@@ -66,6 +71,13 @@ class Merge {
   struct Vote {
     bool known = false;  // It has sensors and an estimate.
     float confidence = 0;
+    bool calibrated = false;
+    bool measured = false;
+
+    /// Whether it may answer by its place in the order alone. `least`: of a share of sensors.
+    [[nodiscard]] bool sure(float least) const {
+      return known && (calibrated ? measured : confidence >= least);
+    }
   };
   [[nodiscard]] static Vote vote_of(const Source& source, std::size_t part);
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;

@@ -13,6 +13,12 @@ bool seen(face::Provenance provenance) {
   return provenance == face::Provenance::measured || provenance == face::Provenance::interpolated;
 }
 
+/// A lid that sensors tell or let guess, or that is held: whatever a tracker makes of sensors that are there.
+bool followed(face::Provenance provenance) {
+  return seen(provenance) || provenance == face::Provenance::predicted ||
+         provenance == face::Provenance::held;
+}
+
 float within(float value, float least, float most) {
   return std::isfinite(value) ? std::clamp(value, least, most) : 0.0F;
 }
@@ -37,8 +43,7 @@ ArkitFrame arkit_frame(const face::OutputFrame& frame) {
                                            [](face::Provenance p) { return p != face::Provenance::neutral; });
   arkit.eyes_tracked = seen(frame.eyes_provenance);
   for (const std::size_t lid : {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")})
-    arkit.lids_tracked =
-        arkit.lids_tracked || seen(frame.provenance[lid]) || frame.provenance[lid] == face::Provenance::held;
+    arkit.lids_tracked = arkit.lids_tracked || followed(frame.provenance[lid]);
   return arkit;
 }
 

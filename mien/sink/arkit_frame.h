@@ -19,7 +19,7 @@ struct ArkitFrame {
   bool face_tracked = false;  ///< Some weight has another provenance than neutral.
   /// Something looks at the eyes: the provenance of their directions is measured or interpolated.
   bool eyes_tracked = false;
-  /// The same of a lid (eyeBlink), or it is held.
+  /// A lid (eyeBlink) is measured, interpolated, predicted from the sensors that are there, or held.
   bool lids_tracked = false;
 };
 

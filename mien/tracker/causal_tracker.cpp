@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "mien/model/schedule.h"
+
 namespace mien::tracker {
 
 CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network,
@@ -43,8 +45,9 @@ Result<CausalTracker> CausalTracker::create(model::ModelFile file,
 void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame& out) {
   input_.encode(features, condition_);
   network_.step(condition_, state_, answer_);
-  writer_.write(features, input_, answer_, out);
+  std::ranges::transform(answer_, out.weights.values.begin(), model::from_network);
   jitter_filter_.apply(out.weights);
+  writer_.write(features, input_, out);
 }
 
 }  // namespace mien::tracker

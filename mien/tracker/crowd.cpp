@@ -4,6 +4,7 @@
 #include <cassert>
 #include <utility>
 
+#include "mien/model/schedule.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::tracker {
@@ -50,9 +51,10 @@ void Crowd::step_together(std::span<const std::size_t> due, std::span<const mode
   network_.step(std::span(conditions_).first(count * width), std::span(together_).first(count), workspace_,
                 std::span(answers_).first(count * face::kShapeCount));
   for (std::size_t i = 0; i < count; ++i) {
-    writer_.write(features[i], inputs_[i],
-                  std::span(answers_).subspan(i * face::kShapeCount, face::kShapeCount), out[i]);
+    std::ranges::transform(std::span(answers_).subspan(i * face::kShapeCount, face::kShapeCount),
+                           out[i].weights.values.begin(), model::from_network);
     jitter_filters_[due[i]].apply(out[i].weights);
+    writer_.write(features[i], inputs_[i], out[i]);
   }
 }
 

@@ -1,9 +1,7 @@
 #include "mien/tracker/frame_writer.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "mien/model/schedule.h"
 #include "mien/tracker/provenance.h"
 
 namespace mien::tracker {
@@ -36,22 +34,45 @@ std::vector<float> sensor_shares(const model::ModelFile& file) {
 
 }  // namespace
 
-FrameWriter::FrameWriter(const model::ModelFile& file) : shares_(sensor_shares(file)) {}
+FrameWriter::FrameWriter(const model::ModelFile& file)
+    : shares_(sensor_shares(file)), table_(file.confidence) {
+  if (!table_) return;
+  for (std::size_t i = 0; i < table_->explained.size(); ++i) {
+    const bool measured =
+        table_->explained[i] >= table_->measured_from && !is_gaze(i / table_->coverage_bins());
+    provenance_.push_back(measured ? face::Provenance::measured : face::Provenance::predicted);
+  }
+}
 
-void FrameWriter::write(const model::FeatureFrame& features, const ModelInput& input,
-                        std::span<const float> answer, face::OutputFrame& out) const {
-  out = face::OutputFrame{};
-  out.time = features.time;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) out.weights[k] = model::from_network(answer[k]);
+Coverage FrameWriter::coverage(const ModelInput& input) const {
+  Coverage out{};
+  if (input.present_count() == input.sensor_count()) {
+    out.fill(1);  // The sum of all shares may differ from 1 by rounding.
+    return out;
+  }
   for (std::size_t s = 0; s < input.sensor_count(); ++s)
     if (input.present(s))
-      for (std::size_t k = 0; k < face::kShapeCount; ++k)
-        out.confidence[k] += shares_[s * face::kShapeCount + k];
-  const std::size_t present = input.present_count();
-  // The sum of all shares may differ from 1 by rounding.
-  if (present == input.sensor_count()) out.confidence.fill(1);
-  for (float& confidence : out.confidence) confidence = std::min(confidence, 1.0F);
-  set_provenance(present > 0, Gaze::unseen, out);
+      for (std::size_t k = 0; k < face::kShapeCount; ++k) out[k] += shares_[s * face::kShapeCount + k];
+  return out;
+}
+
+void FrameWriter::write(const model::FeatureFrame& features, const ModelInput& input,
+                        face::OutputFrame& out) const {
+  const face::BlendshapeWeights weights = out.weights;
+  out = face::OutputFrame{};
+  out.time = features.time;
+  out.weights = weights;
+  out.provenance.fill(face::Provenance::predicted);
+  if (table_) {
+    const Coverage covered = coverage(input);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      const std::size_t row =
+          k * table_->coverage_bins() + model::confidence_bin(table_->coverage_edges, covered[k]);
+      out.provenance[k] = provenance_[row];
+      out.confidence[k] =
+          table_->within[row * table_->value_bins() + model::confidence_bin(table_->value_edges, weights[k])];
+    }
+  }
   if (features.has_head) {
     out.head = features.head;
     out.head_confidence = 1;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "mien/face/output_frame.h"
@@ -9,14 +10,20 @@ namespace mien::tracker {
 /// Whether any of a tracker's sensors looks at the eyes.
 enum class Gaze : std::uint8_t { unseen, seen };
 
-/// The provenance of all 53 shapes of a tracker's answer: measured while a sensor is there, else predicted.
-/// The eight eyeLook shapes are predicted where nothing looks at the eyes, whatever else is there.
+/// Whether a shape is one of the eight that say where the eyes look: only what looks at the eyes can measure
+/// it.
+[[nodiscard]] inline bool is_gaze(std::size_t shape) {
+  return face::kShapeNames[shape].starts_with("eyeLook");
+}
+
+/// The provenance of all 53 shapes of a tracker's answer that has no table of its shapes (FrameWriter reads
+/// one): measured while a sensor is there, else predicted; gaze as is_gaze() says.
 inline void set_provenance(bool sensor_is_there, Gaze gaze, face::OutputFrame& out) {
   using face::Provenance;
   out.provenance.fill(sensor_is_there ? Provenance::measured : Provenance::predicted);
   if (gaze == Gaze::seen) return;
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    if (face::kShapeNames[k].starts_with("eyeLook")) out.provenance[k] = Provenance::predicted;
+    if (is_gaze(k)) out.provenance[k] = Provenance::predicted;
 }
 
 }  // namespace mien::tracker

@@ -92,6 +92,8 @@ class Tracker {
   virtual ~Tracker() = default;
   /// The kind of its sensors, as rigs name it; what its calibrations are called in a take.
   [[nodiscard]] virtual std::string_view modality() const = 0;
+  /// Whether confidence and provenance of its shapes are measured ones (FrameWriter), not a share of sensors.
+  [[nodiscard]] virtual bool calibrated_confidence() const { return false; }
 
   /// A decoded sample of one of its own sensors as it arrives. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "mien/model/sampler.h"
+#include "mien/tracker/frame_writer.h"
 #include "mien/tracker/model_input.h"
-#include "mien/tracker/provenance.h"
 
 namespace mien::tracker {
 
@@ -31,26 +31,18 @@ Result<std::vector<face::OutputFrame>> WindowSolver::solve(std::span<const model
                 "use a model that was trained for this rig");
   const std::size_t width = file_.features.width();
   std::vector<float> condition(features.size() * width);
-  std::vector<std::size_t> present;
-  for (std::size_t f = 0; f < features.size(); ++f) {
+  for (std::size_t f = 0; f < features.size(); ++f)
     input.encode(features[f], std::span(condition).subspan(f * width, width));
-    present.push_back(input.present_count());
-  }
   MIEN_TRY_ASSIGN(const std::vector<float> weights,
                   model::solve_windows(denoiser_, file_.schedule, condition, settings, progress));
+  const FrameWriter writer(file_);
   std::vector<face::OutputFrame> out(features.size());
   for (std::size_t f = 0; f < features.size(); ++f) {
-    face::OutputFrame& frame = out[f];
-    frame.time = features[f].time;
     std::copy_n(weights.begin() + static_cast<std::ptrdiff_t>(f * face::kShapeCount), face::kShapeCount,
-                frame.weights.values.begin());
-    frame.confidence.fill(static_cast<float>(present[f]) / static_cast<float>(input.sensor_count()));
-    set_provenance(present[f] > 0, Gaze::unseen, frame);
-    if (features[f].has_head) {
-      frame.head = features[f].head;
-      frame.head_confidence = 1;
-      frame.head_provenance = face::Provenance::measured;
-    }
+                out[f].weights.values.begin());
+    // Who is present stands in the input: encoded again, which costs little beside the windows.
+    input.encode(features[f], std::span(condition).first(width));
+    writer.write(features[f], input, out[f]);
   }
   return out;
 }

@@ -24,9 +24,8 @@ class WindowSolver {
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
 
   /// One output frame per frame of features, at 60 Hz. `sensors`: names of the features' entries; sensors of
-  /// the model that are not among them are missing. Provenance: measured where any sensor is present, else
-  /// predicted; confidence: the share of the model's sensors present. Eyes stay neutral. Errors: mismatch (no
-  /// sensor in common), the sampler's.
+  /// the model that are not among them are missing. Provenance, confidence and head: as FrameWriter has
+  /// them. Eyes stay neutral. Errors: mismatch (no sensor in common), the sampler's.
   [[nodiscard]] Result<std::vector<face::OutputFrame>> solve(std::span<const model::FeatureFrame> features,
                                                              const std::vector<std::string>& sensors,
                                                              const model::SamplerSettings& settings,

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mien/face/profile.h"
+#include "mien/study/imu/confidence.h"
 #include "mien/train/assess.h"
 
 namespace mien::train {
@@ -84,6 +85,7 @@ BlendshapeTask::BlendshapeTask(Recipe recipe, study::Dataset training, study::Da
              .mean_pose = mean_pose_of(training_),
              .ridge = {},
              .skin = skin_of(training_),
+             .confidence = {},
              .schedule = recipe_.schedule,
              .sampler = {},
              .rig = std::move(rig),
@@ -141,6 +143,9 @@ Result<std::string> BlendshapeTask::assess(std::span<const model::Tensor> networ
   model_.network.assign(network.begin(), network.end());
   MIEN_TRY_ASSIGN(const Assessment assessment,
                   train::assess(recipe_, training_batches_, validation_batches_, model_, progress));
+  MIEN_TRY_ASSIGN(model_.confidence,
+                  study::measure_confidence(model_, validation_.sensors, study::watched(validation_),
+                                            recipe_.seed, progress, 1));
   return written(assessment).dump();
 }
 

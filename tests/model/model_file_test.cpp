@@ -48,6 +48,71 @@ TEST(ModelFile, ACausalOneRoundTripsWithoutASampler) {
   EXPECT_FALSE(file.metadata.contains("schedule"));
 }
 
+ConfidenceTable small_table(std::size_t shapes) {
+  ConfidenceTable table;
+  table.coverage_edges = {0.5F};
+  table.value_edges = {0.2F, 0.6F};
+  table.measured_from = 0.35F;
+  table.people = 24;
+  table.seed = 2001;
+  for (std::size_t k = 0; k < shapes; ++k) {
+    table.explained.insert(table.explained.end(), {0.25F, 0.75F});
+    table.within.insert(table.within.end(), {0.5F, 0.25F, 0.125F, 1, 0.75F, 0.5F});
+  }
+  return table;
+}
+
+TEST(ModelFile, AConfidenceTableRoundTripsAndAnOlderFileHasNone) {
+  for (ModelFile model : {small_model(), small_causal_model()}) {
+    EXPECT_FALSE(parse_model(*format_model(model), "test")->confidence);
+    model.confidence = small_table(model.shapes.size());
+    const auto bytes = format_model(model);
+    ASSERT_TRUE(bytes) << bytes.error().message();
+    const auto back = parse_model(*bytes, "test");
+    ASSERT_TRUE(back) << back.error().message();
+    EXPECT_EQ(back->confidence, model.confidence);
+    EXPECT_EQ(*format_model(*back), *bytes);
+  }
+}
+
+TEST(ModelFile, RefusesAConfidenceTableThatDoesNotHoldTogether) {
+  const auto refused = [](const auto& spoil) {
+    ModelFile model = small_causal_model();
+    model.confidence = small_table(model.shapes.size());
+    spoil(*model.confidence);
+    const auto bytes = format_model(model);
+    return bytes ? ErrorCode::internal : bytes.error().code;
+  };
+  using Table = ConfidenceTable;
+  const float nan = std::nanf("");
+  EXPECT_EQ(refused([](Table& t) { t.explained.pop_back(); }), ErrorCode::mismatch);
+  EXPECT_EQ(refused([](Table& t) { t.within.push_back(0); }), ErrorCode::mismatch);
+  EXPECT_EQ(refused([](Table& t) { t.coverage_edges = {}; }), ErrorCode::mismatch);
+  EXPECT_EQ(refused([](Table& t) { t.value_edges.assign(kMostConfidenceBins, 0.5F); }),
+            ErrorCode::out_of_range);
+  EXPECT_EQ(refused([](Table& t) { t.value_edges = {0.6F, 0.2F}; }), ErrorCode::out_of_range);
+  EXPECT_EQ(refused([](Table& t) { t.coverage_edges = {0}; }), ErrorCode::out_of_range);
+  EXPECT_EQ(refused([&](Table& t) { t.coverage_edges = {nan}; }), ErrorCode::out_of_range);
+  EXPECT_EQ(refused([](Table& t) { t.within[3] = 1.5F; }), ErrorCode::out_of_range);
+  EXPECT_EQ(refused([&](Table& t) { t.explained[2] = nan; }), ErrorCode::out_of_range);
+  EXPECT_EQ(refused([](Table& t) { t.measured_from = -1; }), ErrorCode::out_of_range);
+  EXPECT_EQ(refused([](Table& t) { t.explained[1] = 0.125F; }), ErrorCode::out_of_range) << "grows with loss";
+}
+
+TEST(ModelFile, RefusesAConfidenceTableHalfThere) {
+  ModelFile model = small_causal_model();
+  model.confidence = small_table(model.shapes.size());
+  TensorFile file = *parse_safetensors(*format_model(model), "test");
+  TensorFile without = file;
+  without.metadata.erase("confidence");
+  EXPECT_EQ(parse_model(write_safetensors(without), "test").error().code, ErrorCode::mismatch);
+  without = file;
+  without.metadata["confidence"] = "{}";
+  EXPECT_EQ(parse_model(write_safetensors(without), "test").error().code, ErrorCode::malformed);
+  std::erase_if(file.tensors, [](const Tensor& t) { return t.name == "confidence.within"; });
+  EXPECT_EQ(parse_model(write_safetensors(file), "test").error().code, ErrorCode::mismatch);
+}
+
 TEST(ModelFile, AWearersSkinRoundTripsAndIsChecked) {
   ModelFile model = small_causal_model();
   model.skin = Skin{.standard = std::vector<float>(18, 0.25F),

@@ -124,6 +124,24 @@ TEST(Merge, WhoIsNotSureGivesWayAndTheMostConfidentFillsIn) {
   EXPECT_EQ(both.answers(kBrow), kEyewear);
 }
 
+TEST(Merge, AMeasuredProbabilityHandsNothingOverWithinASmile) {
+  // The probability of a small error falls with the weight, whoever answers.
+  Merge both({"imu", "eyewear"});
+  OutputFrame imu = measured(0, 0.2F), eyewear = glasses(0, 0.8F);
+  imu.provenance[kJaw] = Provenance::predicted;
+  OutputFrame out;
+  for (int i = 0; i < 60; ++i) {
+    imu.time = eyewear.time = frame_time(i);
+    imu.confidence.fill(i < 30 ? 0.9F : 0.1F);
+    const std::array<Merge::Source, 2> sources = {
+        Merge::Source{.frame = &imu, .sensors_present = 12, .calibrated = true},
+        Merge::Source{.frame = &eyewear, .sensors_present = 20}};
+    both.apply(sources, out);
+    ASSERT_EQ(both.answers(kSmile), kImu) << i;
+    ASSERT_EQ(both.answers(kJaw), kEyewear) << "who predicts a shape is not sure of it: " << i;
+  }
+}
+
 TEST(Merge, AConfidenceAboutTheThresholdDoesNotFlap) {
   Merge both({"imu", "eyewear"});
   Random random(4);

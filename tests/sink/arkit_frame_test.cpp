@@ -51,7 +51,7 @@ TEST(ArkitFrame, SaysWhatIsTracked) {
     frame.eyes_provenance = p;
     frame.provenance[face::shape("eyeBlink_R")] = p;
     EXPECT_EQ(arkit_frame(frame).eyes_tracked, p == measured || p == interpolated);
-    EXPECT_EQ(arkit_frame(frame).lids_tracked, p == measured || p == interpolated || p == held);
+    EXPECT_EQ(arkit_frame(frame).lids_tracked, p != audio && p != neutral);
   }
 }
 

@@ -138,15 +138,16 @@ TEST(CausalTracker, AWearersSkinTakesNoMemoryAndRepeatsItsBits) {
   EXPECT_NE(weights_of(run(other, features)), once);
 }
 
-TEST(CausalTracker, ConfidenceIsTheShareOfTheSensorsThatFeelAShape) {
+TEST(CausalTracker, ConfidenceIsTheTablesForTheSensorsThatFeelAShape) {
   // The ridge of tiny_model() listens to the first sensor alone.
   auto features = test::turning(3);
   features[1].sensors[0] = {};
   features[2].sensors[1] = {};
   auto frames = run(features);
   EXPECT_THAT(frames[1].confidence, Each(0));
-  EXPECT_EQ(frames[1].provenance, test::felt());
+  EXPECT_THAT(frames[1].provenance, Each(face::Provenance::predicted));
   EXPECT_THAT(frames[2].confidence, Each(1));
+  EXPECT_EQ(frames[2].provenance, test::felt());
   // Without a ridge all sensors count alike.
   model::ModelFile file = test::tiny_causal_model(kSensors);
   file.ridge.clear();
@@ -154,6 +155,38 @@ TEST(CausalTracker, ConfidenceIsTheShareOfTheSensorsThatFeelAShape) {
   frames = run(alike, features);
   EXPECT_THAT(frames[1].confidence, Each(0.5F));
   EXPECT_THAT(frames[2].confidence, Each(0.5F));
+  EXPECT_EQ(frames[1].provenance, test::felt());
+}
+
+TEST(CausalTracker, WithoutATableNothingIsMeasuredAndTheWeightsStay) {
+  model::ModelFile file = test::tiny_causal_model(kSensors);
+  file.confidence.reset();
+  CausalTracker tracker = CausalTracker::create(std::move(file), kSensors).value();
+  const auto features = test::turning(20);
+  const auto frames = run(tracker, features);
+  EXPECT_THAT(frames[10].provenance, Each(face::Provenance::predicted));
+  EXPECT_THAT(frames[10].confidence, Each(0));
+  EXPECT_EQ(weights_of(frames), weights_of(run(features)));
+}
+
+TEST(CausalTracker, ShapesAreToldApartByWhatIsExplainedOfEachAndByTheWeightShown) {
+  model::ModelFile file = test::tiny_causal_model(kSensors);
+  model::ConfidenceTable& table = *file.confidence;
+  const std::size_t jaw = face::shape("jawOpen"), gaze = face::shape("eyeLookIn_R");
+  table.value_edges = {0.3F};
+  table.within.clear();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    for (const float within : {0.1F, 0.05F, 0.6F, 0.4F, 0.9F, 0.7F}) table.within.push_back(within);
+  for (std::size_t c = 0; c < table.coverage_bins(); ++c)
+    table.explained[jaw * table.coverage_bins() + c] = 0.49F;
+  CausalTracker tracker = CausalTracker::create(std::move(file), kSensors).value();
+  for (const face::OutputFrame& frame : run(tracker, test::turning(60))) {
+    EXPECT_EQ(frame.provenance[jaw], face::Provenance::predicted);
+    EXPECT_EQ(frame.provenance[gaze], face::Provenance::predicted) << "all of it explained, and no eye seen";
+    EXPECT_EQ(frame.provenance[face::shape("mouthPucker")], face::Provenance::measured);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      EXPECT_EQ(frame.confidence[k], frame.weights[k] >= 0.3F ? 0.7F : 0.9F);
+  }
 }
 
 TEST(CausalTracker, SaysWhenItFeltNothing) {

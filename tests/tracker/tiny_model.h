@@ -11,6 +11,19 @@
 
 namespace mien::tracker::test {
 
+/// A table that says of every shape how much of it is covered: nothing, half or all; measured from half on.
+inline model::ConfidenceTable coverage_as_confidence() {
+  model::ConfidenceTable table;
+  table.coverage_edges = {0.25F, 0.75F};
+  table.measured_from = 0.5F;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    for (const float share : {0.0F, 0.5F, 1.0F}) {
+      table.explained.push_back(share);
+      table.within.push_back(share);
+    }
+  return table;
+}
+
 /// A whole model of the 53 shapes around a random network: quick, and it answers differently to different
 /// input, which is all that tests of the way through the program need.
 inline model::ModelFile tiny_model(std::vector<std::string> sensors, std::uint64_t seed = 1) {
@@ -43,6 +56,7 @@ inline model::ModelFile tiny_model(std::vector<std::string> sensors, std::uint64
       ridge.matrix[k * (ridge.condition + 1) + ridge.condition] = profile[0] == 'l' ? 0.25F : 0.5F;
     }
   }
+  model.confidence = coverage_as_confidence();
   model.sampler = {.kind = model::SamplerKind::ddim, .steps = 2, .seed = 7};
   model.recipe = "seed = 1\n";
   model.results = "{}";

@@ -81,8 +81,8 @@ Answer answer(const std::vector<model::FeatureFrame>& features, tracker::CausalT
     const auto sound = [](float w) { return w >= 0 && w <= 1; };  // What is not finite is neither.
     if (!std::ranges::all_of(frame.weights.values, sound)) ++outcome.unsound;
     const auto observed = std::ranges::count_if(feature.sensors, &model::SensorFeature::has_rotation);
-    const bool measured = frame.provenance.front() == face::Provenance::measured;
-    if (measured ? observed == 0 : observed == std::ssize(feature.sensors)) ++outcome.mistold;
+    const bool measured = std::ranges::count(frame.provenance, face::Provenance::measured) > 0;
+    if (measured && observed == 0) ++outcome.mistold;
     shaper.apply(frame, static_cast<std::size_t>(observed));
     out.shown.push_back(frame.weights);
   }

@@ -45,7 +45,8 @@ struct LossRow {
   double largest_step = 0;
   double truth_step = 0;
   std::size_t unsound = 0;  ///< Frames with a weight that is not finite or outside [0, 1]; of all frames.
-  /// Frames that say "measured" where no sensor had a rotation, or not where all had; of all frames.
+  /// Frames that say "measured" of any shape where no sensor had a rotation; of all frames. How true it is
+  /// where some had: study_confidence().
   std::size_t mistold = 0;
   std::vector<double> performance_mse;  ///< Of each, in their order.
 };

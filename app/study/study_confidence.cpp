@@ -1,0 +1,165 @@
+#include "app/study/study_confidence.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "app/json_output.h"
+#include "app/performance.h"
+#include "app/seed_option.h"
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/confidence.h"
+#include "mien/study/imu/confidence_report.h"
+
+namespace mien::app {
+namespace {
+
+/// People on whom tables are measured, from this seed on: no training draws from it, and no study reports it.
+constexpr std::uint64_t kMeasuredOn = 2001;
+
+struct StudyConfidenceOptions {
+  std::string model;
+  std::string rig;
+  std::vector<std::string> motions;
+  std::string write;
+  std::string out;
+  int performers = 24;
+  double seconds = 60;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+Json to_json(const study::Reliability& reliability) {
+  Json bins = Json::array();
+  for (const study::Reliability::Bin& bin : reliability.bins())
+    if (bin.frames > 0)
+      bins.push_back({{"frames", bin.frames},
+                      {"confidence", bin.confidence / bin.frames},
+                      {"within", bin.within / bin.frames}});
+  return {{"expected_calibration_error", reliability.expected_error()}, {"bins", bins}};
+}
+
+Json to_json(const study::ConfidenceRow& row) {
+  return {{"who", row.who},
+          {"lost", row.lost},
+          {"people", row.people},
+          {"frames", row.frames},
+          {"measured", row.measured},
+          {"gaze_measured", row.gaze_measured},
+          {"correlations", row.followed.pairs},
+          {"correlations_kept", row.followed.share()},
+          {"all", to_json(row.all)},
+          {"moving", to_json(row.moving)},
+          {"before",
+           {{"correlations", row.followed_before.pairs},
+            {"correlations_kept", row.followed_before.share()},
+            {"all", to_json(row.all_before)}}},
+          {"kept", study::kept(row)}};
+}
+
+Json shapes_json(const model::ConfidenceTable& table) {
+  Json out = Json::object();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    out[std::string(face::kShapeNames[k])] =
+        table.explained[k * table.coverage_bins() + table.coverage_bins() - 1];
+  return out;
+}
+
+/// Measures the model's table anew and writes the model with it.
+Result<void> write_table(const StudyConfidenceOptions& options, const sensor::Rig& rig,
+                         model::ModelFile& model) {
+  MIEN_TRY_ASSIGN(const std::vector<study::WatchedPerson> people,
+                  study::watch_virtual(options.performers, options.seconds, kMeasuredOn, rig,
+                                       terminal_progress("people to measure on"), 0));
+  MIEN_TRY_ASSIGN(model.confidence,
+                  study::measure_confidence(model, rig.face_sensor_names(), people, kMeasuredOn,
+                                            terminal_progress("confidence"), 0));
+  return model::write_model(options.write, model);
+}
+
+Result<std::vector<study::WatchedGroup>> watch(const StudyConfidenceOptions& options,
+                                               const sensor::Rig& rig) {
+  std::vector<study::WatchedGroup> groups;
+  MIEN_TRY_ASSIGN(std::vector<study::WatchedPerson> people,
+                  study::watch_virtual(options.performers, options.seconds, options.seed + kMeasuredOn + 1,
+                                       rig, terminal_progress("people"), 0));
+  groups.push_back({fmt::format("{} virtual people", options.performers), std::move(people)});
+  for (std::size_t m = 0; m < options.motions.size(); ++m) {
+    MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motions[m]));
+    MIEN_TRY_ASSIGN(study::WatchedPerson person,
+                    study::watch_recorded(performance.motion, builtin_face::make_builtin(), rig,
+                                          Random(options.seed).fork("recorded", m)));
+    study::WatchedGroup& group = groups.emplace_back();
+    group.who = std::filesystem::path(options.motions[m]).stem().string();
+    group.people.push_back(std::move(person));
+  }
+  return groups;
+}
+
+Result<void> run_study_confidence(StudyConfidenceOptions options) {
+  if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
+  if (!options.write.empty()) MIEN_TRY(check_output(options.write, {".safetensors"}));
+  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  MIEN_TRY_ASSIGN(model::ModelFile model, model::read_model(options.model));
+  if (!options.write.empty()) MIEN_TRY(write_table(options, rig, model));
+  if (!model.confidence)
+    return fail(ErrorCode::not_found, "the model has no confidence table", options.model,
+                "measure it with --write");
+  MIEN_TRY_ASSIGN(const std::vector<study::WatchedGroup> groups, watch(options, rig));
+  MIEN_TRY_ASSIGN(const std::vector<study::ConfidenceRow> rows,
+                  study::study_confidence(model, rig.face_sensor_names(), groups, options.seed,
+                                          terminal_progress("confidence"), 0));
+  clear_progress();
+  const std::string subtitle = fmt::format(
+      "model {}, seed {}", std::filesystem::path(options.model).filename().string(), options.seed);
+  const measure::Report report = study::confidence_report(rows, *model.confidence, subtitle);
+  if (!options.out.empty()) MIEN_TRY(report.write(options.out));
+  if (options.json) {
+    Json all = Json::array();
+    for (const study::ConfidenceRow& row : rows) all.push_back(to_json(row));
+    print_json({{"model", options.model},
+                {"rig", rig.name},
+                {"seed", options.seed},
+                {"measured_from", model.confidence->measured_from},
+                {"explained", shapes_json(*model.confidence)},
+                {"rows", all}});
+    return {};
+  }
+  fmt::print("How true the confidence is: {}\n\n{}", subtitle,
+             measure::plain_text(study::confidence_table(rows)));
+  if (!options.out.empty()) fmt::print("report: {}\n", options.out);
+  if (!options.write.empty()) fmt::print("model with its table: {}\n", options.write);
+  return {};
+}
+
+}  // namespace
+
+void add_study_confidence(Commands& commands, Command study) {
+  auto options = std::make_shared<StudyConfidenceOptions>();
+  const Command command = commands.add_under(
+      study, "confidence", "How true a model's provenance and confidence are, on people it never saw",
+      "mien study confidence --out confidence.html", [options] { return run_study_confidence(*options); });
+  command.add_option("--model", options->model,
+                     "Model of facial IMUs, live or not (default: models/live.safetensors)");
+  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  command.add_option("--performers", options->performers, "Virtual people").in_range(1, 10000).show_default();
+  command.add_option("--seconds", options->seconds, "Length of each one's performance")
+      .number_between(1.0, 3600.0)
+      .show_default();
+  command.add_option("--motion", options->motions,
+                     "These as well, on the built-in face: Live Link Face CSVs, or takes with truth");
+  add_seed_option(command, options->seed, "Of the people, their devices and the sensors that are lost");
+  command.add_option("--write", options->write,
+                     "Measure the model's table anew first, on people of their own, and write the model so");
+  command.add_option("--out", options->out,
+                     "Write a self-contained HTML page with the reliability diagram and the tables");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/profile.h"
+#include "mien/model/confidence.h"
+#include "mien/model/model_file.h"
+#include "mien/study/imu/watched_person.h"
+
+namespace mien::study {
+
+/// Measures what a model is worth: its answers to people it was not trained on, each with all sensors and
+/// six times with some lost, from one to all of them. The same people and seed give the same table, on any
+/// number of threads (0: one a core). `sensors`: names of the features' entries. Errors: not_found (nobody),
+/// the tracker's; cancelled. Cost: a causal model's about a second of one core a person and minute.
+[[nodiscard]] Result<model::ConfidenceTable> measure_confidence(const model::ModelFile& model,
+                                                                const std::vector<std::string>& sensors,
+                                                                const std::vector<WatchedPerson>& people,
+                                                                std::uint64_t seed, const Progress& progress,
+                                                                unsigned threads);
+
+/// How true the confidence of many frames and shapes is.
+class Reliability {
+ public:
+  static constexpr std::size_t kBins = 10;
+  struct Bin {
+    double frames = 0, confidence = 0, within = 0;  ///< Sums.
+  };
+
+  /// `within`: whether the error was at most model::kConfidenceTolerance.
+  void add(float confidence, bool within);
+  void add(const Reliability& other);
+  /// Expected calibration error: the mean distance between confidence and what came true, over bins of a
+  /// tenth, each by its frames. 0 for no frames.
+  [[nodiscard]] double expected_error() const;
+  [[nodiscard]] const std::array<Bin, kBins>& bins() const { return bins_; }
+
+ private:
+  std::array<Bin, kBins> bins_{};
+};
+
+/// How well shapes that are called measured follow the truth: of one person and shape each, where the truth
+/// moves (Correlation::speaks).
+struct Followed {
+  std::size_t pairs = 0;
+  std::size_t good = 0;  ///< Of correlation kMeasuredCorrelation or more.
+  [[nodiscard]] double share() const {
+    return pairs > 0 ? static_cast<double>(good) / static_cast<double>(pairs) : 1;
+  }
+};
+
+/// One set of people under one loss of sensors.
+struct ConfidenceRow {
+  std::string who;
+  std::size_t lost = 0;  ///< Sensors, drawn for each person.
+  std::size_t people = 0;
+  std::size_t frames = 0;
+  double measured = 0;            ///< Share of frames and shapes that are called measured.
+  std::size_t gaze_measured = 0;  ///< Of gaze: frames and shapes. None, where nothing is untrue.
+  Followed followed;
+  Reliability all;
+  Reliability moving;  ///< Where the estimate is above model::kConfidenceTolerance: no shape at rest.
+  /// The baseline: what was said before there was a table. Everything but gaze measured while a sensor is
+  /// there, and the coverage as confidence.
+  Followed followed_before;
+  Reliability all_before;
+};
+
+/// What is promised of people that the table was not measured on.
+inline constexpr double kErrorAllowed = 0.05;
+
+/// Of each set of people, beside its name.
+struct WatchedGroup {
+  std::string who;
+  std::vector<WatchedPerson> people;
+};
+
+/// Every group with all sensors, without one, three and six. Errors and cost as measure_confidence().
+[[nodiscard]] Result<std::vector<ConfidenceRow>> study_confidence(const model::ModelFile& model,
+                                                                  const std::vector<std::string>& sensors,
+                                                                  const std::vector<WatchedGroup>& groups,
+                                                                  std::uint64_t seed,
+                                                                  const Progress& progress, unsigned threads);
+
+/// Whether the row keeps what is promised: calibration, correlation, gaze.
+[[nodiscard]] bool kept(const ConfidenceRow& row);
+
+}  // namespace mien::study

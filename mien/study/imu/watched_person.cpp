@@ -1,0 +1,104 @@
+#include "mien/study/imu/watched_person.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include "mien/study/imu/make_dataset.h"
+#include "mien/study/imu/trace_features.h"
+#include "mien/tracker/causal_tracker.h"
+#include "mien/tracker/window_solver.h"
+
+namespace mien::study {
+namespace {
+
+WatchedPerson watched(const Sequence& sequence, std::size_t sensors) {
+  WatchedPerson out;
+  for (std::size_t f = 0; f < sequence.frames; ++f) {
+    model::FeatureFrame& frame = out.features.emplace_back();
+    frame.time = DeviceTime(frame_offset(static_cast<std::int64_t>(f)));
+    frame.sensors.resize(sensors);
+    const float* values = sequence.values.data() + f * 7 * sensors;
+    const std::uint8_t* present = sequence.present.data() + f * 2 * sensors;
+    for (std::size_t s = 0; s < sensors; ++s) {
+      model::SensorFeature& sensor = frame.sensors[s];
+      sensor.accel_m_s2 = {values[7 * s], values[7 * s + 1], values[7 * s + 2]};
+      std::copy_n(values + 7 * s + 3, 4, sensor.rotation.begin());
+      sensor.has_rotation = present[s] != 0;
+      sensor.has_accel = present[sensors + s] != 0;
+    }
+    std::copy_n(sequence.weights.begin() + static_cast<std::ptrdiff_t>(f * face::kShapeCount),
+                face::kShapeCount, out.truth.emplace_back().values.begin());
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<WatchedPerson> watched(const Dataset& data) {
+  const bool device = std::ranges::any_of(data.sequences, [](const Sequence& s) { return !s.lab; });
+  std::vector<WatchedPerson> out;
+  for (const Sequence& sequence : data.sequences)
+    if (sequence.lab != device) out.push_back(watched(sequence, data.sensors.size()));
+  return out;
+}
+
+Result<std::vector<WatchedPerson>> watch_virtual(int people, double seconds, std::uint64_t seed,
+                                                 const sensor::Rig& rig, const Progress& progress,
+                                                 unsigned threads) {
+  DataRecipe recipe;
+  recipe.seed = seed;
+  recipe.performers = people;
+  recipe.validation_performers = 0;
+  recipe.seconds = 0;
+  recipe.device_seconds = seconds;
+  MIEN_TRY_ASSIGN(const TrainingData data, make_dataset(recipe, "builtin", rig, progress, threads));
+  return watched(data.train);
+}
+
+Result<WatchedPerson> watch_recorded(const face::Motion& motion, const face::Face& face,
+                                     const sensor::Rig& rig, const Random& random) {
+  MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
+  MIEN_TRY_ASSIGN(const Performance played, perform_with({.faults = faults}, face, motion, rig, random));
+  const virt::VirtualSession& session = played.session;
+  MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,
+                  trace_features(rig, session.events, session.entries, session.ticks));
+  WatchedPerson out;
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    const take::TruthFrame& truth = session.truth[f];
+    if (!truth.evaluated || !truth.has_face) continue;
+    out.features.push_back(std::move(features[f]));
+    face::BlendshapeWeights& weights = out.truth.emplace_back();
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) weights[k] = std::clamp(truth.weights[k], 0.0F, 1.0F);
+  }
+  return out;
+}
+
+std::vector<model::FeatureFrame> without_sensors(std::span<const model::FeatureFrame> features,
+                                                 std::size_t lost, Random random) {
+  std::vector<model::FeatureFrame> out(features.begin(), features.end());
+  if (out.empty()) return out;
+  std::vector<std::size_t> order(out.front().sensors.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  for (std::size_t i = 0; i < std::min(lost, order.size()); ++i) {
+    std::swap(order[i], order[i + random.below(order.size() - i)]);
+    for (model::FeatureFrame& frame : out) frame.sensors[order[i]] = {};
+  }
+  return out;
+}
+
+Result<std::vector<face::OutputFrame>> answer(const model::ModelFile& model,
+                                              const std::vector<std::string>& sensors,
+                                              std::span<const model::FeatureFrame> features) {
+  if (model.architecture.kind == model::NetworkKind::window) {
+    MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, tracker::WindowSolver::create(model));
+    return solver.solve(features, sensors, model.sampler, no_progress);
+  }
+  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker, tracker::CausalTracker::create(model, sensors));
+  std::vector<face::OutputFrame> out(features.size());
+  for (std::size_t f = 0; f < features.size(); ++f) tracker.step(features[f], out[f]);
+  return out;
+}
+
+}  // namespace mien::study

@@ -1,0 +1,153 @@
+#include "mien/study/imu/confidence.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/core/random.h"
+#include "mien/study/imu/confidence_fit.h"
+#include "tests/tracker/tiny_model.h"
+#include "tests/tracker/turning_sensors.h"
+
+namespace mien::study::confidence_test {
+namespace {
+
+/// Weights that come and go, and a tracker whose error grows with the weight and as coverage shrinks.
+struct KnownTracker {
+  explicit KnownTracker(std::uint64_t seed) : random(seed) {}
+
+  template <typename Use>
+  void play(std::size_t frames, float coverage, const Use& use) {
+    for (std::size_t f = 0; f < frames; ++f)
+      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+        const double phase = 0.05 * static_cast<double>(f) + static_cast<double>(k);
+        const double truth = std::max(0.0, std::sin(phase)) * 0.8;
+        const double sigma = 0.03 + 0.2 * truth + 0.3 * (1 - static_cast<double>(coverage));
+        use(k, std::clamp(truth + sigma * random.normal(), 0.0, 1.0), truth);
+      }
+  }
+  Random random;
+};
+
+model::ConfidenceTable known_table() {
+  ConfidenceFit fit;
+  KnownTracker tracker(1);
+  for (const float coverage : {1.0F, 0.6F, 0.0F}) {
+    tracker.play(40000, coverage, [&](std::size_t k, double estimate, double truth) {
+      fit.add(k, coverage, static_cast<float>(estimate), static_cast<float>(truth));
+    });
+    fit.end_person();
+  }
+  return fit.table();
+}
+
+float confidence_of(const model::ConfidenceTable& table, std::size_t k, float coverage, float value) {
+  const std::size_t row = k * table.coverage_bins() + model::confidence_bin(table.coverage_edges, coverage);
+  return table.within[row * table.value_bins() + model::confidence_bin(table.value_edges, value)];
+}
+
+TEST(ConfidenceFit, ATrackerOfKnownErrorIsCalibratedOnNewDraws) {
+  const model::ConfidenceTable table = known_table();
+  ASSERT_TRUE(model::check(table, face::kShapeCount, "test"));
+  for (const float coverage : {1.0F, 0.6F, 0.0F}) {
+    Reliability told, always;
+    KnownTracker(2).play(6000, coverage, [&](std::size_t k, double estimate, double truth) {
+      const bool within = std::abs(estimate - truth) <= 0.1;
+      told.add(confidence_of(table, k, coverage, static_cast<float>(estimate)), within);
+      always.add(coverage, within);
+    });
+    // What is left is the prior: cells are drawn towards coverages at which this tracker is far worse.
+    EXPECT_LT(told.expected_error(), 0.03) << coverage;
+    EXPECT_GT(always.expected_error(), 0.05) << "coverage is no probability: " << coverage;
+  }
+}
+
+TEST(ConfidenceFit, ExplainsLessWithLessCoverage) {
+  const model::ConfidenceTable table = known_table();
+  const std::size_t bins = table.coverage_bins();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    EXPECT_GT(table.explained[k * bins + bins - 1], 0.8);
+    EXPECT_LT(table.explained[k * bins], 0.5);
+    EXPECT_TRUE(std::is_sorted(table.explained.begin() + static_cast<std::ptrdiff_t>(k * bins),
+                               table.explained.begin() + static_cast<std::ptrdiff_t>((k + 1) * bins)));
+  }
+}
+
+TEST(ConfidenceFit, TheThresholdLeavesOutShapesThatDoNotFollow) {
+  // Every other shape is noise around its mean: it explains nothing, and correlates with nothing.
+  ConfidenceFit fit;
+  Random random(3);
+  for (int person = 0; person < 4; ++person) {
+    KnownTracker(static_cast<std::uint64_t>(person))
+        .play(1200, 1, [&](std::size_t k, double estimate, double truth) {
+          const double answer = k % 2 == 0 ? estimate : std::clamp(0.3 + 0.1 * random.normal(), 0.0, 1.0);
+          fit.add(k, 1, static_cast<float>(answer), static_cast<float>(truth));
+        });
+    fit.end_person();
+  }
+  const model::ConfidenceTable table = fit.table();
+  const std::size_t bins = table.coverage_bins();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    EXPECT_EQ(table.explained[k * bins + bins - 1] >= table.measured_from, k % 2 == 0) << k;
+}
+
+TEST(ConfidenceFit, WithoutACorrelationNothingIsMeasured) {
+  ConfidenceFit fit;
+  for (int i = 0; i < 10; ++i) fit.add(0, 1, 0.5F, 0.5F);
+  fit.end_person();
+  EXPECT_EQ(fit.table().measured_from, 1);
+}
+
+TEST(Reliability, IsTheMeanDistanceOfSaidAndTrue) {
+  Reliability one;
+  EXPECT_EQ(one.expected_error(), 0);
+  for (int i = 0; i < 10; ++i) one.add(0.75F, i < 5);  // A quarter too sure.
+  for (int i = 0; i < 30; ++i) one.add(1, true);
+  EXPECT_NEAR(one.expected_error(), 0.25 * 10 / 40, 1e-6);
+  Reliability two;
+  two.add(one);
+  EXPECT_EQ(two.expected_error(), one.expected_error());
+}
+
+WatchedPerson someone() {
+  WatchedPerson out;
+  out.features = tracker::test::turning(700);
+  out.truth.resize(700);
+  for (std::size_t f = 0; f < out.truth.size(); ++f)
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      out.truth[f][k] = static_cast<float>(0.5 + 0.4 * std::sin(0.1 * static_cast<double>(f + k)));
+  return out;
+}
+
+TEST(MeasureConfidence, IsTheSameOnAnyNumberOfThreadsAndFitsTheModel) {
+  const std::vector<std::string> sensors = {"mentalis", "buccinator_L"};
+  const std::vector<WatchedPerson> people = {someone(), someone(), someone()};
+  for (model::ModelFile model :
+       {tracker::test::tiny_causal_model(sensors), tracker::test::tiny_model(sensors)}) {
+    const auto one = measure_confidence(model, sensors, people, 5, no_progress, 1);
+    ASSERT_TRUE(one) << one.error().message();
+    EXPECT_EQ(one->people, 3U);
+    EXPECT_EQ(*one, measure_confidence(model, sensors, people, 5, no_progress, 2).value());
+    model.confidence = *one;
+    EXPECT_TRUE(model::format_model(model));
+    const auto rows = study_confidence(model, sensors, {{"people", people}}, 6, no_progress, 1);
+    ASSERT_TRUE(rows) << rows.error().message();
+    for (const ConfidenceRow& row : *rows) EXPECT_EQ(row.gaze_measured, 0U);
+  }
+  EXPECT_EQ(measure_confidence(tracker::test::tiny_causal_model(sensors), sensors, {}, 5, no_progress, 1)
+                .error()
+                .code,
+            ErrorCode::not_found);
+}
+
+TEST(WithoutSensors, SoManyAreSilentThroughout) {
+  const auto features = tracker::test::turning(5, 4);
+  for (const std::size_t lost : {0U, 1U, 3U, 9U})
+    for (const model::FeatureFrame& frame : without_sensors(features, lost, Random(1)))
+      EXPECT_EQ(std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation),
+                static_cast<std::ptrdiff_t>(4 - std::min<std::size_t>(lost, 4)));
+}
+
+}  // namespace
+}  // namespace mien::study::confidence_test
