@@ -102,8 +102,8 @@ TEST(OtherReaders, ReadVmc) {
 
 TEST(OtherReaders, ReadVrchat) {
   MIEN_SKIP_WITHOUT_NPM();
-  // A float, two bits and a sign for each parameter but gaze's six, which nothing measures here; three states; the
-  // eyes are closed by so much.
+  // A float, two bits and a sign for each parameter but gaze's six, which nothing measures here; three
+  // states; the eyes are closed by so much.
   const std::size_t count = 4 * (unified_parameters().size() - 6) + 3 + 1;
   Reader reader(std::to_string(count).insert(0, "osc "));
   const Json port = reader.line();
