@@ -9,6 +9,7 @@
 
 #include "app/bench/clock.h"
 #include "mien/core/bytes.h"
+#include "mien/core/units.h"
 #include "mien/imu/packets/node_message.h"
 #include "mien/imu/packets/packet.h"
 #include "mien/imu/packets/slimevr.h"
@@ -26,7 +27,6 @@ using Bytes = std::vector<std::byte>;
 constexpr int kSamples = 4;  // A packet, as our nodes send them.
 constexpr double kSampleRateHz = 240;
 constexpr double kPacketRateHz = kSampleRateHz / kSamples;
-constexpr double kGravity_m_s2 = 9.81;
 /// Of a forged clock, so that forged jumps back stay above zero.
 constexpr double kClockBegins_s = 1000;
 
@@ -80,7 +80,7 @@ imu::Packet forged_packet(std::uint64_t device, Content content, DeviceTime time
       packet.values[i][axis] = static_cast<float>(random.normal(0, gyro));
       packet.values[i][3 + axis] = static_cast<float>(random.normal(0, accel));
     }
-    if (content == Content::still) packet.values[i][4] += static_cast<float>(kGravity_m_s2);
+    if (content == Content::still) packet.values[i][4] += static_cast<float>(kStandardGravity_m_s2);
   }
   return packet;
 }
@@ -161,7 +161,7 @@ class Mutator final : public Speech {
 
 class Junk final : public Speech {
  public:
-  explicit Junk(Random random) : random_(random) {}
+  Junk(const Victims&, Random random) : random_(random) {}
   Bytes next(double, std::size_t) override {
     Bytes bytes(random_.below(256));
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random_.below(256));
@@ -175,6 +175,7 @@ class Junk final : public Speech {
 /// A motion capture server on each socket.
 class MarkerServers final : public Speech {
  public:
+  MarkerServers(const Victims&, Random) {}
   Bytes next(double time_s, std::size_t socket) override {
     mocap::MarkerPositionsPacket packet;
     packet.device = 0x0200'0000'0000ULL + socket;
@@ -192,13 +193,14 @@ class MarkerServers final : public Speech {
 /// A board that nobody knows on each socket, which says that it is there and nothing else.
 class UnknownBoards final : public Speech {
  public:
+  UnknownBoards(const Victims&, Random) {}
   Bytes next(double, std::size_t socket) override { return hello(0x0200'0000'0000ULL + socket, {}); }
 };
 
 /// Boards with SlimeVR's firmware and the numbers of the rig's own: handshakes and rotations.
 class SlimeVrBoards final : public Speech {
  public:
-  explicit SlimeVrBoards(const Victims& victims) : said_(victims.rig.sensors.size()) {}
+  SlimeVrBoards(const Victims& victims, Random) : said_(victims.rig.sensors.size()) {}
   Bytes next(double, std::size_t socket) override {
     namespace slimevr = imu::slimevr;
     const std::size_t sensor = socket % said_.size();
@@ -215,6 +217,11 @@ class SlimeVrBoards final : public Speech {
   std::vector<std::uint64_t> said_;
 };
 
+template <class Its>
+std::unique_ptr<Speech> speech(const Victims& victims, Random random) {
+  return std::make_unique<Its>(victims, random);
+}
+
 template <Impostor::Manner kManner>
 std::unique_ptr<Speech> impostor(const Victims& victims, Random random) {
   return std::make_unique<Impostor>(victims, random, kManner);
@@ -227,21 +234,13 @@ constexpr double kTwelve_hz = 12 * kPacketRateHz;
 
 const std::array kAttacks = {
     Attack{"mutated", "what the devices sent, with something wrong in it", Begins::second, 5000, 4, 3,
-           [](const Victims& v, Random r) -> std::unique_ptr<Speech> {
-             return std::make_unique<Mutator>(v, r);
-           }},
-    Attack{"replayed", "what the devices sent, again", Begins::second, kTwelve_hz, 1, 12,
-           [](const Victims& v, Random r) -> std::unique_ptr<Speech> {
-             return std::make_unique<Replayer>(v, r);
-           }},
-    Attack{"junk", "random bytes from a hundred addresses", Begins::second, 50'000, 100, 1,
-           [](const Victims&, Random r) -> std::unique_ptr<Speech> { return std::make_unique<Junk>(r); }},
-    Attack{
-        "markers", "well-formed marker packets from a hundred addresses", Begins::second, 9000, 100, 1,
-        [](const Victims&, Random) -> std::unique_ptr<Speech> { return std::make_unique<MarkerServers>(); }},
-    Attack{
-        "table", "hellos of unknown boards from 300 ports", Begins::first, 600, 1, 300,
-        [](const Victims&, Random) -> std::unique_ptr<Speech> { return std::make_unique<UnknownBoards>(); }},
+           speech<Mutator>},
+    Attack{"replayed", "what the devices sent, again", Begins::second, kTwelve_hz, 1, 12, speech<Replayer>},
+    Attack{"junk", "random bytes from a hundred addresses", Begins::second, 50'000, 100, 1, speech<Junk>},
+    Attack{"markers", "well-formed marker packets from a hundred addresses", Begins::second, 9000, 100, 1,
+           speech<MarkerServers>},
+    Attack{"table", "hellos of unknown boards from 300 ports", Begins::first, 600, 1, 300,
+           speech<UnknownBoards>},
     Attack{"noise-first", "noise as all boards", Begins::first, kTwelve_hz, 1, 12,
            impostor<Impostor::Manner{.content = Content::noise}>},
     Attack{"noise-second", "noise as all boards", Begins::second, kTwelve_hz, 1, 12,
@@ -257,18 +256,14 @@ const std::array kAttacks = {
     Attack{"restart", "restarts of all boards, announced at one another's sites", Begins::second, kTwelve_hz,
            1, 12, impostor<Impostor::Manner{.clock = ForgedClock::restarts, .rebinds = true}>},
     Attack{"slimevr", "SlimeVR's handshakes and rotations with the boards' numbers", Begins::second,
-           kTwelve_hz, 1, 12,
-           [](const Victims& v,
-              Random) -> std::unique_ptr<Speech> { return std::make_unique<SlimeVrBoards>(v); }},
+           kTwelve_hz, 1, 12, speech<SlimeVrBoards>},
     Attack{.name = "slimevr-boards",
            .does = "the same, where the devices are SlimeVR boards themselves",
            .begins = Begins::second,
            .rate_hz = kTwelve_hz,
            .addresses = 1,
            .sockets = 12,
-           .speech = [](const Victims& v, Random) -> std::unique_ptr<Speech> {
-             return std::make_unique<SlimeVrBoards>(v);
-           },
+           .speech = speech<SlimeVrBoards>,
            .devices = virt::NodeLanguage::slimevr},
     Attack{"sensor-second", "boards on a table as all boards", Begins::second, kTwelve_hz, 1, 12,
            impostor<Impostor::Manner{}>},

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+
+#include "mien/core/median.h"
 
 namespace mien::app {
 namespace {
@@ -18,16 +21,10 @@ constexpr double kMostAdded = 1;
 /// of 4), with what the allocator keeps beside them.
 constexpr double kMostMemory_mb = 40;
 
-double middle_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[values.size() / 2];
-}
-
 double median_of(const std::vector<AttackFigures>& runs, double AttackFigures::*figure) {
   std::vector<double> values;
   for (const AttackFigures& run : runs) values.push_back(run.*figure);
-  return middle_of(std::move(values));
+  return values.empty() ? 0 : upper_median(std::move(values));
 }
 
 double largest_of(const std::vector<AttackFigures>& runs, double AttackFigures::*figure) {
@@ -51,7 +48,7 @@ AttackFigures median(const std::vector<AttackFigures>& runs) {
   for (double F::*figure : {&F::frames, &F::missed, &F::added, &F::p50_ms, &F::p99_ms, &F::peak_memory_mb,
                             &F::dropped, &F::evicted, &F::malformed, &F::heard, &F::strangers, &F::sent})
     out.*figure = median_of(runs, figure);
-  if (const auto errors = errors_of(runs); !errors.empty()) out.pve_mm = middle_of(errors);
+  if (auto errors = errors_of(runs); !errors.empty()) out.pve_mm = upper_median(std::move(errors));
   out.same_bits = !runs.empty() && std::ranges::all_of(runs, &F::same_bits);
   return out;
 }

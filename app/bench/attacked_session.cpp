@@ -24,6 +24,8 @@
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
+#include "mien/core/hex.h"
+#include "mien/core/median.h"
 #include "mien/face/output_frame.h"
 #include "mien/measure/evaluation.h"
 #include "mien/modalities/modalities.h"
@@ -72,9 +74,7 @@ imu::SealKey run_key(std::uint64_t seed) {
 }
 
 std::string key_text(const imu::SealKey& key) {
-  std::string text = fmt::format("{} ", key.id);
-  for (const std::byte byte : key.secret) text += fmt::format("{:02x}", static_cast<unsigned>(byte));
-  return text + "\n";
+  return fmt::format("{} {}\n", key.id, hex(key.secret));
 }
 
 /// Whether a socket of this machine's loopback has that port: Linux lists it.
@@ -109,9 +109,7 @@ std::optional<Duration> begin_of(const virt::VirtualSession& played, std::span<c
         return sample.arrival - played.entries.front().arrival;
     return std::nullopt;
   }
-  const auto middle = begins.begin() + static_cast<std::ptrdiff_t>(begins.size() / 2);
-  std::ranges::nth_element(begins, middle);
-  return *middle;
+  return upper_median(std::move(begins));
 }
 
 /// What was shown at each of the performance's moments: the newest frame that had been sent by then, and a

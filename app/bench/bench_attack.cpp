@@ -20,8 +20,8 @@
 #include "app/bench/attacked_session.h"
 #include "app/bench/clock.h"
 #include "app/json_output.h"
+#include "app/live/perform_network.h"
 #include "app/seed_option.h"
-#include "mien/core/host_port.h"
 #include "mien/sensor/rig.h"
 
 namespace mien::app {
@@ -148,11 +148,8 @@ std::size_t conclude(const Part& part, bool print, Json& json) {
 
 /// All strangers that speak second at once, against a session that somebody else runs on this machine.
 Result<void> attack_there(const AttackOptions& options) {
-  std::string_view rest = options.to;
-  const bool udp = rest.starts_with("udp://");
-  if (udp) rest.remove_prefix(6);
-  const auto there = parse_host_port(rest);
-  if (!udp || !there || there->host != "127.0.0.1" || there->port.value_or(0) == 0)
+  const auto there = parse_target(options.to);
+  if (!there || there->language != virt::NodeLanguage::mien || there->host != "127.0.0.1")
     return fail(ErrorCode::bad_usage, "only a session on this machine is attacked", "--to " + options.to,
                 "write it as udp://127.0.0.1:5005");
   MIEN_TRY_ASSIGN(const std::filesystem::path path, path_or(options.scene.rig, "rigs/default.toml"));
@@ -162,7 +159,7 @@ Result<void> attack_there(const AttackOptions& options) {
   std::vector<std::unique_ptr<Stranger>> strangers;
   for (const Attack* attack : all)
     if (attack->begins == Attack::Begins::second && attack->devices == virt::NodeLanguage::mien)
-      strangers.push_back(std::make_unique<Stranger>(*attack, *there->port, Victims{rig, overheard},
+      strangers.push_back(std::make_unique<Stranger>(*attack, there->port, Victims{rig, overheard},
                                                      options.scene.rate, options.scene.seed));
   const Progress progress = terminal_progress("bench attack");
   const auto sent = [&] {

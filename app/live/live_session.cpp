@@ -19,6 +19,7 @@
 #include "app/live/page_files.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
+#include "mien/core/hex.h"
 #include "mien/core/host_port.h"
 #include "mien/modalities/modalities.h"
 #include "mien/render/gltf_export.h"
@@ -94,9 +95,9 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   MIEN_TRY_ASSIGN(page.token, given_token(request.token));
   if (!is_loopback(page.host) && page.token.empty()) {
     // Whoever opens the page to a network gets a token, whether they thought of one or not.
-    std::array<unsigned char, 16> bytes{};
+    std::array<std::byte, 16> bytes{};
     randombytes_buf(bytes.data(), bytes.size());
-    for (const unsigned char byte : bytes) page.token += fmt::format("{:02x}", byte);
+    page.token = hex(bytes);
   }
   page.assets = page_files();
   if (page.assets.empty())

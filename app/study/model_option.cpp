@@ -158,7 +158,11 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
                   "leave --window out");
     return OpenModel(std::move(file));
   }
-  MIEN_TRY_ASSIGN(path, path_or(path, window ? "models/default.safetensors" : "models/live.safetensors"));
+  if (window) {
+    MIEN_TRY_ASSIGN(path, path_or(path, "models/default.safetensors"));
+  } else {
+    MIEN_TRY_ASSIGN(path, modalities::live_model(rig, path));
+  }
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   if (file.architecture.kind == model::NetworkKind::causal) {
     if (steps > 0)

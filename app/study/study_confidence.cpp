@@ -64,8 +64,7 @@ Json to_json(const study::ConfidenceRow& row) {
 Json shapes_json(const model::ConfidenceTable& table) {
   Json out = Json::object();
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    out[std::string(face::kShapeNames[k])] =
-        table.explained[k * table.coverage_bins() + table.coverage_bins() - 1];
+    out[std::string(face::kShapeNames[k])] = table.explained_by(k, table.coverage_bins() - 1);
   return out;
 }
 

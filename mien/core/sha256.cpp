@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "mien/core/hex.h"
+
 namespace mien {
 
 struct Sha256::State {
@@ -23,10 +25,7 @@ void Sha256::add(std::span<const std::byte> bytes) {
 std::string Sha256::hex() {
   std::array<unsigned char, crypto_hash_sha256_BYTES> digest;
   crypto_hash_sha256_final(&state_->hash, digest.data());
-  std::string text(2 * digest.size() + 1, '\0');
-  sodium_bin2hex(text.data(), text.size(), digest.data(), digest.size());
-  text.pop_back();
-  return text;
+  return mien::hex(std::as_bytes(std::span(digest)));
 }
 
 }  // namespace mien

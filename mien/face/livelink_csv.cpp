@@ -10,6 +10,7 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
+#include "mien/core/median.h"
 
 namespace mien::face {
 namespace {
@@ -339,11 +340,7 @@ LiveLinkMotion motion_from_livelink(const LiveLinkCsv& csv, std::string name) {
     frame.head = head_from_livelink(angles);
     motion.has_head = motion.has_head || !angles.isZero(0);
   }
-  if (!steps.empty()) {
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::ranges::nth_element(steps, middle);
-    result.rate_hz = 1 / *middle;
-  }
+  if (!steps.empty()) result.rate_hz = 1 / upper_median(std::move(steps));
   return result;
 }
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "mien/core/median.h"
+
 namespace mien::measure {
 
 using face::kShapeCount;
@@ -111,11 +113,7 @@ MotionStatistics motion_statistics(std::span<const face::Motion> motions, std::s
     out.mean_p95 += kShare * shape.p95;
     out.mean_speed_per_s += kShare * shape.speed_per_s;
   }
-  if (!quickness.empty()) {
-    const auto middle = quickness.begin() + static_cast<std::ptrdiff_t>(quickness.size() / 2);
-    std::ranges::nth_element(quickness, middle);
-    out.quickness_per_s = *middle;
-  }
+  if (!quickness.empty()) out.quickness_per_s = upper_median(std::move(quickness));
   double pairs = 0;
   double sides = 0;
   for (std::size_t a = 0; a < kShapeCount; ++a)

@@ -6,6 +6,8 @@
 #include <optional>
 #include <tuple>
 
+#include "mien/core/median.h"
+
 namespace mien::mocap {
 namespace {
 
@@ -123,16 +125,13 @@ void mend_pair(MarkerTrack& track, std::size_t a, std::size_t b, const Vec3f& us
 
 std::vector<Vec3f> usual_places(const MarkerTrack& track) {
   std::vector<Vec3f> places(track.count(), kLostMarker);
-  std::vector<float> values;
   for (std::size_t m = 0; m < track.count(); ++m)
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      values.clear();
+      std::vector<float> values;
       for (std::size_t i = 0; i < track.frames(); ++i)
         if (const Vec3f& position = track.frame(i)[m]; is_seen(position)) values.push_back(position[axis]);
       if (values.empty()) break;
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::ranges::nth_element(values, middle);
-      places[m][axis] = *middle;
+      places[m][axis] = upper_median(std::move(values));
     }
   return places;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mien/core/excerpt.h"
+#include "mien/core/median.h"
 
 namespace mien::mocap {
 namespace {
@@ -17,10 +18,7 @@ constexpr std::string_view kBegins = "PathFileType";
 double rate_hz(const MarkerTrack& track) {
   std::vector<double> steps_s;
   for (std::size_t i = 1; i < track.frames(); ++i) steps_s.push_back(track.time_s[i] - track.time_s[i - 1]);
-  if (steps_s.empty()) return 0;
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::ranges::nth_element(steps_s, middle);
-  return 1 / *middle;
+  return steps_s.empty() ? 0 : 1 / upper_median(std::move(steps_s));
 }
 
 }  // namespace

@@ -37,6 +37,10 @@ struct ConfidenceTable {
 
   [[nodiscard]] std::size_t coverage_bins() const { return coverage_edges.size() + 1; }
   [[nodiscard]] std::size_t value_bins() const { return value_edges.size() + 1; }
+  /// The explained share of a shape in a bin of coverage.
+  [[nodiscard]] float explained_by(std::size_t shape, std::size_t coverage_bin) const {
+    return explained[shape * coverage_bins() + coverage_bin];
+  }
 };
 
 /// The bin of a value: the number of edges that it reaches.

@@ -67,9 +67,13 @@ Receiver::Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol
     reduction_.resize(sensor::kMaxPayload);
 }
 
-Receiver::Device* Receiver::find(const DeviceKey& key) {
+const Receiver::Device* Receiver::find(const DeviceKey& key) const {
   const auto found = std::ranges::find(devices_, key, &Device::key);
   return found == devices_.end() ? nullptr : &*found;
+}
+
+Receiver::Device* Receiver::find(const DeviceKey& key) {
+  return const_cast<Device*>(std::as_const(*this).find(key));
 }
 
 Receiver::Device& Receiver::meet(const DeviceKey& key, Sender sender, std::size_t protocol,
@@ -239,8 +243,8 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
 }
 
 bool Receiver::speaks_from(const DeviceKey& key, sensor::Peer peer) const {
-  const auto found = std::ranges::find(devices_, key, &Device::key);
-  return found != devices_.end() && found->peer == peer;
+  const Device* const device = find(key);
+  return device != nullptr && device->peer == peer;
 }
 
 std::size_t Receiver::protocol_of(std::span<const std::byte> datagram) const {
@@ -348,10 +352,10 @@ void Receiver::watch_links(HostTime fired, const std::function<void(std::uint16_
 void Receiver::report_senders(HostTime now, const DeviceKey& key, Report::Link& out) const {
   out.source.clear();
   out.rivals.clear();
-  const auto found = std::ranges::find(devices_, key, &Device::key);
-  if (found == devices_.end()) return;
-  out.source = found->source;
-  for (const Rival& rival : found->rivals)
+  const Device* const device = find(key);
+  if (device == nullptr) return;
+  out.source = device->source;
+  for (const Rival& rival : device->rivals)
     if (rival.received && now - *rival.received < kContest)
       out.rivals.push_back({rival.source, now - *rival.received, rival.plausibility.is_implausible()});
 }

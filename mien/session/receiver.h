@@ -166,7 +166,8 @@ class Receiver {
   Received decode(HostTime arrival, Sender sender, std::size_t protocol, std::span<const std::byte> datagram,
                   const sensor::Payload& payload, SampleConsumer& consumer);
   Received reject_malformed(sensor::Peer peer);
-  Device* find(const sensor::DeviceKey& key);
+  [[nodiscard]] const Device* find(const sensor::DeviceKey& key) const;
+  [[nodiscard]] Device* find(const sensor::DeviceKey& key);
   /// The device of this key, from now on if it is new.
   Device& meet(const sensor::DeviceKey& key, Sender sender, std::size_t protocol, HostTime arrival);
   /// Whether the readings of a device come from there: nobody else is accepted as it.

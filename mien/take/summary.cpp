@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "mien/core/median.h"
+
 namespace mien::take {
 namespace {
 
@@ -35,10 +37,7 @@ SensorSummary summarise_sensor(std::string name, std::vector<DeviceTime> times) 
   std::vector<double> steps_s;
   steps_s.reserve(times.size() - 1);
   for (std::size_t i = 1; i < times.size(); ++i) steps_s.push_back(to_seconds(times[i] - times[i - 1]));
-  std::vector<double> by_length = steps_s;
-  const auto middle = by_length.begin() + static_cast<std::ptrdiff_t>(by_length.size() / 2);
-  std::ranges::nth_element(by_length, middle);
-  const double period_s = *middle;
+  const double period_s = upper_median(steps_s);
   summary.rate_hz = 1 / period_s;
   for (const double step_s : steps_s) {
     if (step_s <= kGapPeriods * period_s) continue;

@@ -37,11 +37,9 @@ std::vector<float> sensor_shares(const model::ModelFile& file) {
 FrameWriter::FrameWriter(const model::ModelFile& file)
     : shares_(sensor_shares(file)), table_(file.confidence) {
   if (!table_) return;
-  for (std::size_t i = 0; i < table_->explained.size(); ++i) {
-    const bool measured =
-        table_->explained[i] >= table_->measured_from && !is_gaze(i / table_->coverage_bins());
-    provenance_.push_back(measured ? face::Provenance::measured : face::Provenance::predicted);
-  }
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    for (std::size_t bin = 0; bin < table_->coverage_bins(); ++bin)
+      provenance_.push_back(provenance_of(*table_, k, bin));
 }
 
 Coverage FrameWriter::coverage(const ModelInput& input) const {

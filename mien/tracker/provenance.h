@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "mien/face/output_frame.h"
+#include "mien/model/confidence.h"
 
 namespace mien::tracker {
 
@@ -14,6 +15,15 @@ enum class Gaze : std::uint8_t { unseen, seen };
 /// it.
 [[nodiscard]] inline bool is_gaze(std::size_t shape) {
   return face::kShapeNames[shape].starts_with("eyeLook");
+}
+
+/// What a model's table says of a shape in a bin of coverage: measured where the sensors explain enough of
+/// its variance, else predicted; gaze, which no sensor on the skin sees, is always predicted.
+[[nodiscard]] inline face::Provenance provenance_of(const model::ConfidenceTable& table, std::size_t shape,
+                                                    std::size_t coverage_bin) {
+  return table.explained_by(shape, coverage_bin) >= table.measured_from && !is_gaze(shape)
+             ? face::Provenance::measured
+             : face::Provenance::predicted;
 }
 
 /// The provenance of all 53 shapes of a tracker's answer that has no table of its shapes (FrameWriter reads

@@ -37,14 +37,13 @@ measure::Table shapes(const model::ConfidenceTable& table) {
   out.caption = fmt::format("What the sensors explain of each shape's variance; measured from {:.2f} on",
                             table.measured_from);
   out.columns = {"shape", "all sensors", "half of its sensors", "called, with all"};
-  const std::size_t bins = table.coverage_bins();
+  const std::size_t whole = table.coverage_bins() - 1;
   const std::size_t half = model::confidence_bin(table.coverage_edges, 0.5F);
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    const float all = table.explained[k * bins + bins - 1];
-    const bool measured = all >= table.measured_from && !tracker::is_gaze(k);
-    out.rows.push_back({std::string(face::kShapeNames[k]), fmt::format("{:.2f}", all),
-                        fmt::format("{:.2f}", table.explained[k * bins + half]),
-                        measured ? "measured" : "predicted"});
+    const bool measured = tracker::provenance_of(table, k, whole) == face::Provenance::measured;
+    out.rows.push_back(
+        {std::string(face::kShapeNames[k]), fmt::format("{:.2f}", table.explained_by(k, whole)),
+         fmt::format("{:.2f}", table.explained_by(k, half)), measured ? "measured" : "predicted"});
   }
   return out;
 }

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+namespace mien {
+
+/// Bytes as lower-case hexadecimal digits, two each (RFC 4648, section 8, but for the case).
+[[nodiscard]] std::string hex(std::span<const std::byte> bytes);
+
+}  // namespace mien
