@@ -97,8 +97,7 @@ struct Engine::State {
         begun(std::chrono::steady_clock::now()),
         network(1),
         intake(network, [this] { return now(); }),
-        recorder(
-            settings.takes, [this](sensor::Peer peer) { return intake.peer_name(peer); }, settings.log_limit),
+        recorder(settings.takes, settings.log_limit),
         loop(*session, intake, recorder, [this] { return now(); }),
         player(settings.make_session),
         listing(settings.takes, [this] { asio::post(network, [this] { send_takes(); }); }),

@@ -197,12 +197,8 @@ void Intake::hand_over(PeerState& peer, HostTime now, std::span<const std::byte>
     ++counts_.overrun;
     return;
   }
-  const Head head{Arrived::Kind::datagram,
-                  peer.id.load(std::memory_order_relaxed),
-                  static_cast<std::size_t>(&peer - peers_.data()),
-                  now,
-                  0,
-                  0};
+  const Head head{
+      Arrived::Kind::datagram, peer.id, static_cast<std::size_t>(&peer - peers_.data()), now, 0, 0};
   std::memcpy(room.data(), &head, sizeof(head));
   if (!datagram.empty()) std::memcpy(room.data() + sizeof(head), datagram.data(), datagram.size());
   ++peer.handed_over;
@@ -214,12 +210,11 @@ Intake::PeerState* Intake::place_for_another(std::string name) {
   PeerState* place = nullptr;
   const HostTime now = clock_();
   for (PeerState& peer : peers_) {
-    if (peer.id.load(std::memory_order_relaxed) == kNobody) {
+    if (peer.id == kNobody) {
       place = &peer;
       break;
     }
     if (peer.asked_for || peer.judged.load(std::memory_order_acquire) != peer.handed_over) continue;
-    if (peer.logged.load(std::memory_order_relaxed) && !peer.named.load(std::memory_order_acquire)) continue;
     const bool bound = peer.bound.load(std::memory_order_relaxed);
     if (bound && now - peer.newest <= kForget) continue;
     // Strangers before devices, and of both who was silent longest.
@@ -229,7 +224,7 @@ Intake::PeerState* Intake::place_for_another(std::string name) {
     if (place == nullptr || rank(peer) < rank(*place)) place = &peer;
   }
   if (place == nullptr) return nullptr;
-  if (place->id.load(std::memory_order_relaxed) != kNobody) {
+  if (place->id != kNobody) {
     known_.erase(place->endpoint);
     ++counts_.evicted;
     name += fmt::format("#{}", met_);
@@ -237,8 +232,8 @@ Intake::PeerState* Intake::place_for_another(std::string name) {
   place->port = nullptr;
   place->name = std::move(name);
   place->newest = now;
-  place->bound = place->logged = place->named = false;
-  place->id.store(met_++, std::memory_order_release);
+  place->bound = false;
+  place->id = met_++;
   return place;
 }
 
@@ -254,7 +249,7 @@ Result<PayloadSource*> Intake::add_source(std::string name) {
   PeerState* const peer = place_for_another(name);
   if (peer == nullptr) return fail(ErrorCode::bad_usage, "too many sources", std::move(name));
   peer->asked_for = true;
-  return sources_.emplace_back(std::make_unique<PayloadSource>(peer->id.load(), clock_, signal_), peer->name)
+  return sources_.emplace_back(std::make_unique<PayloadSource>(peer->id, clock_, signal_), peer->name)
       .queue.get();
 }
 
@@ -340,19 +335,8 @@ void Intake::release() {
     ring_.release();
 }
 
-void Intake::judge(Standing standing) {
-  if (front_peer_ == nullptr || standing == Standing::unsound) return;
-  front_peer_->logged.store(true, std::memory_order_relaxed);
-  if (standing == Standing::bound) front_peer_->bound.store(true, std::memory_order_relaxed);
-}
-
-std::string Intake::peer_name(sensor::Peer peer) {
-  const auto found = std::ranges::find_if(
-      peers_, [&](const PeerState& p) { return p.id.load(std::memory_order_acquire) == peer; });
-  if (found == peers_.end()) return {};
-  std::string name = found->name;
-  found->named.store(true, std::memory_order_release);
-  return name;
+void Intake::judge_bound() {
+  if (front_peer_ != nullptr) front_peer_->bound.store(true, std::memory_order_relaxed);
 }
 
 }  // namespace mien::live

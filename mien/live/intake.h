@@ -34,7 +34,9 @@ struct Arrived {
   std::int64_t number = 0;
   std::span<const std::byte> bytes;
   std::span<const std::byte> payload;  ///< Beside a datagram of a source; empty: none.
-  std::string_view source;             ///< Of a datagram: its sender's, as peer_name() gives it.
+  /// Of a datagram, its sender's text: "udp://192.168.1.7:5005", "serial:/dev/ttyUSB0"; with "#" and its
+  /// number where another had its place before, so that in a log each sender has a name of its own.
+  std::string_view source;
 };
 
 /// The ports that devices send to: stamps each datagram with its arrival, holds every sender to a rate, and
@@ -82,20 +84,10 @@ class Intake {
   /// when all is taken.
   [[nodiscard]] std::optional<Arrived> front();
   void release();
-  /// What became of the datagram that front() gave.
-  enum class Standing : std::uint8_t {
-    unsound,  ///< Not understood: no log has it.
-    logged,   ///< The log has it, and asks for its sender's name by peer_name().
-    bound,    ///< Besides, a reading of it was accepted for a sensor of the rig.
-  };
-  /// Before release(); a sender that is bound stays so.
-  void judge(Standing standing);
+  /// A reading of the datagram that front() gave was accepted for a sensor of the rig: its sender is bound,
+  /// and stays so. Before release().
+  void judge_bound();
   [[nodiscard]] Signal& signal() { return signal_; }
-
-  /// Source text of a peer: "udp://192.168.1.7:5005", "serial:/dev/ttyUSB0"; with "#" and its number where
-  /// another had its place before, so that in a log each sender has a name of its own. Any thread, of a peer
-  /// that is logged; once, since its place may be another's from then on. Empty: nobody's.
-  [[nodiscard]] std::string peer_name(sensor::Peer peer);
 
   struct Counts {
     std::uint64_t received = 0;
@@ -118,7 +110,7 @@ class Intake {
   };
   /// A place in the table of senders, and who has it.
   struct PeerState {
-    std::atomic<sensor::Peer> id = kNobody;  // Never given to another.
+    sensor::Peer id = kNobody;  // Never given to another.
     boost::asio::ip::udp::endpoint endpoint;
     Port* port = nullptr;  // None: a serial line.
     std::string name;
@@ -128,8 +120,6 @@ class Intake {
     std::atomic<std::uint64_t> judged = 0;  // ... and how many of them the tracker's thread is done with.
     bool asked_for = false;                 // A line, a source: it keeps its place.
     std::atomic<bool> bound = false;
-    std::atomic<bool> logged = false;
-    std::atomic<bool> named = false;  // The log has its name.
   };
   static constexpr sensor::Peer kNobody = ~sensor::Peer{0};
   /// Budgets of addresses, by their hash: those that share one are few.
@@ -155,8 +145,7 @@ class Intake {
     const std::string& name;  // Of its place in the table, which it keeps.
   };
   std::vector<Source> sources_;
-  // A place is given to another only when all datagrams of the one before were judged, and its name is in the
-  // log where any of them is.
+  // A place is given to another only when all datagrams of the one before were judged.
   std::array<PeerState, kMaxPeers> peers_;
   sensor::Peer met_ = 0;  // Senders so far.
   Budget strangers_{.tokens = kMaxRateUnbound};

@@ -36,11 +36,12 @@ T get(std::span<const std::byte>& from) {
 }
 struct EntryHead {
   HostTime arrival;
-  sensor::Peer peer;
+  std::uint32_t source_bytes;
   std::uint32_t bytes;
   std::uint32_t samples;
   std::uint32_t payload_bytes;  // They stand in the file of payloads, in the order of their entries.
-  std::uint32_t reducer_bytes;  // Of the hash, which comes next; then the bytes, then the samples.
+  std::uint32_t
+      reducer_bytes;  // Of the hash, which comes after the source; then the bytes, then the samples.
 };
 struct EventHead {
   DeviceTime begin, end;
@@ -65,10 +66,8 @@ struct Recorder::Writing {
   std::optional<HostTime> asked_for;  // The session's newest moment when the recording was asked for.
 };
 
-Recorder::Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name,
-                   std::uint64_t log_limit)
-    : peer_name_(std::move(peer_name)),
-      ring_(kRingBytes),
+Recorder::Recorder(const std::filesystem::path& folder, std::uint64_t log_limit)
+    : ring_(kRingBytes),
       payload_ring_(kPayloadQueueBytes, ByteRing::Memory::when_used),
       spool_(folder, log_limit),
       spool_error_(spool_.problem()) {
@@ -88,10 +87,10 @@ std::span<std::byte> Recorder::claim(std::size_t size) {
   return room;
 }
 
-void Recorder::entry(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
+void Recorder::entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes,
                      std::span<const sensor::Sample> samples, const sensor::Payload& payload) {
-  std::span<std::byte> room =
-      claim(1 + sizeof(EntryHead) + payload.reducer.size() + bytes.size() + samples.size_bytes());
+  std::span<std::byte> room = claim(1 + sizeof(EntryHead) + source.size() + payload.reducer.size() +
+                                    bytes.size() + samples.size_bytes());
   if (room.empty()) return;
   if (!payload.bytes.empty()) {
     std::span<std::byte> beside = payload_ring_.claim(payload.bytes.size());
@@ -104,9 +103,10 @@ void Recorder::entry(HostTime arrival, sensor::Peer peer, std::span<const std::b
   }
   put(room, Kind::entry);
   put(room,
-      EntryHead{arrival, peer, static_cast<std::uint32_t>(bytes.size()),
+      EntryHead{arrival, static_cast<std::uint32_t>(source.size()), static_cast<std::uint32_t>(bytes.size()),
                 static_cast<std::uint32_t>(samples.size()), static_cast<std::uint32_t>(payload.bytes.size()),
                 static_cast<std::uint32_t>(payload.reducer.size())});
+  put(room, std::as_bytes(std::span(source)));
   put(room, std::as_bytes(std::span(payload.reducer)));
   put(room, bytes);
   put(room, std::as_bytes(samples));
@@ -228,13 +228,8 @@ std::size_t Recorder::drain() {
   if (record.empty()) return 0;
   const std::size_t size = record.size();
   note_moment(record);
-  if (std::span<const std::byte> rest = record; get<Kind>(rest) == Kind::entry) {
-    const auto head = get<EntryHead>(rest);
-    payloads_due_ += head.payload_bytes > 0 ? 1 : 0;
-    // At once: a sender may be forgotten when the log has its name.
-    if (names_.size() <= head.peer) names_.resize(head.peer + std::size_t{1});
-    if (names_[head.peer].empty()) names_[head.peer] = peer_name_(head.peer);
-  }
+  if (std::span<const std::byte> rest = record; get<Kind>(rest) == Kind::entry)
+    payloads_due_ += get<EntryHead>(rest).payload_bytes > 0 ? 1 : 0;
   if (spool_.is_open())
     if (const auto kept = spool_.append(record); !kept) give_up(kept.error().what);
   ring_.release();
@@ -331,11 +326,12 @@ void Recorder::write(std::span<const std::byte> record) {
     case Kind::entry: {
       const auto head = get<EntryHead>(record);
       if (!read_payload(head.payload_bytes)) return;
+      const std::string_view source = as_text(record.first(head.source_bytes));
+      record = record.subspan(head.source_bytes);
       const std::string_view reducer = as_text(record.first(head.reducer_bytes));
       record = record.subspan(head.reducer_bytes);
       w.newest = head.arrival;
-      w.entry =
-          w.writer.add_entry(head.arrival, names_[head.peer], record.first(head.bytes), {payload_, reducer});
+      w.entry = w.writer.add_entry(head.arrival, source, record.first(head.bytes), {payload_, reducer});
       record = record.subspan(head.bytes);
       for (std::uint32_t i = 0; i < head.samples; ++i)
         w.writer.add_sample(w.entry, head.arrival, get<sensor::Sample>(record));

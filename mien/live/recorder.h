@@ -4,7 +4,6 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,7 +18,6 @@
 #include "mien/live/signal.h"
 #include "mien/live/spool.h"
 #include "mien/sensor/payload.h"
-#include "mien/sensor/protocol.h"
 #include "mien/sensor/ticks.h"
 #include "mien/take/take.h"
 
@@ -39,15 +37,14 @@ class Recorder {
 
   /// The temporary log stands in `folder`, that of the takes (empty: the present one): where takes have room,
   /// it has; where there is no such folder, nothing can be recorded. It takes up to `log_limit` bytes, as
-  /// Spool has it. `peer_name` tells a peer's source text; called once, on the recorder's thread, for peers
-  /// of entries.
-  Recorder(const std::filesystem::path& folder, std::function<std::string(sensor::Peer)> peer_name,
-           std::uint64_t log_limit = Spool::kDefaultLimit);
+  /// Spool has it.
+  explicit Recorder(const std::filesystem::path& folder, std::uint64_t log_limit = Spool::kDefaultLimit);
   ~Recorder();  ///< Ends the thread; a take that is recorded stays as far as it came.
 
   // Tracker's thread. What does not fit any more is lost to the recording, which then ends with an error.
-  /// `payload`: what stands beside the bytes, at most sensor::kMaxPayload; empty for none.
-  void entry(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
+  /// `source`: the sender's text. `payload`: what stands beside the bytes, at most sensor::kMaxPayload; empty
+  /// for none.
+  void entry(HostTime arrival, std::string_view source, std::span<const std::byte> bytes,
              std::span<const sensor::Sample> samples, const sensor::Payload& payload = {});
   void command(HostTime arrival, std::string_view json);
   void tick(const sensor::FrameTick& tick);
@@ -91,7 +88,6 @@ class Recorder {
   void conclude();
   void give_up(const std::string& why);
 
-  std::function<std::string(sensor::Peer)> peer_name_;
   ByteRing ring_;
   ByteRing payload_ring_;  // A payload is there before its entry is.
   Signal signal_;
@@ -102,9 +98,8 @@ class Recorder {
   // The recorder's thread alone.
   std::unique_ptr<Writing> writing_;
   Spool spool_;
-  HostTime newest_;                 // Of all that was drained.
-  std::vector<std::string> names_;  // By peer that is in the log; empty: of others.
-  std::size_t payloads_due_ = 0;    // Of entries that were drained, and are in the other queue.
+  HostTime newest_;               // Of all that was drained.
+  std::size_t payloads_due_ = 0;  // Of entries that were drained, and are in the other queue.
   std::vector<std::byte> slice_;
   std::vector<std::byte> payload_;
 

@@ -110,8 +110,8 @@ void TrackerLoop::take(const Arrived& arrived) {
   const session::Session::Received received =
       session_.receive(arrived.arrival, {arrived.peer, arrived.source}, arrived.bytes, arrived.payload);
   if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
-    intake_.judge(received.samples.empty() ? Intake::Standing::logged : Intake::Standing::bound);
-    recorder_.entry(arrived.arrival, arrived.peer, received.log, received.samples, received.payload);
+    if (!received.samples.empty()) intake_.judge_bound();
+    recorder_.entry(arrived.arrival, arrived.source, received.log, received.samples, received.payload);
   }
   if (!received.reply.empty()) post({OutgoingMessage::Kind::datagram, arrived.peer, 0, received.reply});
 }

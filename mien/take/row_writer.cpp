@@ -95,6 +95,7 @@ Result<std::int64_t> RowWriter::source_id(std::string_view name) {
   insert(TableId::source).bind(1, id);
   insert(TableId::source).bind(2, name);
   MIEN_TRY(step(TableId::source));
+  if (sources_.size() >= kMostSources) sources_.clear();
   sources_.emplace(name, id);
   return id;
 }

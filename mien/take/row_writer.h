@@ -50,6 +50,10 @@ inline void put_floats(ByteWriter& queue, std::span<const float> values) {
 /// writer's.
 class RowWriter {
  public:
+  /// Sources whose rows it remembers; when there are more, it begins anew, and a source that comes again has
+  /// another row. So what it takes does not grow with those who sent once.
+  static constexpr std::size_t kMostSources = 4096;
+
   explicit RowWriter(Database& database) : database_(database) {}
 
   /// Before the first commit. Errors: io.

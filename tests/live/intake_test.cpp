@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 
 #include "tests/allocation_count.h"
@@ -33,18 +34,15 @@ class IntakeTest : public ::testing::Test {
     const std::uint64_t before = intake.counts().received;
     EXPECT_TRUE(test::run_until(network, [&] { return intake.counts().received > before; }));
   }
-  using Standing = Intake::Standing;
-  /// Takes all that is there as the tracker's thread does, and judges it; the log asks for names at once.
+  enum class Standing : std::uint8_t { stranger, bound };
+  /// Takes all that is there as the tracker's thread does, and judges it.
   std::vector<std::string> take(Standing standing) {
     std::vector<std::string> texts;
     while (const auto arrived = intake.front()) {
       texts.emplace_back(reinterpret_cast<const char*>(arrived->bytes.data()), arrived->bytes.size());
       last = arrived->peer;
-      intake.judge(standing);
-      if (standing != Standing::unsound && (names.size() <= last || names[last].empty())) {
-        names.resize(std::max<std::size_t>(names.size(), last + 1));
-        names[last] = intake.peer_name(last);
-      }
+      if (standing == Standing::bound) intake.judge_bound();
+      names[last] = arrived->source;
       intake.release();
     }
     return texts;
@@ -55,7 +53,7 @@ class IntakeTest : public ::testing::Test {
   Intake intake{network, [this] { return now; }};
   udp::endpoint there;
   sensor::Peer last = 0;
-  std::vector<std::string> names;
+  std::map<sensor::Peer, std::string> names;
 };
 
 TEST_F(IntakeTest, HandsOverInOrderWithArrivalAndPeer) {
@@ -69,7 +67,7 @@ TEST_F(IntakeTest, HandsOverInOrderWithArrivalAndPeer) {
   EXPECT_EQ(first->kind, Arrived::Kind::datagram);
   EXPECT_EQ(first->arrival, now);
   EXPECT_EQ(first->bytes.size(), 1u);
-  EXPECT_EQ(intake.peer_name(first->peer), "udp://127.0.0.1:" + std::to_string(one.local_endpoint().port()));
+  EXPECT_EQ(first->source, "udp://127.0.0.1:" + std::to_string(one.local_endpoint().port()));
   const sensor::Peer peer = first->peer;
   intake.release();
   const auto second = intake.front();
@@ -146,7 +144,7 @@ TEST_F(IntakeTest, HoldsStrangersToABudgetOfTheirOwn) {
   for (int i = 0; i < 20; ++i) strangers.push_back(somebody());
   for (int i = 0; i < 2000; ++i) send(strangers[static_cast<std::size_t>(i % 20)], "junk");
   const auto most = static_cast<std::size_t>(Intake::kMaxRatePerHost) - 1;
-  EXPECT_EQ(take(Standing::unsound).size(), most);
+  EXPECT_EQ(take(Standing::stranger).size(), most);
   EXPECT_EQ(intake.counts().too_fast, 2000 - most);
   send(device, "reading");
   EXPECT_EQ(take(Standing::bound).size(), 1u);
@@ -185,7 +183,7 @@ TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
   EXPECT_EQ(intake.counts().too_many, 1u);
   EXPECT_EQ(intake.counts().evicted, 0u);
   // They were understood, and none is bound: who was silent longest gives way, and then the next.
-  EXPECT_EQ(take(Standing::logged).size(), Intake::kMaxPeers - 1);
+  EXPECT_EQ(take(Standing::stranger).size(), Intake::kMaxPeers - 1);
   now += std::chrono::seconds(1);
   send(late, "reading");
   EXPECT_EQ(intake.counts().evicted, 1u);
@@ -198,7 +196,7 @@ TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
     now += std::chrono::milliseconds(5);
     udp::socket stranger = somebody();
     send(stranger, "hello");
-    take(Standing::logged);
+    take(Standing::stranger);
   }
   EXPECT_EQ(intake.counts().too_many, 1u);
   // Who is bound is still who it was.
@@ -209,24 +207,22 @@ TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
   take(Standing::bound);
   EXPECT_EQ(last, late_peer);
   // Every sender of the log has a name of its own.
-  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
+  std::set<std::string> different;
+  for (const auto& [peer, name] : names) different.insert(name);
+  EXPECT_EQ(different.size(), names.size());
 }
 
-TEST_F(IntakeTest, ASenderIsNotForgottenBeforeTheLogHasItsName) {
+TEST_F(IntakeTest, ASenderIsNotForgottenBeforeWhatItSentWasTaken) {
   std::vector<udp::socket> strangers;
   for (std::size_t i = 0; i < Intake::kMaxPeers; ++i) send(strangers.emplace_back(somebody()), "hello");
-  while (const auto arrived = intake.front()) {
-    intake.judge(Standing::logged);
-    intake.release();
-  }
   now += std::chrono::seconds(1);
   udp::socket late = somebody();
   send(late, "reading");
   EXPECT_EQ(intake.counts().too_many, 1u);
-  EXPECT_EQ(intake.peer_name(7), "udp://127.0.0.1:" + std::to_string(strangers[7].local_endpoint().port()));
+  EXPECT_EQ(take(Standing::stranger).size(), Intake::kMaxPeers);
   send(late, "reading");
   EXPECT_EQ(intake.counts().too_many, 1u);
-  EXPECT_EQ(intake.peer_name(7), "") << "its place is another's";
+  EXPECT_EQ(take(Standing::stranger).size(), 1u);
 }
 
 TEST_F(IntakeTest, ATableOfDevicesTakesNoMoreUntilOneWasSilentForLong) {

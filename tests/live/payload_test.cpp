@@ -9,7 +9,6 @@
 
 #include <boost/asio/io_context.hpp>
 #include <chrono>
-#include <latch>
 #include <thread>
 
 #include "mien/live/intake.h"
@@ -35,10 +34,6 @@ take::Header header() {
   return header;
 }
 
-std::string camera(sensor::Peer) {
-  return "camera:left";
-}
-
 /// Waits for what another thread does; false when it does not.
 template <class Done>
 bool wait_until(Done done) {
@@ -52,13 +47,13 @@ bool wait_until(Done done) {
 void record_entry(Recorder& recorder, std::uint32_t n, std::span<const std::byte> payload,
                   std::string_view reducer = {}) {
   const std::array<std::byte, 40> bytes{static_cast<std::byte>(n)};
-  recorder.entry(HostTime(frame_offset(n)), 0, bytes, {}, {payload, reducer});
+  recorder.entry(HostTime(frame_offset(n)), "camera:left", bytes, {}, {payload, reducer});
   recorder.tick({n, DeviceTime(frame_offset(n)), HostTime(frame_offset(n)), true});
 }
 
 TEST(RecordedPayloads, AreInATakeThatIsAskedForLate) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), camera);
+  Recorder recorder(folder.path());
   const auto size_of = [](std::uint32_t n) { return n == 50 ? sensor::kMaxPayload : 1000 + n; };
   const auto record_some = [&](std::uint32_t from, std::uint32_t to) {
     for (std::uint32_t n = from; n < to; ++n)
@@ -95,19 +90,13 @@ TEST(RecordedPayloads, AreInATakeThatIsAskedForLate) {
 
 TEST(RecordedPayloads, MoreThanTheirQueueHoldsEndTheRecordingWithTheReason) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  std::latch behind(1), asked(1);
-  Recorder recorder(folder.path(), [&](sensor::Peer) {
-    asked.count_down();
-    behind.wait();  // As a disk that stands still.
-    return std::string("camera:left");
-  });
+  Recorder recorder(folder.path());
   const std::vector<std::byte> large = picture(1, sensor::kMaxPayload);
   record_entry(recorder, 0, large);
   ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
-  asked.wait();
-  for (std::uint32_t n = 1; n <= Recorder::kPayloadQueueBytes / sensor::kMaxPayload + 1; ++n)
+  // Faster than any disk.
+  for (std::uint32_t n = 1; n < 6000 && recorder.state().unable.empty(); ++n)
     record_entry(recorder, n, large);
-  behind.count_down();
   ASSERT_TRUE(wait_until([&] { return !recorder.state().unable.empty(); }));
   EXPECT_THAT(recorder.state().unable, HasSubstr("too slow for the session's pictures"));
   EXPECT_FALSE(recorder.wait());
@@ -116,7 +105,7 @@ TEST(RecordedPayloads, MoreThanTheirQueueHoldsEndTheRecordingWithTheReason) {
 
 TEST(RecordedPayloads, ComingFasterThanTheyAreTakenTheyDoNotKeepTheRecorderFromItsOtherWork) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), camera, 200'000'000);
+  Recorder recorder(folder.path(), 200'000'000);
   ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
   const std::vector<std::byte> large = picture(1, sensor::kMaxPayload);
   const std::jthread device([&](const std::stop_token& stop) {
@@ -129,7 +118,7 @@ TEST(RecordedPayloads, ComingFasterThanTheyAreTakenTheyDoNotKeepTheRecorderFromI
 
 TEST(RecordedPayloads, AtTheirHalfOfTheLimitNothingCanBeRecordedAnyMore) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), camera, 1'000'000);
+  Recorder recorder(folder.path(), 1'000'000);
   for (std::uint32_t n = 0; n < 40; ++n) record_entry(recorder, n, picture(n, 10'000));
   ASSERT_TRUE(wait_until([&] { return recorder.state().log.payload_bytes == 400'000; }));
   EXPECT_EQ(recorder.state().unable, "");
@@ -205,7 +194,7 @@ TEST_F(SourceTest, HandsOverDatagramAndPayloadInTheOrderOfArrival) {
   EXPECT_TRUE(left->hand_over({}, picture(4, 1)));
   const auto first = intake.front();
   ASSERT_TRUE(first);
-  EXPECT_EQ(intake.peer_name(first->peer), "camera:right");
+  EXPECT_EQ(first->source, "camera:right");
   EXPECT_EQ(first->arrival, HostTime(std::chrono::milliseconds(3)));
   EXPECT_TRUE(std::ranges::equal(first->bytes, datagram));
   EXPECT_TRUE(std::ranges::equal(first->payload, large));
@@ -214,7 +203,7 @@ TEST_F(SourceTest, HandsOverDatagramAndPayloadInTheOrderOfArrival) {
   EXPECT_EQ(intake.front()->payload.data(), first->payload.data()) << "until it is released";
   intake.release();
   EXPECT_EQ(intake.front()->payload.size(), 1u);
-  EXPECT_EQ(intake.peer_name(intake.front()->peer), "camera:left");
+  EXPECT_EQ(intake.front()->source, "camera:left");
   intake.release();
   EXPECT_TRUE(intake.front()->payload.empty());
   intake.release();
@@ -249,7 +238,7 @@ std::string live_session(const std::filesystem::path& path, std::optional<std::u
   const auto session = session::test::picture_session(scale);
   Intake intake(network, clock);
   PayloadSource& source = *intake.add_source("camera:left").value();
-  Recorder recorder(path.parent_path(), [&](sensor::Peer peer) { return intake.peer_name(peer); });
+  Recorder recorder(path.parent_path());
   TrackerLoop loop(*session, intake, recorder, clock);
   EXPECT_TRUE(recorder.start(path, header(), false));
   loop.start();

@@ -4,8 +4,6 @@
 
 #include <chrono>
 #include <filesystem>
-#include <mutex>
-#include <set>
 #include <thread>
 
 #include "tests/folder.h"
@@ -32,7 +30,7 @@ void record_seconds(Recorder& recorder, int from, int to) {
     sample.time = DeviceTime(frame_offset(i));
     sample.sequence = static_cast<std::uint32_t>(i);
     sample.count = 6;
-    recorder.entry(arrival, 0, bytes, {&sample, 1});
+    recorder.entry(arrival, "udp://127.0.0.1:1", bytes, {&sample, 1});
     recorder.tick({i, DeviceTime(frame_offset(i)), arrival, true});
     if (i % 600 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -40,7 +38,7 @@ void record_seconds(Recorder& recorder, int from, int to) {
 
 TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("udp://127.0.0.1:1"); });
+  Recorder recorder(folder.path());
   record_seconds(recorder, 0, 20);
   ASSERT_TRUE(recorder.start(folder / "late.mien", header(), false));
   EXPECT_FALSE(recorder.start(folder / "other.mien", header(), false));
@@ -69,7 +67,7 @@ TEST(Recorder, ATakeThatIsAskedForLateBeginsWithTheSession) {
 
 TEST(Recorder, CountsTheSecondsSinceItWasAskedFor) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
+  Recorder recorder(folder.path());
   record_seconds(recorder, 0, 20);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));  // What was handed over is taken by then.
   ASSERT_TRUE(recorder.start(folder / "late.mien", header(), false));
@@ -87,7 +85,7 @@ TEST(Recorder, CountsTheSecondsSinceItWasAskedFor) {
 
 TEST(Recorder, SaysWhyItCannotBegin) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
+  Recorder recorder(folder.path());
   EXPECT_FALSE(recorder.start(folder / "no" / "such.mien", header(), false));
   ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
   recorder.end({});
@@ -98,7 +96,7 @@ TEST(Recorder, SaysWhyItCannotBegin) {
 
 TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder.path(), [](sensor::Peer) { return std::string("x"); });
+  Recorder recorder(folder.path());
   EXPECT_TRUE(folder.files().empty());
   bool found = false;
   for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -111,7 +109,7 @@ TEST(Recorder, KeepsTheSessionBesideTheTakesInAFileWithoutAName) {
 
 TEST(Recorder, WithoutAFolderNothingIsRecordedAndThatIsSaid) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  Recorder recorder(folder / "none", [](sensor::Peer) { return std::string("x"); });
+  Recorder recorder(folder / "none");
   record_seconds(recorder, 0, 1);
   const auto started = recorder.start(folder / "a.mien", header(), false);
   ASSERT_FALSE(started);
@@ -120,26 +118,19 @@ TEST(Recorder, WithoutAFolderNothingIsRecordedAndThatIsSaid) {
   EXPECT_FALSE(recorder.state().on);
 }
 
-TEST(Recorder, AsksOnlyForTheNamesOfPeersThatAreInTheLog) {
+TEST(Recorder, NamesTheSenderOfEachEntry) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
-  std::mutex mutex;
-  std::set<sensor::Peer> asked;
-  Recorder recorder(folder.path(), [&](sensor::Peer peer) {
-    const std::lock_guard lock(mutex);
-    asked.insert(peer);
-    return "peer " + std::to_string(peer);
-  });
+  Recorder recorder(folder.path());
   const std::array<std::byte, 4> bytes{};
-  for (const sensor::Peer peer : {sensor::Peer{200}, sensor::Peer{3}, sensor::Peer{200}})
-    recorder.entry(HostTime(), peer, bytes, {});
+  for (const char* source : {"udp://127.0.0.1:200", "udp://127.0.0.1:3", "udp://127.0.0.1:200"})
+    recorder.entry(HostTime(), source, bytes, {});
   ASSERT_TRUE(recorder.start(folder / "a.mien", header(), false));
   recorder.end({});
   ASSERT_TRUE(recorder.wait());
-  EXPECT_EQ(asked, (std::set<sensor::Peer>{3, 200}));
   const auto entries = take::Take::open(folder / "a.mien").value().entries().value();
   ASSERT_EQ(entries.size(), 3u);
-  EXPECT_EQ(entries[1].source, "peer 3");
-  EXPECT_EQ(entries[2].source, "peer 200");
+  EXPECT_EQ(entries[1].source, "udp://127.0.0.1:3");
+  EXPECT_EQ(entries[2].source, "udp://127.0.0.1:200");
 }
 
 }  // namespace

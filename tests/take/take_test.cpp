@@ -199,6 +199,24 @@ TEST(Take, StoresMoreThanItsQueueHolds) {
   EXPECT_EQ(entries[999].bytes, packet);
 }
 
+// Strangers who send once, from ever new ports, under the sender that stays.
+TEST(Take, RemembersNoMoreSourcesThanItHasRoomFor) {
+  const mien::test::Folder folder;
+  const auto path = folder / "a.mien";
+  const auto name = [](int i) { return i % 10 == 0 ? "board" : "stranger " + std::to_string(i); };
+  auto writer = TakeWriter::create(path, test::example_header(), false);
+  ASSERT_TRUE(writer);
+  constexpr int kEntries = 20'000;
+  for (int i = 0; i < kEntries; ++i) writer->add_entry(host_ms(i), name(i), {});
+  ASSERT_TRUE(writer->finish());
+  const auto entries = Take::open(path).value().entries().value();
+  ASSERT_EQ(entries.size(), static_cast<std::size_t>(kEntries));
+  for (int i = 0; i < kEntries; ++i) ASSERT_EQ(entries[static_cast<std::size_t>(i)].source, name(i));
+  const auto database = Database::open(path, SQLITE_OPEN_READONLY, "a.mien").value();
+  // A row anew after each 4,095 others.
+  EXPECT_EQ(database.read_integer("SELECT count(*) FROM source WHERE name='board'").value(), 5);
+}
+
 TEST(Take, OpensWhileItIsRecorded) {
   const mien::test::Folder folder;
   const auto path = folder / "a.mien";
