@@ -18,6 +18,8 @@ constexpr std::size_t kMaxPacketBytes = 36 + 4 * kMaxChannels;
 constexpr int kAgreed = 8;
 /// After this time without a line of the accepted number another is considered: a new sketch was uploaded.
 constexpr Duration kDoubt = std::chrono::milliseconds(500);
+/// A device without an accepted line for so long gives its name to another where all are taken.
+constexpr Duration kForget = std::chrono::seconds(10);
 /// Sketches print 10 to 1000 lines a second.
 const sensor::EstimatedClockSettings kTextClock = {.min_period = std::chrono::milliseconds(1),
                                                    .max_period = std::chrono::milliseconds(100)};
@@ -38,6 +40,7 @@ Result<EyewearProtocol> EyewearProtocol::create(EyewearProtocolSettings settings
 }
 
 EyewearProtocol::EyewearProtocol(EyewearProtocolSettings settings) : settings_(settings) {
+  candidates_.reserve(kMaxTextCandidates);
   devices_.reserve(kMaxTextDevices);
 }
 
@@ -67,67 +70,109 @@ Verdict EyewearProtocol::take_packet(std::span<const std::byte> bytes, Inbox& in
   return Verdict::taken;
 }
 
-EyewearProtocol::TextDevice* EyewearProtocol::device_of(sensor::Peer peer) {
-  const auto known = std::ranges::find(devices_, peer, &TextDevice::peer);
-  if (known != devices_.end()) return &*known;
-  if (devices_.size() == kMaxTextDevices) return nullptr;
-  devices_.push_back(
-      {.peer = peer, .id = kTextDevice + devices_.size(), .clock = sensor::EstimatedClock(kTextClock)});
-  return &devices_.back();
+bool EyewearProtocol::Run::add(std::size_t its_values) {
+  lines = values == its_values ? lines + 1 : 1;
+  values = its_values;
+  return lines >= kAgreed;
 }
 
-std::uint8_t EyewearProtocol::bits_of(const TextDevice& device) const {
-  return device.header.adc_bits != 0 ? device.header.adc_bits : settings_.text_bits;
+EyewearProtocol::TextCandidate& EyewearProtocol::meet(sensor::Peer peer) {
+  const auto known = std::ranges::find(candidates_, peer, &TextCandidate::peer);
+  if (known != candidates_.end()) return *known;
+  if (candidates_.size() < kMaxTextCandidates) return candidates_.emplace_back(TextCandidate{.peer = peer});
+  const auto place = std::ranges::min_element(
+      candidates_, {}, [](const TextCandidate& one) { return std::pair(one.run.lines, one.received); });
+  *place = {.peer = peer};
+  return *place;
+}
+
+EyewearProtocol::TextDevice* EyewearProtocol::accept(HostTime arrival, const TextCandidate& candidate) {
+  TextDevice* place = nullptr;
+  if (devices_.size() < kMaxTextDevices) {
+    place = &devices_.emplace_back(TextDevice{.id = kTextDevice + devices_.size()});
+  } else {
+    const auto silent = std::ranges::min_element(devices_, {}, &TextDevice::accepted);
+    if (arrival - silent->accepted <= kForget) return nullptr;
+    place = &*silent;
+  }
+  *place = {.peer = candidate.peer,
+            .id = place->id,
+            .header = candidate.header,
+            .columns = candidate.run.values,
+            .clock = sensor::EstimatedClock(kTextClock)};
+  return place;
+}
+
+std::int32_t EyewearProtocol::full_scale(const TextHeader& header) const {
+  return (1 << (header.adc_bits != 0 ? header.adc_bits : settings_.text_bits)) - 1;
+}
+
+bool EyewearProtocol::is_sound(const TextValues& line, const TextHeader& header) const {
+  const std::size_t per_channel = header.pairs ? 2 : 1;
+  const std::int32_t most = full_scale(header);
+  return line.count % per_channel == 0 && line.count <= per_channel * kMaxChannels &&
+         std::ranges::all_of(std::span(line.values).first(line.count), [&](std::int32_t value) {
+           return std::abs(value) <= most && (value >= 0 || per_channel == 1);
+         });
 }
 
 Verdict EyewearProtocol::take_line(HostTime arrival, sensor::Peer peer, std::span<const std::byte> bytes,
                                    Inbox& inbox) {
   const auto line = parse_text_line(bytes);
   if (!line) return Verdict::malformed;
-  const std::size_t met = devices_.size();
-  TextDevice* device = device_of(peer);
-  if (device == nullptr) return Verdict::refused;
   if (std::holds_alternative<TextComment>(*line)) return Verdict::ignored;
-  if (const auto* header = std::get_if<TextHeader>(&*line)) {
-    device->header = *header;
-    device->columns = 0;
-    device->candidate = 0;
-    device->agreed = 0;
-    device->clock.restart();
-    inbox.alive = {device->id, 0};
+  const auto device = std::ranges::find(devices_, peer, &TextDevice::peer);
+  if (device == devices_.end()) return take_line_of_candidate(arrival, peer, *line, inbox);
+  if (const auto* values = std::get_if<TextValues>(&*line))
+    return take_values(arrival, *device, *values, inbox);
+  device->header = std::get<TextHeader>(*line);
+  device->columns = 0;
+  device->other = {};
+  device->clock.restart();
+  inbox.alive = {device->id, 0};
+  return Verdict::taken;
+}
+
+Verdict EyewearProtocol::take_line_of_candidate(HostTime arrival, sensor::Peer peer, const TextLine& line,
+                                                Inbox& inbox) {
+  const auto* values = std::get_if<TextValues>(&line);
+  if (values == nullptr) {
+    TextCandidate& candidate = meet(peer);
+    candidate = {.peer = peer, .header = std::get<TextHeader>(line), .received = arrival};
     return Verdict::taken;
   }
-  const Verdict verdict = take_values(arrival, *device, std::get<TextValues>(*line), inbox);
-  // A malformed line creates no device: logs lack it, so a replay would number devices differently.
-  if (verdict == Verdict::malformed && devices_.size() > met) devices_.pop_back();
-  return verdict;
+  const auto known = std::ranges::find(candidates_, peer, &TextCandidate::peer);
+  // A malformed line leaves no trace, not even its sender: logs lack it, and a replay must decode alike.
+  if (!is_sound(*values, known != candidates_.end() ? known->header : TextHeader()))
+    return Verdict::malformed;
+  TextCandidate& candidate = meet(peer);
+  candidate.received = arrival;
+  if (!candidate.run.add(values->count)) return Verdict::taken;
+  TextDevice* const device = accept(arrival, candidate);
+  if (device == nullptr) return Verdict::ignored;
+  candidate = candidates_.back();
+  candidates_.pop_back();
+  return take_values(arrival, *device, *values, inbox);
 }
 
 Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const TextValues& line,
                                      Inbox& inbox) const {
+  if (!is_sound(line, device.header)) return Verdict::malformed;
   const std::size_t per_channel = device.header.pairs ? 2 : 1;
-  const std::int32_t full_scale = (1 << bits_of(device)) - 1;
+  const std::int32_t most = full_scale(device.header);
   const auto values = std::span(line.values).first(line.count);
-  const auto within = [&](std::int32_t value) {
-    return std::abs(value) <= full_scale && (value >= 0 || per_channel == 1);
-  };
-  if (values.size() % per_channel != 0 || values.size() > per_channel * kMaxChannels ||
-      !std::ranges::all_of(values, within))
-    return Verdict::malformed;
 
   // Malformed lines leave the state unchanged: logs lack them, and a replay must decode alike.
   if (values.size() != device.columns) {
     if (device.columns != 0 && arrival - device.accepted < kDoubt) return Verdict::malformed;
-    device.agreed = device.candidate == values.size() ? device.agreed + 1 : 1;
-    device.candidate = values.size();
-    if (device.agreed < kAgreed) {
+    if (!device.other.add(values.size())) {
       inbox.alive = {device.id, 0};
       return Verdict::taken;
     }
     device.columns = values.size();
   }
   device.accepted = arrival;
-  device.agreed = 0;
+  device.other = {};
 
   ++device.lines;
   sensor::Sample sample;
@@ -141,11 +186,11 @@ Verdict EyewearProtocol::take_values(HostTime arrival, TextDevice& device, const
     // stays the same.
     const std::int32_t on = per_channel == 2 ? values[2 * c] : std::max(values[c], 0);
     const std::int32_t off = per_channel == 2 ? values[2 * c + 1] : std::max(-values[c], 0);
-    sample.values[0] = static_cast<float>(static_cast<double>(on) / full_scale);
-    sample.values[1] = static_cast<float>(static_cast<double>(off) / full_scale);
+    sample.values[0] = static_cast<float>(static_cast<double>(on) / most);
+    sample.values[1] = static_cast<float>(static_cast<double>(off) / most);
     inbox.readings.push_back({.from = {device.id, static_cast<std::uint8_t>(c)},
                               .sample = sample,
-                              .saturated = std::max(on, off) == full_scale});
+                              .saturated = std::max(on, off) == most});
   }
   return Verdict::taken;
 }

@@ -11,7 +11,7 @@
 namespace mien::eyewear {
 
 /// Text lines carry no device name. Their devices are "02:4D:49:54:58:00" and up: the last octet counts the
-/// peers, in the order of their first lines.
+/// peers, in the order in which they were accepted.
 inline constexpr std::uint64_t kTextDevice = 0x024D'4954'5800ULL;
 inline constexpr std::size_t kMaxTextDevices = 16;
 
@@ -32,6 +32,10 @@ struct EyewearProtocolSettings {
 /// successive lines with another number are accepted. A header restarts this. Lines carry no time: it is
 /// estimated from arrivals, one clock for all sensors of a line, at 10 to 1000 lines a second. A sample's
 /// sequence counts the accepted lines.
+///
+/// Who sends a few lines takes nobody's place: of 512 peers that are not accepted yet the one with the
+/// shortest run of lines, and of these the one silent longest, is forgotten for the next. When all 16 devices
+/// are there, the one without an accepted line for longest, ten seconds at least, gives its name to the next.
 class EyewearProtocol final : public sensor::Protocol {
  public:
   /// Errors: bad_usage (bits).
@@ -45,14 +49,28 @@ class EyewearProtocol final : public sensor::Protocol {
   void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
+  static constexpr std::size_t kMaxTextCandidates = 512;
+  /// Successive lines with the same number of values.
+  struct Run {
+    std::size_t values = 0;
+    int lines = 0;
+    /// Whether so many agree that the number is accepted.
+    bool add(std::size_t its_values);
+  };
+  /// A peer that sends text, and is not accepted yet.
+  struct TextCandidate {
+    sensor::Peer peer = 0;
+    TextHeader header;
+    Run run;
+    HostTime received;  // Arrival of the newest line.
+  };
   struct TextDevice {
     sensor::Peer peer = 0;
     std::uint64_t id = 0;
     TextHeader header;
-    std::size_t columns = 0;    // Values of a line; 0 until accepted.
-    HostTime accepted;          // Arrival of the newest such line.
-    std::size_t candidate = 0;  // Values of the newest lines of another number, ...
-    int agreed = 0;             // ... and the length of their run.
+    std::size_t columns = 0;  // Values of a line; 0 after a header, until accepted again.
+    HostTime accepted;        // Arrival of the newest such line.
+    Run other;                // Lines with another number.
     std::uint64_t lines = 0;
     sensor::EstimatedClock clock;
   };
@@ -61,12 +79,20 @@ class EyewearProtocol final : public sensor::Protocol {
   static sensor::Verdict take_packet(std::span<const std::byte> packet, sensor::Inbox& inbox);
   sensor::Verdict take_line(HostTime arrival, sensor::Peer peer, std::span<const std::byte> line,
                             sensor::Inbox& inbox);
+  sensor::Verdict take_line_of_candidate(HostTime arrival, sensor::Peer peer, const TextLine& line,
+                                         sensor::Inbox& inbox);
   sensor::Verdict take_values(HostTime arrival, TextDevice& device, const TextValues& line,
                               sensor::Inbox& inbox) const;
-  TextDevice* device_of(sensor::Peer peer);
-  [[nodiscard]] std::uint8_t bits_of(const TextDevice& device) const;
+  /// Whether a line of this device has values in pairs, if they come so, none too many, all within range.
+  [[nodiscard]] bool is_sound(const TextValues& line, const TextHeader& header) const;
+  /// The candidate of this peer, from now on if it is new.
+  TextCandidate& meet(sensor::Peer peer);
+  /// The device that a candidate becomes; null: all are there.
+  TextDevice* accept(HostTime arrival, const TextCandidate& candidate);
+  [[nodiscard]] std::int32_t full_scale(const TextHeader& header) const;
 
   EyewearProtocolSettings settings_;
+  std::vector<TextCandidate> candidates_;
   std::vector<TextDevice> devices_;
 };
 

@@ -152,7 +152,7 @@ TEST(EyewearProtocol, TextIsBelievedOnceEightLinesAgree) {
   for (int i = 0; i < 7; ++i) {
     EXPECT_EQ(host.receive("123,456,789\r\n"), Verdict::taken);
     EXPECT_TRUE(host.inbox.readings.empty());
-    EXPECT_EQ(host.inbox.alive, (DeviceKey{kTextDevice, 0}));
+    EXPECT_FALSE(host.inbox.alive);
   }
   EXPECT_EQ(host.receive("123,456,1023\r\n"), Verdict::taken);
   ASSERT_EQ(host.inbox.readings.size(), 3u);
@@ -236,9 +236,24 @@ TEST(EyewearProtocol, EveryPlaceThatTextComesFromIsADevice) {
     host.meet("1", 7 + peer);
     EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice + peer, 0}));
   }
-  EXPECT_EQ(host.receive("1", 6), Verdict::refused);
-  host.meet("1", 7);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(host.receive("1", 6), Verdict::taken);
+  EXPECT_EQ(host.receive("1", 6), Verdict::ignored) << "all are there";
+  for (sensor::Peer peer = 1; peer < kMaxTextDevices; ++peer) host.meet("1", 7 + peer);
+  EXPECT_EQ(host.receive("1", 6), Verdict::ignored);
+  host.now_s += 8.5;
+  EXPECT_EQ(host.receive("1", 6), Verdict::taken) << "the first was silent for ten seconds";
   EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice, 0}));
+}
+
+// 300 strangers between any two lines of a sketch that prints ten a second: all that a session lets through.
+TEST(EyewearProtocol, StrangersWithALineEachKeepNoDeviceOut) {
+  Host host;
+  sensor::Peer stranger = 100;
+  for (int line = 0; line < 8; ++line) {
+    for (int i = 0; i < 300; ++i) EXPECT_EQ(host.receive("7", stranger++), Verdict::taken);
+    EXPECT_EQ(host.receive("1,2", 1), Verdict::taken);
+  }
+  EXPECT_EQ(host.inbox.readings.size(), 2u);
 }
 
 TEST(EyewearProtocol, WhatIsNoScanIsTold) {
