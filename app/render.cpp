@@ -8,10 +8,14 @@
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
+#include "app/nearest_word.h"
+#include "app/one_line.h"
 #include "app/performance.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/load_motion.h"
+#include "mien/face/shapes_named.h"
+#include "mien/face/target_names.h"
 #include "mien/render/comparison.h"
 
 namespace mien::app {
@@ -27,6 +31,15 @@ struct RenderOptions {
   bool json = false;
 };
 
+std::string unknown_shape(const std::string& name) {
+  std::vector<std::string> known(face::kShapeNames.begin(), face::kShapeNames.end());
+  known.insert(known.end(), face::arkit52().shapes.begin(), face::arkit52().shapes.end());
+  const std::string near = nearest_word(name, known);
+  return fmt::format("there is no shape '{}'{}", one_line(name, 40),
+                     near.empty() ? "" : fmt::format("; did you mean {}?", near));
+}
+
+/// Shapes by ICT's names or ARKit's, in either case; without its side a name is both sides.
 Result<face::BlendshapeWeights> parse_weights(const std::vector<std::string>& entries, float* tongue_out) {
   face::BlendshapeWeights weights;
   for (const std::string& entry : entries) {
@@ -36,18 +49,16 @@ Result<face::BlendshapeWeights> parse_weights(const std::vector<std::string>& en
     };
     const std::size_t equals = entry.find('=');
     const std::string name = entry.substr(0, equals);
-    float value = 1;
+    const std::string shown = one_line(entry, 40);
+    float value = 0;
     char rest = 0;
-    if (equals != std::string::npos && std::sscanf(entry.c_str() + equals + 1, "%f%c", &value, &rest) != 1)
-      return bad(fmt::format("'{}' has no number", entry));
-    if (!std::isfinite(value) || std::abs(value) > 10) return bad(fmt::format("'{}' is out of range", entry));
-    if (name == "tongueOut") {
-      *tongue_out = value;
-    } else if (const std::size_t k = face::shape_index(name); k < face::kShapeCount) {
-      weights[k] = value;
-    } else {
-      return bad(fmt::format("there is no shape '{}'", name));
-    }
+    if (equals == std::string::npos || std::sscanf(entry.c_str() + equals + 1, "%f%c", &value, &rest) != 1)
+      return bad(fmt::format("'{}' has no number", shown));
+    if (!std::isfinite(value) || std::abs(value) > 10) return bad(fmt::format("'{}' is out of range", shown));
+    std::vector<std::size_t> shapes = face::shapes_of_name(name);
+    if (shapes.empty()) shapes = face::shapes_named(name);
+    if (shapes.empty()) return bad(unknown_shape(name));
+    for (const std::size_t k : shapes) (k < face::kShapeCount ? weights[k] : *tongue_out) = value;
   }
   return weights;
 }
@@ -144,8 +155,10 @@ void add_render_command(Commands& commands) {
       "--face", options->face,
       "builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the take's own unless told");
   command
-      .add_option("--weights", options->weights,
-                  "Shapes of a still: jawOpen=1,mouthSmile_L=0.5; beyond 0 to 1 is drawn too, up to 10")
+      .add_option(
+          "--weights", options->weights,
+          "Shapes of a still, by ICT's names or ARKit's: jawOpen=1,mouthSmileLeft=0.5; without its side a "
+          "name is both; beyond 0 to 1 is drawn too, up to 10")
       .delimiter(',');
   command.add_option("--view", options->view, "front, three-quarter or side")
       .one_of({"front", "three-quarter", "side"})

@@ -3,55 +3,23 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <numeric>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "app/command.h"
+#include "app/nearest_word.h"
 #include "app/one_line.h"
 
 namespace mien::app {
 namespace {
-
-/// Letters that must be added, taken away, changed, or swapped with their neighbour to make one word the
-/// other.
-std::size_t distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  std::iota(last.begin(), last.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1), last[j] + 1, row[j - 1] + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        row[j] = std::min(row[j], before[j - 2] + 1);
-    }
-    std::swap(before, last);
-    std::swap(last, row);
-  }
-  return last.back();
-}
-
-/// The known word that is nearest; empty where none is near.
-std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  std::string best;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t far = distance(word, candidate);
-    if (far >= least) continue;
-    least = far;
-    best = candidate;
-  }
-  return best;
-}
 
 /// What stands there that nothing takes: an option, a part of the command, or a word too many.
 std::string unknown_word(const Command& command, const std::string& word) {
   const std::string shown = one_line(word, 60);
   const bool option = word.size() > 1 && word.starts_with('-');
   const std::string plain = word.substr(0, word.find('='));
-  std::string near = nearest(plain, option ? command.option_names() : command_names(command));
+  std::string near = nearest_word(plain, option ? command.option_names() : command_names(command));
   if (!near.empty()) near = fmt::format("; did you mean {}?", near);
   if (option) return fmt::format("there is no option {}{}", shown, near);
   const std::vector<std::string> parts = command_names(command);

@@ -262,6 +262,8 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"bench", "onnxruntime", "--model", "@none.safetensors"}, "none.safetensors"},
        {{"render", "--weights", "jawOpen=1,beak=1", "--out", "@new.png"}, "beak"},
        {{"render", "--weights", "jawOpen=wide", "--out", "@new.png"}, "jawOpen"},
+       {{"render", "--weights", "jawOpen", "--out", "@new.png"}, "'jawOpen' has no number"},
+       {{"render", "--weights", "mouthSmileLeft=1,jawOpne=1", "--out", "@new.png"}, "did you mean jawOpen?"},
        {{"render", "--face", "nobody", "--out", "@new.png"}, "nobody"},
        {{"render", "--motion", "@garbage.csv", "--out", "@new.mp4"}, "garbage.csv"},
        {{"render", "--out", "@new.gif"}, "new.gif"}});
