@@ -53,6 +53,9 @@ Json summary_json(const live::EngineSummary& summary) {
            {{"p50", ms(summary.latency.percentile(0.5))},
             {"p99", ms(summary.latency.percentile(0.99))},
             {"max", ms(summary.latency.largest())}}},
+          {"hold_ms",
+           {{"last", 1e3 * to_seconds(summary.report.hold)},
+            {"max", 1e3 * to_seconds(summary.report.longest_hold)}}},
           {"peak_memory_mb", peak_memory_mb()},
           {"datagrams", summary.datagrams},
           {"dropped", summary.dropped},
@@ -144,6 +147,9 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
     print_json(summary_json(summary));
   } else {
     fmt::print("{} frames, {} missed; {}\n", summary.frames, summary.missed, latency_text(summary.latency));
+    if (summary.report.longest_hold > Duration::zero())
+      fmt::print("Frames were held up to {:.0f} ms, beside that latency: packets arrived late\n",
+                 1e3 * to_seconds(summary.report.longest_hold));
     if (summary.frames > 0 && summary.report.calibration.state == "watching")
       fmt::print("Nothing was ever calibrated, so every frame is neutral: {}\n",
                  summary.report.calibration.prompt);

@@ -175,6 +175,7 @@ class Fusion {
   /// Whether a wearer was asked to hold still: rest is then detected in a third of the time, at twice the
   /// tolerance, and at any rate within rest_bias_clip_rad_s.
   void expect_rest(bool expected) { rest_expected_ = expected; }
+  [[nodiscard]] bool rest_expected() const { return rest_expected_; }
 
   /// q_world_sensor. With fuse_mag its heading is magnetic.
   [[nodiscard]] Quat orientation() const;

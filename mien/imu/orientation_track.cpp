@@ -14,6 +14,17 @@ void OrientationTrack::add(const FusedSample& sample) {
   ++count_;
 }
 
+void OrientationTrack::drop_after(DeviceTime time) {
+  while (count_ > 0 && newest().time > time) --count_;
+}
+
+const FusedSample& OrientationTrack::reached(DeviceTime time) const {
+  const std::size_t size = std::min(count_, kSize);
+  std::size_t i = 0;
+  while (i + 1 < size && back(i + 1).time >= time) ++i;
+  return back(i);
+}
+
 Vec3 OrientationTrack::force_around(DeviceTime time) const {
   Vec3 sum = Vec3::Zero();
   int n = 0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "mien/core/rotation.h"
@@ -15,6 +16,8 @@ struct FusedSample {
   Quat orientation = Quat::Identity();   ///< q_world_sensor, its fusion's world.
   Vec3 force_world_m_s2 = Vec3::Zero();  ///< Specific force in that fusion's world; +g along +Y at rest.
   Vec3 rate_rad_s = Vec3::Zero();        ///< Bias removed, frame S.
+  double gap_sigma_rad = 0;              ///< Its fusion's, ...
+  std::uint64_t restarts = 0;            ///< ... and the fusion's restarts, when it was made.
 };
 
 /// Ring buffer of one sensor's newest fused samples, with interpolation. No allocation.
@@ -23,8 +26,13 @@ class OrientationTrack {
   /// Times rise from call to call.
   void add(const FusedSample& sample);
   void clear() { count_ = 0; }
+  /// Drops the samples later than `time`, which are fused anew and added again: all of them, before at() and
+  /// reached() are asked.
+  void drop_after(DeviceTime time);
   [[nodiscard]] bool empty() const { return count_ == 0; }
   [[nodiscard]] const FusedSample& newest() const { return entries_[(count_ - 1) % kSize]; }
+  /// The oldest sample at or after `time` that is still there; the newest where none is. Not empty.
+  [[nodiscard]] const FusedSample& reached(DeviceTime time) const;
 
   /// The sample at `time`: orientation and rate interpolated (slerp, linear) between samples; after the
   /// newest extrapolated by its rate for `prediction` at most, then held. The force is the mean over a 60th

@@ -50,6 +50,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
   State& s = *state_;
   s.lines = &lines;
   s.change = {};
+  for (Channel& channel : s.channels) s.catch_up(channel);
   out.time = frame;
   out.head = Quat::Identity();
   out.has_head = false;
@@ -77,7 +78,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
   }
   s.last_head_rate = head_known ? std::optional<Vec3>(head_rate) : std::nullopt;
 
-  const Gaps ear_gaps = s.head ? s.channels[*s.head].take_gaps() : Gaps();
+  const Gaps ear_gaps = s.head ? s.take_gaps(*s.head, frame) : Gaps();
   const bool followed = s.settings.track_heading && !s.settings.magnetometer;
   s.poses.assign(s.face.size(), std::nullopt);
   for (std::size_t i = 0; i < s.face.size(); ++i) {
@@ -88,7 +89,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
       continue;
     }
     if (!calibration.complete || !calibration.sensors[i].valid) continue;
-    const Gaps gaps = channel.take_gaps();
+    const Gaps gaps = s.take_gaps(s.face[i], frame);
     if (gaps.sigma_rad > 0 || ear_gaps.sigma_rad > 0)
       s.trackers[i].inflate(std::hypot(gaps.sigma_rad, ear_gaps.sigma_rad));
     double& tilt_rad2 = s.tilt_rad2[i];
@@ -158,7 +159,7 @@ SensorStatus Pipeline::status(std::uint16_t sensor) const {
   SensorStatus status;
   if (sensor >= s.channels.size()) return status;
   status.dropped = s.channels[sensor].dropped;
-  status.lost = s.channels[sensor].lost;
+  status.lost = s.channels[sensor].integration.lost;
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     if (s.face[i] != sensor || s.settings.magnetometer) continue;
     status.heading_rad = s.trackers[i].heading_rad();

@@ -81,7 +81,7 @@ struct SensorStatus {
   double heading_rad = 0;        ///< Z_i now, (-pi, pi].
   double heading_sigma_rad = 0;  ///< Its standard deviation; grows without measurements.
   double tilt_sigma_rad = 0;     ///< Of its tilt after gaps, until gravity has corrected it.
-  std::uint64_t dropped = 0;     ///< Samples that arrived out of order or twice.
+  std::uint64_t dropped = 0;     ///< Samples that arrived twice, or too late to be put in their place.
   std::uint64_t lost = 0;        ///< Samples that never arrived, by gaps in device time.
 };
 
@@ -102,8 +102,10 @@ class Pipeline {
   /// Cancels guidance: the calibration in force before the first mark is restored.
   void cancel_marks();
 
-  /// A decoded sample as it arrives, in the log's order. Ignored: samples of unknown sensors, of other
-  /// modalities, with values that are not finite, out of order.
+  /// A decoded sample as it arrives, in the log's order. One that was overtaken is integrated in its place,
+  /// as if it had come in time, where fewer than 56 have come that are newer. Ignored: samples of unknown
+  /// sensors, of other modalities, with values that are not finite, that came before, or come later than
+  /// that.
   void add(const sensor::Sample& sample);
   /// The sensor's next samples come from another board, with another bias, clock, heading and mounting. A
   /// face sensor is then missing until the next calibration; for the ear sensor the calibration is discarded.

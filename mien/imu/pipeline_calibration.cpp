@@ -74,7 +74,7 @@ void Pipeline::State::watch_for_calibration(DeviceTime frame, const std::optiona
         break;
     }
   }
-  for (Channel& channel : channels) channel.fusion.expect_rest(watch.expects_rest());
+  for (Channel& channel : channels) channel.integration.fusion.expect_rest(watch.expects_rest());
 }
 
 void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear) {
@@ -108,7 +108,7 @@ void Pipeline::State::run_prologue(DeviceTime frame, const std::optional<FusedSa
     if (window.phase == Phase::shake) prologue.add_shake(prologue_frame);
   }
   std::erase_if(windows, [frame](const PhaseWindow& window) { return frame >= window.end; });
-  for (Channel& channel : channels) channel.fusion.expect_rest(resting);
+  for (Channel& channel : channels) channel.integration.fusion.expect_rest(resting);
 }
 
 void Pipeline::mark(Phase phase, DeviceTime begin, DeviceTime end) {
@@ -126,7 +126,7 @@ void Pipeline::cancel_marks() {
   s.windows.clear();
   if (s.changed_by_marks) s.put_in_force(s.before_marks);
   s.changed_by_marks = false;
-  for (Channel& channel : s.channels) channel.fusion.expect_rest(false);
+  for (Channel& channel : s.channels) channel.integration.fusion.expect_rest(false);
 }
 
 std::optional<Phase> Pipeline::phase() const {

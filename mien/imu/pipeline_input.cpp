@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -9,62 +10,118 @@ namespace {
 using sensor::Sample;
 using sensor::SampleKind;
 
-/// A device time this far behind the newest is a restarted board; less is a sample out of order.
+/// A device time this far behind the newest is a restarted board; less is a sample that was overtaken.
 constexpr Duration kRestart = std::chrono::seconds(1);
 
-Vec3 vec3(const Sample& sample, std::size_t at) {
-  return Vec3(sample.values[at], sample.values[at + 1], sample.values[at + 2]);
+Vec3 vec3(const FusionInput& in, std::size_t at) {
+  return Vec3(in.values[at], in.values[at + 1], in.values[at + 2]);
+}
+
+FusionInput input(const Sample& sample, bool fused) {
+  FusionInput in{.time = sample.time,
+                 .sequence = sample.sequence,
+                 .fused = fused,
+                 .has_mag = !fused && sample.count >= 9,
+                 .time_estimated = sample.time_estimated};
+  std::copy_n(sample.values.begin(), in.values.size(), in.values.begin());
+  return in;
 }
 
 }  // namespace
 
-bool Pipeline::State::order(Channel& channel, const Sample& sample, double& dt_s) {
-  dt_s = 0;
-  if (channel.newest) {
-    const Duration since = sample.time - *channel.newest;
-    if (since < -kRestart) {
-      channel.fusion.restart();
-      channel.track.clear();
-      channel.restarted = true;
-      channel.steady_since = sample.time;
-      channel.step = {};
-    } else if (since <= Duration::zero()) {
-      ++channel.dropped;
-      return false;
-    } else {
-      dt_s = to_seconds(since);
-      if (dt_s > settings.fusion.max_gap_s) channel.steady_since = sample.time;
-      if (channel.step > Duration::zero() && since > channel.step * 3 / 2)
-        channel.lost += static_cast<std::uint64_t>((since + channel.step / 2) / channel.step - 1);
-      else
-        channel.step = since;
-    }
+void Pipeline::State::add(Channel& channel, const FusionInput& in) {
+  Integration& done = channel.integration;
+  const std::optional<DeviceTime> newest = channel.history.newest();
+  if (newest && in.time - *newest < -kRestart) {
+    catch_up(channel);
+    done.fusion.restart();
+    done.newest.reset();
+    done.steady_since = in.time;
+    done.step = {};
+    channel.history.clear();
+    channel.track.clear();
+    channel.overtaken.reset();
+    channel.restarted = true;
   }
-  channel.newest = sample.time;
-  return true;
+  // No tick has come for long: what waits must not leave the history.
+  if (channel.behind &&
+      channel.history.size() - channel.history.first_after(*done.newest) >= SampleHistory::kSize / 2)
+    catch_up(channel);
+  switch (channel.history.insert(in)) {
+    case SampleHistory::Place::newest:
+      if (!channel.behind) integrate(channel, in);
+      return;
+    case SampleHistory::Place::late:
+      channel.overtaken = channel.history.newest();
+      channel.behind = true;
+      if (in.time > *done.newest) return;
+      {
+        const bool rest_expected = done.fusion.rest_expected();
+        done = channel.history.before(in.time);
+        done.fusion.expect_rest(rest_expected);
+        channel.track.drop_after(*done.newest);
+      }
+      return;
+    case SampleHistory::Place::rejected:
+      ++channel.dropped;
+      return;
+  }
 }
 
-void Pipeline::State::add_raw(Channel& channel, const Sample& sample) {
-  double dt_s = 0;
-  if (!order(channel, sample, dt_s)) return;
-  const Vec3 accel = vec3(sample, 3);
-  channel.fusion.add(dt_s, vec3(sample, 0), accel);
-  if (settings.magnetometer && sample.count >= 9) channel.fusion.fuse_mag(vec3(sample, 6));
-  const Quat q = channel.fusion.orientation();
-  channel.track.add({sample.time, q, q * accel, channel.fusion.rate_rad_s()});
+void Pipeline::State::catch_up(Channel& channel) {
+  if (!channel.behind) return;
+  const std::size_t first = channel.history.first_after(*channel.integration.newest);
+  for (std::size_t i = first; i < channel.history.size(); ++i) integrate(channel, channel.history[i]);
+  channel.behind = false;
 }
 
-void Pipeline::State::add_fused(Channel& channel, const Sample& sample) {
-  double dt_s = 0;
-  if (!order(channel, sample, dt_s)) return;
-  Quat q(sample.values[0], sample.values[1], sample.values[2], sample.values[3]);
+void Pipeline::State::integrate(Channel& channel, const FusionInput& in) {
+  Integration& done = channel.integration;
+  double dt_s = 0;  // 0 for the first and after a restart.
+  if (done.newest) {
+    const Duration since = in.time - *done.newest;
+    dt_s = to_seconds(since);
+    if (dt_s > settings.fusion.max_gap_s) done.steady_since = in.time;
+    if (done.step > Duration::zero() && since > done.step * 3 / 2)
+      done.lost += static_cast<std::uint64_t>((since + done.step / 2) / done.step - 1);
+    else
+      done.step = since;
+  }
+  done.newest = in.time;
+  if (in.fused)
+    integrate_fused(channel, in, dt_s);
+  else
+    integrate_raw(channel, in, dt_s);
+  channel.history.integrated(done);
+}
+
+void Pipeline::State::integrate_raw(Channel& channel, const FusionInput& in, double dt_s) {
+  Fusion& fusion = channel.integration.fusion;
+  const Vec3 accel = vec3(in, 3);
+  fusion.add(dt_s, vec3(in, 0), accel);
+  if (settings.magnetometer && in.has_mag) fusion.fuse_mag(vec3(in, 6));
+  const Quat q = fusion.orientation();
+  channel.track.add({in.time, q, q * accel, fusion.rate_rad_s(), fusion.gap_sigma_rad(), fusion.restarts()});
+}
+
+void Pipeline::State::integrate_fused(Channel& channel, const FusionInput& in, double dt_s) {
+  Quat q(in.values[0], in.values[1], in.values[2], in.values[3]);
   if (q.norm() < 0.5) return;
   q.normalize();
   Vec3 rate = Vec3::Zero();
   if (dt_s > 0 && !channel.track.empty())
     rate = log_rotation(channel.track.newest().orientation.conjugate() * q) / dt_s;
-  channel.track.add({sample.time, q, q * vec3(sample, 4), rate});
-  channel.may_be_unchanged = sample.time_estimated;
+  const Fusion& fusion = channel.integration.fusion;
+  channel.track.add({in.time, q, q * vec3(in, 4), rate, fusion.gap_sigma_rad(), fusion.restarts()});
+  channel.may_be_unchanged = in.time_estimated;
+}
+
+Gaps Pipeline::State::take_gaps(std::uint16_t sensor, DeviceTime frame) {
+  Channel& channel = channels[sensor];
+  if (!channel.disordered() || channel.track.empty() || !lines->has_samples(sensor))
+    return channel.take_gaps();
+  const FusedSample& then = channel.track.reached(lines->from_line(sensor, frame) - kFilledWithin);
+  return channel.take_gaps(then.gap_sigma_rad, then.restarts);
 }
 
 std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTime frame) const {
@@ -90,15 +147,15 @@ void Pipeline::add(const Sample& sample) {
   switch (sample.kind) {
     case SampleKind::imu_raw:
       if (sample.count < 6) return;
-      s.add_raw(channel, sample);
+      s.add(channel, input(sample, false));
       return;
     case SampleKind::imu_fused:
       if (sample.count < 7) return;
-      s.add_fused(channel, sample);
+      s.add(channel, input(sample, true));
       return;
     case SampleKind::imu_head_relative:
       if (sample.count < 3) return;
-      channel.lab.add(sample.time, vec3(sample, 0));
+      channel.lab.add(sample.time, Vec3(sample.values[0], sample.values[1], sample.values[2]));
       return;
     default:  // Another modality's.
       return;

@@ -49,11 +49,16 @@ struct Pipeline::State {
   }
 
   // Input: pipeline_input.cpp.
-  void add_raw(Channel& channel, const sensor::Sample& sample);
-  void add_fused(Channel& channel, const sensor::Sample& sample);
-  /// Restart detection and counting of losses. False when the sample is out of order. `dt_s`: since the last
-  /// sample; 0 for the first and after a restart.
-  bool order(Channel& channel, const sensor::Sample& sample, double& dt_s);
+  /// Restart detection, and the sample's place among those that came: integrated at once behind the newest,
+  /// by catch_up() where it was overtaken.
+  void add(Channel& channel, const FusionInput& in);
+  /// Integrates the samples that are not, after late ones.
+  void catch_up(Channel& channel);
+  void integrate(Channel& channel, const FusionInput& in);
+  void integrate_raw(Channel& channel, const FusionInput& in, double dt_s);
+  void integrate_fused(Channel& channel, const FusionInput& in, double dt_s);
+  /// What gaps have added to the sensor's orientation since the last call.
+  Gaps take_gaps(std::uint16_t sensor, DeviceTime frame);
   /// The sensor's orientation at the frame; none where nothing was received lately.
   [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
   // Calibration: pipeline_calibration.cpp.

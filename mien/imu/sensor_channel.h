@@ -12,12 +12,18 @@
 #include "mien/core/time.h"
 #include "mien/imu/fusion.h"
 #include "mien/imu/orientation_track.h"
+#include "mien/imu/sample_history.h"
 
 namespace mien::imu {
 
 /// A restarted board is used after this time without another long gap: where two boards share one number,
 /// that never happens.
 inline constexpr Duration kSettleTime = std::chrono::milliseconds(200);
+
+/// Packets overtake one another while one did within this time: then a gap counts once no late packet can
+/// fill it any more, after kFilledWithin.
+inline constexpr Duration kDisorderLasts = std::chrono::seconds(10);
+inline constexpr Duration kFilledWithin = std::chrono::milliseconds(100);
 
 /// Newest rotations of one sensor of the profile "lab"; their times are on the reference sensor's clock.
 class LabTrack {
@@ -64,33 +70,36 @@ struct Gaps {
 
 /// One sensor of the rig: from samples to fused orientations, on its own clock.
 struct Channel {
-  explicit Channel(const FusionSettings& settings) : fusion(settings) {}
-  /// What gaps have added since the last call.
-  Gaps take_gaps() {
-    const double sigma = fusion.gap_sigma_rad();
+  explicit Channel(const FusionSettings& settings) : integration(settings) {}
+  /// What gaps have added since the last call, by the fusion's sums now or at an earlier sample.
+  Gaps take_gaps(double sigma, std::uint64_t restarts_by_then) {
     const Gaps gaps{std::sqrt(std::max(0.0, sigma * sigma - gap_sigma * gap_sigma)),
-                    fusion.restarts() != restarts};
+                    restarts_by_then > restarts};
     gap_sigma = sigma;
-    restarts = fusion.restarts();
+    restarts = restarts_by_then;
     return gaps;
   }
+  Gaps take_gaps() { return take_gaps(integration.fusion.gap_sigma_rad(), integration.fusion.restarts()); }
   /// False for a while after a restart, until the new stream has run without a long gap.
   [[nodiscard]] bool settled() const {
-    return !restarted || !newest || *newest - steady_since >= kSettleTime;
+    return !restarted || !integration.newest || *integration.newest - integration.steady_since >= kSettleTime;
+  }
+  /// Whether a packet was overtaken lately.
+  [[nodiscard]] bool disordered() const {
+    return overtaken && integration.newest && *integration.newest - *overtaken < kDisorderLasts;
   }
 
-  Fusion fusion;
+  Integration integration;
+  SampleHistory history;
+  bool behind = false;  // The history has samples that are not integrated.
   OrientationTrack track;
   LabTrack lab;
-  std::optional<DeviceTime> newest;
-  DeviceTime steady_since;        // Of the restart, or of the end of the last long gap.
-  Duration step{};                // Between the last two samples without a loss.
-  double gap_sigma = 0;           // The fusion's at the last take_gaps(), ...
-  std::uint64_t restarts = 0;     // ... and its restarts.
-  bool restarted = false;         // Its heading is unrelated to the calibrated one.
-  bool may_be_unchanged = false;  // Sends nothing while its rotation is constant.
-  std::uint64_t dropped = 0;      // SensorStatus has both.
-  std::uint64_t lost = 0;
+  double gap_sigma = 0;                 // The fusion's at the last take_gaps(), ...
+  std::uint64_t restarts = 0;           // ... and its restarts.
+  std::optional<DeviceTime> overtaken;  // The newest time when a late sample last came.
+  bool restarted = false;               // Its heading is unrelated to the calibrated one.
+  bool may_be_unchanged = false;        // Sends nothing while its rotation is constant.
+  std::uint64_t dropped = 0;            // As SensorStatus has it.
 };
 
 }  // namespace mien::imu

@@ -195,6 +195,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
        {"frames", status.report.frames},
        {"missed", status.missed},
        {"latency_ms", latency_json(status.latency)},
+       {"hold_ms", milliseconds(status.report.hold)},
        {"links", std::move(links)},
        {"unbound", std::move(unbound)},
        {"calibration", calibration_json(status.report.calibration)},

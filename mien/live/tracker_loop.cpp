@@ -165,8 +165,20 @@ void TrackerLoop::look_around(HostTime now) {
   if (++looks_ % 2 == 0) return;
   for (const LinkNews::Sentence& news : link_news_.tell(now, {})) post_event(news.kind, news.text);
   session_.report(now, draft_);
+  tell_of_hold();
   // A reader that holds it gets the next one.
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);
+}
+
+void TrackerLoop::tell_of_hold() {
+  const bool held = draft_.hold > Duration::zero();
+  if (held == told_held_) return;
+  told_held_ = held;
+  if (held)
+    post_event("frames_held",
+               fmt::format("holding frames {:.0f} ms: packets arrive late", 1e3 * to_seconds(draft_.hold)));
+  else
+    post_event("frames_punctual", "packets arrive in time again: frames are not held any more");
 }
 
 session::Report TrackerLoop::report() const {

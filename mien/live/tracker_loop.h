@@ -70,6 +70,7 @@ class TrackerLoop {
   void hand_over_news(HostTime now);
   void post_event(std::string_view kind, std::string_view text);
   void look_around(HostTime now);
+  void tell_of_hold();
 
   session::Session& session_;
   Intake& intake_;
@@ -85,6 +86,7 @@ class TrackerLoop {
   unsigned looks_ = 0;
   std::int64_t versions_ = 0;  // Handed over.
   LinkNews link_news_;
+  bool told_held_ = false;  // That frames are held.
   std::vector<sensor::Protocol::Outgoing> outgoing_;
   session::Report draft_;
   mutable std::mutex report_mutex_;

@@ -20,6 +20,7 @@ std::int64_t frame_at_or_after(DeviceTime time) {
 
 TickRule::TickRule(const Rig& rig)
     : lines_(rig.sensors.size(), rig.find(rig.reference)),
+      hold_(rig.sensors.size()),
       reference_(rig.find(rig.reference)),
       received_(rig.sensors.size()) {}
 
@@ -41,11 +42,21 @@ void TickRule::add(HostTime arrival, const Sample& sample) {
   Received& received = received_[sample.sensor];
   // A board that began anew counts from its new time on.
   const bool anew = received.ever && received.newest - sample.time > std::chrono::seconds(1);
+  if (anew) received.packets = {};
   if (!received.ever || sample.time > received.newest || anew) received.newest = sample.time;
   received.arrival = arrival;
   received.ever = true;
+  watch_arrival(arrival, sample);
   if (reference_ == sample.sensor && sample.kind != SampleKind::imu_head_relative) follow_reference(sample);
   if (!next_ && lines_.ready()) begin();
+}
+
+void TickRule::watch_arrival(HostTime arrival, const Sample& sample) {
+  // An estimated time has its arrival's delay in it, and the lab's samples have none.
+  if (sample.time_estimated || sample.kind == SampleKind::imu_head_relative) return;
+  if (received_[sample.sensor].packets.add(sample.sequence, sample.time))
+    hold_.add(sample.sensor, sample.sequence, arrival,
+              arrival - lines_.clock(sample.sensor).to_host(sample.time));
 }
 
 void TickRule::follow_reference(const Sample& sample) {
@@ -70,7 +81,9 @@ bool TickRule::all_have(DeviceTime frame, HostTime now) const {
     const Received& received = received_[i];
     if (!received.ever || now - received.arrival > kFresh) continue;
     any = true;
-    if (lines_.to_line(i, received.newest) < frame) return false;
+    const bool by_packets = hold_.now() > Duration::zero() && !received.packets.empty();
+    const DeviceTime until = by_packets ? received.packets.whole_until() : received.newest;
+    if (lines_.to_line(i, until) < frame) return false;
   }
   return any;
 }
@@ -85,12 +98,14 @@ std::optional<HostTime> TickRule::deadline() const {
       carried_by = end + ((frame - end).count() + packet_period_.count() - 1) / packet_period_.count() *
                              packet_period_;
   }
-  return lines_.to_host(carried_by) + kWait;
+  return lines_.to_host(carried_by) + kWait + hold_.now();
 }
 
 void TickRule::forget(std::uint16_t sensor) {
   lines_.forget(sensor);
-  if (sensor < received_.size()) received_[sensor] = {};
+  if (sensor >= received_.size()) return;
+  received_[sensor] = {};
+  hold_.forget(sensor);
 }
 
 void TickRule::refill(HostTime fired) {
@@ -117,6 +132,9 @@ std::optional<FrameTick> TickRule::due(HostTime now) {
     return std::nullopt;
   }
   credit_ -= step;
+  // What this frame did not wait for, the next ones do not either.
+  for (std::uint16_t i = 0; i < received_.size(); ++i)
+    if (!received_[i].packets.empty()) received_[i].packets.give_up(lines_.from_line(i, frame));
   const FrameTick tick{*next_, frame, fired, complete};
   ++*next_;
   return tick;

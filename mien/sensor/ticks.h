@@ -4,7 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "mien/sensor/arrival_hold.h"
 #include "mien/sensor/clock_model.h"
+#include "mien/sensor/packet_run.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
 
@@ -16,15 +18,17 @@ struct FrameTick {
   DeviceTime frame;        ///< On the reference's line.
   HostTime fired;          ///< Arrival that completed it, or the deadline that it did not wait beyond; never
                            ///< before the newest arrival that it knows of.
-  bool complete = false;   ///< Every sensor received lately had a sample at or after the frame.
+  bool complete = false;   ///< Every sensor received lately had a sample at or after the frame, and while
+                           ///< frames are held no packet of it was missing before.
   bool operator==(const FrameTick&) const = default;
 };
 
 /// When frames are taken: the frames of a 60 Hz grid on the reference sensor's device time. One fires when
 /// every sensor received in the last 100 ms has a sample at or after its frame time, or 8 ms after the clock
-/// model expected the reference's; what comes later joins the next. While the reference is silent the grid
-/// runs on along its clock as last known, and when it never sent, along the host's. A pure function of the
-/// calls.
+/// model expected the reference's; what comes later joins the next. While packets come late (ArrivalHold) it
+/// fires by as much later, or as soon as every sensor's packets up to its time are there. While the reference
+/// is silent the grid runs on along its clock as last known, and when it never sent, along the host's. A pure
+/// function of the calls.
 ///
 /// For each log entry: fire all that due(arrival) gives, then add its samples, then fire all that
 /// due(arrival) gives. Between entries: due(now) when deadline() has passed.
@@ -52,19 +56,24 @@ class TickRule {
   /// When the next frame fires if nothing more arrives; none before the line is known.
   [[nodiscard]] std::optional<HostTime> deadline() const;
   [[nodiscard]] const TimeLines& lines() const { return lines_; }
+  /// By how much frames are held back.
+  [[nodiscard]] const ArrivalHold& hold() const { return hold_; }
 
  private:
   struct Received {
     HostTime arrival;
     DeviceTime newest;
     bool ever = false;
+    PacketRun packets;  // Empty where times are estimated from arrivals, or on the line already.
   };
+  void watch_arrival(HostTime arrival, const Sample& sample);
   [[nodiscard]] bool all_have(DeviceTime frame, HostTime now) const;
   void begin();
   void follow_reference(const Sample& sample);
   void refill(HostTime fired);
 
   TimeLines lines_;
+  ArrivalHold hold_;
   std::optional<std::uint16_t> reference_;
   std::vector<Received> received_;
   HostTime newest_arrival_ = HostTime::min();

@@ -363,6 +363,8 @@ void Receiver::report_senders(HostTime now, const DeviceKey& key, Report::Link& 
 void Receiver::report(HostTime now, Report& out) const {
   out.malformed = malformed_;
   out.refused = refused_;
+  out.hold = ticks_.hold().now();
+  out.longest_hold = ticks_.hold().longest();
   out.tap = tap_.armed();
   out.links.resize(links_.size());
   for (std::uint16_t i = 0; i < links_.size(); ++i) {

@@ -83,6 +83,10 @@ struct Report {
   std::string tap;      ///< The sensor that waits for a tap; empty: none.
   std::uint64_t malformed = 0;
   std::uint64_t refused = 0;
+  /// By how much frames are held back for packets that come late, which adds to every frame's latency; now,
+  /// and at most so far.
+  Duration hold{};
+  Duration longest_hold{};
 };
 
 }  // namespace mien::session

@@ -397,6 +397,79 @@ TEST(Pipeline, ASensorThatCreepsIsFollowedAlsoBeyondItsBoardsRestart) {
   EXPECT_GT(tilt_sigma, 4 * kRadPerDeg) << "gravity was asked anew";
 }
 
+/// Frames 150 ms behind what was sent, by the clock models of a network without jitter, of samples that
+/// arrive by another one; from a calibration on.
+struct Heard {
+  std::vector<model::FeatureFrame> frames;
+  std::vector<SensorStatus> status;
+};
+Heard hear(const Recording& recording, const std::vector<Entry>& arrived, const Calibration& calibration) {
+  Heard out;
+  Pipeline pipeline(recording.rig);
+  EXPECT_TRUE(pipeline.restore(calibration));
+  sensor::TimeLines lines(recording.rig.sensors.size(), recording.rig.find(recording.rig.reference));
+  std::size_t timed = 0, next = 0;
+  for (double t = 0.5; t < 20; t += 1 / 60.0) {
+    const HostTime now(from_seconds(t + 0.15));
+    for (; timed < recording.entries.size() && recording.entries[timed].arrival <= now; ++timed)
+      for (const sensor::Sample& sample : recording.entries[timed].samples)
+        lines.add(recording.entries[timed].arrival, sample);
+    for (; next < arrived.size() && arrived[next].arrival <= now; ++next)
+      for (const sensor::Sample& sample : arrived[next].samples) pipeline.add(sample);
+    pipeline.tick(recording.ear_time(t), lines, out.frames.emplace_back());
+  }
+  for (std::uint16_t s = 0; s < recording.rig.sensors.size(); ++s) out.status.push_back(pipeline.status(s));
+  return out;
+}
+
+TEST(Pipeline, PacketsThatWereOvertakenAreIntegratedInTheirPlace) {
+  Script script;
+  script.end = 21;
+  Faults faults;
+  faults.packet_loss = 0;
+  const Recording recording = record(script, faults, 3, 29, moving_skin);
+  testing_head::ClockedPipeline calibrated(recording.rig);
+  std::optional<Calibration> calibration;
+  play(recording, script, calibrated,
+       [&](double t, const model::FeatureFrame&, const testing_head::ClockedPipeline& p) {
+         if (t > 10 && !calibration) calibration = p.calibration_now();
+       });
+  ASSERT_TRUE(calibration);
+
+  std::vector<Entry> shuffled = recording.entries;
+  Random random(30);
+  for (Entry& entry : shuffled) entry.arrival += from_seconds(random.uniform(0, 0.1));
+  std::ranges::sort(shuffled, {},
+                    [](const Entry& entry) { return std::pair(entry.arrival, entry.samples[0].sensor); });
+  // A tenth comes twice, the second time in its place or not.
+  std::vector<Entry> doubled;
+  for (const Entry& entry : shuffled) {
+    if (random.chance(0.1)) doubled.push_back(entry);
+    doubled.push_back(entry);
+  }
+  const Heard in_order = hear(recording, recording.entries, *calibration);
+  const Heard late = hear(recording, doubled, *calibration);
+  std::size_t same = 0;
+  for (std::size_t f = 0; f < in_order.frames.size(); ++f) {
+    const model::FeatureFrame& one = in_order.frames[f];
+    const model::FeatureFrame& other = late.frames[f];
+    ASSERT_EQ(one.head.coeffs(), other.head.coeffs()) << f;
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(one.sensors[i].has_rotation, other.sensors[i].has_rotation) << f;
+      if (!one.sensors[i].has_rotation) continue;
+      ASSERT_EQ(one.sensors[i].rotation, other.sensors[i].rotation) << f;
+      ++same;
+    }
+  }
+  EXPECT_GT(same, 3000u);
+  for (std::uint16_t s = 0; s < 4; ++s) {
+    EXPECT_LE(late.status[s].lost, 24u) << "of 4,800: those that have not come yet at the end";
+    EXPECT_GT(late.status[s].dropped, 100u) << "those that came twice";
+    EXPECT_EQ(late.status[s].heading_sigma_rad, in_order.status[s].heading_sigma_rad)
+        << "a hole that was filled is no gap";
+  }
+}
+
 TEST(Pipeline, AHeadingThatNoSkinCouldHaveIsFoundAnewAtOnce) {
   Script script;
   script.end = 16;

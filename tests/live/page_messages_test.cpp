@@ -100,6 +100,13 @@ TEST(PageMessages, ASessionWithoutFramesHasNoLatency) {
   EXPECT_EQ(some, Json::parse(R"({"p50": 5.0, "p99": 5.0, "max": 5.0})"));
 }
 
+TEST(PageMessages, StatusTellsByHowMuchFramesAreHeld) {
+  Status now = status();
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["hold_ms"], 0.0);
+  now.report.hold = std::chrono::milliseconds(45);
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["hold_ms"], 45.0);
+}
+
 TEST(PageMessages, StatusTellsWhatIsLeftOfTheLog) {
   Status now = status();
   now.recording.log = {.bytes = 1'500'000'000,

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "mien/core/random.h"
 
@@ -191,6 +192,145 @@ TEST(Ticks, ASilenceOfAllLeavesNoFrameOut) {
   EXPECT_GT(ticks.size(), 1770u);
   for (std::size_t i = 1; i < ticks.size(); ++i) ASSERT_EQ(ticks[i].index, ticks[i - 1].index + 1);
   EXPECT_LE(most_in_a_second(ticks), 70u);
+}
+
+/// What a network makes of entries: each comes later by what `delay` draws.
+std::vector<Entry> delayed(std::vector<Entry> entries, const std::function<double(Random&)>& delay_s) {
+  Random random(17);
+  for (Entry& entry : entries) entry.arrival += from_seconds(delay_s(random));
+  std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.arrival, e.samples[0].sensor); });
+  return entries;
+}
+
+double up_to_100_ms(Random& random) {
+  return random.uniform(0, 0.1);
+}
+
+Duration longest_hold(const std::vector<Entry>& entries) {
+  TickRule rule(rig_of(12));
+  for (const Entry& entry : entries) {
+    while (rule.due(entry.arrival)) continue;
+    for (const Sample& sample : entry.samples) rule.add(entry.arrival, sample);
+    while (rule.due(entry.arrival)) continue;
+  }
+  return rule.hold().longest();
+}
+
+TEST(Ticks, AreNotHeldWhileArrivalsArePunctual) {
+  const std::vector<Entry> good = play(12, 40, 7);
+  EXPECT_EQ(longest_hold(good), Duration::zero());
+
+  std::vector<Entry> lossy = good;
+  Random random(18);
+  std::erase_if(lossy, [&](const Entry&) { return random.chance(0.2); });
+  EXPECT_EQ(longest_hold(lossy), Duration::zero());
+
+  EXPECT_EQ(longest_hold(delayed(good, [](Random&) { return 0.1; })), Duration::zero()) << "lag";
+
+  // Crystals that are 90 ppm off, each its own way.
+  std::vector<Entry> drifting = good;
+  for (Entry& entry : drifting)
+    for (Sample& sample : entry.samples)
+      sample.time += (sample.sensor % 2 == 0 ? 1 : -1) * (entry.arrival.time_since_epoch() / 1'000'000 * 90);
+  EXPECT_EQ(longest_hold(drifting), Duration::zero());
+
+  // The whole mask is switched off and on.
+  std::vector<Entry> restarted = good;
+  std::erase_if(restarted, [](const Entry& entry) {
+    return entry.arrival > HostTime(std::chrono::seconds(20)) &&
+           entry.arrival < HostTime(std::chrono::seconds(22));
+  });
+  for (Entry& entry : restarted)
+    if (entry.arrival > HostTime(std::chrono::seconds(20)))
+      for (Sample& sample : entry.samples) {
+        sample.time -= std::chrono::seconds(19);
+        sample.sequence -= 900;
+      }
+  EXPECT_EQ(longest_hold(restarted), Duration::zero());
+}
+
+/// Of the packets that a sensor had sent up to each frame, the share that had come when it fired: from the
+/// fifth second on.
+double share_there(const std::vector<Entry>& entries, Duration& latest) {
+  TickRule rule(rig_of(12));
+  std::vector<std::size_t> came(12);
+  std::size_t there = 0, all = 0;
+  latest = {};
+  for (const Entry& entry : entries) {
+    const auto fire = [&] {
+      while (const auto tick = rule.due(entry.arrival)) {
+        if (entry.arrival < HostTime(std::chrono::seconds(5))) continue;
+        latest = std::max(latest, tick->fired - rule.lines().to_host(tick->frame));
+        for (const Entry& sent : entries) {
+          const Sample& last = sent.samples.back();
+          const Duration before = tick->frame - rule.lines().to_line(last.sensor, last.time);
+          if (before < Duration::zero() || before > 100 * kMs) continue;
+          ++all;
+          there += sent.arrival <= tick->fired ? 1 : 0;
+        }
+      }
+    };
+    fire();
+    for (const Sample& sample : entry.samples) rule.add(entry.arrival, sample);
+    fire();
+  }
+  return static_cast<double>(there) / static_cast<double>(all);
+}
+
+TEST(Ticks, AreHeldWhilePacketsComeLate) {
+  const std::vector<Entry> late = delayed(play(12, 8, 8), up_to_100_ms);
+  EXPECT_EQ(longest_hold(late), ArrivalHold::kMost);
+  Duration latest{};
+  // Of what was sent in the 100 ms before: without a hold not two thirds.
+  EXPECT_GT(share_there(late, latest), 0.9);
+  EXPECT_LE(latest, 68 * kMs + Duration(16'700'000));
+  const auto ticks = run(rig_of(12), late);
+  EXPECT_GT(ticks.size(), 460u);
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    ASSERT_EQ(ticks[i].index, ticks[i - 1].index + 1);
+    ASSERT_GE(ticks[i].fired, ticks[i - 1].fired);
+  }
+  EXPECT_EQ(ticks, run(rig_of(12), late)) << "by nothing but the calls";
+}
+
+TEST(Ticks, AreHeldNoLongerThanUntilAllIsThere) {
+  std::vector<Entry> entries = play(3, 20, 9, 0.0005);
+  Random random(19);
+  for (Entry& entry : entries)
+    if (entry.arrival < HostTime(std::chrono::seconds(6)))
+      entry.arrival += from_seconds(random.uniform(0, 0.1));
+  // A packet that is missing in the middle is waited for, though newer ones are there.
+  constexpr Duration kAway = 50 * kMs;
+  const HostTime away(std::chrono::milliseconds(7500));
+  const auto missing = std::ranges::find_if(
+      entries, [&](const Entry& e) { return e.samples[0].sensor == 1 && e.arrival > away; });
+  const HostTime came = missing->arrival += kAway;
+  std::ranges::sort(entries, {}, [](const Entry& e) { return std::pair(e.arrival, e.samples[0].sensor); });
+  TickRule rule(rig_of(3));
+  std::size_t at_once = 0, waited = 0, all = 0;
+  for (const Entry& entry : entries) {
+    const auto fire = [&] {
+      while (const auto tick = rule.due(entry.arrival)) {
+        if (tick->fired < HostTime(std::chrono::seconds(7)) ||
+            tick->fired > HostTime(std::chrono::seconds(12)))
+          continue;
+        EXPECT_GT(rule.hold().now(), 20 * kMs);
+        const Duration after = tick->fired - rule.lines().to_host(tick->frame);
+        ++all;
+        at_once += after < 20 * kMs ? 1 : 0;
+        if (after < 20 * kMs) continue;
+        ++waited;
+        EXPECT_LE(tick->fired, came);
+        EXPECT_TRUE(tick->complete);
+      }
+    };
+    fire();
+    for (const Sample& sample : entry.samples) rule.add(entry.arrival, sample);
+    fire();
+  }
+  EXPECT_EQ(at_once + waited, all);
+  EXPECT_GE(waited, 2u);
+  EXPECT_LE(waited, 5u);
 }
 
 }  // namespace

@@ -117,6 +117,43 @@ TEST(SessionBehindANetwork, StaysSoundWhateverItDoes) {
   }
 }
 
+/// RMS of jawOpen against the truth, from two seconds after the prologue.
+double jaw_error(const virt::VirtualSession& performed, const Played& played) {
+  std::map<DeviceTime, const take::TruthFrame*> truth;
+  for (const take::TruthFrame& t : performed.truth) truth.emplace(t.time, &t);
+  double square = 0;
+  std::size_t count = 0;
+  for (const Played::Frame& f : played.frames) {
+    const auto found = truth.find(f.tick.frame);
+    if (to_seconds(f.tick.fired.time_since_epoch()) < kPrologue_s + 2 || found == truth.end() ||
+        !found->second->evaluated)
+      continue;
+    const double error = f.frame.weights[shape("jawOpen")] - found->second->weights[shape("jawOpen")];
+    square += error * error;
+    ++count;
+  }
+  EXPECT_GT(count, 800u);
+  return std::sqrt(square / static_cast<double>(count));
+}
+
+TEST(SessionBehindANetwork, FramesAreHeldForLatePacketsAndTheHoldIsSaid) {
+  const virt::VirtualSession performed = test::performance(20);
+  const sensor::Rig rig = virt::test::three_sensors();
+  const Played clean = test::run(*test::session(), performed.entries);
+  EXPECT_EQ(clean.report.longest_hold, Duration::zero());
+  // From 0 to 100 ms on every packet.
+  const virt::NetworkSettings late =
+      with([](auto& s) { s.jitter_ms = 50, s.jitter = virt::NetworkSettings::Jitter::uniform; });
+  const auto worse = virt::impair(performed, rig, late, Random(9)).value();
+  const Played played = test::run(*test::session(), worse.entries);
+  test::expect_sound(played);
+  EXPECT_GE(played.report.hold, std::chrono::milliseconds(50));
+  EXPECT_EQ(played.report.longest_hold, std::chrono::milliseconds(60));
+  const double error = jaw_error(worse, played), clean_error = jaw_error(performed, clean);
+  std::cout << "jawOpen " << clean_error << " RMS, 0 to 100 ms late " << error << "\n";
+  EXPECT_LE(error, 1.15 * clean_error);
+}
+
 TEST(SessionBehindANetwork, AFrozenSensorIsSaid) {
   const virt::VirtualSession performed = test::performance(8);
   virt::DeviceTroubles frozen;

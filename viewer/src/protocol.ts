@@ -174,6 +174,8 @@ export interface Status {
   frames: number;
   missed: number;
   latency: { p50: number; p99: number; max: number } | null;
+  /** By how much frames are held for packets that come late, beside that latency; 0 while they are in time. */
+  holdMs: number;
   links: Link[];
   unbound: UnboundDevice[];
   calibration: CalibrationStatus;
@@ -500,6 +502,7 @@ function readStatus(fields: Fields): Status {
     frames: number(fields["frames"]),
     missed: number(fields["missed"]),
     latency: p50 === null ? null : { p50, p99: number(latency["p99"], p50), max: number(latency["max"], p50) },
+    holdMs: Math.max(0, number(fields["hold_ms"])),
     links: list(fields["links"], readLink).filter((one) => one.sensor !== ""),
     unbound: list(fields["unbound"], (one) => ({
       device: text(one["device"]),

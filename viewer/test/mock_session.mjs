@@ -276,7 +276,7 @@ class MockSession {
     const step = run ? run.steps[run.at] : null;
     return {
       type: "status", time: Math.round(1000 * t) / 1000, frames: this.frames, missed: 0,
-      latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() },
+      latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() }, hold_ms: 0,
       links, unbound: this.unbound.map((one) => ({ ...one, age_ms: 3 + 5 * this.random() })),
       calibration: {
         state: this.calibration.state, step: this.calibration.step, prompt: this.calibration.prompt, target: step?.target ?? null,

@@ -36,6 +36,8 @@ std::string LossCondition::name() const {
       return fmt::format("{:g} % lost in bursts", amount);
     case Fault::jitter:
       return fmt::format("jitter {:g} ms", amount);
+    case Fault::even_jitter:
+      return fmt::format("jitter 0 to {:g} ms", amount);
     case Fault::lag:
       return fmt::format("lag {:g} ms", amount);
     case Fault::disorder:
@@ -59,8 +61,9 @@ std::string LossCondition::name() const {
 std::vector<LossCondition> loss_conditions(const sensor::Rig& rig) {
   std::vector<LossCondition> out;
   for (const double percent : {2.0, 5.0, 10.0, 20.0}) out.push_back({Fault::loss, percent, {}});
-  for (const double percent : {2.0, 5.0, 10.0}) out.push_back({Fault::bursts, percent, {}});
+  for (const double percent : {2.0, 5.0, 10.0, 20.0}) out.push_back({Fault::bursts, percent, {}});
   for (const double ms : {20.0, 50.0, 100.0}) out.push_back({Fault::jitter, ms, {}});
+  out.push_back({Fault::even_jitter, 100, {}});
   out.push_back({Fault::lag, 100, {}});
   out.push_back({Fault::disorder, 20, {}});
   out.push_back({Fault::clock_drift, 50, {}});
@@ -97,6 +100,10 @@ Result<Impairment> impairment(const LossCondition& condition, const sensor::Rig&
       break;
     case Fault::jitter:
       out.network.jitter_ms = condition.amount;
+      break;
+    case Fault::even_jitter:
+      out.network.jitter_ms = 0.5 * condition.amount;
+      out.network.jitter = virt::NetworkSettings::Jitter::uniform;
       break;
     case Fault::lag:
       out.network.lag_ms = condition.amount;

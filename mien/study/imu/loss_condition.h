@@ -18,6 +18,7 @@ enum class Fault : std::uint8_t {
   loss,            ///< `amount` percent of the packets are lost, each by itself.
   bursts,          ///< The same, ten in a row on average.
   jitter,          ///< Every packet takes some time more, `amount` ms on average (exponential).
+  even_jitter,     ///< Every packet takes 0 to `amount` ms more, evenly.
   lag,             ///< Every packet takes `amount` ms more.
   disorder,        ///< `amount` percent come twice, and packets overtake each other by up to 40 ms.
   clock_drift,     ///< Every clock is `amount` ppm off, either way, and stepped by 500 us every ten seconds.

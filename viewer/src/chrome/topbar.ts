@@ -19,6 +19,7 @@ export class Topbar {
   private readonly latency = h("span", { class: "latency", title: "From the arrival of a frame's last sample to the packet sent, over ten seconds" });
   private readonly p50 = h("b", { text: "–" });
   private readonly p99 = h("b", { text: "–" });
+  private readonly held = h("b", { class: "gap", hidden: true, title: "Packets arrive late, so every frame waits for them by so much: it adds to the latency" });
   private standing = "";
   private standingSince = 0;
 
@@ -35,6 +36,7 @@ export class Topbar {
     this.latency.append(
       h("span", { class: "quiet", text: "p50 " }), this.p50, h("span", { class: "quiet", text: " ms" }),
       h("span", { class: "quiet gap", text: "p99 " }), this.p99, h("span", { class: "quiet", text: " ms" }),
+      this.held,
     );
     this.element.append(
       h("span", { class: "wordmark", text: "mien" }),
@@ -57,6 +59,9 @@ export class Topbar {
     const latency = this.session.connected ? status?.latency : null;
     setText(this.p50, fixed(latency?.p50 ?? null, 1));
     setText(this.p99, fixed(latency?.p99 ?? null, 1));
+    const holdMs = this.session.connected ? (status?.holdMs ?? 0) : 0;
+    setText(this.held, `+ ${fixed(holdMs, 0)} ms held`);
+    setHidden(this.held, holdMs === 0);
     this.judge();
   }
 

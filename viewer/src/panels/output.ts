@@ -159,7 +159,7 @@ export class OutputPanel {
     const status = this.session.status.value;
     setText(
       this.latencyText,
-      status?.latency ? `Half of all frames leave within ${fixed(status.latency.p50, 1)} ms of their last sample, 99 % within ${fixed(status.latency.p99, 1)} ms; the slowest took ${fixed(status.latency.max, 1)} ms.` : status && status.frames > 0 ? "No frames in the last ten seconds." : "No frames yet.",
+      status?.latency ? `Half of all frames leave within ${fixed(status.latency.p50, 1)} ms of their last sample, 99 % within ${fixed(status.latency.p99, 1)} ms; the slowest took ${fixed(status.latency.max, 1)} ms.${status.holdMs > 0 ? ` Besides, holding frames ${fixed(status.holdMs, 0)} ms: packets arrive late.` : ""}` : status && status.frames > 0 ? "No frames in the last ten seconds." : "No frames yet.",
     );
     const canvas = this.latency;
     if (canvas.clientWidth === 0) return;

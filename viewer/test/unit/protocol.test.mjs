@@ -72,7 +72,7 @@ test("every message survives every field being of a wrong kind", () => {
     { type: "hello", shapes: SHAPES, rig: { name: "r", sensors: [{ name: "a", position_m: [0, 0, 0] }] }, listening: ["udp://"] },
     frame(),
     {
-      type: "status", time: 1, latency_ms: { p50: 1, p99: 2, max: 3 }, links: [{ sensor: "a", state: "good" }], unbound: [{ device: "d" }],
+      type: "status", time: 1, latency_ms: { p50: 1, p99: 2, max: 3 }, hold_ms: 1, links: [{ sensor: "a", state: "good" }], unbound: [{ device: "d" }],
       calibration: { state: "running", target: { jawOpen: 1 }, versions: [{ id: 1, scores: [{ name: "s" }] }] }, sinks: [{ id: 1 }],
       prompts: { state: "running", name: "a", target: { jawOpen: 1 }, next: { name: "b", target: { jawOpen: 1 } }, number: 1, of: 2 },
       recording: { on: true }, shaping: { gains: { jawOpen: 1.5 }, limits: { jawOpen: [0, 0.5] } }, replay: { take: "t" }, tap: { sensor: "a" },
@@ -107,12 +107,13 @@ test("who sends as a sensor is read, and nobody without an address", () => {
 
 test("a status is read", () => {
   const message = read({
-    type: "status", time: 3, frames: 180, missed: 1, latency_ms: { p50: 7, p99: 12, max: 20 },
+    type: "status", time: 3, frames: 180, missed: 1, latency_ms: { p50: 7, p99: 12, max: 20 }, hold_ms: 45,
     links: [{ sensor: "mentalis", device: "d", state: "lossy", age_ms: 3, rate_hz: 239.8, loss: 0.1, battery: null, heading_sigma_deg: 2 }],
     calibration: { state: "running", step: "anchor", prompt: "Smile.", target: { mouthSmile_L: 1 }, progress: 0.5, remaining_s: 1.5, step_number: 4, steps: 8, versions: [] },
     sinks: [{ id: 2, address: "vmc://h:1", on: true, rate_hz: 60, receivers: null }], shaping: { smoothing: 0.4, gains: { jawOpen: 1.2, nonsense: 3 }, limits: {} },
     replay: null, tap: { sensor: "mentalis" },
   });
+  assert.equal(message.holdMs, 45);
   assert.equal(message.links[0].loss, 0.1);
   assert.equal(message.links[0].battery, null);
   assert.deepEqual(message.links[0].rivals, []);
