@@ -39,12 +39,12 @@ sensor::Rig only(const sensor::Rig& rig, std::string_view kind) {
 }
 
 /// A performance as IMUs and glasses feel it, received in one session.
-Result<virt::VirtualSession> play_both(const MergedScene& scene, const VirtualPerson& person,
-                                       face::Motion motion, const Random& root) {
+Result<virt::VirtualSession> play_both(const MergedRequest& request, const MergedScene& scene,
+                                       const VirtualPerson& person, const Random& root) {
+  face::Motion motion = draw_motion(request.seconds, person.style, root);
   if (!motion.has_head) motion = performer::with_head_motion(motion, root.fork("head"));
-  const performer::PrologueMotion begun =
-      performer::with_prologue(motion, performer::PrologueKind::full, root.fork("prologue"),
-                               {.neutral_s = performer::kEyewearPrologue.neutral_s});
+  const performer::PrologueMotion begun = performer::with_prologue(
+      motion, request.prologue, root.fork("prologue"), {.neutral_s = performer::kEyewearPrologue.neutral_s});
   const sensor::Rig imus = only(scene.rig, "imu"), glasses = only(scene.rig, "eyewear");
   const std::vector<Vec3> placement_m =
       virt::draw_placement(imus, 1e-3 * scene.imu_faults.mount_position_mm, root.fork("placement"));
@@ -128,13 +128,13 @@ Result<MergedPerson> answer(const MergedRequest& request, const MergedScene& sce
         const tracker::TickResult eyewear = trackers.eyewear->tick(tick.frame, receiver->lines(), frames[1]);
         by_imu.push_back(frames[0].weights);
         by_eyewear.push_back(frames[1].weights);
-        const std::array<shaping::Merge::Source, 2> sources = {
-            shaping::Merge::Source{.frame = &frames[0],
-                                   .sensors_present = imu.sensors_present,
-                                   .calibrated = trackers.imu->calibrated_confidence()},
-            shaping::Merge::Source{.frame = &frames[1],
-                                   .sensors_present = eyewear.sensors_present,
-                                   .calibrated = trackers.eyewear->calibrated_confidence()}};
+        const auto source = [](face::OutputFrame& frame, const tracker::TickResult& result) {
+          return shaping::Merge::Source{.frame = &frame,
+                                        .sensors_present = result.sensors_present,
+                                        .explained = result.explained ? &*result.explained : nullptr};
+        };
+        const std::array<shaping::Merge::Source, 2> sources = {source(frames[0], imu),
+                                                               source(frames[1], eyewear)};
         face::OutputFrame one;
         merge.apply(sources, one);
         const bool counts = session.truth[merged.size()].evaluated;
@@ -180,8 +180,7 @@ Result<std::vector<MergedPerson>> study_merged(const MergedRequest& request, con
   MIEN_TRY(for_each_performer(people.size(), request.threads, progress, [&](std::size_t p) -> Result<void> {
     const Random root = Random(request.seed).fork("merged", p);
     const VirtualPerson person = draw_person(root);
-    MIEN_TRY_ASSIGN(const virt::VirtualSession session,
-                    play_both(scene, person, draw_motion(request.seconds, person.style, root), root));
+    MIEN_TRY_ASSIGN(const virt::VirtualSession session, play_both(request, scene, person, root));
     MIEN_TRY_ASSIGN(people[p], answer(request, scene, person.face, session));
     return {};
   }));

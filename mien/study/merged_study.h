@@ -10,6 +10,7 @@
 #include "mien/eyewear/marker_network.h"
 #include "mien/measure/metrics.h"
 #include "mien/model/model_file.h"
+#include "mien/performer/prologue.h"
 #include "mien/sensor/rig.h"
 #include "mien/shaping/merge_settings.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
@@ -20,7 +21,8 @@ namespace mien::study {
 /// Virtual people who wear IMUs and glasses at once.
 struct MergedRequest {
   int performers = 3;
-  double seconds = 60;  ///< Each one's performance, after a full prologue.
+  double seconds = 60;  ///< Each one's performance, after the prologue.
+  performer::PrologueKind prologue = performer::PrologueKind::full;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: one a core.
   shaping::MergeSettings merge;
@@ -50,9 +52,9 @@ struct MergedPerson {
 
 /// What merging loses or gains: each person performs once, IMUs and glasses of the scene's rig feel it at
 /// once and are received in one session, and the trackers' frames are merged as a live session's are. The
-/// prologue (ten seconds of neutral, nod, shake, expressions) calibrates both. Errors: bad_usage (nobody; a
-/// rig whose grid is not an IMU's), those of the devices and the models; cancelled. Cost: about half a minute
-/// of one core a person and minute.
+/// prologue (ten seconds of neutral, nod, shake, and expressions in a full one) calibrates both. Errors:
+/// bad_usage (nobody; a rig whose grid is not an IMU's), those of the devices and the models; cancelled.
+/// Cost: about half a minute of one core a person and minute.
 [[nodiscard]] Result<std::vector<MergedPerson>> study_merged(const MergedRequest& request,
                                                              const MergedScene& scene,
                                                              const Progress& progress);
