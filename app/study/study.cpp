@@ -10,6 +10,7 @@
 #include "app/study/study_confidence.h"
 #include "app/study/study_live.h"
 #include "app/study/study_loss.h"
+#include "app/study/study_merged.h"
 #include "app/study/study_motion.h"
 #include "app/study/study_sensors.h"
 #include "mien/builtin_face/load_face.h"
@@ -197,6 +198,7 @@ void add_study_command(Commands& commands) {
   add_skin(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
+  add_study_merged(commands, study);
   add_study_motion(commands, study);
   add_study_sensors(commands, study);
   auto bound = std::make_shared<BoundOptions>();

@@ -9,11 +9,10 @@
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "mien/builtin_face/builtin_face.h"
-#include "mien/model/model_file.h"
-#include "mien/sensor/rig.h"
-#include "mien/study/imu/confidence.h"
-#include "mien/study/imu/confidence_report.h"
+#include "app/study/studied_model.h"
+#include "mien/core/median.h"
+#include "mien/study/confidence.h"
+#include "mien/study/confidence_report.h"
 
 namespace mien::app {
 namespace {
@@ -44,21 +43,24 @@ Json to_json(const study::Reliability& reliability) {
 }
 
 Json to_json(const study::ConfidenceRow& row) {
-  return {{"who", row.who},
-          {"lost", row.lost},
-          {"people", row.people},
-          {"frames", row.frames},
-          {"measured", row.measured},
-          {"gaze_measured", row.gaze_measured},
-          {"correlations", row.followed.pairs},
-          {"correlations_kept", row.followed.share()},
-          {"all", to_json(row.all)},
-          {"moving", to_json(row.moving)},
-          {"before",
-           {{"correlations", row.followed_before.pairs},
-            {"correlations_kept", row.followed_before.share()},
-            {"all", to_json(row.all_before)}}},
-          {"kept", study::kept(row)}};
+  return {
+      {"who", row.who},
+      {"lost", row.lost},
+      {"people", row.people},
+      {"frames", row.frames},
+      {"measured", row.measured},
+      {"gaze_measured", row.gaze_measured},
+      {"correlations", row.followed.pairs},
+      {"correlations_kept", row.followed.share()},
+      {"all", to_json(row.all)},
+      {"ece_single",
+       {{"median", upper_median(row.single)}, {"least", row.single.front()}, {"most", row.single.back()}}},
+      {"moving", to_json(row.moving)},
+      {"before",
+       {{"correlations", row.followed_before.pairs},
+        {"correlations_kept", row.followed_before.share()},
+        {"all", to_json(row.all_before)}}},
+      {"kept", study::kept(row)}};
 }
 
 Json shapes_json(const model::ConfidenceTable& table) {
@@ -69,32 +71,26 @@ Json shapes_json(const model::ConfidenceTable& table) {
 }
 
 /// Measures the model's table anew and writes the model with it.
-Result<void> write_table(const StudyConfidenceOptions& options, const sensor::Rig& rig,
-                         model::ModelFile& model) {
-  MIEN_TRY_ASSIGN(const std::vector<study::WatchedPerson> people,
-                  study::watch_virtual(options.performers, options.seconds, kMeasuredOn, rig,
-                                       terminal_progress("people to measure on"), 0));
-  MIEN_TRY_ASSIGN(model.confidence,
-                  study::measure_confidence(model, rig.face_sensor_names(), people, kMeasuredOn,
-                                            terminal_progress("confidence"), 0));
-  return model::write_model(options.write, model);
+Result<void> write_table(const StudyConfidenceOptions& options, StudiedModel& model) {
+  MIEN_TRY_ASSIGN(
+      const study::WatchedGroup people,
+      model.virtual_people(options.performers, options.seconds, kMeasuredOn, "people to measure on"));
+  MIEN_TRY_ASSIGN(model::ConfidenceTable table,
+                  study::measure_confidence(people, kMeasuredOn, terminal_progress("confidence"), 0));
+  model.use(std::move(table));
+  return model.write(options.write);
 }
 
 Result<std::vector<study::WatchedGroup>> watch(const StudyConfidenceOptions& options,
-                                               const sensor::Rig& rig) {
+                                               const StudiedModel& model) {
   std::vector<study::WatchedGroup> groups;
-  MIEN_TRY_ASSIGN(std::vector<study::WatchedPerson> people,
-                  study::watch_virtual(options.performers, options.seconds, options.seed + kMeasuredOn + 1,
-                                       rig, terminal_progress("people"), 0));
-  groups.push_back({fmt::format("{} virtual people", options.performers), std::move(people)});
+  MIEN_TRY_ASSIGN(groups.emplace_back(), model.virtual_people(options.performers, options.seconds,
+                                                              options.seed + kMeasuredOn + 1, "people"));
   for (std::size_t m = 0; m < options.motions.size(); ++m) {
     MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motions[m]));
-    MIEN_TRY_ASSIGN(study::WatchedPerson person,
-                    study::watch_recorded(performance.motion, builtin_face::make_builtin(), rig,
-                                          Random(options.seed).fork("recorded", m)));
-    study::WatchedGroup& group = groups.emplace_back();
-    group.who = std::filesystem::path(options.motions[m]).stem().string();
-    group.people.push_back(std::move(person));
+    MIEN_TRY_ASSIGN(groups.emplace_back(),
+                    model.recorded(std::filesystem::path(options.motions[m]).stem().string(),
+                                   performance.motion, Random(options.seed).fork("recorded", m)));
   }
   return groups;
 }
@@ -102,31 +98,29 @@ Result<std::vector<study::WatchedGroup>> watch(const StudyConfidenceOptions& opt
 Result<void> run_study_confidence(StudyConfidenceOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".html"}));
   if (!options.write.empty()) MIEN_TRY(check_output(options.write, {".safetensors"}));
-  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
-  MIEN_TRY_ASSIGN(model::ModelFile model, model::read_model(options.model));
-  if (!options.write.empty()) MIEN_TRY(write_table(options, rig, model));
-  if (!model.confidence)
+  MIEN_TRY_ASSIGN(const std::unique_ptr<StudiedModel> model, read_studied_model(options.model, options.rig));
+  if (!options.write.empty()) MIEN_TRY(write_table(options, *model));
+  if (!model->table())
     return fail(ErrorCode::not_found, "the model has no confidence table", options.model,
                 "measure it with --write");
-  MIEN_TRY_ASSIGN(const std::vector<study::WatchedGroup> groups, watch(options, rig));
+  const model::ConfidenceTable& table = *model->table();
+  MIEN_TRY_ASSIGN(const std::vector<study::WatchedGroup> groups, watch(options, *model));
   MIEN_TRY_ASSIGN(const std::vector<study::ConfidenceRow> rows,
-                  study::study_confidence(model, rig.face_sensor_names(), groups, options.seed,
-                                          terminal_progress("confidence"), 0));
+                  study::study_confidence(table, groups, options.seed, terminal_progress("confidence"), 0));
   clear_progress();
   const std::string subtitle = fmt::format(
       "model {}, seed {}", std::filesystem::path(options.model).filename().string(), options.seed);
-  const measure::Report report = study::confidence_report(rows, *model.confidence, subtitle);
+  const measure::Report report = study::confidence_report(rows, table, subtitle);
   if (!options.out.empty()) MIEN_TRY(report.write(options.out));
   if (options.json) {
     Json all = Json::array();
     for (const study::ConfidenceRow& row : rows) all.push_back(to_json(row));
     print_json({{"model", options.model},
-                {"rig", rig.name},
+                {"rig", model->rig_name()},
                 {"seed", options.seed},
-                {"measured_from", model.confidence->measured_from},
-                {"explained", shapes_json(*model.confidence)},
+                {"measured_from", table.measured_from},
+                {"explained", shapes_json(table)},
                 {"rows", all}});
     return {};
   }

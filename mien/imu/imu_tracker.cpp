@@ -102,6 +102,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   }
   model_->step(features_, out);
   result.sensors_present = present;
+  if (const tracker::Explained* explained = model_->explained()) result.explained = *explained;
   return result;
 }
 

@@ -23,7 +23,6 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] static PipelineSettings live_settings();
 
   [[nodiscard]] std::string_view modality() const override { return "imu"; }
-  [[nodiscard]] bool calibrated_confidence() const override { return true; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;

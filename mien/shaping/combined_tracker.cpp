@@ -38,7 +38,7 @@ CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& 
       assert(member_of_[sensor] == kNobodys);
       member_of_[sensor] = static_cast<std::uint8_t>(members_.size());
     }
-    members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}});
+    members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}, {}});
   }
 }
 
@@ -72,7 +72,8 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
     for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
     sources_[i].sensors_present = one.sensors_present;
     sources_[i].frame = &members_[i].frame;
-    sources_[i].calibrated = members_[i].tracker->calibrated_confidence();
+    members_[i].explained = one.explained;
+    sources_[i].explained = members_[i].explained ? &*members_[i].explained : nullptr;
   }
   if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
   all.sensors_present = merge_.apply(sources_, out);

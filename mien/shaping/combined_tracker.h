@@ -67,6 +67,7 @@ class CombinedTracker final : public tracker::Tracker {
     std::vector<std::uint16_t> sensors;
     std::optional<HostTime> received;  // Arrival of its sensors' newest sample.
     face::OutputFrame frame;
+    std::optional<tracker::Explained> explained;
   };
   [[nodiscard]] bool any_present() const;
   /// The member that owns the sample's sensor, with its arrival noted; null for none.

@@ -90,11 +90,10 @@ Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
                                 : part == kHeadPart ? frame.head_provenance
                                                     : frame.eyes_provenance;
   out.known = source.sensors_present > 0 && provenance != Provenance::neutral;
-  out.confidence = shape               ? frame.confidence[part]
-                   : part == kHeadPart ? frame.head_confidence
-                                       : frame.eyes_confidence;
-  out.calibrated = shape && source.calibrated;
-  out.measured = provenance == Provenance::measured;
+  if (shape)
+    out.share = source.explained != nullptr ? (*source.explained)[part] : frame.confidence[part];
+  else
+    out.share = part == kHeadPart ? frame.head_confidence : frame.eyes_confidence;
   return out;
 }
 
@@ -103,14 +102,14 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
   const std::uint8_t present = answers_[part];
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources[s], part);
-    if (vote.sure(s == present ? settings_.unsure : settings_.sure)) return s;
+    if (vote.known && vote.share >= (s == present ? settings_.unsure : settings_.sure)) return s;
   }
   const float hysteresis = settings_.sure - settings_.unsure;
   std::uint8_t best = kNobody;
   float most = 0;
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources[s], part);
-    const float score = vote.confidence + (s == present ? hysteresis : 0);
+    const float score = vote.share + (s == present ? hysteresis : 0);
     if (!vote.known || (best != kNobody && score <= most)) continue;
     best = s;
     most = score;

@@ -13,6 +13,7 @@
 #include "mien/shaping/fallback_settings.h"
 #include "mien/shaping/frame_parts.h"
 #include "mien/shaping/merge_settings.h"
+#include "mien/tracker/explained.h"
 
 namespace mien::shaping {
 
@@ -20,12 +21,14 @@ namespace mien::shaping {
 /// tracker, value, confidence and provenance together; the tongue from the tracker that gives jawOpen.
 /// Selection, for each part:
 ///
-/// 1. the first tracker in the region's order that has sensors and a confidence of at least `sure`, or
-///    `unsure` for the present one (hysteresis, MergeSettings); of a calibrated one (Source) that measures
-///    it;
-/// 2. else the most confident one that has sensors; another replaces the present one where it leads by more
-///    than the hysteresis, sure - unsure;
+/// 1. the first tracker in the region's order that has sensors and explains at least `sure` of the part, or
+///    `unsure` for the present one (hysteresis, MergeSettings);
+/// 2. else the one with sensors that explains the most; another replaces the present one where it leads by
+///    more than the hysteresis, sure - unsure;
 /// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
+///
+/// What a tracker explains of a shape depends on its sensors and not on the weights, so that nothing changes
+/// hands within a smile. Where nobody measured that, and of head and eyes, its confidence stands for it.
 ///
 /// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's
 /// mechanisms and times, part by part, so a tracker that loses its sensors is replaced as smoothly as the
@@ -40,10 +43,8 @@ class Merge {
   struct Source {
     face::OutputFrame* frame = nullptr;  ///< Invalid values are mended (bounds.h), in place.
     std::size_t sensors_present = 0;     ///< This tracker's; 0: not selected.
-    /// Its shapes' confidence is a probability (tracker::Tracker::calibrated_confidence). That falls as a
-    /// weight rises, and a choice that followed it would change hands within a smile: so a shape that it
-    /// calls measured is sure, and one that it predicts is not.
-    bool calibrated = false;
+    /// What its sensors explain (tracker::TickResult); null: not measured.
+    const tracker::Explained* explained = nullptr;
   };
 
   /// `modalities`: names of the sources of every apply, in their order; 1 to kMostSources.
@@ -70,14 +71,7 @@ class Merge {
   /// One source's claim to a part of the frame.
   struct Vote {
     bool known = false;  // It has sensors and an estimate.
-    float confidence = 0;
-    bool calibrated = false;
-    bool measured = false;
-
-    /// Whether it may answer by its place in the order alone. `least`: of a share of sensors.
-    [[nodiscard]] bool sure(float least) const {
-      return known && (calibrated ? measured : confidence >= least);
-    }
+    float share = 0;     // Of the part that it explains; else its confidence.
   };
   [[nodiscard]] static Vote vote_of(const Source& source, std::size_t part);
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;

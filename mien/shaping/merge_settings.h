@@ -26,14 +26,14 @@ struct MergeSettings {
   /// Default: default_order().
   using Order = std::vector<std::string>;
   std::array<Order, kMergePlaceCount> order = default_order();
-  /// Upper threshold of the hysteresis, a confidence, 0 to 1 (0.5: half of the shape's sensors present): the
-  /// first tracker in the order with at least this confidence takes the shape over. Raising: later trackers
-  /// take a region over earlier as sensors drop out. Lowering: the first in the order keeps it with fewer
-  /// sensors.
+  /// Upper threshold of the hysteresis, 0 to 1: the share of a shape's variance that a tracker explains
+  /// (tracker::Explained), or its confidence where nobody measured that. The first tracker in the order with
+  /// at least this share takes the shape over. Raising: later trackers take a region over earlier as sensors
+  /// drop out. Lowering: the first in the order keeps it with fewer sensors; 0: the order alone decides.
   float sure = 0.5F;
-  /// Lower threshold, 0 to `sure`: the selected tracker keeps the shape down to this confidence. The
-  /// difference to `sure` is also the lead that another needs where none reaches `sure`. Raising: hands over
-  /// at smaller dips of confidence. Lowering: fewer changes, a failing tracker is kept longer.
+  /// Lower threshold, 0 to `sure`: the selected tracker keeps the shape down to this share. The difference to
+  /// `sure` is also the lead that another needs where none reaches `sure`. Raising: hands over at smaller
+  /// losses. Lowering: fewer changes, a failing tracker is kept longer.
   float unsure = 0.35F;
 
   static constexpr std::size_t kMostNames = 8;

@@ -26,15 +26,6 @@ class TrackerFeed final : public session::SampleConsumer {
   tracker::Tracker& tracker_;
 };
 
-void guide_by_events(const std::vector<take::Event>& events, tracker::Tracker& tracker) {
-  for (const take::Event& event : events) {
-    if (const tracker::Step step = tracker::step_named(event.kind); step != tracker::Step::none)
-      tracker.guide(step, event.begin, event.end);
-    else if (event.kind == "range")
-      tracker.guide_range(event.begin, event.end);
-  }
-}
-
 /// A solution that grows frame by frame.
 class Collected {
  public:
@@ -72,6 +63,15 @@ class Collected {
 };
 
 }  // namespace
+
+void guide_by_events(std::span<const take::Event> events, tracker::Tracker& tracker) {
+  for (const take::Event& event : events) {
+    if (const tracker::Step step = tracker::step_named(event.kind); step != tracker::Step::none)
+      tracker.guide(step, event.begin, event.end);
+    else if (event.kind == "range")
+      tracker.guide_range(event.begin, event.end);
+  }
+}
 
 Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker, const Progress& progress) {
   MIEN_TRY_ASSIGN(const std::vector<take::LogEntry> entries, take.entries());

@@ -47,7 +47,7 @@ void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame&
   network_.step(condition_, state_, answer_);
   std::ranges::transform(answer_, out.weights.values.begin(), model::from_network);
   jitter_filter_.apply(out.weights);
-  writer_.write(features, input_, out);
+  explained_ = writer_.write(features, input_, out);
 }
 
 }  // namespace mien::tracker

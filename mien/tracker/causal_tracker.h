@@ -39,6 +39,7 @@ class CausalTracker final : public FrameModel {
   /// Resets the state: as after create().
   void reset() override;
 
+  [[nodiscard]] const Explained* explained() const override { return &explained_; }
   [[nodiscard]] const model::ModelFile* personal() const override { return file_.skin ? &file_ : nullptr; }
   void use_wearer(const std::vector<float>& slopes) override;
 
@@ -57,6 +58,7 @@ class CausalTracker final : public FrameModel {
   std::array<float, face::kShapeCount> answer_{};
   FrameWriter writer_;
   JitterFilter jitter_filter_;
+  Explained explained_{};
 };
 
 }  // namespace mien::tracker

@@ -5,6 +5,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/tracker/explained.h"
 
 namespace mien::tracker {
 
@@ -18,6 +19,9 @@ class FrameModel {
   virtual void step(const model::FeatureFrame& features, face::OutputFrame& out) = 0;
   /// Forgets what came before.
   virtual void reset() = 0;
+
+  /// What the last frame's sensors explain; none where nobody measured what the model is worth.
+  [[nodiscard]] virtual const Explained* explained() const { return nullptr; }
 
   /// The model file, where a wearer can be learnt for it (personalise()); else none.
   [[nodiscard]] virtual const model::ModelFile* personal() const { return nullptr; }

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "mien/tracker/provenance.h"
-
 namespace mien::tracker {
 namespace {
 
@@ -35,12 +33,7 @@ std::vector<float> sensor_shares(const model::ModelFile& file) {
 }  // namespace
 
 FrameWriter::FrameWriter(const model::ModelFile& file)
-    : shares_(sensor_shares(file)), table_(file.confidence) {
-  if (!table_) return;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    for (std::size_t bin = 0; bin < table_->coverage_bins(); ++bin)
-      provenance_.push_back(provenance_of(*table_, k, bin));
-}
+    : shares_(sensor_shares(file)), confidence_(file.confidence) {}
 
 Coverage FrameWriter::coverage(const ModelInput& input) const {
   Coverage out{};
@@ -54,28 +47,18 @@ Coverage FrameWriter::coverage(const ModelInput& input) const {
   return out;
 }
 
-void FrameWriter::write(const model::FeatureFrame& features, const ModelInput& input,
-                        face::OutputFrame& out) const {
+Explained FrameWriter::write(const model::FeatureFrame& features, const ModelInput& input,
+                             face::OutputFrame& out) const {
   const face::BlendshapeWeights weights = out.weights;
   out = face::OutputFrame{};
   out.time = features.time;
   out.weights = weights;
-  out.provenance.fill(face::Provenance::predicted);
-  if (table_) {
-    const Coverage covered = coverage(input);
-    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-      const std::size_t row =
-          k * table_->coverage_bins() + model::confidence_bin(table_->coverage_edges, covered[k]);
-      out.provenance[k] = provenance_[row];
-      out.confidence[k] =
-          table_->within[row * table_->value_bins() + model::confidence_bin(table_->value_edges, weights[k])];
-    }
-  }
   if (features.has_head) {
     out.head = features.head;
     out.head_confidence = 1;
     out.head_provenance = face::Provenance::measured;
   }
+  return confidence_.write(coverage(input), out);
 }
 
 }  // namespace mien::tracker

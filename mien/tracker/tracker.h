@@ -15,6 +15,7 @@
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/sample.h"
+#include "mien/tracker/explained.h"
 #include "mien/tracker/prompted_expression.h"
 
 namespace mien::tracker {
@@ -82,6 +83,9 @@ struct TickResult {
   /// over.
   std::size_t sensors_present = 0;
   std::vector<CalibrationEvent> calibration;  ///< Nearly always empty.
+  /// What these sensors explain of each shape: by this trackers of one face are compared (shaping::Merge).
+  /// None where nobody measured it; then they are compared by the frame's confidence.
+  std::optional<Explained> explained = {};
 };
 
 /// One modality's way from samples to output frames; the only face that the live session sees of it. A pure
@@ -92,8 +96,6 @@ class Tracker {
   virtual ~Tracker() = default;
   /// The kind of its sensors, as rigs name it; what its calibrations are called in a take.
   [[nodiscard]] virtual std::string_view modality() const = 0;
-  /// Whether confidence and provenance of its shapes are measured ones (FrameWriter), not a share of sensors.
-  [[nodiscard]] virtual bool calibrated_confidence() const { return false; }
 
   /// A decoded sample of one of its own sensors as it arrives. Order of calls is the log's order.
   virtual void add(HostTime arrival, const sensor::Sample& sample) = 0;

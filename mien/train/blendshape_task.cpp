@@ -7,7 +7,8 @@
 #include <utility>
 
 #include "mien/face/profile.h"
-#include "mien/study/imu/confidence.h"
+#include "mien/study/confidence.h"
+#include "mien/study/imu/watched_person.h"
 #include "mien/train/assess.h"
 
 namespace mien::train {
@@ -144,7 +145,8 @@ Result<std::string> BlendshapeTask::assess(std::span<const model::Tensor> networ
   MIEN_TRY_ASSIGN(const Assessment assessment,
                   train::assess(recipe_, training_batches_, validation_batches_, model_, progress));
   MIEN_TRY_ASSIGN(model_.confidence,
-                  study::measure_confidence(model_, validation_.sensors, study::watched(validation_),
+                  study::measure_confidence(study::watched_by(model_, validation_.sensors, "validation",
+                                                              study::watched(validation_)),
                                             recipe_.seed, progress, 1));
   return written(assessment).dump();
 }

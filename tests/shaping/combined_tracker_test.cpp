@@ -22,6 +22,7 @@ class Puppet final : public tracker::Tracker {
   float weight = 0;
   float confidence = 0.9F;
   std::size_t there = 4;
+  std::optional<tracker::Explained> explained;
   CalibrationState state{.phase = Phase::done, .step = Step::none, .hint = {}};
   tracker::Guidance wants;
   std::string made = "{}";
@@ -42,7 +43,7 @@ class Puppet final : public tracker::Tracker {
     out.time = frame;
     out.confidence.fill(confidence);
     if (made.empty()) out.provenance.fill(Provenance::neutral);
-    return {.sensors_present = there, .calibration = std::exchange(events, {})};
+    return {.sensors_present = there, .calibration = std::exchange(events, {}), .explained = explained};
   }
   [[nodiscard]] tracker::Guidance guidance() const override { return wants; }
   void guide(Step step, DeviceTime, DeviceTime) override { guided.push_back(step); }
@@ -122,6 +123,20 @@ TEST(CombinedTracker, MergesWhatItsTrackersAnswer) {
   EXPECT_EQ(stage.both->tick(frame_time(1), stage.lines, out).sensors_present, 4u);
   for (int i = 2; i < 70; ++i) stage.both->tick(frame_time(i), stage.lines, out);
   EXPECT_EQ(out.weights[face::shape("jawOpen")], 0.75F);
+}
+
+TEST(CombinedTracker, TrackersAreComparedByWhatTheyExplain) {
+  const Stage stage;
+  stage.imu->weight = 0.25F;
+  stage.eyewear->weight = 0.75F;
+  stage.eyewear->explained.emplace().fill(0.1F);
+  OutputFrame out;
+  stage.both->tick(frame_time(0), stage.lines, out);
+  EXPECT_EQ(out.weights[face::shape("browDown_L")], 0.25F)
+      << "the other one's confidence stands for its share";
+  stage.eyewear->explained->fill(0.6F);
+  for (int i = 1; i < 70; ++i) stage.both->tick(frame_time(i), stage.lines, out);
+  EXPECT_EQ(out.weights[face::shape("browDown_L")], 0.75F);
 }
 
 TEST(CombinedTracker, ALoneTrackerIsThatTracker) {

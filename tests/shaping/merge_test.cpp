@@ -124,22 +124,53 @@ TEST(Merge, WhoIsNotSureGivesWayAndTheMostConfidentFillsIn) {
   EXPECT_EQ(both.answers(kBrow), kEyewear);
 }
 
-TEST(Merge, AMeasuredProbabilityHandsNothingOverWithinASmile) {
-  // The probability of a small error falls with the weight, whoever answers.
+TEST(Merge, WhoExplainsMoreAnswersWhateverTheWeightsSay) {
+  // The probability of a small error falls with the weight, whoever answers: nothing follows from it.
   Merge both({"imu", "eyewear"});
-  OutputFrame imu = measured(0, 0.2F), eyewear = glasses(0, 0.8F);
-  imu.provenance[kJaw] = Provenance::predicted;
+  tracker::Explained by_imu{}, by_eyewear{};
+  by_imu.fill(0.3F);
+  by_imu[kSmile] = 0.8F;
+  by_eyewear.fill(0.1F);
+  by_eyewear[kJaw] = 0.5F;
   OutputFrame out;
   for (int i = 0; i < 60; ++i) {
-    imu.time = eyewear.time = frame_time(i);
+    OutputFrame imu = measured(i, 0.2F), eyewear = glasses(i, 0.8F);
+    imu.provenance.fill(Provenance::predicted);
     imu.confidence.fill(i < 30 ? 0.9F : 0.1F);
+    eyewear.confidence.fill(i % 10 < 5 ? 0.9F : 0.1F);
     const std::array<Merge::Source, 2> sources = {
-        Merge::Source{.frame = &imu, .sensors_present = 12, .calibrated = true},
-        Merge::Source{.frame = &eyewear, .sensors_present = 20}};
+        Merge::Source{.frame = &imu, .sensors_present = 12, .explained = &by_imu},
+        Merge::Source{.frame = &eyewear, .sensors_present = 20, .explained = &by_eyewear}};
     both.apply(sources, out);
     ASSERT_EQ(both.answers(kSmile), kImu) << i;
-    ASSERT_EQ(both.answers(kJaw), kEyewear) << "who predicts a shape is not sure of it: " << i;
+    ASSERT_EQ(both.answers(kBrow), kImu) << "the glasses are asked first, and neither is sure: " << i;
+    ASSERT_EQ(both.answers(kJaw), kEyewear)
+        << "the IMUs are asked first, and only the glasses are sure: " << i;
+    ASSERT_EQ(both.answers(kHeadPart), kImu) << i;
   }
+}
+
+TEST(Merge, ChangesHandsOnlyForAClearlyLargerShare) {
+  Merge both({"imu", "eyewear"});
+  tracker::Explained by_imu{}, by_eyewear{};
+  by_imu.fill(0.3F);
+  int i = 0;
+  const auto answered = [&](float share) {
+    OutputFrame imu = measured(i, 0.2F), eyewear = glasses(i, 0.8F), out;
+    ++i;
+    by_eyewear.fill(share);
+    const std::array<Merge::Source, 2> sources = {
+        Merge::Source{.frame = &imu, .sensors_present = 12, .explained = &by_imu},
+        Merge::Source{.frame = &eyewear, .sensors_present = 20, .explained = &by_eyewear}};
+    both.apply(sources, out);
+    return both.answers(kBrow);
+  };
+  EXPECT_EQ(answered(0.2F), kImu);
+  EXPECT_EQ(answered(0.44F), kImu) << "by less than the hysteresis of 0.15";
+  EXPECT_EQ(answered(0.46F), kEyewear);
+  EXPECT_EQ(answered(0.2F), kEyewear);
+  EXPECT_EQ(answered(0.14F), kImu);
+  EXPECT_EQ(answered(0.49F), kEyewear) << "by more than it";
 }
 
 TEST(Merge, AConfidenceAboutTheThresholdDoesNotFlap) {

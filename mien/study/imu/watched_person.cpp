@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "mien/study/imu/make_dataset.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/tracker/causal_tracker.h"
+#include "mien/tracker/frame_writer.h"
 #include "mien/tracker/window_solver.h"
 
 namespace mien::study {
 namespace {
 
-WatchedPerson watched(const Sequence& sequence, std::size_t sensors) {
-  WatchedPerson out;
+ImuPerson watched(const Sequence& sequence, std::size_t sensors) {
+  ImuPerson out;
   for (std::size_t f = 0; f < sequence.frames; ++f) {
     model::FeatureFrame& frame = out.features.emplace_back();
     frame.time = DeviceTime(frame_offset(static_cast<std::int64_t>(f)));
@@ -34,19 +36,69 @@ WatchedPerson watched(const Sequence& sequence, std::size_t sensors) {
   return out;
 }
 
+/// The model's answer, from its first frame on.
+Result<std::vector<face::OutputFrame>> answer(const model::ModelFile& model,
+                                              const std::vector<std::string>& sensors,
+                                              std::span<const model::FeatureFrame> features) {
+  if (model.architecture.kind == model::NetworkKind::window) {
+    MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, tracker::WindowSolver::create(model));
+    return solver.solve(features, sensors, model.sampler, no_progress);
+  }
+  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker, tracker::CausalTracker::create(model, sensors));
+  std::vector<face::OutputFrame> out(features.size());
+  for (std::size_t f = 0; f < features.size(); ++f) tracker.step(features[f], out[f]);
+  return out;
+}
+
+/// Coverage of each shape, frame by frame.
+std::vector<tracker::Coverage> coverage(const model::ModelFile& model,
+                                        const std::vector<std::string>& sensors,
+                                        const std::vector<model::FeatureFrame>& features) {
+  const tracker::FrameWriter writer(model);
+  tracker::ModelInput input(model, sensors);
+  std::vector<float> condition(model.features.width());
+  std::vector<tracker::Coverage> out;
+  out.reserve(features.size());
+  for (const model::FeatureFrame& frame : features) {
+    input.encode(frame, condition);
+    out.push_back(writer.coverage(input));
+  }
+  return out;
+}
+
+class WatchedByModel final : public WatchedPerson {
+ public:
+  WatchedByModel(std::shared_ptr<const model::ModelFile> model, std::vector<std::string> sensors,
+                 ImuPerson person)
+      : model_(std::move(model)), sensors_(std::move(sensors)), person_(std::move(person)) {}
+  [[nodiscard]] std::size_t sensor_count() const override { return sensors_.size(); }
+  [[nodiscard]] Result<Watched> watch(std::size_t lost, const Random& random) const override {
+    const std::vector<model::FeatureFrame> features = without_sensors(person_.features, lost, random);
+    MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames, answer(*model_, sensors_, features));
+    Watched out{{}, coverage(*model_, sensors_, features), person_.truth};
+    for (const face::OutputFrame& frame : frames) out.answer.push_back(frame.weights);
+    return out;
+  }
+
+ private:
+  std::shared_ptr<const model::ModelFile> model_;
+  std::vector<std::string> sensors_;  // Names of the features' entries.
+  ImuPerson person_;
+};
+
 }  // namespace
 
-std::vector<WatchedPerson> watched(const Dataset& data) {
+std::vector<ImuPerson> watched(const Dataset& data) {
   const bool device = std::ranges::any_of(data.sequences, [](const Sequence& s) { return !s.lab; });
-  std::vector<WatchedPerson> out;
+  std::vector<ImuPerson> out;
   for (const Sequence& sequence : data.sequences)
     if (sequence.lab != device) out.push_back(watched(sequence, data.sensors.size()));
   return out;
 }
 
-Result<std::vector<WatchedPerson>> watch_virtual(int people, double seconds, std::uint64_t seed,
-                                                 const sensor::Rig& rig, const Progress& progress,
-                                                 unsigned threads) {
+Result<std::vector<ImuPerson>> watch_virtual(int people, double seconds, std::uint64_t seed,
+                                             const sensor::Rig& rig, const Progress& progress,
+                                             unsigned threads) {
   DataRecipe recipe;
   recipe.seed = seed;
   recipe.performers = people;
@@ -57,14 +109,14 @@ Result<std::vector<WatchedPerson>> watch_virtual(int people, double seconds, std
   return watched(data.train);
 }
 
-Result<WatchedPerson> watch_recorded(const face::Motion& motion, const face::Face& face,
-                                     const sensor::Rig& rig, const Random& random) {
+Result<ImuPerson> watch_recorded(const face::Motion& motion, const face::Face& face, const sensor::Rig& rig,
+                                 const Random& random) {
   MIEN_TRY_ASSIGN(const virt::DeviceFaults faults, virt::parse_faults(rig.faults_toml, rig.name));
   MIEN_TRY_ASSIGN(const Performance played, perform_with({.faults = faults}, face, motion, rig, random));
   const virt::VirtualSession& session = played.session;
   MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,
                   trace_features(rig, session.events, session.entries, session.ticks));
-  WatchedPerson out;
+  ImuPerson out;
   for (std::size_t f = 0; f < features.size(); ++f) {
     const take::TruthFrame& truth = session.truth[f];
     if (!truth.evaluated || !truth.has_face) continue;
@@ -88,17 +140,13 @@ std::vector<model::FeatureFrame> without_sensors(std::span<const model::FeatureF
   return out;
 }
 
-Result<std::vector<face::OutputFrame>> answer(const model::ModelFile& model,
-                                              const std::vector<std::string>& sensors,
-                                              std::span<const model::FeatureFrame> features) {
-  if (model.architecture.kind == model::NetworkKind::window) {
-    MIEN_TRY_ASSIGN(const tracker::WindowSolver solver, tracker::WindowSolver::create(model));
-    return solver.solve(features, sensors, model.sampler, no_progress);
-  }
-  MIEN_TRY_ASSIGN(tracker::CausalTracker tracker, tracker::CausalTracker::create(model, sensors));
-  std::vector<face::OutputFrame> out(features.size());
-  for (std::size_t f = 0; f < features.size(); ++f) tracker.step(features[f], out[f]);
-  return out;
+WatchedGroup watched_by(const model::ModelFile& model, const std::vector<std::string>& sensors,
+                        std::string who, std::vector<ImuPerson> people) {
+  const auto shared = std::make_shared<const model::ModelFile>(model);
+  WatchedGroup group{std::move(who), {}};
+  for (ImuPerson& person : people)
+    group.people.push_back(std::make_shared<const WatchedByModel>(shared, sensors, std::move(person)));
+  return group;
 }
 
 }  // namespace mien::study

@@ -1,11 +1,10 @@
-#include "mien/study/imu/confidence.h"
+#include "mien/study/confidence.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "mien/study/imu/confidence_fit.h"
+#include "mien/study/confidence_fit.h"
 #include "mien/study/performers.h"
-#include "mien/tracker/frame_writer.h"
 #include "mien/tracker/provenance.h"
 
 namespace mien::study {
@@ -14,33 +13,14 @@ namespace {
 constexpr std::size_t kLosses = 6;
 constexpr std::array<std::size_t, 4> kStudiedLosses = {0, 1, 3, 6};
 
-/// Coverage of each shape, frame by frame.
-std::vector<tracker::Coverage> coverage(const model::ModelFile& model,
-                                        const std::vector<std::string>& sensors,
-                                        const std::vector<model::FeatureFrame>& features) {
-  const tracker::FrameWriter writer(model);
-  tracker::ModelInput input(model, sensors);
-  std::vector<float> condition(model.features.width());
-  std::vector<tracker::Coverage> out;
-  out.reserve(features.size());
-  for (const model::FeatureFrame& frame : features) {
-    input.encode(frame, condition);
-    out.push_back(writer.coverage(input));
-  }
-  return out;
-}
-
-Result<ConfidenceFit> fit_person(const model::ModelFile& model, const std::vector<std::string>& sensors,
-                                 const WatchedPerson& person, Random random) {
+Result<ConfidenceFit> fit_person(const WatchedPerson& person, Random random) {
   ConfidenceFit fit;
   for (std::size_t i = 0; i <= kLosses; ++i) {
-    const std::size_t lost = i == 0 ? 0 : 1 + random.below(sensors.size());
-    const auto features = without_sensors(person.features, lost, random.fork("lost", i));
-    MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames, answer(model, sensors, features));
-    const std::vector<tracker::Coverage> covered = coverage(model, sensors, features);
-    for (std::size_t f = 0; f < frames.size(); ++f)
+    const std::size_t lost = i == 0 ? 0 : 1 + random.below(person.sensor_count());
+    MIEN_TRY_ASSIGN(const Watched seen, person.watch(lost, random.fork("lost", i)));
+    for (std::size_t f = 0; f < seen.answer.size(); ++f)
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
-        fit.add(k, covered[f][k], frames[f].weights[k], person.truth[f][k]);
+        fit.add(k, seen.coverage[f][k], seen.answer[f][k], seen.truth[f][k]);
     fit.end_person();
   }
   return fit;
@@ -55,29 +35,32 @@ void follow(const std::array<Correlation, face::kShapeCount>& shapes, Followed& 
   }
 }
 
-Result<ConfidenceRow> study_person(const model::ModelFile& model, const std::vector<std::string>& sensors,
-                                   const WatchedPerson& person, std::size_t lost, const Random& random) {
-  ConfidenceRow row{.lost = lost, .people = 1, .frames = person.truth.size()};
-  const auto features = without_sensors(person.features, lost, random);
-  MIEN_TRY_ASSIGN(const std::vector<face::OutputFrame> frames, answer(model, sensors, features));
-  const std::vector<tracker::Coverage> covered = coverage(model, sensors, features);
+Result<ConfidenceRow> study_person(const tracker::ShapeConfidence& confidence, const WatchedPerson& person,
+                                   std::size_t lost, const Random& random) {
+  MIEN_TRY_ASSIGN(const Watched seen, person.watch(lost, random));
+  ConfidenceRow row{.lost = lost, .people = 1, .frames = seen.answer.size()};
   std::array<Correlation, face::kShapeCount> now{}, before{};
-  for (std::size_t f = 0; f < frames.size(); ++f)
+  face::OutputFrame frame;
+  for (std::size_t f = 0; f < seen.answer.size(); ++f) {
+    frame.weights = seen.answer[f];
+    confidence.write(seen.coverage[f], frame);
+    const bool there = std::ranges::any_of(seen.coverage[f], [](float share) { return share > 0; });
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-      const float estimate = frames[f].weights[k], truth = person.truth[f][k];
+      const float estimate = frame.weights[k], truth = seen.truth[f][k];
       const bool within = std::abs(estimate - truth) <= model::kConfidenceTolerance;
-      row.all.add(frames[f].confidence[k], within);
-      if (estimate > model::kConfidenceTolerance) row.moving.add(frames[f].confidence[k], within);
-      row.all_before.add(covered[f][k], within);
-      const bool there = std::ranges::any_of(features[f].sensors, &model::SensorFeature::has_rotation);
+      row.all.add(frame.confidence[k], within);
+      if (estimate > model::kConfidenceTolerance) row.moving.add(frame.confidence[k], within);
+      row.all_before.add(seen.coverage[f][k], within);
       if (there && !tracker::is_gaze(k)) before[k].add(truth, estimate);
-      if (frames[f].provenance[k] != face::Provenance::measured) continue;
+      if (frame.provenance[k] != face::Provenance::measured) continue;
       row.measured += 1;
       row.gaze_measured += tracker::is_gaze(k) ? 1 : 0;
       now[k].add(truth, estimate);
     }
+  }
   follow(now, row.followed);
   follow(before, row.followed_before);
+  row.single = {row.all.expected_error()};
   return row;
 }
 
@@ -94,24 +77,22 @@ void add(const ConfidenceRow& one, ConfidenceRow& row) {
   row.all.add(one.all);
   row.moving.add(one.moving);
   row.all_before.add(one.all_before);
+  row.single.insert(row.single.end(), one.single.begin(), one.single.end());
 }
 
 }  // namespace
 
-Result<model::ConfidenceTable> measure_confidence(const model::ModelFile& model,
-                                                  const std::vector<std::string>& sensors,
-                                                  const std::vector<WatchedPerson>& people,
-                                                  std::uint64_t seed, const Progress& progress,
-                                                  unsigned threads) {
-  if (people.empty()) return fail(ErrorCode::not_found, "nobody is there to measure confidence on");
-  std::vector<ConfidenceFit> fits(people.size());
-  MIEN_TRY(for_each_performer(people.size(), threads, progress, [&](std::size_t p) -> Result<void> {
-    MIEN_TRY_ASSIGN(fits[p], fit_person(model, sensors, people[p], Random(seed).fork("confidence", p)));
+Result<model::ConfidenceTable> measure_confidence(const WatchedGroup& group, std::uint64_t seed,
+                                                  const Progress& progress, unsigned threads) {
+  if (group.people.empty()) return fail(ErrorCode::not_found, "nobody is there to measure confidence on");
+  std::vector<ConfidenceFit> fits(group.people.size());
+  MIEN_TRY(for_each_performer(fits.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(fits[p], fit_person(*group.people[p], Random(seed).fork("confidence", p)));
     return {};
   }));
   for (std::size_t p = 1; p < fits.size(); ++p) fits.front().add(fits[p]);
   model::ConfidenceTable table = fits.front().table();
-  table.people = people.size();
+  table.people = group.people.size();
   table.seed = seed;
   return table;
 }
@@ -141,19 +122,20 @@ double Reliability::expected_error() const {
   return frames > 0 ? error / frames : 0;
 }
 
-Result<std::vector<ConfidenceRow>> study_confidence(const model::ModelFile& model,
-                                                    const std::vector<std::string>& sensors,
+Result<std::vector<ConfidenceRow>> study_confidence(const model::ConfidenceTable& table,
                                                     const std::vector<WatchedGroup>& groups,
                                                     std::uint64_t seed, const Progress& progress,
                                                     unsigned threads) {
+  const tracker::ShapeConfidence confidence(table);
   std::vector<ConfidenceRow> rows;
   for (const WatchedGroup& group : groups) {
     const std::size_t people = group.people.size();
     std::vector<ConfidenceRow> each(people * kStudiedLosses.size());
     MIEN_TRY(for_each_performer(each.size(), threads, progress, [&](std::size_t i) -> Result<void> {
-      const std::size_t lost = std::min(kStudiedLosses[i / people], sensors.size());
+      const WatchedPerson& person = *group.people[i % people];
+      const std::size_t lost = std::min(kStudiedLosses[i / people], person.sensor_count());
       const Random random = Random(seed).fork("lost", lost).fork("person", i % people);
-      MIEN_TRY_ASSIGN(each[i], study_person(model, sensors, group.people[i % people], lost, random));
+      MIEN_TRY_ASSIGN(each[i], study_person(confidence, person, lost, random));
       return {};
     }));
     for (std::size_t l = 0; people > 0 && l < kStudiedLosses.size(); ++l) {
@@ -161,6 +143,7 @@ Result<std::vector<ConfidenceRow>> study_confidence(const model::ModelFile& mode
       row.who = group.who;
       row.lost = each[l * people].lost;
       for (std::size_t p = 0; p < people; ++p) add(each[l * people + p], row);
+      std::ranges::sort(row.single);
       row.measured /= std::max(1.0, static_cast<double>(row.frames * face::kShapeCount));
     }
   }

@@ -10,20 +10,16 @@
 #include "mien/core/progress.h"
 #include "mien/face/profile.h"
 #include "mien/model/confidence.h"
-#include "mien/model/model_file.h"
-#include "mien/study/imu/watched_person.h"
+#include "mien/study/watched.h"
 
 namespace mien::study {
 
 /// Measures what a model is worth: its answers to people it was not trained on, each with all sensors and
 /// six times with some lost, from one to all of them. The same people and seed give the same table, on any
-/// number of threads (0: one a core). `sensors`: names of the features' entries. Errors: not_found (nobody),
-/// the tracker's; cancelled. Cost: a causal model's about a second of one core a person and minute.
-[[nodiscard]] Result<model::ConfidenceTable> measure_confidence(const model::ModelFile& model,
-                                                                const std::vector<std::string>& sensors,
-                                                                const std::vector<WatchedPerson>& people,
-                                                                std::uint64_t seed, const Progress& progress,
-                                                                unsigned threads);
+/// number of threads (0: one a core). Errors: not_found (nobody), the tracker's; cancelled. Cost: of a causal
+/// model about a second of one core a person and minute.
+[[nodiscard]] Result<model::ConfidenceTable> measure_confidence(const WatchedGroup& group, std::uint64_t seed,
+                                                                const Progress& progress, unsigned threads);
 
 /// How true the confidence of many frames and shapes is.
 class Reliability {
@@ -65,6 +61,9 @@ struct ConfidenceRow {
   std::size_t gaze_measured = 0;  ///< Of gaze: frames and shapes. None, where nothing is untrue.
   Followed followed;
   Reliability all;
+  /// The expected error of each one's frames alone, ascending: what one person gives is further from the
+  /// table than many together.
+  std::vector<double> single;
   Reliability moving;  ///< Where the estimate is above model::kConfidenceTolerance: no shape at rest.
   /// The baseline: what was said before there was a table. Everything but gaze measured while a sensor is
   /// there, and the coverage as confidence.
@@ -75,15 +74,9 @@ struct ConfidenceRow {
 /// What is promised of people that the table was not measured on.
 inline constexpr double kErrorAllowed = 0.05;
 
-/// Of each set of people, beside its name.
-struct WatchedGroup {
-  std::string who;
-  std::vector<WatchedPerson> people;
-};
-
-/// Every group with all sensors, without one, three and six. Errors and cost as measure_confidence().
-[[nodiscard]] Result<std::vector<ConfidenceRow>> study_confidence(const model::ModelFile& model,
-                                                                  const std::vector<std::string>& sensors,
+/// What this table says of every group with all sensors, without one, three and six. Errors and cost as
+/// measure_confidence().
+[[nodiscard]] Result<std::vector<ConfidenceRow>> study_confidence(const model::ConfidenceTable& table,
                                                                   const std::vector<WatchedGroup>& groups,
                                                                   std::uint64_t seed,
                                                                   const Progress& progress, unsigned threads);

@@ -1,7 +1,8 @@
-#include "mien/study/imu/confidence_report.h"
+#include "mien/study/confidence_report.h"
 
 #include <fmt/format.h>
 
+#include "mien/core/median.h"
 #include "mien/tracker/provenance.h"
 
 namespace mien::study {
@@ -53,16 +54,18 @@ measure::Table shapes(const model::ConfidenceTable& table) {
 measure::Table confidence_table(const std::vector<ConfidenceRow>& rows) {
   measure::Table out;
   out.caption = "Calibration error (ECE) and correlation with the truth, beside what was said before";
-  out.columns = {"",          "people", "called measured, %", "r of 0.5 or more, %",
-                 "before, %", "ECE",    "ECE moving",         "ECE before",
-                 "kept"};
+  out.columns = {"",    "people",          "called measured, %", "r of 0.5 or more, %", "before, %",
+                 "ECE", "ECE of each one", "ECE moving",         "ECE before",          "kept"};
   for (const ConfidenceRow& row : rows)
-    out.rows.push_back(
-        {name_of(row), fmt::format("{}", row.people), fmt::format("{:.1f}", 100 * row.measured),
-         fmt::format("{:.1f}", 100 * row.followed.share()),
-         fmt::format("{:.1f}", 100 * row.followed_before.share()),
-         fmt::format("{:.3f}", row.all.expected_error()), fmt::format("{:.3f}", row.moving.expected_error()),
-         fmt::format("{:.3f}", row.all_before.expected_error()), kept(row) ? "yes" : "no"});
+    out.rows.push_back({name_of(row), fmt::format("{}", row.people),
+                        fmt::format("{:.1f}", 100 * row.measured),
+                        fmt::format("{:.1f}", 100 * row.followed.share()),
+                        fmt::format("{:.1f}", 100 * row.followed_before.share()),
+                        fmt::format("{:.3f}", row.all.expected_error()),
+                        fmt::format("{:.3f} ({:.3f} to {:.3f})", upper_median(row.single), row.single.front(),
+                                    row.single.back()),
+                        fmt::format("{:.3f}", row.moving.expected_error()),
+                        fmt::format("{:.3f}", row.all_before.expected_error()), kept(row) ? "yes" : "no"});
   return out;
 }
 

@@ -1,4 +1,4 @@
-#include "mien/study/imu/confidence_fit.h"
+#include "mien/study/confidence_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mien/measure/report.h"
-#include "mien/study/imu/confidence.h"
+#include "mien/study/confidence.h"
 
 namespace mien::study {
 

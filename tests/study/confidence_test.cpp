@@ -1,4 +1,4 @@
-#include "mien/study/imu/confidence.h"
+#include "mien/study/confidence.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "mien/core/random.h"
-#include "mien/study/imu/confidence_fit.h"
-#include "tests/tracker/tiny_model.h"
-#include "tests/tracker/turning_sensors.h"
+#include "mien/study/confidence_fit.h"
 
 namespace mien::study::confidence_test {
 namespace {
@@ -110,43 +108,53 @@ TEST(Reliability, IsTheMeanDistanceOfSaidAndTrue) {
   EXPECT_EQ(two.expected_error(), one.expected_error());
 }
 
-WatchedPerson someone() {
-  WatchedPerson out;
-  out.features = tracker::test::turning(700);
-  out.truth.resize(700);
-  for (std::size_t f = 0; f < out.truth.size(); ++f)
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      out.truth[f][k] = static_cast<float>(0.5 + 0.4 * std::sin(0.1 * static_cast<double>(f + k)));
-  return out;
-}
-
-TEST(MeasureConfidence, IsTheSameOnAnyNumberOfThreadsAndFitsTheModel) {
-  const std::vector<std::string> sensors = {"mentalis", "buccinator_L"};
-  const std::vector<WatchedPerson> people = {someone(), someone(), someone()};
-  for (model::ModelFile model :
-       {tracker::test::tiny_causal_model(sensors), tracker::test::tiny_model(sensors)}) {
-    const auto one = measure_confidence(model, sensors, people, 5, no_progress, 1);
-    ASSERT_TRUE(one) << one.error().message();
-    EXPECT_EQ(one->people, 3U);
-    EXPECT_EQ(*one, measure_confidence(model, sensors, people, 5, no_progress, 2).value());
-    model.confidence = *one;
-    EXPECT_TRUE(model::format_model(model));
-    const auto rows = study_confidence(model, sensors, {{"people", people}}, 6, no_progress, 1);
-    ASSERT_TRUE(rows) << rows.error().message();
-    for (const ConfidenceRow& row : *rows) EXPECT_EQ(row.gaze_measured, 0U);
+/// Answers as the known tracker does, a sixteenth of what its shapes are read from lost with each sensor.
+class Known final : public WatchedPerson {
+ public:
+  explicit Known(std::uint64_t seed) : seed_(seed) {}
+  [[nodiscard]] std::size_t sensor_count() const override { return 4; }
+  [[nodiscard]] Result<Watched> watch(std::size_t lost, const Random& random) const override {
+    constexpr std::size_t kFrames = 700;
+    Watched out;
+    out.answer.resize(kFrames);
+    out.truth.resize(kFrames);
+    out.coverage.resize(kFrames);
+    const float coverage = lost == sensor_count() ? 0 : 1 - static_cast<float>(lost) / 16;
+    for (tracker::Coverage& covered : out.coverage) covered.fill(coverage);
+    std::size_t at = 0;
+    KnownTracker tracker(random.fork("known", seed_).below(1000));
+    tracker.play(kFrames, coverage, [&](std::size_t k, double estimate, double truth) {
+      out.answer[at / face::kShapeCount][k] = static_cast<float>(estimate);
+      out.truth[at++ / face::kShapeCount][k] = static_cast<float>(truth);
+    });
+    return out;
   }
-  EXPECT_EQ(measure_confidence(tracker::test::tiny_causal_model(sensors), sensors, {}, 5, no_progress, 1)
-                .error()
-                .code,
-            ErrorCode::not_found);
-}
 
-TEST(WithoutSensors, SoManyAreSilentThroughout) {
-  const auto features = tracker::test::turning(5, 4);
-  for (const std::size_t lost : {0U, 1U, 3U, 9U})
-    for (const model::FeatureFrame& frame : without_sensors(features, lost, Random(1)))
-      EXPECT_EQ(std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation),
-                static_cast<std::ptrdiff_t>(4 - std::min<std::size_t>(lost, 4)));
+ private:
+  std::uint64_t seed_;
+};
+
+TEST(MeasureConfidence, IsTheSameOnAnyNumberOfThreadsWhateverTheSensorsAre) {
+  WatchedGroup group{"people", {}};
+  for (std::uint64_t p = 0; p < 3; ++p) group.people.push_back(std::make_shared<const Known>(p));
+  const auto table = measure_confidence(group, 5, no_progress, 1);
+  ASSERT_TRUE(table) << table.error().message();
+  EXPECT_EQ(table->people, 3U);
+  EXPECT_EQ(*table, measure_confidence(group, 5, no_progress, 2).value());
+
+  const auto rows = study_confidence(*table, {group}, 6, no_progress, 2);
+  ASSERT_TRUE(rows) << rows.error().message();
+  ASSERT_EQ(rows->size(), 4U);
+  for (const ConfidenceRow& row : *rows) {
+    EXPECT_EQ(row.people, 3U);
+    EXPECT_EQ(row.gaze_measured, 0U);
+    // Of many together no error is larger than of the worst of them.
+    ASSERT_EQ(row.single.size(), 3U);
+    EXPECT_TRUE(std::ranges::is_sorted(row.single));
+    EXPECT_LE(row.all.expected_error(), row.single.back() + 1e-12);
+  }
+  EXPECT_EQ(rows->back().lost, 4U) << "no more than there are";
+  EXPECT_EQ(measure_confidence({}, 5, no_progress, 1).error().code, ErrorCode::not_found);
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ inline constexpr double kMeasuredShare = 0.9;
 class ConfidenceFit {
  public:
   ConfidenceFit();
-  /// A frame of one shape. `coverage`: tracker::FrameWriter's.
+  /// A frame of one shape. `coverage`: what was there of what the shape is read from (tracker::Coverage).
   void add(std::size_t shape, float coverage, float estimate, float truth);
   /// Ends what one person did under one set of sensors: a correlation is of one of these.
   void end_person();
