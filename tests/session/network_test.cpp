@@ -46,8 +46,8 @@ std::vector<Case> cases() {
   all.push_back(
       {"bursts", with([](auto& s) { s.burst_share = 0.05, s.burst_length = 10; }), {}, 0.6, 1.0, false});
   all.push_back({"lag", with([](auto& s) { s.lag_ms = 100; }), {}});
-  all.push_back({"jitter 20", with(jitter(20)), {}, 0.25, 0.2});
-  all.push_back({"jitter 100", with(jitter(100)), {}, 1.0, 1.0, false});
+  all.push_back({"jitter 20", with(jitter(20)), {}, 0.2, 0.02});
+  all.push_back({"jitter 100", with(jitter(100)), {}, 0.5, 0.1});
   all.push_back({"doubled", with([](auto& s) { s.duplicated = 0.3, s.jitter_ms = 10; }), {}, 0.25, 0.2});
   all.push_back({"corrupted", with([](auto& s) { s.corrupted = 0.1, s.truncated = 0.1; }), {}, 0.25, 0.15});
   virt::DeviceTroubles drift;
@@ -151,7 +151,7 @@ TEST(SessionBehindANetwork, FramesAreHeldForLatePacketsAndTheHoldIsSaid) {
   EXPECT_EQ(played.report.longest_hold, std::chrono::milliseconds(60));
   const double error = jaw_error(worse, played), clean_error = jaw_error(performed, clean);
   std::cout << "jawOpen " << clean_error << " RMS, 0 to 100 ms late " << error << "\n";
-  EXPECT_LE(error, 1.15 * clean_error);
+  EXPECT_LE(error, clean_error + 0.01) << "a hundredth of the jaw's way";
 }
 
 TEST(SessionBehindANetwork, AFrozenSensorIsSaid) {
