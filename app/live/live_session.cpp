@@ -127,6 +127,7 @@ Result<LiveSession> open_live(LiveRequest request) {
                 "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
   if (settings.listen.empty()) settings.listen = modalities::default_listen();
+  settings.sealed = !keys.empty();
   settings.out = request.out;
   if (!request.record.empty()) settings.record = request.record;
   settings.replace = request.force;
