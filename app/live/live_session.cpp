@@ -39,10 +39,10 @@ Error with_option(Error error, const std::vector<std::string>& outputs) {
 }
 
 /// A key file holds a number of 0 to 255 and 64 hexadecimal digits.
-Result<std::vector<modalities::PairingKey>> read_key(const std::string& path) {
-  if (path.empty()) return std::vector<modalities::PairingKey>();
+Result<std::vector<sensor::SealKey>> read_key(const std::string& path) {
+  if (path.empty()) return std::vector<sensor::SealKey>();
   MIEN_TRY_ASSIGN(const std::string text, read_text(path, 4096));
-  modalities::PairingKey key;
+  sensor::SealKey key;
   unsigned id = 0;
   const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), id);
   std::size_t length = 0;
@@ -116,7 +116,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));
-  MIEN_TRY_ASSIGN(const std::vector<modalities::PairingKey> keys, read_key(request.key));
+  MIEN_TRY_ASSIGN(const std::vector<sensor::SealKey> keys, read_key(request.key));
   if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
 
   MIEN_TRY_ASSIGN(settings.page, page_settings(request));
