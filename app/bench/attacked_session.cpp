@@ -66,14 +66,14 @@ void sit_still(performer::PrologueMotion& motion, double still_s) {
 }
 
 /// A key that devices and session share, for this run.
-imu::SealKey run_key(std::uint64_t seed) {
-  imu::SealKey key{.id = 1, .secret = {}};
+sensor::SealKey run_key(std::uint64_t seed) {
+  sensor::SealKey key{.id = 1, .secret = {}};
   Random random = Random(seed).fork("key");
   for (std::byte& byte : key.secret) byte = static_cast<std::byte>(random.below(256));
   return key;
 }
 
-std::string key_text(const imu::SealKey& key) {
+std::string key_text(const sensor::SealKey& key) {
   return fmt::format("{} {}\n", key.id, hex(key.secret));
 }
 

@@ -10,6 +10,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live/page_address.h"
+#include "mien/live/network_interfaces.h"
 #include "mien/model/linear.h"
 #include "mien/tracker/causal_tracker.h"
 
@@ -22,6 +23,20 @@ Json peak_memory_mb() {
   for (std::string word; status >> word;)
     if (double kb = 0; word == "VmHWM:" && status >> kb) return kb / 1024;
   return nullptr;
+}
+
+/// Each port and, where that is every one, the interfaces by which it is reached now.
+Json listening_json(const live::EngineSummary& summary) {
+  Json all = Json::array();
+  for (const std::string& address : summary.listening) {
+    Json interfaces = Json::array();
+    const bool every = live::is_on_every_interface(address);
+    if (every)
+      for (const live::NetworkInterface& one : live::reached_by(address, summary.network.interfaces))
+        interfaces.push_back({{"name", one.name}, {"address", one.address}});
+    all.push_back({{"address", address}, {"every_interface", every}, {"interfaces", std::move(interfaces)}});
+  }
+  return all;
 }
 
 Json summary_json(const live::EngineSummary& summary) {
@@ -60,7 +75,12 @@ Json summary_json(const live::EngineSummary& summary) {
           {"datagrams", summary.datagrams},
           {"dropped", summary.dropped},
           {"malformed", summary.malformed},
+          {"refused", summary.report.refused},
           {"evicted", summary.evicted},
+          {"listening", listening_json(summary)},
+          {"only", summary.network.only},
+          {"elsewhere", summary.network.elsewhere},
+          {"sealed", summary.network.sealed},
           {"calibrations", summary.report.calibration.versions.size()},
           {"calibration", summary.report.calibration.state},
           {"prompt", summary.report.calibration.prompt},
@@ -75,6 +95,18 @@ Json summary_json(const live::EngineSummary& summary) {
           {"sinks", std::move(sinks)},
           {"lines", std::move(lines)},
           {"links", std::move(links)}};
+}
+
+/// By what a port on every interface is reached: ", every interface: wlan0 192.168.1.7, lo 127.0.0.1".
+std::string reach_text(const std::string& address, const live::NetworkState& network) {
+  if (!live::is_on_every_interface(address)) return {};
+  std::string text = ", every interface";
+  const char* between = ": ";
+  for (const live::NetworkInterface& one : live::reached_by(address, network.interfaces)) {
+    text += fmt::format("{}{} {}", between, one.name, one.address);
+    between = ", ";
+  }
+  return text;
 }
 
 std::string latency_text(const live::Latencies& latency) {
@@ -118,7 +150,8 @@ Option add_session_options(Command command, LiveRequest& request) {
       .show_default();
   command.add_option("--performer", request.performer, "Who is captured: goes into takes");
   command.add_option("--key", request.key,
-                     "A file with the key that devices were paired with; others are then refused");
+                     "A file with the key that devices were paired with; others are then refused. The page's "
+                     "Pair makes one");
   command.add_option("--for", request.seconds, "End by itself after so many seconds")
       .number_between(0.1, 1e6);
   command
@@ -133,7 +166,19 @@ Option add_session_options(Command command, LiveRequest& request) {
 
 void print_opening(std::FILE* out, const LiveSession& session) {
   const live::Engine& engine = *session.engine;
-  for (const std::string& address : engine.listening()) fmt::print(out, "Listening on {}\n", address);
+  const live::NetworkState network = engine.network();
+  bool reachable = false;
+  for (const std::string& address : engine.listening()) {
+    reachable = reachable || !live::is_on_this_machine(address);
+    fmt::print(out, "Listening on {}{}\n", address, reach_text(address, network));
+  }
+  if (network.sealed)
+    fmt::print(out, "Only devices with the key are received\n");
+  else if (reachable)
+    fmt::print(out, "There is no key, so anybody there can send{}\n",
+               network.open.empty() ? "; --key admits only paired devices"
+                                    : "; the page or --listen names one interface, --key admits only paired "
+                                      "devices");
   for (const std::string& address : session.out) fmt::print(out, "Sending to {}\n", address);
   if (!engine.page().empty())
     fmt::print(out, "The page is at {}\n",
@@ -166,6 +211,9 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
   if (summary.datagrams == 0)
     return fail(ErrorCode::io, "nothing was received", "no frame came",
                 "see that the devices are on, and send to where the session listened");
+  if (summary.network.sealed && summary.report.refused > 0)
+    return fail(ErrorCode::io, "packets did that were not sealed with the session's key", "no frame came",
+                "pair the devices with it, or leave --key out");
   return fail(ErrorCode::io, "packets did, but none of the rig's reference sensor", "no frame came",
               "docs/reference/links.md says why that may be");
 }

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/ip/address.hpp>
-#include <charconv>
 #include <chrono>
 #include <ctime>
 #include <future>
@@ -17,6 +16,7 @@
 
 #include "app/command.h"
 #include "app/live/page_files.h"
+#include "app/live/pairing_key.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
@@ -38,25 +38,14 @@ Error with_option(Error error, const std::vector<std::string>& outputs) {
   return error;
 }
 
-/// A key file holds a number of 0 to 255 and 64 hexadecimal digits.
-Result<std::vector<modalities::PairingKey>> read_key(const std::string& path) {
-  if (path.empty()) return std::vector<modalities::PairingKey>();
-  MIEN_TRY_ASSIGN(const std::string text, read_text(path, 4096));
-  modalities::PairingKey key;
-  unsigned id = 0;
-  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), id);
-  std::size_t length = 0;
-  const char* rest = nullptr;
-  const bool good = wrong == std::errc{} && id < 256 &&
-                    sodium_hex2bin(reinterpret_cast<unsigned char*>(key.secret.data()), key.secret.size(),
-                                   end, static_cast<std::size_t>(text.data() + text.size() - end), " \t\r\n",
-                                   &length, &rest) == 0 &&
-                    length == key.secret.size() && rest == text.data() + text.size();
-  if (!good)
-    return fail(ErrorCode::malformed, "not a key file", path,
-                "write a number from 0 to 255, a space and 64 hexadecimal digits into it");
-  key.id = static_cast<std::uint8_t>(id);
-  return std::vector{key};
+/// What the page shows of pairing: of the session's own key file, or of the user's, made where there is none.
+Result<live::Pairing> pairing_of(const std::string& given) {
+  std::filesystem::path file = given;
+  if (file.empty()) {
+    MIEN_TRY_ASSIGN(file, default_pairing_key());
+  }
+  MIEN_TRY_ASSIGN(const sensor::SealKey key, given.empty() ? make_pairing_key(file) : read_pairing_key(file));
+  return live::Pairing{.file = file.string(), .firmware = firmware_line(key), .command = keyed_command(file)};
 }
 
 /// A face as the page loads it. The built-in one takes longer than all else at the beginning of a session and
@@ -116,7 +105,10 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));
-  MIEN_TRY_ASSIGN(const std::vector<modalities::PairingKey> keys, read_key(request.key));
+  std::vector<sensor::SealKey> keys;
+  if (!request.key.empty()) {
+    MIEN_TRY_ASSIGN(keys.emplace_back(), read_pairing_key(request.key));
+  }
   if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
 
   MIEN_TRY_ASSIGN(settings.page, page_settings(request));
@@ -127,6 +119,8 @@ Result<LiveSession> open_live(LiveRequest request) {
                 "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
   if (settings.listen.empty()) settings.listen = modalities::default_listen();
+  settings.sealed = !keys.empty();
+  settings.pair = [file = request.key] { return pairing_of(file); };
   settings.out = request.out;
   if (!request.record.empty()) settings.record = request.record;
   settings.replace = request.force;

@@ -5,6 +5,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/live/pairing_key.h"
 #include "app/live/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
@@ -17,6 +18,7 @@ namespace {
 struct PerformOptions {
   virt::PerformRequest request;
   NetworkOptions network;
+  std::string key;
   std::string motion;
   std::string block = "mixed";
   double seconds = 60;
@@ -76,7 +78,13 @@ Result<void> run_perform(PerformOptions options) {
     return fail(ErrorCode::bad_usage, "it was not said where to", "perform",
                 "give --take FILE or --to udp://HOST:PORT");
   if (to_network) {
-    MIEN_TRY(parse_target(options.network.to));
+    MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.network.to));
+    if (!options.key.empty()) {
+      if (target.language == virt::NodeLanguage::slimevr)
+        return fail(ErrorCode::bad_usage, "SlimeVR's boards have no keys", "--key",
+                    "send to udp://HOST:PORT");
+      MIEN_TRY_ASSIGN(options.network.key, read_pairing_key(options.key));
+    }
     if (request.devices == "lab")
       return fail(ErrorCode::bad_usage, "the devices of --devices lab are on no network", options.network.to,
                   "perform them with --take, or use --devices device");
@@ -137,6 +145,10 @@ void add_perform_command(Commands& commands) {
       .needs(to)
       .number_between(0.0, 3600.0)
       .show_default();
+  command
+      .add_option("--key", options->key,
+                  "A file with the key that the virtual boards are paired with, for a mien live that has it")
+      .needs(to);
   command
       .add_flag("--loop", options->network.loop,
                 "Play the motion again and again, until Ctrl-C; the calibration comes once, at the beginning")

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "mien/core/error.h"
-#include "mien/imu/packets/seal.h"
+#include "mien/sensor/seal.h"
 #include "mien/virtual/node_group.h"
 #include "mien/virtual/stage.h"
 
@@ -31,7 +31,7 @@ struct NetworkOptions {
   std::string title = "perform";  ///< Stands before the progress; empty: it says nothing.
   /// Asked often, where there is one: true ends the performance, and that is no stop by its user.
   std::function<bool(std::size_t round)> enough;
-  std::optional<imu::SealKey> key;  ///< The nodes are paired by it; for our own packets of IMUs.
+  std::optional<sensor::SealKey> key;  ///< The nodes are paired by it; for our own packets.
   /// Told of each datagram as it leaves, where there is one.
   std::function<void(std::span<const std::byte>)> sent;
 };

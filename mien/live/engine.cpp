@@ -8,22 +8,22 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/address.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <cmath>
-#include <ctime>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "mien/live/intake.h"
+#include "mien/live/network_interfaces.h"
 #include "mien/live/page_messages.h"
+#include "mien/live/page_requests.h"
 #include "mien/live/recorder.h"
 #include "mien/live/take_listing.h"
 #include "mien/live/tracker_loop.h"
 #include "mien/model/linear.h"
 #include "mien/session/command.h"
-#include "mien/sink/address.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::live {
@@ -48,35 +48,6 @@ constexpr int kBeatsPerPiece = 10;
 /// One event warns when the temporary log will be full within this time, s.
 constexpr double kLogWarning_s = 600;
 constexpr std::size_t kMaxSinks = 16;
-
-/// A file name that a person gave, made safe: a name, never a path.
-Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
-  if (name.empty()) {
-    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-    return folder / fmt::format("take_{:%Y-%m-%d_%H-%M-%S}.mien", fmt::localtime(now));
-  }
-  const bool odd = name.size() > 100 || name.front() == '.' || std::ranges::any_of(name, [](char c) {
-                     return c == '/' || c == '\\' || (c >= 0 && c < ' ');
-                   });
-  if (odd)
-    return fail(ErrorCode::bad_usage, "not a name for a take", name.substr(0, 40),
-                "letters, digits, - and _");
-  return folder / (name.ends_with(".mien") ? name : name + ".mien");
-}
-
-/// A sink that a page may ask for: neither a path, which is not its business, nor a host's name, since
-/// looking it up takes seconds.
-Result<void> check_page_sink(const std::string& text) {
-  MIEN_TRY_ASSIGN(const sink::Address address, sink::parse_address(text));
-  if (address.scheme == "csv" || address.option("avatar") != nullptr)
-    return fail(ErrorCode::bad_usage, "the page opens no files", text, "start mien live with --out for it");
-  boost::system::error_code code;
-  static_cast<void>(asio::ip::make_address(address.host, code));
-  if (code && address.host != "localhost")
-    return fail(ErrorCode::bad_usage, "the page sends to IP addresses and localhost only", text,
-                "start mien live with --out for a host's name");
-  return {};
-}
 
 /// Names of files need not be UTF-8.
 std::string text(const json& object) {
@@ -125,12 +96,16 @@ struct Engine::State {
   [[nodiscard]] bool recording_is_over() const;
   void tell_of_lines();
   [[nodiscard]] Status status() const;
+  [[nodiscard]] NetworkState network_state() const;
+  void look_at_interfaces();
   void on_message(std::uint64_t client, std::string_view text);
   void answer(std::uint64_t client, std::string_view text);
   Result<std::string> execute(const json& command);
   Result<std::string> execute_record(const json& command);
   Result<std::string> execute_sink(const json& command);
   Result<std::string> execute_replay(const json& command);
+  Result<std::string> execute_listen(const json& command);
+  Result<std::string> execute_pair();
   [[nodiscard]] json list_takes(bool read_lengths);
   void send_takes();
   void wait_for_play();
@@ -152,6 +127,8 @@ struct Engine::State {
   asio::steady_timer play;  // Runs while the page looks at a take.
   std::unique_ptr<PageServer> page;
   std::vector<std::string> listening;
+  std::vector<std::string> open;             // Those on every interface, ...
+  std::vector<NetworkInterface> interfaces;  // ... and by what they are reached, as of a second ago.
   std::vector<Outlet> outlets;
   std::vector<bool> lines_open;  // As it was said last.
   std::int64_t next_sink = 1;
@@ -265,6 +242,7 @@ void Engine::State::on_beat() {
   if (beats % kBeatsPerPiece == 0) {
     piece = (piece + 1) % kPieces;
     pieces[piece].clear();
+    look_at_interfaces();
   }
   const Recorder::State recorded = recorder.state();
   if (was_recording && !recorded.on && recorded.error.empty())
@@ -296,11 +274,15 @@ void Engine::State::on_beat() {
   }
   if (!told_silent && std::chrono::steady_clock::now() - begun > kSilence) {
     told_silent = true;
-    if (loop.report().frames == 0)
-      tell("nothing_heard", intake.counts().received == 0
-                                ? "nothing is received yet: are the devices on, and do they send here?"
-                                : "packets come, but no frame of the rig's reference sensor yet; the page's "
-                                  "sensors and docs/reference/links.md say why");
+    if (const session::Report report = loop.report(); report.frames == 0)
+      tell("nothing_heard",
+           intake.counts().received == 0
+               ? "nothing is received yet: are the devices on, and do they send here?"
+           : settings.sealed && report.refused > 0
+               ? "packets come that are not sealed with this session's key: pair the devices, or leave --key "
+                 "out"
+               : "packets come, but no frame of the rig's reference sensor yet; the page's sensors and "
+                 "docs/reference/links.md say why");
   }
   if (!told_uncalibrated) {
     const session::Report report = loop.report();
@@ -342,6 +324,7 @@ Status Engine::State::status() const {
   for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
   out.lines = intake.lines();
+  out.network = network_state();
   out.recording = recorder.state();
   if (out.recording.on) out.recording_ends_s = settings.seconds;
   std::error_code ignored;
@@ -353,6 +336,24 @@ Status Engine::State::status() const {
         ReplayState{view.take, view.time_s, view.duration_s, view.paused, view.has_truth, view.error};
   }
   return out;
+}
+
+NetworkState Engine::State::network_state() const {
+  return {.open = open,
+          .interfaces = interfaces,
+          .only = intake.entrance(),
+          .elsewhere = intake.counts().elsewhere,
+          .sealed = settings.sealed};
+}
+
+void Engine::State::look_at_interfaces() {
+  if (open.empty()) return;
+  intake.look_up_entrance();
+  interfaces.clear();
+  const std::vector<NetworkInterface> all = network_interfaces();
+  for (const std::string& port : open)
+    for (NetworkInterface& one : reached_by(port, all))
+      if (std::ranges::find(interfaces, one) == interfaces.end()) interfaces.push_back(std::move(one));
 }
 
 void Engine::State::tell(const std::string& kind, const std::string& text) {
@@ -402,6 +403,8 @@ Result<std::string> Engine::State::execute(const json& command) {
   if (name == "record") return execute_record(command);
   if (name == "sink") return execute_sink(command);
   if (name == "replay") return execute_replay(command);
+  if (name == "listen") return execute_listen(command);
+  if (name == "pair") return execute_pair();
   if (name == "takes") return text(list_takes(true));
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }
@@ -436,6 +439,26 @@ Result<std::string> Engine::State::execute_sink(const json& command) {
   else if (command.contains("on") && command["on"].is_boolean())
     outlet->on = command["on"].get<bool>();
   return std::string();
+}
+
+Result<std::string> Engine::State::execute_listen(const json& command) {
+  const auto only = command.find("only");
+  if (only == command.end() || !only->is_string())
+    return fail(ErrorCode::malformed, "\"only\" is missing", "listen");
+  MIEN_TRY(intake.listen_only(only->get<std::string>()));
+  tell("listening", intake.entrance().empty()
+                        ? "what comes in on any interface is received again"
+                        : fmt::format("only what comes in at {} is received", intake.entrance()));
+  return std::string();
+}
+
+Result<std::string> Engine::State::execute_pair() {
+  if (!settings.pair) return fail(ErrorCode::unsupported, "this session pairs nothing", "pair");
+  MIEN_TRY_ASSIGN(const Pairing made, settings.pair());
+  return text(json({{"file", made.file},
+                    {"firmware", made.firmware},
+                    {"command", made.command},
+                    {"in_force", settings.sealed}}));
 }
 
 Result<std::string> Engine::State::execute_replay(const json& command) {
@@ -490,6 +513,8 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
   for (const std::string& address : state->settings.listen) {
     MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address));
   }
+  std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
+  state->look_at_interfaces();
   for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
   if (state->settings.page) {
     const auto hello = [state] {
@@ -508,6 +533,10 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
 
 const std::vector<std::string>& Engine::listening() const {
   return state_->listening;
+}
+
+NetworkState Engine::network() const {
+  return state_->network_state();
 }
 
 std::string Engine::page() const {
@@ -541,8 +570,10 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   out.latency = s.latency;
   const Intake::Counts counts = s.intake.counts();
   out.datagrams = counts.received;
-  out.dropped = counts.too_fast + counts.too_long + counts.too_many + counts.kernel_dropped + counts.overrun +
-                counts.payload_overrun;
+  out.listening = s.listening;
+  out.network = s.network_state();
+  out.dropped = counts.too_fast + counts.too_long + counts.elsewhere + counts.too_many +
+                counts.kernel_dropped + counts.overrun + counts.payload_overrun;
   out.lines = s.intake.lines();
   for (const SerialPort::Status& line : out.lines) out.dropped += line.overlong;
   s.intake.close();

@@ -23,6 +23,13 @@
 
 namespace mien::live {
 
+/// How a board becomes one that the session receives when it has a key.
+struct Pairing {
+  std::string file;      ///< The key's.
+  std::string firmware;  ///< The line with the key for the board's sketch.
+  std::string command;   ///< What starts a session with the key.
+};
+
 /// What a live session is asked for.
 struct EngineSettings {
   std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
@@ -34,6 +41,9 @@ struct EngineSettings {
   std::filesystem::path takes = ".";
   /// What that file may take, bytes (Spool). A session that reaches it goes on and can be recorded no more.
   std::uint64_t log_limit = Spool::kDefaultLimit;
+  bool sealed = false;  ///< The session has keys: said, not seen to.
+  /// Makes or reads the key that the page shows to whom it lets in; empty: it shows none. Network thread.
+  std::function<Result<Pairing>()> pair;
   std::optional<PageSettings> page;
   std::optional<double> seconds;         ///< Ends by itself after this time.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for, from the beginning on.
@@ -52,6 +62,8 @@ struct EngineSummary {
   Latencies latency;  ///< From the arrival of the entry that fired a frame to its packets sent.
   std::uint64_t datagrams = 0;
   std::uint64_t dropped = 0;  ///< Too fast, too long, too many, or while the tracker was behind.
+  std::vector<std::string> listening;
+  NetworkState network;       ///< At the end; what came in elsewhere is in `dropped` too.
   std::uint64_t evicted = 0;  ///< Senders that were forgotten for others; none of them said anything sound.
   std::uint64_t malformed = 0;
   std::vector<sink::Status> sinks;
@@ -81,6 +93,8 @@ class Engine {
 
   /// The addresses that devices may send to, with their ports.
   [[nodiscard]] const std::vector<std::string>& listening() const;
+  /// Who can reach them now. Before run().
+  [[nodiscard]] NetworkState network() const;
   /// Where a browser finds the page; empty without one.
   [[nodiscard]] std::string page() const;
 

@@ -51,6 +51,7 @@ struct Intake::Port {
   explicit Port(asio::io_context& network) : socket(network) {}
   udp::socket socket;
   udp::endpoint from;
+  bool on_every_interface = false;
   Budget budget;
   std::array<std::byte, kMaxDatagram + 1> bytes;
 };
@@ -101,6 +102,8 @@ Result<std::string> Intake::listen(std::string_view address) {
   boost::system::error_code ignored;
   port->socket.set_option(asio::socket_base::receive_buffer_size(kSocketBytes), ignored);
   port->socket.non_blocking(true, ignored);
+  port->on_every_interface = ip.is_unspecified();
+  if (port->on_every_interface) tell_arrivals(port->socket);
   port->budget = {kMaxRatePerPort, clock_()};
   const std::uint16_t bound = port->socket.local_endpoint().port();
   receive(*port);
@@ -108,26 +111,55 @@ Result<std::string> Intake::listen(std::string_view address) {
   return fmt::format("udp://{}:{}", ip.is_v6() ? "[" + host + "]" : host, bound);
 }
 
-void Intake::receive(Port& port) {
-  port.socket.async_receive_from(
-      asio::buffer(port.bytes), port.from, [this, &port](boost::system::error_code code, std::size_t size) {
-        if (code == asio::error::operation_aborted) return;
-        if (!code) {
-          take(port, size);
-          // All that is there, before the loop looks at anything else.
-          for (int more = 0; more < 64; ++more) {
-            size = port.socket.receive_from(asio::buffer(port.bytes), port.from, 0, code);
-            if (code) break;
-            take(port, size);
-          }
-        }
-        receive(port);
-      });
+Result<void> Intake::listen_only(std::string_view entrance) {
+  if (entrance.empty()) {
+    entrance_.reset();
+    return {};
+  }
+  const auto refuse = [&](std::string why) {
+    return fail(ErrorCode::bad_usage, std::move(why), std::string(entrance.substr(0, 40)),
+                "start mien live with --listen for it");
+  };
+  if (std::ranges::none_of(ports_, &Port::on_every_interface))
+    return refuse("no port listens on every interface");
+  MIEN_TRY_ASSIGN(UdpEntrance found, UdpEntrance::find(entrance));
+  // A port of [::] has both families.
+  const auto reaches = [&](const std::unique_ptr<Port>& port) {
+    boost::system::error_code code;
+    const bool v6 = port->socket.local_endpoint(code).address().is_v6();
+    return port->on_every_interface && (v6 || !found.address() || found.address()->is_v4());
+  };
+  if (std::ranges::none_of(ports_, reaches))
+    return refuse("no port of that family listens on every interface");
+  entrance_ = std::move(found);
+  return {};
 }
 
-void Intake::take(Port& port, std::size_t size) {
+void Intake::look_up_entrance() {
+  if (entrance_) entrance_->look_up();
+}
+
+void Intake::receive(Port& port) {
+  port.socket.async_wait(udp::socket::wait_read, [this, &port](boost::system::error_code code) {
+    if (code == asio::error::operation_aborted) return;
+    // All that is there, before the loop looks at anything else.
+    for (int more = 0; !code && more < 64; ++more) {
+      const auto arrival = receive_datagram(port.socket, port.bytes, port.from);
+      if (!arrival) break;
+      take(port, *arrival);
+    }
+    receive(port);
+  });
+}
+
+void Intake::take(Port& port, const UdpArrival& arrival) {
   const HostTime now = clock_();
+  const std::size_t size = arrival.size;
   ++counts_.received;
+  if (port.on_every_interface && entrance_ && !entrance_->admits(arrival)) {
+    ++counts_.elsewhere;
+    return;
+  }
   if (size > kMaxDatagram) {
     ++counts_.too_long;
     return;

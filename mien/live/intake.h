@@ -20,6 +20,7 @@
 #include "mien/live/payload_source.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/signal.h"
+#include "mien/live/udp_arrival.h"
 #include "mien/sensor/protocol.h"
 
 namespace mien::live {
@@ -67,6 +68,15 @@ class Intake {
   /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Or on serial:DEVICE[?baud=RATE].
   /// Returns the address as text with its port or rate. Errors: bad_usage (not an address, taken), not_found.
   [[nodiscard]] Result<std::string> listen(std::string_view address);
+  /// From now on the ports on every interface (0.0.0.0, [::]) receive only what comes in there: an interface
+  /// ("wlan0") or an address of this machine; empty: all again. Nothing is bound anew, so nobody there loses
+  /// a datagram. Errors: bad_usage (neither is here; no port listens on every interface, or none of that
+  /// family); the entrance is then as before.
+  [[nodiscard]] Result<void> listen_only(std::string_view entrance);
+  /// Where the ports on every interface are narrowed to; empty: they are not.
+  [[nodiscard]] std::string entrance() const { return entrance_ ? entrance_->name() : std::string(); }
+  /// Interfaces come and go: about once a second.
+  void look_up_entrance();
   /// A device inside this program, whose source text in the log is `name` ("camera:left"). Before the
   /// tracker's thread begins; it lives as long as this. Errors: bad_usage (too many, a name that is taken, is
   /// no plain ASCII of at most 100 letters, or means something else in a log).
@@ -93,6 +103,7 @@ class Intake {
     std::uint64_t received = 0;
     std::uint64_t too_fast = 0;  ///< Beyond a peer's, a host's, the strangers' or a port's rate.
     std::uint64_t too_long = 0;
+    std::uint64_t elsewhere = 0;        ///< Came in where listen_only() does not let them.
     std::uint64_t too_many = 0;         ///< Of a peer beyond kMaxPeers, when none can be forgotten.
     std::uint64_t evicted = 0;          ///< Peers, not datagrams: forgotten for others.
     std::uint64_t kernel_dropped = 0;   ///< Before they came here: this thread was too far behind.
@@ -128,7 +139,7 @@ class Intake {
   PeerState* place_for_another(std::string name);
   [[nodiscard]] bool spend_as_stranger(const boost::asio::ip::address& host, HostTime now);
   void receive(Port& port);
-  void take(Port& port, std::size_t size);
+  void take(Port& port, const UdpArrival& arrival);
   Result<std::string> listen_serial(std::string_view address);
   [[nodiscard]] std::optional<Arrived> front_of_network();
   void take_frame(PeerState& peer, std::span<const std::byte> frame);
@@ -139,6 +150,7 @@ class Intake {
   ByteRing ring_;
   Signal signal_;
   std::vector<std::unique_ptr<Port>> ports_;
+  std::optional<UdpEntrance> entrance_;
   std::vector<std::unique_ptr<SerialPort>> lines_;
   struct Source {
     std::unique_ptr<PayloadSource> queue;

@@ -80,6 +80,15 @@ json log_json(const Recorder::State& recording) {
           {"error", recording.unable.empty() ? json(nullptr) : json(recording.unable)}};
 }
 
+json network_json(const NetworkState& network, std::uint64_t refused) {
+  json interfaces = json::array();
+  for (const NetworkInterface& one : network.interfaces)
+    interfaces.push_back({{"name", one.name}, {"address", one.address}, {"loopback", one.loopback}});
+  return {{"open", network.open},     {"interfaces", std::move(interfaces)},
+          {"only", network.only},     {"elsewhere", network.elsewhere},
+          {"sealed", network.sealed}, {"refused", refused}};
+}
+
 json target_object(const face::BlendshapeWeights& target) {
   json out = json::object();
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
@@ -202,6 +211,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
        {"prompts", prompts_json(status.report.prompts)},
        {"sinks", std::move(sinks)},
        {"lines", std::move(lines)},
+       {"network", network_json(status.network, status.report.refused)},
        {"recording",
         {{"on", recording.on},
          {"path", recording.path.string()},

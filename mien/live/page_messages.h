@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mien/live/latency.h"
+#include "mien/live/network_interfaces.h"
 #include "mien/live/recorder.h"
 #include "mien/live/serial_port.h"
 #include "mien/sensor/rig.h"
@@ -35,12 +36,22 @@ struct ReplayState {
   std::string error;  ///< Why it cannot be shown; empty when it can.
 };
 
+/// Who can reach the session.
+struct NetworkState {
+  std::vector<std::string> open;             ///< Addresses of ports on every interface.
+  std::vector<NetworkInterface> interfaces;  ///< By which these are reached.
+  std::string only;                          ///< The entrance that they are narrowed to; empty: none.
+  std::uint64_t elsewhere = 0;               ///< Datagrams refused because they came in elsewhere.
+  bool sealed = false;                       ///< Only who has the key is received.
+};
+
 struct Status {
   session::Report report;
   std::uint64_t missed = 0;
   Latencies latency;  ///< Of the last ten seconds.
   std::vector<SinkState> sinks;
   std::vector<SerialPort::Status> lines;  ///< Serial ones that devices speak on.
+  NetworkState network;
   Recorder::State recording;
   double recording_megabytes = 0;
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <string_view>
@@ -22,6 +23,7 @@
 #include "mien/mocap/marker_protocol.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/sensor/sealed_protocol.h"
 #include "mien/shaping/combined_tracker.h"
 #include "mien/tracker/causal_tracker.h"
 
@@ -52,24 +54,32 @@ MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::
   return eyewear::EyewearTracker::create(rig, set, std::move(regressor));
 }
 
-Result<void> add_imu_protocols(const std::vector<PairingKey>& keys, Protocols& protocols) {
-  imu::NodeProtocolSettings nodes;
-  if (sodium_init() < 0) return fail(ErrorCode::internal, "libsodium does not start", "session");
-  do {
-    randombytes_buf(&nodes.session, sizeof(nodes.session));
-  } while (nodes.session == 0);
-  for (const PairingKey& key : keys) nodes.keys.push_back({key.id, key.secret});
-  MIEN_TRY_ASSIGN(imu::NodeProtocol node_protocol, imu::NodeProtocol::create(std::move(nodes)));
-  protocols.push_back(std::make_unique<imu::NodeProtocol>(std::move(node_protocol)));
-  if (keys.empty()) protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
+/// What devices speak, and whether a key seals it.
+struct Language {
+  std::unique_ptr<sensor::Protocol> protocol;
+  bool sealable = false;
+};
+
+Result<void> add_imu_languages(std::uint64_t session, std::vector<Language>& languages) {
+  MIEN_TRY_ASSIGN(imu::NodeProtocol nodes, imu::NodeProtocol::create({.session = session}));
+  languages.push_back({std::make_unique<imu::NodeProtocol>(std::move(nodes)), true});
+  languages.push_back({std::make_unique<imu::SlimeVrProtocol>(), false});
   return {};
 }
 
-Result<void> add_eyewear_protocols(const std::vector<PairingKey>& keys, Protocols& protocols) {
-  if (!keys.empty()) return {};
+Result<void> add_eyewear_languages(std::uint64_t, std::vector<Language>& languages) {
   MIEN_TRY_ASSIGN(eyewear::EyewearProtocol protocol, eyewear::EyewearProtocol::create());
-  protocols.push_back(std::make_unique<eyewear::EyewearProtocol>(std::move(protocol)));
+  // Its packets; lines of text name no device, so they are never sealed.
+  languages.push_back({std::make_unique<eyewear::EyewearProtocol>(std::move(protocol)), true});
   return {};
+}
+
+/// The token of a session, by which devices know it from the one before. Errors: internal.
+Result<std::uint64_t> draw_session() {
+  if (sodium_init() < 0) return fail(ErrorCode::internal, "libsodium does not start", "session");
+  std::uint64_t session = 0;
+  while (session == 0) randombytes_buf(&session, sizeof(session));
+  return session;
 }
 
 /// A kind of sensors: a row of the table, and what a live session knows of it. What a virtual performer wears
@@ -83,8 +93,8 @@ struct Modality {
   /// Errors: the model's.
   Result<std::unique_ptr<tracker::Tracker>> (*make_tracker)(const sensor::Rig& rig,
                                                             const std::filesystem::path& model);
-  /// Appends its protocols; with keys only those in which packets can be sealed.
-  Result<void> (*add_protocols)(const std::vector<PairingKey>& keys, Protocols& protocols);
+  /// Appends what its devices speak, to a session of this token.
+  Result<void> (*add_languages)(std::uint64_t session, std::vector<Language>& languages);
   /// Of its protocols with payloads, and only where these are reduced before they are logged; else null.
   std::vector<session::ProtocolReducer> (*make_reducers)() = nullptr;
 };
@@ -100,13 +110,13 @@ constexpr std::array kModalities = {
              .window_models = false,
              .ports = kEyewearPorts,
              .make_tracker = make_eyewear_tracker,
-             .add_protocols = add_eyewear_protocols},
+             .add_languages = add_eyewear_languages},
     Modality{.kind = "imu",
              .default_model = "models/live.safetensors",
              .window_models = true,
              .ports = kImuPorts,
              .make_tracker = make_imu_tracker,
-             .add_protocols = add_imu_protocols},
+             .add_languages = add_imu_languages},
 };
 
 /// The row of a kind; null for one that is unknown.
@@ -189,19 +199,28 @@ Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
   return make(rig, model, {}, nobody_asks);
 }
 
-Result<Protocols> make_protocols(const std::vector<PairingKey>& keys) {
-  Protocols protocols;
+Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
+  MIEN_TRY_ASSIGN(const std::uint64_t session, draw_session());
+  std::vector<Language> languages;
   // Markers are truth, no sensors of a rig. Their packets begin as nodes' do, so they are asked about first;
   // no key seals them.
-  if (keys.empty()) protocols.push_back(std::make_unique<mocap::MarkerProtocol>());
-  for (const Modality& modality : kModalities) MIEN_TRY(modality.add_protocols(keys, protocols));
-  return protocols;
+  languages.push_back({std::make_unique<mocap::MarkerProtocol>(), false});
+  for (const Modality& modality : kModalities) MIEN_TRY(modality.add_languages(session, languages));
+  Protocols protocols;
+  for (Language& language : languages)
+    if (keys.empty() || language.sealable) protocols.push_back(std::move(language.protocol));
+  if (keys.empty()) return protocols;
+  MIEN_TRY_ASSIGN(sensor::SealedProtocol sealed,
+                  sensor::SealedProtocol::create(session, keys, std::move(protocols)));
+  Protocols one;
+  one.push_back(std::make_unique<sensor::SealedProtocol>(std::move(sealed)));
+  return one;
 }
 
 Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig,
                                                        const std::filesystem::path& model,
                                                        const shaping::ShaperSettings& shaping,
-                                                       const std::vector<PairingKey>& keys) {
+                                                       const std::vector<sensor::SealKey>& keys) {
   session::Session::Parts parts;
   parts.rig = rig;
   parts.shaping = shaping;
@@ -210,7 +229,7 @@ Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig,
   for (const Modality& modality : kModalities)
     if (modality.make_reducers != nullptr)
       for (session::ProtocolReducer& one : modality.make_reducers())
-        // Protocols without keys are not there when keys are.
+        // With keys the one protocol that opens packets stands for all.
         if (std::ranges::find(parts.protocols, one.protocol, [](const auto& p) { return p->name(); }) !=
             parts.protocols.end())
           parts.reducers.push_back(std::move(one));

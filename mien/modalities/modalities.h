@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,19 +8,13 @@
 #include "mien/core/error.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
+#include "mien/sensor/seal.h"
 #include "mien/session/session.h"
 #include "mien/shaping/settings.h"
 #include "mien/tracker/tracker.h"
 
 // Trackers, protocols and models of all modalities, by the kinds of a rig's sensors.
 namespace mien::modalities {
-
-/// What devices and a host share, so that packets of nobody else are accepted; the program reads it from the
-/// file of --key.
-struct PairingKey {
-  std::uint8_t id = 0;
-  std::array<std::byte, 32> secret{};
-};
 
 using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 
@@ -45,15 +37,15 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 [[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
                                                                      const std::filesystem::path& model);
 
-/// The protocols of all sensors; with keys those whose packets can be sealed. Errors: internal
-/// (libsodium), the keys'.
-[[nodiscard]] Result<Protocols> make_protocols(const std::vector<PairingKey>& keys = {});
+/// The protocols of all sensors; with keys one that opens the packets of those which can be sealed, and hears
+/// nobody else. Errors: internal (libsodium), the keys'.
+[[nodiscard]] Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys = {});
 
 /// A session for a rig: its sensors' tracker with this live model, and the protocols of all sensors. With
 /// keys only what is sealed by one of them is accepted, so nothing from serial lines. Errors: those of
 /// make_tracker and make_protocols, the session's.
 [[nodiscard]] Result<std::unique_ptr<session::Session>> make_session(
     const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& shaping = {},
-    const std::vector<PairingKey>& keys = {});
+    const std::vector<sensor::SealKey>& keys = {});
 
 }  // namespace mien::modalities

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,6 +28,8 @@ class Node {
   /// A datagram from the receiver. What breaks its protocol's rules is ignored.
   virtual void receive(HostTime now, std::span<const std::byte> datagram) = 0;
 
+  /// Its id, as its packets and rigs have it.
+  [[nodiscard]] virtual std::uint64_t device() const = 0;
   /// It waits for a receiver's answers; one that only speaks does not.
   [[nodiscard]] virtual bool listens() const { return true; }
   /// The receiver knows of it, as far as it knows.

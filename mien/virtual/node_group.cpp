@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "mien/virtual/imu/sealed_node.h"
+#include "mien/virtual/sealed_node.h"
 
 namespace mien::virt {
 
@@ -28,7 +28,7 @@ Result<std::unique_ptr<NodeGroup>> NodeGroup::create(Stage stage, NodeLanguage l
   return group;
 }
 
-void NodeGroup::seal(const imu::SealKey& key) {
+void NodeGroup::seal(const sensor::SealKey& key) {
   for (Node*& node : nodes_) node = sealed_.emplace_back(std::make_unique<SealedNode>(*node, key)).get();
 }
 

@@ -12,7 +12,7 @@
 #include "mien/virtual/stage.h"
 #include "mien/virtual/worn_devices.h"
 
-namespace mien::imu {
+namespace mien::sensor {
 struct SealKey;
 }
 
@@ -33,9 +33,9 @@ class NodeGroup {
   NodeGroup& operator=(const NodeGroup&) = delete;
   ~NodeGroup();
 
-  /// All nodes are paired by this key: what they say leaves sealed. Once, before they say anything; they
-  /// speak our own packets of IMUs, the only ones that can be sealed.
-  void seal(const imu::SealKey& key);
+  /// All nodes are paired by this key: what they say leaves sealed. Once, before they say anything. Nodes
+  /// of SlimeVR's language cannot be.
+  void seal(const sensor::SealKey& key);
 
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] Node& operator[](std::size_t node) { return *nodes_[node]; }

@@ -312,6 +312,30 @@ TEST_F(LiveProgram, ASessionThatHearsNothingSaysSo) {
   EXPECT_TRUE(outcome.err.ends_with(why)) << outcome.err;
 }
 
+TEST_F(LiveProgram, WhoCanSendIsSaidAtTheStart) {
+  const std::vector<std::string> live = {"live", "--page", "off", "--for", "0.2", "--listen"};
+  std::vector<std::string> arguments = live;
+  arguments.emplace_back("udp://0.0.0.0:0");
+  Outcome outcome = run(arguments);
+  EXPECT_NE(outcome.out.find(", every interface: "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("lo 127.0.0.1\n"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("There is no key, so anybody there can send"), std::string::npos) << outcome.out;
+  arguments.emplace_back("--json");
+  outcome = run(arguments);
+  EXPECT_NE(outcome.err.find("anybody there can send"), std::string::npos) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  const auto port = summary.at("listening").at(0);
+  EXPECT_EQ(port.at("every_interface"), true);
+  EXPECT_EQ(port.at("interfaces").back(), (nlohmann::json{{"name", "lo"}, {"address", "127.0.0.1"}}));
+  EXPECT_EQ(summary.at("sealed"), false);
+  EXPECT_EQ(summary.at("only"), "");
+  EXPECT_EQ(summary.at("elsewhere"), 0);
+  // On loopback nobody else can.
+  arguments = live;
+  arguments.emplace_back("udp://127.0.0.1:0");
+  EXPECT_EQ(run(arguments).out.find("anybody"), std::string::npos);
+}
+
 TEST_F(LiveProgram, ThePagesTokenComesFromAFile) {
   write(folder / "token", "0123456789abcdef\n");
   const std::vector<std::string> live = {"live",  "--listen", "udp://127.0.0.1:0", "--page", "127.0.0.1:0",

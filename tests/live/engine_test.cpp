@@ -293,6 +293,60 @@ TEST(Engine, OneOfTwoSendersIsChosenOnThePageAndAReplayDoesTheSame) {
   EXPECT_EQ(report.links[0].source, other);
 }
 
+TEST(Engine, ThePageNarrowsWhatIsListenedOnAndShowsTheKey) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  EngineSettings asked = settings(folder);
+  asked.listen = {"udp://0.0.0.0:0", "udp://127.0.0.1:0"};
+  asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
+  asked.pair = [] {
+    return Result<Pairing>(Pairing{.file = "f", .firmware = "line", .command = "mien live"});
+  };
+  Running running(std::move(asked));
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  const std::vector<std::string> listening = (*running).listening();
+  boost::asio::io_context network;
+  PageClient page(network, test::port_of((*running).page()));
+  const auto said = [&] {
+    Json status = page.last("status");
+    return status.is_object() ? status["network"] : Json();
+  };
+  ASSERT_TRUE(run_until(network, [&] { return said().is_object(); }));
+  EXPECT_EQ(said()["open"], Json({listening.front()})) << "that of one address is not open";
+  EXPECT_EQ(said()["only"], "");
+  EXPECT_EQ(said()["sealed"], false);
+  bool loopback = false;
+  for (const Json& one : said()["interfaces"])
+    loopback = loopback || (one["address"] == "127.0.0.1" && one["loopback"] == true);
+  EXPECT_TRUE(loopback) << said();
+
+  EXPECT_FALSE(page.ask({{"command", "listen"}})["ok"]);
+  EXPECT_FALSE(page.ask({{"command", "listen"}, {"only", "no_such_interface"}})["ok"]);
+  EXPECT_TRUE(page.ask({{"command", "listen"}, {"only", "127.0.0.2"}})["ok"]);
+  EXPECT_TRUE(run_until(network, [&] { return page.has_event("listening"); }));
+  udp::socket stranger(network, udp::v4());
+  const auto send = [&](const char* to, const std::string& port) {
+    stranger.send_to(boost::asio::buffer(std::string("who is there?")),
+                     {boost::asio::ip::make_address(to), test::port_of(port)});
+  };
+  send("127.0.0.1", listening[0]);
+  EXPECT_TRUE(run_until(network, [&] { return said()["elsewhere"] == 1; }));
+  EXPECT_EQ(said()["only"], "127.0.0.2");
+  EXPECT_TRUE(page.ask({{"command", "listen"}, {"only", ""}})["ok"]);
+  send("127.0.0.1", listening[0]);
+  send("127.0.0.1", listening[1]);
+  EXPECT_TRUE(run_until(network, [&] { return said()["only"] == ""; }));
+
+  const Json pairing = page.ask({{"command", "pair"}});
+  EXPECT_TRUE(pairing["ok"]);
+  EXPECT_EQ(pairing["result"], Json::parse(R"({"file": "f", "firmware": "line", "command": "mien live",
+                                              "in_force": false})"));
+  running.ask_to_stop();
+  const EngineSummary summary = running.wait();
+  EXPECT_EQ(summary.listening, listening);
+  EXPECT_EQ(summary.network.elsewhere, 1U);
+  EXPECT_EQ(summary.dropped, 1U);
+}
+
 TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   EngineSettings asked = settings(folder);

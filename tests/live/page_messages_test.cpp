@@ -91,6 +91,20 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
   EXPECT_TRUE(said["prompts"]["next"].is_null());
 }
 
+TEST(PageMessages, StatusTellsWhoCanSend) {
+  Status now = status();
+  now.network = {.open = {"udp://0.0.0.0:5005"},
+                 .interfaces = {{.name = "lo", .address = "127.0.0.1", .loopback = true}},
+                 .only = "lo",
+                 .elsewhere = 7,
+                 .sealed = true};
+  now.report.refused = 9;
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["network"], Json::parse(R"({
+      "open": ["udp://0.0.0.0:5005"],
+      "interfaces": [{"name": "lo", "address": "127.0.0.1", "loopback": true}],
+      "only": "lo", "elsewhere": 7, "sealed": true, "refused": 9})"));
+}
+
 TEST(PageMessages, ASessionWithoutFramesHasNoLatency) {
   Status now = status();
   const Json none = Json::parse(status_json(now, glasses()))["latency_ms"];

@@ -1,7 +1,13 @@
 #include "mien/modalities/modalities.h"
-#include "tests/project_path.h"
 
 #include <gtest/gtest.h>
+
+#include <utility>
+
+#include "mien/core/bytes.h"
+#include "mien/eyewear/packet.h"
+#include "mien/imu/packets/node_message.h"
+#include "tests/project_path.h"
 
 namespace mien::modalities::modalities_test {
 namespace {
@@ -31,6 +37,79 @@ TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
   EXPECT_EQ(live_model(rig, "").error().code, ErrorCode::unsupported);
   EXPECT_EQ(make_tracker(rig, "models").error().code, ErrorCode::unsupported);
   EXPECT_FALSE(has_window_models(rig));
+}
+
+/// A paired device, which has asked a session of these protocols for its token.
+class Paired {
+ public:
+  Paired(sensor::Protocol& session, const sensor::SealKey& key, std::uint64_t device)
+      : session_(session), key_(key), device_(device) {
+    ByteWriter hello;
+    EXPECT_TRUE(encode_node_message(imu::Hello{.device = device, .sites = {""}}, hello));
+    EXPECT_EQ(send(hello.bytes()), sensor::Verdict::taken);
+    std::vector<std::byte> welcome;
+    const auto header = sensor::open_sealed({&key_, 1}, inbox.reply, welcome);
+    EXPECT_TRUE(header) << header.error().message();
+    if (header) token_ = header->session;
+  }
+  sensor::Verdict send(std::span<const std::byte> inner) {
+    ByteWriter sealed;
+    EXPECT_TRUE(sensor::seal_packet(
+        key_, {.key_id = key_.id, .device = device_, .counter = ++counter_, .session = token_}, inner,
+        sealed));
+    inbox.clear();
+    return session_.receive(HostTime(), 1, sealed.bytes(), inbox);
+  }
+  sensor::Inbox inbox;
+
+ private:
+  sensor::Protocol& session_;
+  sensor::SealKey key_;
+  std::uint64_t device_;
+  std::uint64_t counter_ = 0;
+  std::uint64_t token_ = 0;
+};
+
+std::vector<std::byte> scan(std::uint64_t device) {
+  eyewear::Packet packet;
+  packet.device = device;
+  packet.channels = 3;
+  packet.light[1] = {.on = 700, .off = 30};
+  return eyewear::encode_packet(packet).value();
+}
+
+TEST(Registry, AKeyAdmitsSealedNodesAndGlassesInOneSessionAndNothingPlain) {
+  constexpr std::uint64_t kGlasses = 0x024D'4945'4E40, kNode = 0x024D'4945'4E07;
+  const sensor::SealKey key{.id = 4, .secret = {std::byte{9}}};
+  const Protocols protocols = make_protocols({key}).value();
+  ASSERT_EQ(protocols.size(), 1U);
+  sensor::Protocol& session = *protocols.front();
+  Paired node(session, key, kNode), glasses(session, key, kGlasses);
+  EXPECT_EQ(glasses.send(scan(kGlasses)), sensor::Verdict::taken);
+  ASSERT_EQ(glasses.inbox.readings.size(), 3U);
+  EXPECT_EQ(glasses.inbox.readings[1].from, (sensor::DeviceKey{kGlasses, 1}));
+  EXPECT_EQ(glasses.inbox.opened, scan(kGlasses));
+  ByteWriter pulse;
+  ASSERT_TRUE(encode_node_message(imu::Pulse{.device = kNode, .index = 3}, pulse));
+  EXPECT_EQ(node.send(pulse.bytes()), sensor::Verdict::taken);
+  EXPECT_EQ(node.inbox.pulses.size(), 1U);
+  // One does not speak for the other, nor anybody without the key.
+  EXPECT_EQ(node.send(scan(kGlasses)), sensor::Verdict::refused);
+  sensor::Inbox inbox;
+  EXPECT_EQ(session.receive(HostTime(), 1, scan(kGlasses), inbox), sensor::Verdict::refused);
+  EXPECT_EQ(session.receive(HostTime(), 1, pulse.bytes(), inbox), sensor::Verdict::refused);
+  const auto text = std::as_bytes(std::span<const char>("512,498,1003,17", 15));
+  EXPECT_FALSE(session.recognises(text));
+  // What a log keeps of it replays without keys.
+  bool recognised = false;
+  const Protocols without_keys = make_protocols().value();
+  for (const auto& plain : without_keys) {
+    if (!plain->recognises(scan(kGlasses))) continue;
+    recognised = true;
+    EXPECT_EQ(plain->receive(HostTime(), 1, scan(kGlasses), inbox), sensor::Verdict::taken);
+    break;
+  }
+  EXPECT_TRUE(recognised);
 }
 
 }  // namespace

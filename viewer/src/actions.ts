@@ -1,4 +1,5 @@
 /** What buttons and keys do: one place for both, so that they do the same. */
+import { type Pairing, readPairing } from "./network_protocol";
 import type { CalibrationKind, Command, Reply } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
@@ -115,6 +116,17 @@ export class Actions {
   /** Of those who send as this sensor's device this one is heard. */
   async hear(sensor: string, source: string): Promise<void> {
     await this.send({ command: "hear", sensor, source });
+  }
+
+  /** The ports on every interface receive what comes in there alone; empty: everything again. */
+  async listenOnly(only: string): Promise<void> {
+    await this.send({ command: "listen", only });
+  }
+
+  /** The key for boards, made where there is none. Null: refused, and that is said. */
+  async pair(): Promise<Pairing | null> {
+    const reply = await this.send({ command: "pair" });
+    return reply.ok ? readPairing(reply.result) : null;
   }
 
   async stopTap(): Promise<void> {

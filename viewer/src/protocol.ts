@@ -3,6 +3,8 @@
  * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
  * for what cannot be used at all.
  */
+import { type NetworkStatus, readNetwork } from "./network_protocol";
+import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
 
 export interface RigSensor {
@@ -181,6 +183,8 @@ export interface Status {
   calibration: CalibrationStatus;
   prompts: PromptStatus | null;
   sinks: SinkStatus[];
+  /** Null of a session that does not say. */
+  network: NetworkStatus | null;
   /** `endsS`: when the session ends by itself, and the recording with it. */
   recording: { on: boolean; path: string; seconds: number; endsS: number | null; megabytes: number; error: string };
   /** What is kept of the session until its end. `error`: why it can be recorded no more, or "". */
@@ -240,6 +244,8 @@ export type Command =
   | { command: "hear"; sensor: string; source: string }
   | { command: "tap"; sensor: string }
   | { command: "shape"; smoothing?: number; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
+  | { command: "listen"; only: string }
+  | { command: "pair" }
   | { command: "takes" }
   | { command: "replay"; take: string }
   | { command: "replay"; paused: boolean }
@@ -247,38 +253,6 @@ export type Command =
   | { command: "replay"; stop: true };
 
 // ---- Reading ------------------------------------------------------------------------------------------------------
-
-type Fields = Record<string, unknown>;
-
-/** Lists longer than this are cut: no session has so many of anything. */
-const MOST = 256;
-/** Texts longer than this are cut. */
-const LONGEST = 500;
-
-function fieldsOf(value: unknown): Fields {
-  return typeof value === "object" && value !== null && !Array.isArray(value) ? (value as Fields) : {};
-}
-function number(value: unknown, otherwise = 0): number {
-  return typeof value === "number" && Number.isFinite(value) ? value : otherwise;
-}
-function numberOrNull(value: unknown): number | null {
-  return typeof value === "number" && Number.isFinite(value) ? value : null;
-}
-function text(value: unknown, otherwise = ""): string {
-  return typeof value === "string" ? value.slice(0, LONGEST) : otherwise;
-}
-function share(value: unknown): number {
-  return Math.min(1, Math.max(0, number(value)));
-}
-function list<T>(value: unknown, read: (fields: Fields) => T): T[] {
-  return Array.isArray(value) ? value.slice(0, MOST).map((one) => read(fieldsOf(one))) : [];
-}
-function texts(value: unknown): string[] {
-  return Array.isArray(value) ? value.slice(0, MOST).filter((one) => typeof one === "string").map((one) => text(one)) : [];
-}
-function idOf(value: unknown): string | number {
-  return typeof value === "number" ? number(value) : text(value);
-}
 
 /** Our order is the session's own until its `hello` says otherwise. */
 export const OWN_ORDER = Int16Array.from(SHAPES, (_, index) => index);
@@ -522,6 +496,7 @@ function readStatus(fields: Fields): Status {
       receivers: numberOrNull(one["receivers"]),
       note: text(one["note"]),
     })),
+    network: readNetwork(fields["network"]),
     recording: {
       on: recording["on"] === true,
       path: text(recording["path"]),

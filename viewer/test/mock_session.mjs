@@ -165,6 +165,13 @@ class MockSession {
     this.shaping = { smoothing: 0.25, gains: { jawOpen: 1.2 }, limits: {} };
     this.replay = null;
     this.tap = null;
+    this.network = {
+      open: ["udp://0.0.0.0:6969"], only: "", elsewhere: 0, sealed: false, refused: 0,
+      interfaces: [
+        { name: "wlan0", address: "192.168.1.7", loopback: false }, { name: "eth0", address: "10.0.0.12", loopback: false },
+        { name: "lo", address: "127.0.0.1", loopback: true },
+      ],
+    };
     this.timer = setInterval(() => this.tick(), 1000 / 60);
     this.statusTimer = setInterval(() => this.say(this.status()), 250);
   }
@@ -288,6 +295,7 @@ class MockSession {
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
       shaping: this.shaping, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
+      network: this.network,
     };
   }
 
@@ -410,6 +418,17 @@ class MockSession {
         Object.assign(this.shaping.gains, command.gains);
         Object.assign(this.shaping.limits, command.limits);
         return null;
+      case "listen":
+        if (command.only !== "" && !this.network.interfaces.some((one) => [one.name, one.address].includes(command.only))) {
+          throw new Error(`${command.only}: no interface and no address of this machine`);
+        }
+        this.network.only = command.only;
+        return null;
+      case "pair":
+        return {
+          file: "/home/you/.config/mien/pairing.key", in_force: false, command: "mien live --key /home/you/.config/mien/pairing.key",
+          firmware: `static const uint8_t kMienKey[33] = {1, ${Array.from({ length: 32 }, (_, i) => `0x${(7 * i + 3).toString(16).padStart(2, "0")}`).join(", ")}};`,
+        };
       case "takes":
         return { takes: this.takes.map(({ truth: _, ...take }) => take) };
       case "replay":

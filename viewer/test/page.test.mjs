@@ -186,6 +186,33 @@ test("sensors: numbers, one picked on the face, tapped, bound", { timeout: 4 * P
   await page.locator(".unbound").waitFor({ state: "hidden" });
 });
 
+test("who can send: said, narrowed by a choice, and a board paired by a click", { timeout: 4 * PATIENCE }, async () => {
+  const page = await shared();
+  await go(page, "Sensors");
+  const network = page.locator(".network");
+  await network.scrollIntoViewIfNeeded();
+  assert.match(await network.innerText(), /Listening on every interface: wlan0 192\.168\.1\.7, eth0 10\.0\.0\.12, lo 127\.0\.0\.1; anybody there can send/);
+  await picture(page, "who_can_send");
+  await page.getByLabel("Listen on").selectOption("wlan0");
+  await obeyed("listen", (command) => command.only === "wlan0");
+  mock.session.network.elsewhere = 1234;
+  await settled(page, () => /Listening on wlan0 only; anybody there can send\. 1,234 packets from elsewhere/.test(document.querySelector(".network p").textContent), "what is in force");
+  await button(page, "Pair").click();
+  await obeyed("pair");
+  const card = page.locator(".pairing");
+  await card.waitFor({ state: "visible" });
+  assert.match(await card.innerText(), /static const uint8_t kMienKey\[33\] = \{1, 0x03, .*\};[\s\S]*mien live --key \/home\/you/);
+  assert.match(await card.innerText(), /in force from the next start/);
+  await card.getByRole("button", { name: "Copy: The line of firmware" }).click();
+  await settled(page, () => document.querySelector(".pairing .button").textContent === "Copied", "a copy");
+  await picture(page, "pairing");
+  await button(page, "Hide the key").click();
+  await card.waitFor({ state: "hidden" });
+  assert.doesNotMatch(await page.content(), /kMienKey/);
+  await page.getByLabel("Listen on").selectOption("");
+  await obeyed("listen", (command) => command.only === "");
+});
+
 test("calibration: guided to its scores, compared, undone, re-centred", { timeout: 5 * PATIENCE }, async () => {
   const page = await shared();
   await go(page, "Calibration");

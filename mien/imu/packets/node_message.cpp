@@ -6,11 +6,15 @@
 #include <cmath>
 
 #include "mien/sensor/packet_envelope.h"
+#include "mien/sensor/seal.h"
 
 namespace mien::imu {
 namespace {
 
 using sensor::kChecksumBytes;
+
+static_assert(static_cast<std::uint8_t>(NodePacketType::hello) == sensor::kHelloPacketType);
+static_assert(static_cast<std::uint8_t>(NodePacketType::sealed) == sensor::kSealedPacketType);
 
 constexpr std::size_t kNodeHeaderBytes = 16;
 constexpr std::uint32_t kMinRateMilliHz = 1'000;

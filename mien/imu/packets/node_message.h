@@ -80,7 +80,7 @@ enum class NodePacketType : std::uint8_t {
   heartbeat = 4,
   echo = 5,
   pulse = 6,
-  sealed = 7,  ///< imu/packets/seal.h
+  sealed = 7,  ///< sensor/seal.h
 };
 
 /// Parses any node packet but samples and sealed ones. Errors: truncated; malformed (magic, length, checksum,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -27,6 +28,8 @@ class EyewearBoards {
                                                     const EyewearFaults& faults, const Random& random);
 
   [[nodiscard]] std::size_t count() const { return boards_.size(); }
+  /// The id of each, below count().
+  [[nodiscard]] std::uint64_t device(std::size_t board) const { return boards_[board].device; }
   [[nodiscard]] const VirtualClock& clock() const { return simulator_.clock(); }
   /// True time up to which everything has been scanned, s from the performance's time 0.
   [[nodiscard]] double scanned_s() const { return scanned_s_; }

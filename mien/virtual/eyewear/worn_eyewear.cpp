@@ -21,10 +21,9 @@ constexpr double kOnTheWireS = 0.02;
 class EyewearOnNetwork final : public NodeDevices {
  public:
   EyewearOnNetwork(EyewearBoards boards, const PlayedMotion& motion)
-      : boards_(std::move(boards)),
-        nodes_(boards_.count()),
-        motion_(motion),
-        end_s_(motion.curve.duration_s() + kDeviceMarginS) {}
+      : boards_(std::move(boards)), motion_(motion), end_s_(motion.curve.duration_s() + kDeviceMarginS) {
+    for (std::size_t board = 0; board < boards_.count(); ++board) nodes_.emplace_back(boards_.device(board));
+  }
   [[nodiscard]] std::vector<Node*> nodes() override {
     std::vector<Node*> all;
     for (EyewearNode& node : nodes_) all.push_back(&node);

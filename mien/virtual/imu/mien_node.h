@@ -4,9 +4,9 @@
 #include <map>
 #include <string>
 
-#include "mien/imu/packets/node_message.h"
 #include "mien/virtual/imu/device_faults.h"
 #include "mien/virtual/imu/imu_node.h"
+#include "mien/virtual/node_greeting.h"
 
 namespace mien::virt {
 
@@ -18,26 +18,23 @@ class MienNode : public ImuNode {
   /// `sensor` is its place in the rig and gives it its id, `site` the rig's name for it.
   MienNode(std::size_t sensor, std::string site, const VirtualClock& clock, const DeviceFaults& faults);
 
-  void begin(HostTime start) override { start_ = start; }
+  void begin(HostTime start) override;
   [[nodiscard]] Result<void> play(std::span<const VirtualPacket> packets) override;
   [[nodiscard]] HostTime due() const override;
   [[nodiscard]] std::optional<std::vector<std::byte>> next_datagram(HostTime now) override;
-  void receive(HostTime now, std::span<const std::byte> datagram) override;
-  [[nodiscard]] bool answered() const override { return welcome_.has_value(); }
+  void receive(HostTime now, std::span<const std::byte> datagram) override {
+    greeting_.receive(now, datagram);
+  }
+  [[nodiscard]] std::uint64_t device() const override { return greeting_.device(); }
+  [[nodiscard]] bool answered() const override { return greeting_.answered(); }
   [[nodiscard]] bool idle() const override { return samples_.empty(); }
 
  private:
-  [[nodiscard]] std::vector<std::byte> encoded(const imu::NodeMessage& message) const;
-
-  imu::Hello hello_;
+  NodeGreeting greeting_;
   VirtualClock clock_;
   DeviceFaults faults_;
   std::optional<HostTime> start_;
   std::multimap<Duration, std::vector<std::byte>> samples_;  // By arrival, from the performance's time 0.
-  std::optional<imu::Welcome> welcome_;
-  HostTime received_;                                // The host's latest word.
-  std::optional<HostTime> next_hello_ = HostTime();  // None while welcomed.
-  HostTime next_heartbeat_;
 };
 
 }  // namespace mien::virt

@@ -27,6 +27,7 @@ class SlimeVrNode : public ImuNode {
   [[nodiscard]] HostTime due() const override;
   [[nodiscard]] std::optional<std::vector<std::byte>> next_datagram(HostTime now) override;
   void receive(HostTime now, std::span<const std::byte> datagram) override;
+  [[nodiscard]] std::uint64_t device() const override { return mac_; }
   [[nodiscard]] bool answered() const override { return greeted_; }
   [[nodiscard]] bool idle() const override { return turns_.empty() && pending_.empty(); }
 

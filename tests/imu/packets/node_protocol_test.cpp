@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <utility>
+#include <vector>
+
 #include "mien/imu/packets/packet.h"
+#include "mien/sensor/sealed_protocol.h"
 #include "tests/hex.h"
 
 namespace mien::imu::node_protocol_test {
@@ -15,14 +20,22 @@ using sensor::Verdict;
 constexpr std::uint64_t kDevice = 0x024D49454E07;
 constexpr std::uint64_t kSession = 0x1122334455667788;
 
-SealKey key(std::uint8_t id) {
-  SealKey k{.id = id};
+sensor::SealKey key(std::uint8_t id) {
+  sensor::SealKey k{.id = id};
   for (std::size_t i = 0; i < k.secret.size(); ++i) k.secret[i] = static_cast<std::byte>(i + id);
   return k;
 }
 
-NodeProtocol protocol(std::vector<SealKey> keys = {}) {
-  auto made = NodeProtocol::create({.host_name = "studio", .session = kSession, .keys = std::move(keys)});
+NodeProtocol protocol() {
+  auto made = NodeProtocol::create({.host_name = "studio", .session = kSession});
+  EXPECT_TRUE(made) << made.error().message();
+  return std::move(*made);
+}
+
+sensor::SealedProtocol sealed(std::vector<sensor::SealKey> keys) {
+  std::vector<std::unique_ptr<sensor::Protocol>> languages;
+  languages.push_back(std::make_unique<NodeProtocol>(protocol()));
+  auto made = sensor::SealedProtocol::create(kSession, std::move(keys), std::move(languages));
   EXPECT_TRUE(made) << made.error().message();
   return std::move(*made);
 }
@@ -56,7 +69,7 @@ struct Received {
   Inbox inbox;
 };
 
-Received receive(NodeProtocol& protocol, std::span<const std::byte> datagram) {
+Received receive(sensor::Protocol& protocol, std::span<const std::byte> datagram) {
   Received received;
   received.verdict = protocol.receive(HostTime(std::chrono::seconds(1)), 3, datagram, received.inbox);
   return received;
@@ -174,28 +187,27 @@ TEST(NodeProtocol, IsNotMadeOfSettingsThatCannotBe) {
   EXPECT_FALSE(NodeProtocol::create({.session = 0}));
   EXPECT_FALSE(NodeProtocol::create({.host_name = "a\nb"}));
   EXPECT_FALSE(NodeProtocol::create({.heartbeat = std::chrono::milliseconds(50)}));
-  EXPECT_FALSE(NodeProtocol::create({.keys = {key(1), key(2), key(1)}}));
 }
 
 // With keys.
 
 struct Node {
-  SealKey with = key(1);
+  sensor::SealKey with = key(1);
   std::uint64_t counter = 5;
   std::uint64_t session = kSession;
   std::uint64_t device = kDevice;
 
   std::vector<std::byte> seal(std::span<const std::byte> inner) {
     ByteWriter writer;
-    EXPECT_TRUE(seal_packet(with,
-                            {.key_id = with.id, .device = device, .counter = counter++, .session = session},
-                            inner, writer));
+    EXPECT_TRUE(sensor::seal_packet(
+        with, {.key_id = with.id, .device = device, .counter = counter++, .session = session}, inner,
+        writer));
     return writer.release();
   }
 };
 
 TEST(SealedNodes, AreHeardAndAnsweredAlike) {
-  NodeProtocol host = protocol({key(4), key(1)});
+  sensor::SealedProtocol host = sealed({key(4), key(1)});
   Node node{.session = 0};
   const auto plain = encoded(Hello{.device = kDevice, .sites = {"mentalis"}});
   auto received = receive(host, node.seal(plain));
@@ -203,11 +215,12 @@ TEST(SealedNodes, AreHeardAndAnsweredAlike) {
   EXPECT_EQ(received.inbox.opened, plain);
   EXPECT_EQ(received.inbox.announcements.size(), 1U);
   std::vector<std::byte> inner;
-  auto header = open_sealed(std::vector{key(1)}, received.inbox.reply, inner);
+  auto header = sensor::open_sealed(std::vector{key(1)}, received.inbox.reply, inner);
   ASSERT_TRUE(header) << header.error().message();
   EXPECT_EQ(
       *header,
-      (SealHeader{.key_id = 1, .device = kDevice, .counter = SealHeader::kFromHost, .session = kSession}));
+      (sensor::SealHeader{
+          .key_id = 1, .device = kDevice, .counter = sensor::SealHeader::kFromHost, .session = kSession}));
   const auto welcome = parse_node_message(inner);
   ASSERT_TRUE(welcome);
   node.session = std::get<Welcome>(*welcome).session;
@@ -216,23 +229,23 @@ TEST(SealedNodes, AreHeardAndAnsweredAlike) {
   EXPECT_EQ(received.verdict, Verdict::taken);
   EXPECT_EQ(received.inbox.readings.size(), 3U);
   received = receive(host, node.seal(encoded(NodeHeartbeat{.device = kDevice})));
-  header = open_sealed(std::vector{key(1)}, received.inbox.reply, inner);
+  header = sensor::open_sealed(std::vector{key(1)}, received.inbox.reply, inner);
   ASSERT_TRUE(header);
-  EXPECT_EQ(header->counter, SealHeader::kFromHost + 1);  // No counter comes twice.
+  EXPECT_EQ(header->counter, sensor::SealHeader::kFromHost + 1);  // No counter comes twice.
 
   // What was logged replays without keys.
   NodeProtocol replay = protocol();
   EXPECT_EQ(receive(replay, plain).inbox.announcements.size(), 1U);
 }
 
-void expect_refused(NodeProtocol& host, std::span<const std::byte> bytes) {
+void expect_refused(sensor::Protocol& host, std::span<const std::byte> bytes) {
   const auto received = receive(host, bytes);
   EXPECT_EQ(received.verdict, Verdict::refused);
   EXPECT_TRUE(says_nothing(received.inbox));
 }
 
 TEST(SealedNodes, RefuseWhatIsNotSealed) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   expect_refused(host, samples_packet());
   expect_refused(host, encoded(Hello{.sites = {""}}));
 }
@@ -243,15 +256,15 @@ TEST(SealedNodes, AreRefusedByAHostWithoutKeys) {
 }
 
 TEST(SealedNodes, RefuseAnUnknownAndAWrongKey) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   expect_refused(host, Node{.with = key(2)}.seal(samples_packet()));
-  SealKey wrong = key(1);
+  sensor::SealKey wrong = key(1);
   wrong.secret[31] ^= std::byte{1};
   expect_refused(host, Node{.with = wrong}.seal(samples_packet()));
 }
 
 TEST(SealedNodes, RefuseEveryChangedByte) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   const auto whole = Node().seal(encoded(Pulse{.device = kDevice}));
   for (std::size_t i = 8; i + 4 < whole.size(); ++i) {
     auto changed = whole;
@@ -264,7 +277,7 @@ TEST(SealedNodes, RefuseEveryChangedByte) {
 }
 
 TEST(SealedNodes, RefuseEveryLengthButItsOwn) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   const auto whole = Node().seal(encoded(Pulse{.device = kDevice}));
   for (std::size_t size = 8; size < whole.size(); ++size) {
     std::vector<std::byte> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
@@ -274,7 +287,7 @@ TEST(SealedNodes, RefuseEveryLengthButItsOwn) {
 }
 
 TEST(SealedNodes, RefuseRepeatedAndOldCounters) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   const auto at = [&](std::uint64_t counter) {
     return receive(host, Node{.counter = counter}.seal(encoded(Pulse{.device = kDevice}))).verdict;
   };
@@ -286,25 +299,25 @@ TEST(SealedNodes, RefuseRepeatedAndOldCounters) {
   EXPECT_EQ(at(36), Verdict::refused);
   EXPECT_EQ(at(std::uint64_t{1} << 32U), Verdict::taken);  // The node was switched off and on.
   EXPECT_EQ(at(101), Verdict::refused);
-  EXPECT_EQ(at(SealHeader::kFromHost | 7), Verdict::refused);  // Our own words, sent back to us.
+  EXPECT_EQ(at(sensor::SealHeader::kFromHost | 7), Verdict::refused);  // Our own words, sent back to us.
   // Each device counts for itself.
   EXPECT_EQ(receive(host, Node{.counter = 1, .device = 8}.seal(encoded(Pulse{.device = 8}))).verdict,
             Verdict::taken);
 }
 
 TEST(SealedNodes, RefuseAnotherSessionsPackets) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   expect_refused(host, Node{.session = 77}.seal(samples_packet()));
   expect_refused(host, Node{.session = 0}.seal(samples_packet()));
 }
 
 TEST(SealedNodes, RefuseAnotherDevicesPacketInside) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   expect_refused(host, Node{.device = 8}.seal(samples_packet()));
 }
 
 TEST(SealedNodes, TakeNothingFromABrokenPacketInside) {
-  NodeProtocol host = protocol({key(1)});
+  sensor::SealedProtocol host = sealed({key(1)});
   auto broken = samples_packet();
   broken.back() ^= std::byte{1};
   const auto received = receive(host, Node().seal(broken));

@@ -6,6 +6,7 @@ import { healthOf } from "../health";
 import type { Link, Rival, UnboundDevice } from "../protocol";
 import type { Session } from "../session";
 import type { ViewState } from "../view_state";
+import { NetworkSection } from "./network";
 
 export class SensorsPanel {
   readonly element = h("div", { class: "panel sensors-panel" });
@@ -13,6 +14,7 @@ export class SensorsPanel {
   private readonly body = h("tbody");
   private readonly table = h("table", { class: "links" });
   private readonly detail: Detail;
+  private readonly network: NetworkSection;
   private readonly unboundSection = h("section", { class: "unbound" });
   private readonly rows: KeyedList<Link, SensorRow>;
   private readonly unbound: KeyedList<UnboundDevice, UnboundRow>;
@@ -23,6 +25,7 @@ export class SensorsPanel {
     actions: Actions,
   ) {
     this.detail = new Detail(session, view, actions);
+    this.network = new NetworkSection(actions);
     const head = h(
       "thead",
       {},
@@ -45,6 +48,7 @@ export class SensorsPanel {
       this.detail.element,
       h("div", { class: "table-scroll" }, this.table),
       this.unboundSection,
+      this.network.element,
     );
     this.rows = new KeyedList(this.body, (link) => link.sensor, (link) => new SensorRow(link.sensor, view));
     this.unbound = new KeyedList(list, (one) => one.device, (one) => new UnboundRow(one, session, actions));
@@ -78,6 +82,7 @@ export class SensorsPanel {
     }
     setHidden(this.unboundSection, status.unbound.length === 0);
     this.unbound.update(status.unbound);
+    this.network.update(status.network);
     this.detail.update();
   }
 }

@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 
 const { readMessage, readTakes, OWN_ORDER } = await load("protocol.ts");
+const { readPairing } = await load("network_protocol.ts");
 const { SHAPES, SHAPE_COUNT } = await load("shapes.ts");
 
 const read = (message, order = OWN_ORDER) => readMessage(typeof message === "string" ? message : JSON.stringify(message), order);
@@ -76,6 +77,7 @@ test("every message survives every field being of a wrong kind", () => {
       calibration: { state: "running", target: { jawOpen: 1 }, versions: [{ id: 1, scores: [{ name: "s" }] }] }, sinks: [{ id: 1 }],
       prompts: { state: "running", name: "a", target: { jawOpen: 1 }, next: { name: "b", target: { jawOpen: 1 } }, number: 1, of: 2 },
       recording: { on: true }, shaping: { gains: { jawOpen: 1.5 }, limits: { jawOpen: [0, 0.5] } }, replay: { take: "t" }, tap: { sensor: "a" },
+      network: { open: ["udp://0.0.0.0:5005"], interfaces: [{ name: "lo", address: "127.0.0.1", loopback: true }], only: "lo", elsewhere: 1, sealed: true, refused: 2 },
     },
     { type: "reply", id: 1, ok: true, result: {} },
     { type: "event", kind: "k", text: "t" },
@@ -186,4 +188,15 @@ test("takes that the session sends unasked are read as its answer is", () => {
   const message = read({ type: "takes", takes: [{ name: "one.mien", seconds: 2.5, megabytes: 1, recorded: "2026-01-02T03:04:05Z" }, { seconds: 1 }] });
   assert.equal(message.type, "takes");
   assert.deepEqual(message.takes, [{ name: "one.mien", seconds: 2.5, error: "", megabytes: 1, recorded: "2026-01-02T03:04:05Z" }]);
+});
+
+test("who can send is read, and a session that does not say has none", () => {
+  const network = read({
+    type: "status", network: { open: ["udp://0.0.0.0:5005", 7], interfaces: [{ name: "lo", address: "127.0.0.1", loopback: true }, {}], only: "lo", elsewhere: -3, sealed: 1 },
+  }).network;
+  assert.deepEqual(network, { open: ["udp://0.0.0.0:5005"], interfaces: [{ name: "lo", address: "127.0.0.1", loopback: true }], only: "lo", elsewhere: 0, sealed: false, refused: 0 });
+  assert.equal(read({ type: "status" }).network, null);
+  assert.equal(readPairing(null), null);
+  assert.equal(readPairing({ firmware: 7 }), null);
+  assert.deepEqual(readPairing({ file: "f", firmware: "line", command: "c", in_force: true }), { file: "f", firmware: "line", command: "c", inForce: true });
 });

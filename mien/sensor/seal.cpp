@@ -1,17 +1,14 @@
-#include "mien/imu/packets/seal.h"
+#include "mien/sensor/seal.h"
 
 #include <fmt/format.h>
 #include <sodium.h>
 
 #include <algorithm>
 
-#include "mien/imu/packets/node_message.h"
 #include "mien/sensor/packet_envelope.h"
 
-namespace mien::imu {
+namespace mien::sensor {
 namespace {
-
-using sensor::kChecksumBytes;
 
 constexpr std::size_t kSealHeaderBytes = 32;
 constexpr std::size_t kNonceAt = 8;  // Device, counter and session are the nonce.
@@ -34,7 +31,7 @@ Result<void> seal_packet(const SealKey& key, const SealHeader& header, std::span
   if (inner.empty() || inner.size() > kMaxSealedInner || is_sealed(inner))
     return fail(ErrorCode::bad_usage, "this cannot be sealed", kSealedPacket);
   const std::size_t begin = out.bytes().size();
-  sensor::write_packet_begin(static_cast<std::uint8_t>(NodePacketType::sealed), out);
+  write_packet_begin(kSealedPacketType, out);
   out.little(header.key_id);
   out.little(std::uint8_t{0});
   out.little(header.device);
@@ -47,12 +44,12 @@ Result<void> seal_packet(const SealKey& key, const SealHeader& header, std::span
                                              raw(inner), inner.size(), raw(open), open.size(), nullptr,
                                              raw(open.subspan(kNonceAt)), raw(key.secret));
   out.append(std::span(cipher).first(static_cast<std::size_t>(size)));
-  sensor::write_checksum(begin, out);
+  write_checksum(begin, out);
   return {};
 }
 
 bool is_sealed(std::span<const std::byte> bytes) {
-  return sensor::is_our_packet(bytes, static_cast<std::uint8_t>(NodePacketType::sealed));
+  return is_our_packet(bytes, kSealedPacketType);
 }
 
 Result<SealHeader> open_sealed(std::span<const SealKey> keys, std::span<const std::byte> bytes,
@@ -61,12 +58,12 @@ Result<SealHeader> open_sealed(std::span<const SealKey> keys, std::span<const st
   if (bytes.size() <= kSealHeaderBytes + kTagBytes + kChecksumBytes)
     return fail(ErrorCode::truncated, fmt::format("{} bytes are too few", bytes.size()), kSealedPacket);
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kSealedPacket));
-  if (type != static_cast<std::uint8_t>(NodePacketType::sealed))
+  MIEN_TRY_ASSIGN(const std::uint8_t type, read_packet_begin(reader, kSealedPacket));
+  if (type != kSealedPacketType)
     return fail(ErrorCode::unsupported, "a packet that is not sealed", kSealedPacket);
   const std::size_t size = bytes.size() - kSealHeaderBytes - kTagBytes - kChecksumBytes;
   if (size > kMaxSealedInner) return fail(ErrorCode::malformed, "too long", kSealedPacket);
-  MIEN_TRY(sensor::check_checksum(bytes, kSealedPacket));
+  MIEN_TRY(check_checksum(bytes, kSealedPacket));
   SealHeader header;
   header.key_id = reader.little<std::uint8_t>();
   if (reader.little<std::uint8_t>() != 0)
@@ -112,4 +109,4 @@ bool ReplayWindow::accept(std::uint64_t counter) {
   return true;
 }
 
-}  // namespace mien::imu
+}  // namespace mien::sensor

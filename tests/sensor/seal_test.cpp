@@ -1,13 +1,12 @@
-#include "mien/imu/packets/seal.h"
+#include "mien/sensor/seal.h"
 
 #include <gtest/gtest.h>
 
 #include <initializer_list>
 
-#include "mien/imu/packets/node_message.h"
 #include "tests/hex.h"
 
-namespace mien::imu::seal_test {
+namespace mien::sensor::seal_test {
 namespace {
 
 SealKey key() {
@@ -19,12 +18,9 @@ SealKey key() {
 constexpr SealHeader kHeader{
     .key_id = 3, .device = 0x024D49454E07, .counter = (2ULL << 32U) + 258, .session = 0x1122334455667788};
 
+/// The document's pulse.
 std::vector<std::byte> pulse() {
-  ByteWriter writer;
-  EXPECT_TRUE(encode_node_message(
-      Pulse{.device = 0x024D49454E07, .index = 258, .edge = DeviceTime(std::chrono::microseconds(1'234'567))},
-      writer));
-  return writer.release();
+  return bytes_of("4d49454e01060000074e45494d02000087d612000000000002010000666d0fde");
 }
 
 // The test vector of docs/reference/protocol.md.
@@ -116,4 +112,4 @@ TEST(ReplayWindow, BeginsAnywhere) {
 }
 
 }  // namespace
-}  // namespace mien::imu::seal_test
+}  // namespace mien::sensor::seal_test

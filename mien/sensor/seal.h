@@ -9,13 +9,18 @@
 #include "mien/core/bytes.h"
 #include "mien/core/error.h"
 
-namespace mien::imu {
+namespace mien::sensor {
 
 /// A key shared by a node and its host, provisioned out of band. Its holder can impersonate both.
 struct SealKey {
   std::uint8_t id = 0;  ///< Number of the key, sent in the packet.
   std::array<std::byte, 32> secret{};
 };
+
+/// Packet types of our own that sealing knows: the sealed packet itself, and the one which may be sealed
+/// before its device knows the session's token.
+inline constexpr std::uint8_t kSealedPacketType = 7;
+inline constexpr std::uint8_t kHelloPacketType = 2;
 
 /// Plain header of a sealed packet. The triple (device, counter, session) is the cipher's nonce and must
 /// never repeat under one key.
@@ -34,7 +39,7 @@ struct SealHeader {
 
 inline constexpr std::size_t kMaxSealedInner = 1024;  ///< Most bytes of the inner packet.
 
-/// Appends `inner`, a complete node packet, to `out`, encrypted and authenticated (XChaCha20-Poly1305,
+/// Appends `inner`, a complete packet of ours, to `out`, encrypted and authenticated (XChaCha20-Poly1305,
 /// libsodium). Layout: docs/reference/protocol.md. Errors: bad_usage (another key's id, an inner packet that
 /// is empty, too long or sealed). Thread-safe.
 [[nodiscard]] Result<void> seal_packet(const SealKey& key, const SealHeader& header,
@@ -63,4 +68,4 @@ class ReplayWindow {
   std::uint64_t seen_ = 0;  // Bit i: newest_ - i was accepted. 0: none yet.
 };
 
-}  // namespace mien::imu
+}  // namespace mien::sensor

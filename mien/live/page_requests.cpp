@@ -1,0 +1,43 @@
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include "mien/live/page_requests.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/ip/address.hpp>
+#include <chrono>
+#include <ctime>
+
+#include "mien/sink/address.h"
+
+namespace mien::live {
+
+Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
+  if (name.empty()) {
+    const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+    return folder / fmt::format("take_{:%Y-%m-%d_%H-%M-%S}.mien", fmt::localtime(now));
+  }
+  const bool odd = name.size() > 100 || name.front() == '.' || std::ranges::any_of(name, [](char c) {
+                     return c == '/' || c == '\\' || (c >= 0 && c < ' ');
+                   });
+  if (odd)
+    return fail(ErrorCode::bad_usage, "not a name for a take", name.substr(0, 40),
+                "letters, digits, - and _");
+  return folder / (name.ends_with(".mien") ? name : name + ".mien");
+}
+
+Result<void> check_page_sink(const std::string& text) {
+  MIEN_TRY_ASSIGN(const sink::Address address, sink::parse_address(text));
+  if (address.scheme == "csv" || address.option("avatar") != nullptr)
+    return fail(ErrorCode::bad_usage, "the page opens no files", text, "start mien live with --out for it");
+  boost::system::error_code code;
+  static_cast<void>(boost::asio::ip::make_address(address.host, code));
+  if (code && address.host != "localhost")
+    return fail(ErrorCode::bad_usage, "the page sends to IP addresses and localhost only", text,
+                "start mien live with --out for a host's name");
+  return {};
+}
+
+}  // namespace mien::live

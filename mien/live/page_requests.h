@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "mien/core/error.h"
+
+// What the page asks for, made safe: it may name takes and receivers, and nothing else of this machine.
+namespace mien::live {
+
+/// The take that a person means in `folder`: a name, never a path; empty: one by the time of day. Errors:
+/// bad_usage.
+[[nodiscard]] Result<std::filesystem::path> take_path(const std::filesystem::path& folder,
+                                                      const std::string& name);
+
+/// Whether a page may ask for this sink: neither a path, which is not its business, nor a host's name, since
+/// looking it up takes seconds. Errors: bad_usage, sink::parse_address()'s.
+[[nodiscard]] Result<void> check_page_sink(const std::string& text);
+
+}  // namespace mien::live

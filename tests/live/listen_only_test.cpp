@@ -1,0 +1,120 @@
+// Ports on every interface, narrowed to one entrance and widened again, on this machine's loopback.
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include <gmock/gmock.h>
+
+#include "mien/live/intake.h"
+#include "tests/live/page_client.h"
+
+namespace mien::live::listen_only_test {
+namespace {
+
+using boost::asio::ip::udp;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class ListenOnly : public ::testing::Test {
+ protected:
+  std::uint16_t listen(const std::string& address) {
+    const auto listening = intake.listen(address);
+    EXPECT_TRUE(listening) << listening.error().message();
+    return listening ? test::port_of(*listening) : 0;
+  }
+  void send(const char* to, std::uint16_t port, const std::string& text) {
+    const auto address = boost::asio::ip::make_address(to);
+    udp::socket from(network, address.is_v6() ? udp::v6() : udp::v4());
+    const std::uint64_t before = intake.counts().received;
+    from.send_to(boost::asio::buffer(text), {address, port});
+    EXPECT_TRUE(test::run_until(network, [&] { return intake.counts().received > before; }));
+  }
+  std::vector<std::string> take() {
+    std::vector<std::string> texts;
+    while (const auto arrived = intake.front()) {
+      texts.emplace_back(reinterpret_cast<const char*>(arrived->bytes.data()), arrived->bytes.size());
+      intake.release();
+    }
+    return texts;
+  }
+
+  boost::asio::io_context network;
+  Intake intake{network, [] { return HostTime(); }};
+};
+
+TEST_F(ListenOnly, AnAddressLeavesTheOthersOutUntilItIsWidened) {
+  const std::uint16_t port = listen("udp://0.0.0.0:0");
+  send("127.0.0.1", port, "a");
+  send("127.0.0.2", port, "b");
+  EXPECT_THAT(take(), ElementsAre("a", "b"));
+
+  ASSERT_TRUE(intake.listen_only("127.0.0.2"));
+  EXPECT_EQ(intake.entrance(), "127.0.0.2");
+  send("127.0.0.1", port, "c");
+  send("127.0.0.2", port, "d");
+  EXPECT_THAT(take(), ElementsAre("d"));
+  EXPECT_EQ(intake.counts().elsewhere, 1U);
+
+  ASSERT_TRUE(intake.listen_only("127.0.0.1"));
+  send("127.0.0.1", port, "e");
+  send("127.0.0.2", port, "f");
+  EXPECT_THAT(take(), ElementsAre("e"));
+
+  ASSERT_TRUE(intake.listen_only(""));
+  EXPECT_EQ(intake.entrance(), "");
+  send("127.0.0.1", port, "g");
+  send("127.0.0.2", port, "h");
+  EXPECT_THAT(take(), ElementsAre("g", "h"));
+  EXPECT_EQ(intake.counts().elsewhere, 2U);
+}
+
+TEST_F(ListenOnly, AnInterfaceHasAllItsAddresses) {
+  const std::uint16_t port = listen("udp://0.0.0.0:0");
+  ASSERT_TRUE(intake.listen_only("lo"));
+  intake.look_up_entrance();
+  send("127.0.0.1", port, "a");
+  send("127.0.0.2", port, "b");
+  EXPECT_THAT(take(), ElementsAre("a", "b"));
+  EXPECT_EQ(intake.counts().elsewhere, 0U);
+}
+
+TEST_F(ListenOnly, APortOfBothFamiliesTellsThemApart) {
+  udp::socket probe(network, udp::v6());
+  boost::system::error_code none;
+  probe.bind({boost::asio::ip::address_v6::loopback(), 0}, none);
+  if (none) GTEST_SKIP() << "this machine has no IPv6";
+  const std::uint16_t port = listen("udp://[::]:0");
+  ASSERT_TRUE(intake.listen_only("::1"));
+  send("127.0.0.1", port, "a");
+  send("::1", port, "b");
+  EXPECT_THAT(take(), ElementsAre("b"));
+  ASSERT_TRUE(intake.listen_only("127.0.0.2"));
+  send("127.0.0.1", port, "c");
+  send("::1", port, "d");
+  send("127.0.0.2", port, "e");
+  EXPECT_THAT(take(), ElementsAre("e"));
+  EXPECT_EQ(intake.counts().elsewhere, 3U);
+}
+
+TEST_F(ListenOnly, PortsOfOneAddressStayAsTheyAre) {
+  listen("udp://0.0.0.0:0");
+  const std::uint16_t own = listen("udp://127.0.0.1:0");
+  ASSERT_TRUE(intake.listen_only("127.0.0.2"));
+  send("127.0.0.1", own, "a");
+  EXPECT_THAT(take(), ElementsAre("a"));
+}
+
+TEST_F(ListenOnly, WhatIsNotHereIsRefusedAndChangesNothing) {
+  EXPECT_THAT(intake.listen_only("lo").error().message(), HasSubstr("no port listens on every interface"));
+  listen("udp://0.0.0.0:0");
+  ASSERT_TRUE(intake.listen_only("127.0.0.2"));
+  for (const char* wrong : {"no_such_interface", "192.0.2.1", "0.0.0.0", "224.0.0.1", "127.0.0.1:5005"}) {
+    const auto refused = intake.listen_only(wrong);
+    ASSERT_FALSE(refused) << wrong;
+    EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
+    EXPECT_THAT(refused.error().message(), HasSubstr(wrong));
+  }
+  EXPECT_FALSE(intake.listen_only("::1")) << "no port is of that family";
+  EXPECT_EQ(intake.entrance(), "127.0.0.2");
+}
+
+}  // namespace
+}  // namespace mien::live::listen_only_test
