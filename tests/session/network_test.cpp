@@ -47,7 +47,7 @@ std::vector<Case> cases() {
       {"bursts", with([](auto& s) { s.burst_share = 0.05, s.burst_length = 10; }), {}, 0.6, 1.0, false});
   all.push_back({"lag", with([](auto& s) { s.lag_ms = 100; }), {}});
   all.push_back({"jitter 20", with(jitter(20)), {}, 0.2, 0.02});
-  all.push_back({"jitter 100", with(jitter(100)), {}, 0.5, 0.1});
+  all.push_back({"jitter 100", with(jitter(100)), {}, 0.5, 0.1, false});
   all.push_back({"doubled", with([](auto& s) { s.duplicated = 0.3, s.jitter_ms = 10; }), {}, 0.25, 0.2});
   all.push_back({"corrupted", with([](auto& s) { s.corrupted = 0.1, s.truncated = 0.1; }), {}, 0.25, 0.15});
   virt::DeviceTroubles drift;
