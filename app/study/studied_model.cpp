@@ -7,8 +7,11 @@
 
 #include "app/command.h"
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/core/files.h"
+#include "mien/eyewear/light_grid.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/eyewear/watched_wearer.h"
 #include "mien/study/imu/watched_person.h"
 
 namespace mien::app {
@@ -18,9 +21,9 @@ std::string virtual_people_are(int people) {
   return fmt::format("{} virtual people", people);
 }
 
-class ImuModel final : public StudiedModel {
+class StudiedImuModel final : public StudiedModel {
  public:
-  ImuModel(model::ModelFile model, sensor::Rig rig) : model_(std::move(model)), rig_(std::move(rig)) {}
+  StudiedImuModel(model::ModelFile model, sensor::Rig rig) : model_(std::move(model)), rig_(std::move(rig)) {}
   [[nodiscard]] const std::optional<model::ConfidenceTable>& table() const override {
     return model_.confidence;
   }
@@ -53,13 +56,68 @@ class ImuModel final : public StudiedModel {
   sensor::Rig rig_;
 };
 
+class StudiedEyewearModel final : public StudiedModel {
+ public:
+  StudiedEyewearModel(eyewear::MarkerNetworkFile model, eyewear::MarkedFace marked, sensor::Rig rig)
+      : model_(std::move(model)), marked_(std::move(marked)), rig_(std::move(rig)) {}
+  [[nodiscard]] const std::optional<model::ConfidenceTable>& table() const override {
+    return model_.confidence;
+  }
+  void use(model::ConfidenceTable table) override { model_.confidence = std::move(table); }
+  [[nodiscard]] Result<void> write(const std::string& path) const override {
+    return eyewear::write_marker_network(path, model_);
+  }
+  [[nodiscard]] std::string rig_name() const override { return rig_.name; }
+  [[nodiscard]] Result<study::WatchedGroup> virtual_people(int people, double seconds, std::uint64_t seed,
+                                                           const std::string& title) const override {
+    MIEN_TRY_ASSIGN(std::vector<study::LightPerson> all,
+                    study::watch_wearers(people, seconds, seed, rig_, terminal_progress(title), 0));
+    return group(virtual_people_are(people), std::move(all));
+  }
+  [[nodiscard]] Result<study::WatchedGroup> recorded(std::string who, const face::Motion& motion,
+                                                     const Random& random) const override {
+    MIEN_TRY_ASSIGN(study::LightPerson person,
+                    study::watch_wearer(motion, builtin_face::make_builtin(), rig_, random));
+    std::vector<study::LightPerson> one;
+    one.push_back(std::move(person));
+    return group(std::move(who), std::move(one));
+  }
+
+ private:
+  [[nodiscard]] Result<study::WatchedGroup> group(std::string who,
+                                                  std::vector<study::LightPerson> people) const {
+    return study::watched_by(model_, marked_, eyewear::photo_sensor_names(rig_), std::move(who),
+                             std::move(people));
+  }
+
+  eyewear::MarkerNetworkFile model_;
+  eyewear::MarkedFace marked_;
+  sensor::Rig rig_;
+};
+
+Result<std::unique_ptr<StudiedModel>> eyewear_model(eyewear::MarkerNetworkFile file, const std::string& rig) {
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig_file, path_or(rig, "rigs/eyewear.toml"));
+  MIEN_TRY_ASSIGN(sensor::Rig read, sensor::read_rig(rig_file));
+  MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
+  MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(markers));
+  MIEN_TRY_ASSIGN(eyewear::MarkedFace marked, eyewear::MarkedFace::create(set));
+  return std::make_unique<StudiedEyewearModel>(std::move(file), std::move(marked), std::move(read));
+}
+
 }  // namespace
 
 Result<std::unique_ptr<StudiedModel>> read_studied_model(const std::string& model, const std::string& rig) {
-  MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(model));
+  auto file = model::read_model(model);
+  // Each format refuses the other's by its name; what is wrong with one of its own files is its to say.
+  if (!file && file.error().code == ErrorCode::unsupported) {
+    auto markers = eyewear::read_marker_network(model);
+    if (markers) return eyewear_model(*std::move(markers), rig);
+    return std::unexpected(markers.error().code == ErrorCode::unsupported ? file.error() : markers.error());
+  }
+  if (!file) return std::unexpected(file.error());
   MIEN_TRY_ASSIGN(const std::filesystem::path rig_file, path_or(rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(sensor::Rig read, sensor::read_rig(rig_file));
-  return std::make_unique<ImuModel>(std::move(file), std::move(read));
+  return std::make_unique<StudiedImuModel>(*std::move(file), std::move(read));
 }
 
 }  // namespace mien::app

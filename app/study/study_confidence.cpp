@@ -138,9 +138,11 @@ void add_study_confidence(Commands& commands, Command study) {
   const Command command = commands.add_under(
       study, "confidence", "How true a model's provenance and confidence are, on people it never saw",
       "mien study confidence --out confidence.html", [options] { return run_study_confidence(*options); });
-  command.add_option("--model", options->model,
-                     "Model of facial IMUs, live or not (default: models/live.safetensors)");
-  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  command.add_option(
+      "--model", options->model,
+      "Model of facial IMUs, live or not, or of smart eyewear (default: models/live.safetensors)");
+  command.add_option("--rig", options->rig,
+                     "Rig file (default: rigs/default.toml, of a model of smart eyewear rigs/eyewear.toml)");
   command.add_option("--performers", options->performers, "Virtual people").in_range(1, 10000).show_default();
   command.add_option("--seconds", options->seconds, "Length of each one's performance")
       .number_between(1.0, 3600.0)

@@ -1,21 +1,12 @@
 #include "mien/eyewear/eyewear_tracker.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
-
-#include "mien/builtin_face/builtin_face.h"
-#include "mien/tracker/provenance.h"
 
 namespace mien::eyewear {
 namespace {
 
 using tracker::Step;
-
-/// face::WeightSolverSettings::rest for estimated markers, which are millimetres off: of 0.5 to 1000 the
-/// least squared error of the weights (docs/experiments/eyewear.md).
-constexpr double kRest = 100;
 
 /// Duration of the neutral hold for glasses not worn before, and for remounted ones. Ten seconds instead of
 /// three took 31 % off the weights' squared error and 15 % off the vertices' (docs/experiments/eyewear.md).
@@ -32,32 +23,15 @@ Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig
                                                                std::unique_ptr<MarkerRegressor> regressor) {
   if (photo_sensors(rig).empty())
     return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", rig.name);
-  if (regressor->marker_count() != markers.markers.size())
-    return fail(ErrorCode::mismatch,
-                fmt::format("the model has {} markers, and {} has {}", regressor->marker_count(),
-                            markers.name, markers.markers.size()),
-                rig.name, "use the markers that the model was made with");
-  MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
-                  builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), markers));
-  const Eigen::VectorXd neutral_m = placed.at({});
-  MIEN_TRY_ASSIGN(
-      face::WeightSolver solver,
-      face::WeightSolver::create(neutral_m, placed.shapes_m(), face::natural_rules(), {.rest = kRest}));
-  return std::unique_ptr<EyewearTracker>(
-      new EyewearTracker(rig, std::move(regressor), neutral_m, std::move(solver)));
+  MIEN_TRY_ASSIGN(MarkedFace face, MarkedFace::create(markers));
+  MIEN_TRY_ASSIGN(LightModel model, LightModel::create(std::move(face), std::move(regressor)));
+  return std::unique_ptr<EyewearTracker>(new EyewearTracker(rig, std::move(model)));
 }
 
-EyewearTracker::EyewearTracker(const sensor::Rig& rig, std::unique_ptr<MarkerRegressor> regressor,
-                               Eigen::VectorXd neutral_m, face::WeightSolver solver)
-    : sensors_(photo_sensors(rig)),
-      grid_(rig),
-      calibrator_(rig),
-      regressor_(std::move(regressor)),
-      neutral_m_(std::move(neutral_m)),
-      solver_(std::move(solver)) {
+EyewearTracker::EyewearTracker(const sensor::Rig& rig, LightModel model)
+    : sensors_(photo_sensors(rig)), grid_(rig), calibrator_(rig), model_(std::move(model)) {
   features_.values.resize(sensors_.size());
   features_.present.resize(sensors_.size());
-  markers_m_ = neutral_m_;
 }
 
 void EyewearTracker::add(HostTime, const sensor::Sample& sample) {
@@ -96,17 +70,12 @@ tracker::TickResult EyewearTracker::tick(DeviceTime frame, const sensor::TimeLin
     result.sensors_present = sensors_.size();  // Not a loss: there was no calibration yet.
     return result;
   }
-  if (std::exchange(renewed_, false)) regressor_->reset();
-  const std::size_t there = normalise();
-  regressor_->step(features_, markers_m_);
-  markers_m_ += neutral_m_;
+  if (std::exchange(renewed_, false)) model_.reset();
+  result.sensors_present = normalise();
   const double since_s = last_frame_ ? to_seconds(frame - *last_frame_) : 1 / kFrameRateHz;
   last_frame_ = frame;
-  solver_.solve(markers_m_, {}, since_s > 0 ? std::min(since_s, kLongestStepS) : 1 / kFrameRateHz,
-                out.weights);
-  tracker::set_provenance(there > 0, tracker::Gaze::unseen, out);  // They look at lids and skin.
-  out.confidence.fill(static_cast<float>(there) / static_cast<float>(sensors_.size()));
-  result.sensors_present = there;
+  model_.step(features_, since_s > 0 ? std::min(since_s, kLongestStepS) : 1 / kFrameRateHz, out);
+  result.explained = model_.explained();
   return result;
 }
 

@@ -6,16 +6,14 @@
 #include "mien/builtin_face/markers.h"
 #include "mien/eyewear/calibrator.h"
 #include "mien/eyewear/light_grid.h"
-#include "mien/eyewear/marker_regressor.h"
-#include "mien/face/weight_solver.h"
+#include "mien/eyewear/light_model.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::eyewear {
 
 /// Tracker of the modality "eyewear": light on the 60 Hz grid (LightGrid), normalised by the wearer's
-/// calibration (Calibrator), markers by a regressor, weights by face::WeightSolver on the built-in face. Head
-/// and eye directions are not observable: neutral, with that provenance. Method and cost:
-/// docs/method/eyewear.md.
+/// calibration (Calibrator), weights by a LightModel. Head and eye directions are not observable: neutral,
+/// with that provenance. Method and cost: docs/method/eyewear.md.
 class EyewearTracker final : public tracker::Tracker {
  public:
   /// `regressor`: from the rig's photo-reflective sensors, in the rig's order, to the markers of the set.
@@ -28,7 +26,8 @@ class EyewearTracker final : public tracker::Tracker {
   [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;
   void forget(std::uint16_t sensor) override;
-  /// Confidence of every shape: the share of sensors present and calibrated.
+  /// Provenance and confidence of the shapes by the regressor's table, at the share of its sensors that are
+  /// present and calibrated.
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
   /// Ten seconds of neutral, five with a calibration in force, since folds and sway last about a second; no
   /// gestures.
@@ -43,21 +42,17 @@ class EyewearTracker final : public tracker::Tracker {
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
-  EyewearTracker(const sensor::Rig& rig, std::unique_ptr<MarkerRegressor> regressor,
-                 Eigen::VectorXd neutral_m, face::WeightSolver solver);
+  EyewearTracker(const sensor::Rig& rig, LightModel model);
   /// Features of light_ by the calibration in force; returns the number of sensors present.
   std::size_t normalise();
 
   std::vector<std::uint16_t> sensors_;  // Numbers in the rig.
   LightGrid grid_;
   Calibrator calibrator_;
-  std::unique_ptr<MarkerRegressor> regressor_;
-  Eigen::VectorXd neutral_m_;
-  face::WeightSolver solver_;
+  LightModel model_;
 
   GridLight light_;
   LightFrame features_;
-  Eigen::VectorXd markers_m_;
   bool renewed_ = false;  // The calibration has changed since the regressor's last frame: it is reset first.
   std::optional<DeviceTime> last_frame_;
 };

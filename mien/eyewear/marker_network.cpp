@@ -10,6 +10,8 @@
 
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
+#include "mien/face/profile.h"
+#include "mien/model/confidence_file.h"
 #include "mien/model/network_parts.h"
 #include "mien/sensor/sensor_places.h"
 
@@ -43,6 +45,7 @@ Result<void> check_network_file(const MarkerNetworkFile& file, const std::string
                 where);
   if (const auto ok = model::check_tensors(file.architecture, file.network); !ok)
     return differ(ok.error().what);
+  if (file.confidence) MIEN_TRY(model::check(*file.confidence, face::kShapeCount, where));
   return {};
 }
 
@@ -74,6 +77,7 @@ Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
   file.rig = metadata["rig"];
   file.recipe = metadata["recipe"];
   file.results = metadata["results"];
+  MIEN_TRY_ASSIGN(file.confidence, model::take_confidence(from, where));
   MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
   if (!from.tensors.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
@@ -101,6 +105,7 @@ Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& fi
       {"results", file.results},
   };
   model::add_network(file.network, to);
+  if (file.confidence) model::add_confidence(*file.confidence, face::kShapeCount, to);
   return model::write_safetensors(to);
 }
 
@@ -148,6 +153,8 @@ void NetworkRegressor::step(const LightFrame& light, Eigen::VectorXd& displaceme
     light_.present[s] = there ? 1 : 0;
     light_.values[s] = there ? light.values[static_cast<std::size_t>(place)] : 0.0F;
   }
+  coverage_ = static_cast<float>(std::ranges::count(light_.present, std::uint8_t{1})) /
+              static_cast<float>(light_.present.size());
   encode_light(light_, condition_);
   network_.step(condition_, state_, answer_);
   displacement_m = file_.scale_m * Eigen::Map<const Eigen::VectorXf>(

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,6 +27,9 @@ struct MarkerNetworkFile {
   std::string recipe;                ///< Text of the training recipe (TOML).
   std::string results;               ///< Measurements of the training, JSON; may be empty.
   std::vector<model::Tensor> network;
+  /// What the weights are worth that follow from its markers. None: nobody measured it, so nothing is called
+  /// measured and no confidence is claimed.
+  std::optional<model::ConfidenceTable> confidence;
 };
 
 /// Errors: as parse_safetensors; malformed, out_of_range, mismatch (sizes, names twice); unsupported (another
@@ -54,6 +58,10 @@ class NetworkRegressor final : public MarkerRegressor {
   void step(const LightFrame& light, Eigen::VectorXd& displacement_m) override;
   void reset() override { state_.reset(); }
   [[nodiscard]] std::size_t marker_count() const override { return file_.markers.size(); }
+  [[nodiscard]] const model::ConfidenceTable* confidence() const override {
+    return file_.confidence ? &*file_.confidence : nullptr;
+  }
+  [[nodiscard]] float coverage() const override { return coverage_; }
   [[nodiscard]] const MarkerNetworkFile& file() const { return file_; }
 
  private:
@@ -66,6 +74,7 @@ class NetworkRegressor final : public MarkerRegressor {
   LightFrame light_;                    // In the network's order.
   std::vector<float> condition_;
   std::vector<float> answer_;
+  float coverage_ = 0;
 };
 
 }  // namespace mien::eyewear

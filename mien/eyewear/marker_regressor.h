@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mien/model/confidence.h"
+
 namespace mien::eyewear {
 
 /// Input of a regressor at one frame; one entry a sensor, in the rig's order.
@@ -24,6 +26,11 @@ class MarkerRegressor {
   /// Resets the state.
   virtual void reset() = 0;
   [[nodiscard]] virtual std::size_t marker_count() const = 0;
+
+  /// What weights from its markers are worth; none where nobody measured it.
+  [[nodiscard]] virtual const model::ConfidenceTable* confidence() const { return nullptr; }
+  /// The share of the sensors that it reads which were there in the last step, 0 to 1.
+  [[nodiscard]] virtual float coverage() const = 0;
 };
 
 }  // namespace mien::eyewear

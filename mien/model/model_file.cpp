@@ -10,6 +10,7 @@
 
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
+#include "mien/model/confidence_file.h"
 #include "mien/model/network_parts.h"
 
 namespace mien::model {
@@ -21,11 +22,6 @@ constexpr std::string_view kRidgePrefix = "ridge.";
 constexpr const char* kStandardSkin = "skin.standard";
 constexpr const char* kWearerSkin = "skin.wearer";
 constexpr const char* kWeightCovariance = "skin.weight_covariance";
-constexpr const char* kConfidence = "confidence";
-constexpr const char* kCoverageEdges = "confidence.coverage_edges";
-constexpr const char* kValueEdges = "confidence.value_edges";
-constexpr const char* kExplained = "confidence.explained";
-constexpr const char* kWithin = "confidence.within";
 /// Two whole turns per unit weight, rad.
 constexpr float kMostSlope = 12.6F;
 
@@ -137,16 +133,6 @@ void read_metadata(const TensorFile& file, ModelFile& m) {
   m.results = text("results");
 }
 
-/// The table's numbers follow as tensors.
-void read_confidence(const TensorFile& file, ModelFile& m) {
-  const Json confidence = entry(file, kConfidence);
-  if (confidence.is_null()) return;
-  ConfidenceTable& table = m.confidence.emplace();
-  table.measured_from = confidence.at("measured_from").get<float>();
-  table.people = confidence.at("people").get<std::size_t>();
-  table.seed = confidence.at("seed").get<std::uint64_t>();
-}
-
 void read_ridges(const TensorFile& file, ModelFile& m) {
   for (const Json& r : entry(file, "ridge")) {
     RidgeBaseline& ridge = m.ridge.emplace_back();
@@ -182,12 +168,12 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
   try {
     read_metadata(file, m);
     read_ridges(file, m);
-    read_confidence(file, m);
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed,
                 fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
                 where);
   }
+  MIEN_TRY_ASSIGN(m.confidence, take_confidence(file, where));
   MIEN_TRY_ASSIGN(m.network, take_network(m.architecture, file, where));
 
   std::map<std::string, Tensor*> by_name;
@@ -207,12 +193,6 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
     take(kStandardSkin, m.skin->standard);
     take(kWeightCovariance, m.skin->covariance);
     take(kWearerSkin, m.skin->wearer);
-  }
-  if (m.confidence) {
-    take(kCoverageEdges, m.confidence->coverage_edges);
-    take(kValueEdges, m.confidence->value_edges);
-    take(kExplained, m.confidence->explained);
-    take(kWithin, m.confidence->within);
   }
   if (!by_name.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", by_name.begin()->first),
@@ -271,19 +251,7 @@ Result<std::vector<std::byte>> format_model(const ModelFile& m) {
     add(kWeightCovariance, {shapes, shapes}, m.skin->covariance);
     if (!m.skin->wearer.empty()) add(kWearerSkin, {rows, shapes}, m.skin->wearer);
   }
-  if (m.confidence) {
-    const ConfidenceTable& table = *m.confidence;
-    const std::size_t shapes = m.shapes.size();
-    file.metadata[kConfidence] = Json{
-        {"tolerance", 0.1},
-        {"measured_from", table.measured_from},
-        {"people", table.people},
-        {"seed", table.seed}}.dump();
-    add(kCoverageEdges, {table.coverage_edges.size()}, table.coverage_edges);
-    add(kValueEdges, {table.value_edges.size()}, table.value_edges);
-    add(kExplained, {shapes, table.coverage_bins()}, table.explained);
-    add(kWithin, {shapes, table.coverage_bins(), table.value_bins()}, table.within);
-  }
+  if (m.confidence) add_confidence(*m.confidence, m.shapes.size(), file);
   return write_safetensors(file);
 }
 

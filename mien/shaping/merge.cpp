@@ -109,7 +109,8 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
   float most = 0;
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources[s], part);
-    const float score = vote.share + (s == present ? hysteresis : 0);
+    // Who explains nothing has no hold on the part: else whoever came first would keep it for good.
+    const float score = vote.share + (s == present && vote.share > 0 ? hysteresis : 0);
     if (!vote.known || (best != kNobody && score <= most)) continue;
     best = s;
     most = score;

@@ -24,7 +24,7 @@ namespace mien::shaping {
 /// 1. the first tracker in the region's order that has sensors and explains at least `sure` of the part, or
 ///    `unsure` for the present one (hysteresis, MergeSettings);
 /// 2. else the one with sensors that explains the most; another replaces the present one where it leads by
-///    more than the hysteresis, sure - unsure;
+///    more than the hysteresis, sure - unsure, or where that one explains nothing;
 /// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
 ///
 /// What a tracker explains of a shape depends on its sensors and not on the weights, so that nothing changes

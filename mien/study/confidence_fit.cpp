@@ -149,7 +149,7 @@ float ConfidenceFit::measured_from(const std::vector<float>& explained) const {
       all += 1;
       good += pair.r >= kMeasuredCorrelation ? 1 : 0;
     }
-    if (all > 0 && good >= (kMeasuredShare + kSpare) * all) return from;
+    if (all >= kFewest && good >= (kMeasuredShare + kSpare) * all) return from;
   }
   return 1;
 }

@@ -45,13 +45,18 @@ class ConfidenceFit {
   /// The explained share of each shape and bin of coverage, held to that of the next higher bin; the share
   /// within tolerance, drawn towards the shape's own over all coverages and from there towards that of all
   /// shapes by kPrior frames; the least explained share, in steps of a twentieth, from which on
-  /// kMeasuredShare of the correlations reach kMeasuredCorrelation, with two hundredths to spare (1: none).
+  /// kMeasuredShare of at least kFewest correlations reach kMeasuredCorrelation, with two hundredths to spare
+  /// (1: none).
   /// People and seed are left to the caller.
   [[nodiscard]] model::ConfidenceTable table() const;
 
   /// Ten seconds: frames in a row are alike, so fewer tell little. Raising: rare bins become more like common
   /// ones. Lowering: they follow their few frames.
   static constexpr double kPrior = 600;
+  /// Fewer correlations than these show no share of nine in ten: of one shape and two dozen people 92 % were
+  /// good, and of two dozen others 75 % (docs/experiments/confidence.md). Raising: only what many people and
+  /// shapes show is measured. Lowering: a lucky few make it so.
+  static constexpr double kFewest = 50;
 
  private:
   struct Moments {

@@ -1,15 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 #include "mien/face/output_frame.h"
 #include "mien/model/confidence.h"
 
 namespace mien::tracker {
-
-/// Whether any of a tracker's sensors looks at the eyes.
-enum class Gaze : std::uint8_t { unseen, seen };
 
 /// Whether a shape is one of the eight that say where the eyes look: only what looks at the eyes can measure
 /// it.
@@ -24,16 +20,6 @@ enum class Gaze : std::uint8_t { unseen, seen };
   return table.explained_by(shape, coverage_bin) >= table.measured_from && !is_gaze(shape)
              ? face::Provenance::measured
              : face::Provenance::predicted;
-}
-
-/// The provenance of all 53 shapes of a tracker's answer that has no table of its shapes (FrameWriter reads
-/// one): measured while a sensor is there, else predicted; gaze as is_gaze() says.
-inline void set_provenance(bool sensor_is_there, Gaze gaze, face::OutputFrame& out) {
-  using face::Provenance;
-  out.provenance.fill(sensor_is_there ? Provenance::measured : Provenance::predicted);
-  if (gaze == Gaze::seen) return;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    if (is_gaze(k)) out.provenance[k] = Provenance::predicted;
 }
 
 }  // namespace mien::tracker

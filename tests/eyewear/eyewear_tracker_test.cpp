@@ -41,6 +41,7 @@ struct Worn {
   Glasses glasses{kSensors};
   face::OutputFrame frame;
   std::size_t present = 0;
+  std::optional<tracker::Explained> explained;
   float largest_step = 0;
   std::vector<tracker::CalibrationEvent> events;
   sensor::TimeLines lines{kSensors, test::glasses_rig(kSensors).find(test::glasses_rig(kSensors).reference)};
@@ -61,6 +62,7 @@ struct Worn {
       const face::BlendshapeWeights before = frame.weights;
       tracker::TickResult result = tracker->tick(time, lines, frame);
       present = result.sensors_present;
+      explained = result.explained;
       events.insert(events.end(), result.calibration.begin(), result.calibration.end());
       ASSERT_EQ(frame.time, time);
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
@@ -121,24 +123,45 @@ TEST(EyewearTracker, FollowsTheLightAndKnowsNothingOfTheHead) {
   EXPECT_EQ(worn.tracker->heading_sigma_rad(0), std::nullopt);
 }
 
-TEST(EyewearTracker, SensorsThatDieTakeTheirShareOfConfidence) {
+TEST(EyewearTracker, WhatItsSensorsExplainAndHowSureItIsFollowFromItsTable) {
   Worn worn;
   worn.play(2.5, rest);
   worn.play(1, jaw(0.6));
+  ASSERT_TRUE(worn.explained);
+  EXPECT_EQ((*worn.explained)[kJaw], 1);
   constexpr double kSilent = std::numeric_limits<double>::quiet_NaN();
   const auto open = jaw(0.6);
-  worn.play(0.5, [&](std::size_t s, double t) { return s == 2 ? kSilent : open(s, t); });
-  EXPECT_EQ(worn.present, kSensors - 1);
-  EXPECT_FLOAT_EQ(worn.frame.confidence[kJaw], 0.75F);
+  worn.play(0.5, [&](std::size_t s, double t) { return s >= 2 ? kSilent : open(s, t); });
+  EXPECT_EQ(worn.present, kSensors - 2);
+  EXPECT_EQ(worn.frame.confidence[kJaw], 0.5F);
+  EXPECT_EQ((*worn.explained)[kJaw], 0.5F);
   EXPECT_EQ(worn.frame.provenance[kJaw], Provenance::measured);
   EXPECT_NEAR(worn.frame.weights[kJaw], 0.6, 0.05);
   worn.play(0.5, [&](std::size_t, double) { return kSilent; });
   EXPECT_EQ(worn.present, 0u);
   EXPECT_EQ(worn.frame.confidence[kJaw], 0);
+  EXPECT_EQ((*worn.explained)[kJaw], 0);
   EXPECT_EQ(worn.frame.provenance[kJaw], Provenance::predicted);
   worn.play(1, open);
   EXPECT_EQ(worn.present, kSensors);
   EXPECT_NEAR(worn.frame.weights[kJaw], 0.6, 0.05);
+}
+
+TEST(EyewearTracker, MeasuresNothingAndClaimsNothingWithoutATable) {
+  auto made = std::make_unique<test::LinearRegressor>(gain_m());
+  made->table.reset();
+  Worn worn;
+  worn.tracker =
+      EyewearTracker::create(test::glasses_rig(kSensors), test::mouth_markers(), std::move(made)).value();
+  worn.play(2.5, rest);
+  worn.play(1, jaw(0.6));
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0.6, 0.05);
+  EXPECT_EQ(worn.present, kSensors);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    EXPECT_EQ(worn.frame.provenance[k], Provenance::predicted);
+    EXPECT_EQ(worn.frame.confidence[k], 0);
+    EXPECT_EQ((*worn.explained)[k], 0);
+  }
 }
 
 TEST(EyewearTracker, AGuidedRangeOfMotionMakesItsOwnMeasure) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
 #include "tests/project_path.h"
+#include "tests/tracker/tiny_model.h"
 
 // A pair of glasses without skin, wire and markers of a real set: lights that are given by formula.
 namespace mien::eyewear::test {
@@ -108,7 +111,7 @@ inline builtin_face::MarkerSet mouth_markers() {
   return kept;
 }
 
-/// Markers straight from features: a column a sensor.
+/// Markers straight from features: a column a sensor. It claims of every shape what it sees of its sensors.
 class LinearRegressor final : public MarkerRegressor {
  public:
   explicit LinearRegressor(Eigen::MatrixXd gain_m) : gain_m_(std::move(gain_m)) {}
@@ -117,16 +120,24 @@ class LinearRegressor final : public MarkerRegressor {
     for (Eigen::Index i = 0; i < gain_m_.cols(); ++i)
       displacement_m += double{light.values[static_cast<std::size_t>(i)]} * gain_m_.col(i);
     ++steps;
+    coverage_ = static_cast<float>(std::ranges::count(light.present, std::uint8_t{1})) /
+                static_cast<float>(gain_m_.cols());
   }
   void reset() override { ++resets; }
   [[nodiscard]] std::size_t marker_count() const override {
     return static_cast<std::size_t>(gain_m_.rows()) / 3;
   }
+  [[nodiscard]] const model::ConfidenceTable* confidence() const override {
+    return table ? &*table : nullptr;
+  }
+  [[nodiscard]] float coverage() const override { return coverage_; }
+  std::optional<model::ConfidenceTable> table = tracker::test::coverage_as_confidence();
   int steps = 0;
   int resets = 0;
 
  private:
   Eigen::MatrixXd gain_m_;
+  float coverage_ = 0;
 };
 
 }  // namespace mien::eyewear::test

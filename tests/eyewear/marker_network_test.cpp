@@ -7,6 +7,7 @@
 #include "mien/core/files.h"
 #include "tests/eyewear/small_marker_network.h"
 #include "tests/folder.h"
+#include "tests/tracker/tiny_model.h"
 
 namespace mien::eyewear::marker_network_test {
 namespace {
@@ -53,6 +54,20 @@ TEST(MarkerNetwork, RefusesWhatDoesNotHoldTogether) {
   EXPECT_EQ(refusal(file), ErrorCode::mismatch);
 }
 
+TEST(MarkerNetwork, ItsConfidenceTableRoundTripsAndIsChecked) {
+  MarkerNetworkFile file = small_marker_network();
+  EXPECT_FALSE(parse_marker_network(*format_marker_network(file), "test")->confidence);
+  file.confidence = tracker::test::coverage_as_confidence();
+  file.confidence->people = 7;
+  file.confidence->seed = 2001;
+  const auto back = parse_marker_network(*format_marker_network(file), "test");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->confidence, file.confidence);
+  EXPECT_EQ(back->network, file.network);
+  file.confidence->explained.pop_back();
+  EXPECT_EQ(refusal(file), ErrorCode::mismatch);
+}
+
 TEST(MarkerNetwork, RefusesOtherFilesInOneLine) {
   const auto other = model::format_model(model::small_causal_model());
   ASSERT_TRUE(other);
@@ -86,6 +101,21 @@ TEST(NetworkRegressor, FindsSensorsByNameAndRemembers) {
   (*in_order)->reset();
   (*in_order)->step(light({0, 0.1F, 0}, {1, 1, 1}), a);
   EXPECT_EQ(a, first);
+}
+
+TEST(NetworkRegressor, CoversTheShareOfItsOwnSensorsThatIsThere) {
+  MarkerNetworkFile file = small_marker_network();
+  EXPECT_EQ(NetworkRegressor::create(file, {"s0"}).value()->confidence(), nullptr);
+  file.confidence = tracker::test::coverage_as_confidence();
+  // The rig has two of its three sensors, and one that it does not know.
+  const auto regressor = NetworkRegressor::create(file, {"s2", "other", "s1"}).value();
+  ASSERT_NE(regressor->confidence(), nullptr);
+  EXPECT_EQ(*regressor->confidence(), *file.confidence);
+  Eigen::VectorXd moved_m;
+  regressor->step(light({0, 0, 0}, {1, 1, 1}), moved_m);
+  EXPECT_FLOAT_EQ(regressor->coverage(), 2.0F / 3);
+  regressor->step(light({0, 0, 0}, {0, 1, 1}), moved_m);
+  EXPECT_FLOAT_EQ(regressor->coverage(), 1.0F / 3);
 }
 
 TEST(NetworkRegressor, TakesWhatIsMissingOrNotFiniteAsMissing) {

@@ -173,6 +173,24 @@ TEST(Merge, ChangesHandsOnlyForAClearlyLargerShare) {
   EXPECT_EQ(answered(0.49F), kEyewear) << "by more than it";
 }
 
+TEST(Merge, WhoExplainsNothingIsNotKeptBecauseItCameFirst) {
+  Merge both({"imu", "eyewear"});
+  tracker::Explained by_imu{}, by_eyewear{};
+  by_imu[kBrow] = 0.1F;
+  for (int i = 0; i < 60; ++i) {
+    OutputFrame imu = measured(i, 0.2F), eyewear = glasses(i, 0.8F), out;
+    const bool calibrated = i >= 30;
+    if (!calibrated) imu = uncalibrated(i);
+    const std::array<Merge::Source, 2> sources = {
+        Merge::Source{.frame = &imu, .sensors_present = 12, .explained = &by_imu},
+        Merge::Source{.frame = &eyewear, .sensors_present = 20, .explained = &by_eyewear}};
+    both.apply(sources, out);
+    ASSERT_EQ(both.answers(kBrow), calibrated ? kImu : kEyewear) << i;
+    ASSERT_EQ(both.answers(kJaw), calibrated ? kImu : kEyewear) << "neither knows it: by the order, " << i;
+    ASSERT_EQ(both.answers(kBlink), kEyewear) << "likewise: " << i;
+  }
+}
+
 TEST(Merge, AConfidenceAboutTheThresholdDoesNotFlap) {
   Merge both({"imu", "eyewear"});
   Random random(4);

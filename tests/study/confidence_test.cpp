@@ -90,6 +90,26 @@ TEST(ConfidenceFit, TheThresholdLeavesOutShapesThatDoNotFollow) {
     EXPECT_EQ(table.explained[k * bins + bins - 1] >= table.measured_from, k % 2 == 0) << k;
 }
 
+TEST(ConfidenceFit, AFewCorrelationsMakeNothingMeasured) {
+  // One shape alone follows the truth, and it does so well.
+  const auto measured_from = [](int people) {
+    ConfidenceFit fit;
+    Random random(3);
+    for (int person = 0; person < people; ++person) {
+      KnownTracker(static_cast<std::uint64_t>(person))
+          .play(700, 1, [&](std::size_t k, double estimate, double truth) {
+            const bool follows = k == face::shape("jawOpen");
+            const double answer = follows ? estimate : std::clamp(0.3 + 0.1 * random.normal(), 0.0, 1.0);
+            fit.add(k, 1, static_cast<float>(answer), static_cast<float>(truth));
+          });
+      fit.end_person();
+    }
+    return fit.table().measured_from;
+  };
+  EXPECT_EQ(measured_from(24), 1);
+  EXPECT_LT(measured_from(60), 0.8);
+}
+
 TEST(ConfidenceFit, WithoutACorrelationNothingIsMeasured) {
   ConfidenceFit fit;
   for (int i = 0; i < 10; ++i) fit.add(0, 1, 0.5F, 0.5F);

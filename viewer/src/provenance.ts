@@ -10,9 +10,9 @@ export interface Provenance {
 
 /** In the order in which legends show them. The colours and patterns are `--prov-LETTER` and `.prov-LETTER` in theme.css. */
 export const PROVENANCES: readonly Provenance[] = [
-  { letter: "m", name: "measured", meaning: "A sensor that measures this shape sent in time." },
+  { letter: "m", name: "measured", meaning: "Sensors that sent in time tell this shape." },
   { letter: "i", name: "interpolated", meaning: "A short gap was filled between samples on both sides." },
-  { letter: "p", name: "predicted", meaning: "No sample yet: carried on from the last ones." },
+  { letter: "p", name: "predicted", meaning: "Guessed: the sensors that are there tell too little of this shape." },
   { letter: "a", name: "audio", meaning: "Heard in the voice." },
   { letter: "h", name: "held", meaning: "Nothing new for too long: the last value is kept." },
   { letter: "n", name: "neutral", meaning: "Not known: the resting face is shown." },

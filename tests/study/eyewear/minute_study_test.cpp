@@ -4,35 +4,19 @@
 
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/study/eyewear/worn_glasses.h"
-#include "tests/model/random_network.h"
-#include "tests/project_path.h"
+#include "tests/study/eyewear/untrained.h"
 
 namespace mien::study::minute_study_test {
 namespace {
 
+using test::untrained;
+
 const sensor::Rig& rig() {
-  static const sensor::Rig rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
-  return rig;
+  return test::eyewear_rig();
 }
 
 const builtin_face::MarkerSet& markers() {
-  static const builtin_face::MarkerSet set =
-      builtin_face::read_markers(project_path("rigs/markers.toml")).value();
-  return set;
-}
-
-/// A network that has learnt nothing: what it answers is small and wrong.
-eyewear::MarkerNetworkFile untrained() {
-  eyewear::MarkerNetworkFile file;
-  for (const sensor::Mount& mount : rig().sensors) file.sensors.push_back(mount.name);
-  for (const builtin_face::Marker& marker : markers().markers) file.markers.push_back(marker.name);
-  file.architecture = model::named_architecture("causal", 2 * file.sensors.size()).value();
-  file.architecture.layers = 1;
-  file.architecture.d_model = 32;
-  file.architecture.outputs = 3 * file.markers.size();
-  file.scale_m = 0.001;
-  file.network = model::random_network(file.architecture, 1);
-  return file;
+  return test::all_markers();
 }
 
 SensorsRequest brief(unsigned threads) {

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "mien/builtin_face/markers.h"
+#include "mien/core/error.h"
+#include "mien/eyewear/marker_regressor.h"
+#include "mien/face/output_frame.h"
+#include "mien/face/weight_solver.h"
+#include "mien/tracker/shape_confidence.h"
+
+namespace mien::eyewear {
+
+/// The built-in face as a set of markers tells it. Copied for each wearer.
+struct MarkedFace {
+  /// Errors: the face's. Cost: makes the built-in face (half a second).
+  [[nodiscard]] static Result<MarkedFace> create(const builtin_face::MarkerSet& markers);
+
+  std::string name;           ///< The set's.
+  Eigen::VectorXd neutral_m;  ///< Its markers at neutral: x, y, z of the first, then of the next; frame H.
+  face::WeightSolver solver;
+};
+
+/// From features of light to weights, frame by frame: markers by a regressor, weights by face::WeightSolver
+/// on the built-in face, provenance and confidence by the regressor's table. One wearer, one thread.
+class LightModel {
+ public:
+  /// Errors: mismatch (the regressor has another number of markers).
+  [[nodiscard]] static Result<LightModel> create(MarkedFace face, std::unique_ptr<MarkerRegressor> regressor);
+
+  /// The next frame: weights, provenance and confidence of `out`, whose other fields stay. `since_s`: since
+  /// the frame before, s. No allocation.
+  void step(const LightFrame& light, double since_s, face::OutputFrame& out);
+  /// Forgets the regressor's memory.
+  void reset() { regressor_->reset(); }
+
+  /// Of the last frame: what the sensors explain (zeros without a table), and which share of them was there.
+  [[nodiscard]] const tracker::Explained& explained() const { return explained_; }
+  [[nodiscard]] float coverage() const { return regressor_->coverage(); }
+
+ private:
+  LightModel(MarkedFace face, std::unique_ptr<MarkerRegressor> regressor);
+
+  MarkedFace face_;
+  std::unique_ptr<MarkerRegressor> regressor_;
+  tracker::ShapeConfidence confidence_;
+  Eigen::VectorXd markers_m_;
+  tracker::Explained explained_{};
+};
+
+}  // namespace mien::eyewear
