@@ -118,10 +118,11 @@ TEST(EyewearSession, SensorsThatDieAreSeenAndTheFaceDoesNotJump) {
     const Played run = test::run(*session, blinded(channels, lost_s, back_s));
     test::expect_sound(run);
     const double share = 1 - 2.0 * static_cast<double>(channels) / 20;  // Of both boards.
+    const float sure = share >= 0.75 ? 1 : 0.5F;                        // As the regressor's table has it.
     for (const Played::Frame& f : run.frames) {
       const double t = fired_s(f);
       if (t > lost_s + 0.15 && t < back_s) {
-        EXPECT_NEAR(f.frame.confidence[kJaw], share, 1e-6) << t;
+        EXPECT_EQ(f.frame.confidence[kJaw], sure) << t;
       }
       if (t > back_s + 0.5) {
         EXPECT_EQ(f.frame.confidence[kJaw], 1) << t;
