@@ -14,11 +14,12 @@ constexpr std::size_t kMaxSealedDevices = 256;
 /// Of every packet of ours that can be sealed: magic, version, type, two bytes, then the device.
 constexpr std::size_t kDeviceAt = 8;
 
-/// 0 where the packet is too short to name one.
-std::uint64_t device_in(std::span<const std::byte> packet) {
+/// Whether the packet is long enough to name a device, and names this one.
+bool is_of(std::span<const std::byte> packet, std::uint64_t device) {
   ByteReader reader(packet);
   reader.take(kDeviceAt);
-  return reader.little<std::uint64_t>();
+  const auto named = reader.little<std::uint64_t>();
+  return reader.ok() && named == device;
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ Verdict SealedProtocol::receive(HostTime arrival, Peer peer, std::span<const std
 bool SealedProtocol::admit(const SealHeader& header, std::span<const std::byte> inner) {
   if ((header.counter & SealHeader::kFromHost) != 0) return false;
   // What is no packet of ours (a line of text) names no device, and may be anybody's.
-  if (!is_our_packet(inner) || device_in(inner) != header.device) return false;
+  if (!is_our_packet(inner) || !is_of(inner, header.device)) return false;
   // What an earlier session heard has another token, and is not heard again.
   if (header.session != session_ && !is_our_packet(inner, kHelloPacketType)) return false;
   const std::pair key(header.key_id, header.device);

@@ -315,7 +315,8 @@ TEST(Engine, ThePageNarrowsWhatIsListenedOnAndShowsTheKey) {
   EXPECT_EQ(said()["only"], "");
   EXPECT_EQ(said()["sealed"], false);
   bool loopback = false;
-  for (const Json& one : said()["interfaces"])
+  const Json interfaces = said()["interfaces"];
+  for (const Json& one : interfaces)
     loopback = loopback || (one["address"] == "127.0.0.1" && one["loopback"] == true);
   EXPECT_TRUE(loopback) << said();
 

@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
+#include <vector>
+
 #include "mien/live/intake.h"
 #include "tests/live/page_client.h"
 
@@ -18,7 +21,9 @@ class ListenOnly : public ::testing::Test {
   std::uint16_t listen(const std::string& address) {
     const auto listening = intake.listen(address);
     EXPECT_TRUE(listening) << listening.error().message();
-    return listening ? test::port_of(*listening) : 0;
+    // Behind the last colon: an IPv6 address has others.
+    return listening ? static_cast<std::uint16_t>(std::stoi(listening->substr(listening->rfind(':') + 1)))
+                     : 0;
   }
   void send(const char* to, std::uint16_t port, const std::string& text) {
     const auto address = boost::asio::ip::make_address(to);
