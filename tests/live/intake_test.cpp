@@ -208,7 +208,7 @@ TEST_F(IntakeTest, StrangersKeepNoDeviceOutOfTheTable) {
   EXPECT_EQ(last, late_peer);
   // Every sender of the log has a name of its own.
   std::set<std::string> different;
-  for (const auto& [peer, name] : names) different.insert(name);
+  for (const auto& named : names) different.insert(named.second);
   EXPECT_EQ(different.size(), names.size());
 }
 
