@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "mien/core/random.h"
 
@@ -72,21 +73,77 @@ TEST(JitterFilter, ALidThatStaysOrOpensGetsNoLead) {
   }
 }
 
-TEST(JitterFilter, AMovementIsHardlyLate) {
+/// How late a movement of one weight a second comes, as a weight, in the middle of it, after five seconds in
+/// which all shapes tremble about it; and what is left of the trembling before.
+struct Followed {
+  double late = 0, left = 0;
+};
+Followed follow(double noise) {
   JitterFilter calm;
-  float late = 0;
-  for (int f = 0; f < 120; ++f) {
+  Random random(7);
+  Followed out;
+  std::array<float, 4> shown{};
+  for (int f = 0; f < 360; ++f) {
+    const double truth = 0.2 + std::clamp((f - 300) / 60.0, 0.0, 0.6);
     face::BlendshapeWeights weights;
-    const float truth = std::clamp(static_cast<float>(f - 60) / 60, 0.0F, 1.0F);
-    weights[kMouth] = truth;
+    for (float& weight : weights.values) weight = static_cast<float>(truth + noise * random.normal());
     calm.apply(weights);
-    late = std::max(late, truth - weights[kMouth]);
-    if (f > 60 + 45) {
-      EXPECT_LT(truth - weights[kMouth], 0.03F) << f << ": both filters delay by 0.06 together";
-    }
-    EXPECT_LE(weights[kMouth], 1);
+    std::rotate(shown.begin(), shown.begin() + 1, shown.end());
+    shown[3] = weights[kMouth];
+    if (f > 200 && f < 300) out.left += std::abs(shown[3] - 3 * shown[2] + 3 * shown[1] - shown[0]) / 100;
+    if (f > 315 && f <= 330) out.late += (truth - weights[kMouth]) / 15;
   }
-  EXPECT_LT(late, 0.09F) << "when it begins";
+  return out;
+}
+
+TEST(JitterFilter, WhatHardlyTremblesIsHardlyDelayed) {
+  const Followed quiet = follow(0.0003), noisy = follow(0.003), noisier = follow(0.01);
+  EXPECT_LT(quiet.late, 0.02);
+  EXPECT_GT(noisy.late, 2 * quiet.late);
+  EXPECT_GT(noisier.late, noisy.late);
+  EXPECT_LT(noisier.left, 0.05 * 3.57 * 0.01) << "of the noise's own third difference";
+  EXPECT_LT(noisy.left, 0.05 * 3.57 * 0.003);
+}
+
+TEST(JitterFilter, ALidIsDelayedAlikeWhateverTheNoise) {
+  std::array<float, 2> half_shut{};
+  for (const bool noisy : {false, true}) {
+    JitterFilter calm;
+    Random random(8);
+    for (int f = 0; f < 305; ++f) {
+      face::BlendshapeWeights weights;
+      weights.values.fill(static_cast<float>(0.5 + (noisy ? 0.02 : 0.0002) * random.normal()));
+      weights[kLid] = std::clamp(static_cast<float>(f - 300) / 6, 0.0F, 1.0F);
+      calm.apply(weights);
+      half_shut[noisy ? 1 : 0] = weights[kLid];
+    }
+  }
+  EXPECT_GT(half_shut[0], 0.3F);
+  EXPECT_EQ(half_shut[0], half_shut[1]);
+}
+
+TEST(NoiseLevel, FindsTheThirdDifferenceOfNoiseBesideMovement) {
+  for (const float sigma : {0.0005F, 0.003F, 0.02F}) {
+    NoiseLevel level(0.012F, 0.024F);
+    Random random(9);
+    float found = 0;
+    for (int f = 0; f < 900; ++f) {
+      face::BlendshapeWeights answer;
+      const double moved = 0.3 + 0.25 * std::sin(0.05 * f);  // Half a cycle a second.
+      for (float& weight : answer.values) weight = static_cast<float>(moved + sigma * random.normal());
+      found = level.add(answer);
+    }
+    // Of white noise: sqrt(20) sigma, and its mean absolute value.
+    EXPECT_NEAR(found / (std::sqrt(20.0F) * sigma * 0.798F), 1, 0.15) << sigma;
+  }
+}
+
+TEST(NoiseLevel, AHeldShapeAndABrokenAnswerChangeNothing) {
+  NoiseLevel level(0.011F, 0.5F);
+  face::BlendshapeWeights held;
+  for (int f = 0; f < 20; ++f) EXPECT_EQ(level.add(held), 0.011F);
+  held[kMouth] = std::numeric_limits<float>::quiet_NaN();
+  for (int f = 0; f < 5; ++f) EXPECT_EQ(level.add(held), 0.011F);
 }
 
 TEST(JitterFilter, ForgetsAtAReset) {
