@@ -13,6 +13,7 @@
 #include "app/study/study_merged.h"
 #include "app/study/study_motion.h"
 #include "app/study/study_sensors.h"
+#include "app/study/study_settings.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/drift.h"
@@ -201,6 +202,7 @@ void add_study_command(Commands& commands) {
   add_study_merged(commands, study);
   add_study_motion(commands, study);
   add_study_sensors(commands, study);
+  add_study_settings(commands, study);
   auto bound = std::make_shared<BoundOptions>();
   const Command command = commands.add_under(
       study, "bound", "What a rig can see at best on a face, by theory",

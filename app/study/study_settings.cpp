@@ -1,0 +1,270 @@
+#include "app/study/study_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "app/json_output.h"
+#include "app/seed_option.h"
+#include "mien/model/model_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/imu/drift.h"
+#include "mien/study/imu/settings_study.h"
+
+namespace mien::app {
+namespace {
+
+/// People whom no other study and no page reports: settings are chosen on the one seed and checked on the
+/// other.
+constexpr std::uint64_t kChoosing = 301, kChecking = 302;
+
+/// Each setting `with` each value; of no values the default alone.
+template <typename Settings, typename Value>
+void vary(std::vector<Settings>& all, Value Settings::*member, const std::vector<double>& values) {
+  if (values.empty()) return;
+  std::vector<Settings> out;
+  for (Settings one : all)
+    for (const double value : values) {
+      one.*member = static_cast<Value>(value);
+      out.push_back(one);
+    }
+  all = std::move(out);
+}
+
+struct JitterOptions {
+  study::JitterRequest request = {.seed = kChoosing};
+  std::string model;
+  std::string rig;
+  std::vector<double> cutoff_hz, beta, speed_cutoff_hz, low_pass_hz, reference_noise, noise_gain;
+  double limit = 0.65;
+  bool json = false;
+};
+
+std::string name_of(const std::optional<tracker::JitterSettings>& settings) {
+  if (!settings) return "none";
+  std::string name = fmt::format("{:g}, {:g}, {:g}; {:g}; {:g}, {:g}", settings->cutoff_hz, settings->beta,
+                                 settings->speed_cutoff_hz, settings->low_pass_hz, settings->reference_noise,
+                                 settings->noise_gain);
+  return *settings == tracker::JitterSettings{} ? name + " *" : name;
+}
+
+void print_trial(const study::JitterTrial& trial) {
+  fmt::print("{:<38}", name_of(trial.settings));
+  for (const study::FilteredFigures* profile : {&trial.device, &trial.lab})
+    fmt::print(" {:9.5f} {:6.3f} {:6.2f} {:5.2f}", profile->mse, profile->pve_mm, profile->jitter_ratio,
+               profile->blink_f1);
+  fmt::print("\n");
+}
+
+Json to_json(const study::FilteredFigures& profile) {
+  return {{"mse", profile.mse},
+          {"pve_mm", profile.pve_mm},
+          {"jitter_ratio", profile.jitter_ratio},
+          {"blink_f1", profile.blink_f1}};
+}
+
+Json to_json(const study::JitterTrial& trial) {
+  Json out = {{"device", to_json(trial.device)}, {"lab", to_json(trial.lab)}, {"settings", nullptr}};
+  if (trial.settings)
+    out["settings"] = {{"cutoff_hz", trial.settings->cutoff_hz},
+                       {"beta", trial.settings->beta},
+                       {"speed_cutoff_hz", trial.settings->speed_cutoff_hz},
+                       {"low_pass_hz", trial.settings->low_pass_hz},
+                       {"reference_noise", trial.settings->reference_noise},
+                       {"noise_gain", trial.settings->noise_gain}};
+  return out;
+}
+
+Result<void> run_jitter(JitterOptions options) {
+  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(options.model));
+  using tracker::JitterSettings;
+  std::vector<JitterSettings> grid(1);
+  vary(grid, &JitterSettings::cutoff_hz, options.cutoff_hz);
+  vary(grid, &JitterSettings::beta, options.beta);
+  vary(grid, &JitterSettings::speed_cutoff_hz, options.speed_cutoff_hz);
+  vary(grid, &JitterSettings::low_pass_hz, options.low_pass_hz);
+  vary(grid, &JitterSettings::reference_noise, options.reference_noise);
+  vary(grid, &JitterSettings::noise_gain, options.noise_gain);
+  std::vector<std::optional<JitterSettings>> filters = {std::nullopt};
+  filters.insert(filters.end(), grid.begin(), grid.end());
+  MIEN_TRY_ASSIGN(const std::vector<study::JitterTrial> chosen_on,
+                  study::study_jitter(options.request, rig, model, filters, terminal_progress("jitter")));
+  const std::optional<std::size_t> best = study::best_filter(chosen_on, options.limit);
+  std::vector<std::optional<JitterSettings>> again = {std::nullopt, JitterSettings{}};
+  if (best && chosen_on[*best].settings != again.back()) again.push_back(chosen_on[*best].settings);
+  study::JitterRequest check = options.request;
+  ++check.seed;
+  MIEN_TRY_ASSIGN(const std::vector<study::JitterTrial> checked_on,
+                  study::study_jitter(check, rig, model, again, terminal_progress("check")));
+  clear_progress();
+  if (options.json) {
+    Json out = {{"performers", options.request.performers},
+                {"seconds", options.request.seconds},
+                {"limit", options.limit},
+                {"best", best ? to_json(chosen_on[*best]) : Json()}};
+    for (const auto& [name, seed, trials] : {std::tuple("chosen_on", options.request.seed, &chosen_on),
+                                             std::tuple("checked_on", check.seed, &checked_on)}) {
+      out[name] = {{"seed", seed}, {"trials", Json::array()}};
+      for (const study::JitterTrial& trial : *trials) out[name]["trials"].push_back(to_json(trial));
+    }
+    print_json(out);
+    return {};
+  }
+  fmt::print(
+      "Cutoff, beta, speed's cutoff; low-pass; reference noise, gain (* the default); {} people of {:g} s\n\n"
+      "{:<38} {:^29} {:^29}\n{:<38} {:>9} {:>6} {:>6} {:>5} {:>9} {:>6} {:>6} {:>5}\n",
+      options.request.performers, options.request.seconds, "", "device", "lab",
+      fmt::format("chosen on seed {}", options.request.seed), "MSE", "PVE", "jitter", "F1", "MSE", "PVE",
+      "jitter", "F1");
+  for (const study::JitterTrial& trial : chosen_on) print_trial(trial);
+  if (best)
+    fmt::print("\nbest of at most {:g} of the truth's jitter: {}\n", options.limit,
+               name_of(chosen_on[*best].settings));
+  else
+    fmt::print("\nnone leaves at most {:g} of the truth's jitter\n", options.limit);
+  fmt::print("\nchecked on seed {}\n", check.seed);
+  for (const study::JitterTrial& trial : checked_on) print_trial(trial);
+  return {};
+}
+
+void add_jitter(Commands& commands, Command settings) {
+  auto options = std::make_shared<JitterOptions>();
+  const Command command = commands.add_under(
+      settings, "jitter", "The live model's jitter filter: every combination of what is given",
+      "mien study settings jitter --cutoff 0.2 0.4 0.8 --low-pass 5 7",
+      [options] { return run_jitter(*options); });
+  command.add_option("--model", options->model,
+                     "Live model of facial IMUs (default: models/live.safetensors)");
+  command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
+  command.add_option("--performers", options->request.performers, "Virtual people of each seed")
+      .in_range(1, 10000)
+      .show_default();
+  command.add_option("--seconds", options->request.seconds, "Length of each performance after the prologue")
+      .number_between(1.0, 3600.0)
+      .show_default();
+  const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
+                          double most) { command.add_option(name, into, what).number_between(least, most); };
+  values("--cutoff", options->cutoff_hz, "Cutoffs at rest, Hz", 1e-3, 30);
+  values("--beta", options->beta, "Their growth, Hz per weight a second", 0, 1000);
+  values("--speed-cutoff", options->speed_cutoff_hz, "Cutoffs of the speed, Hz", 1e-3, 30);
+  values("--low-pass", options->low_pass_hz, "Cutoffs of the low-pass, Hz", 1e-3, 1000);
+  values("--reference-noise", options->reference_noise, "Noise at which cutoffs are so: a third difference",
+         1e-6, 1);
+  values("--noise-gain", options->noise_gain, "Share by which the noise is followed each frame", 1e-4, 1);
+  command.add_option("--limit", options->limit, "Most jitter in either profile, of the truth's own")
+      .number_between(0.0, 1000.0)
+      .show_default();
+  add_seed_option(command, options->request.seed,
+                  "Of the people to choose on; the next one's are checked on");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+struct HeadingOptions {
+  study::DriftRequest request = {.seed = kChoosing};
+  std::string rig;
+  std::vector<double> sigmas, every_s, wearer_sigmas, slip_walk;
+  bool json = false;
+};
+
+std::string name_of(const imu::HeadingSettings& settings) {
+  return fmt::format("{:g}, {:g} s; {:g}; {:g}", settings.predicted_sigmas, settings.predicted_every_s,
+                     settings.wearer_rotation_sigmas, settings.slip_walk);
+}
+
+Json to_json(const study::Drift& drift) {
+  return {{"predicted_sigmas", drift.settings.predicted_sigmas},
+          {"predicted_every_s", drift.settings.predicted_every_s},
+          {"wearer_rotation_sigmas", drift.settings.wearer_rotation_sigmas},
+          {"slip_walk", drift.settings.slip_walk},
+          {"rms_deg", drift.rms_deg},
+          {"vertical_rms_deg", drift.vertical_rms_deg}};
+}
+
+Result<void> run_heading(HeadingOptions options) {
+  MIEN_TRY_ASSIGN(options.rig, path_or(options.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
+  using imu::HeadingSettings;
+  std::vector<HeadingSettings> grid(1);
+  vary(grid, &HeadingSettings::predicted_sigmas, options.sigmas);
+  vary(grid, &HeadingSettings::predicted_every_s, options.every_s);
+  vary(grid, &HeadingSettings::wearer_rotation_sigmas, options.wearer_sigmas);
+  vary(grid, &HeadingSettings::slip_walk, options.slip_walk);
+  MIEN_TRY_ASSIGN(const std::vector<study::Drift> chosen_on,
+                  study::study_drift(options.request, rig, grid, terminal_progress("heading")));
+  const study::Drift& best = *std::ranges::min_element(chosen_on, {}, &study::Drift::rms_deg);
+  study::DriftRequest check = options.request;
+  ++check.seed;
+  MIEN_TRY_ASSIGN(const std::vector<study::Drift> checked_on,
+                  study::study_drift(check, rig, std::vector{HeadingSettings{}, best.settings},
+                                     terminal_progress("check")));
+  clear_progress();
+  if (options.json) {
+    Json trials = Json::array();
+    for (const study::Drift& drift : chosen_on) trials.push_back(to_json(drift));
+    print_json({{"performers", options.request.performers},
+                {"seconds", options.request.seconds},
+                {"chosen_on", {{"seed", options.request.seed}, {"trials", trials}}},
+                {"best", to_json(best)},
+                {"checked_on",
+                 {{"seed", check.seed},
+                  {"default", to_json(checked_on.front())},
+                  {"best", to_json(checked_on.back())}}}});
+    return {};
+  }
+  const auto print = [](const std::string& name, const study::Drift& drift) {
+    fmt::print("{:<38} {:6.2f}° {:6.2f}°\n", name, drift.rms_deg, drift.vertical_rms_deg);
+  };
+  fmt::print("Readings' sigmas, once in; wearer's sigmas; creep; {} people of {:g} s\n\n{:<38} {:>7} {:>7}\n",
+             options.request.performers, options.request.seconds,
+             fmt::format("chosen on seed {}", options.request.seed), "RMS", "vert.");
+  for (const study::Drift& drift : chosen_on) print(name_of(drift.settings), drift);
+  fmt::print("\nbest: {}\n\nchecked on seed {}\n", name_of(best.settings), check.seed);
+  print("default", checked_on.front());
+  print("best", checked_on.back());
+  return {};
+}
+
+void add_heading(Commands& commands, Command settings) {
+  auto options = std::make_shared<HeadingOptions>();
+  const Command command = commands.add_under(
+      settings, "heading", "The heading filter's measurements of skin: every combination of what is given",
+      "mien study settings heading --sigmas 1.2 1.67 2.4 --every 1 1.4 2",
+      [options] { return run_heading(*options); });
+  command.add_option("--rig", options->rig, "Rig file with a [skin] table (default: rigs/default.toml)");
+  command.add_option("--performers", options->request.performers, "Virtual people of each seed")
+      .in_range(1, 10000)
+      .show_default();
+  command.add_option("--seconds", options->request.seconds, "Length of each performance after the prologue")
+      .number_between(1.0, 3600.0)
+      .show_default();
+  const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
+                          double most) { command.add_option(name, into, what).number_between(least, most); };
+  values("--sigmas", options->sigmas, "Noise of a measurement, in sigmas of the skin's prediction", 1e-3,
+         1000);
+  values("--every", options->every_s, "Seconds in which frames add up to one", 0.02, 600);
+  values("--wearer-sigmas", options->wearer_sigmas, "Prior of the wearer's own skin, in the same sigmas", 0,
+         1000);
+  values("--creep", options->slip_walk, "Random walk of the adhesive's creep, rad a root s", 0, 1);
+  add_seed_option(command, options->request.seed,
+                  "Of the people to choose on; the next one's are checked on");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace
+
+void add_study_settings(Commands& commands, Command study) {
+  const Command settings = commands.add_under(
+      study, "settings", "Chooses settings on virtual people whom no page reports, and checks them on others",
+      "mien study settings jitter --cutoff 0.2 0.4 0.8", nullptr);
+  settings.require_commands(0, 1);
+  add_jitter(commands, settings);
+  add_heading(commands, settings);
+}
+
+}  // namespace mien::app
