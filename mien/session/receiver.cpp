@@ -1,6 +1,7 @@
 #include "mien/session/receiver.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/level.h"
@@ -13,6 +14,12 @@ using sensor::Verdict;
 
 /// A device that was received from one place lately is not accepted from another: two with one id.
 constexpr Duration kSamePlace = std::chrono::seconds(1);
+/// For so long where somebody else sent as it while it did: who was there beside the device is not the
+/// device.
+constexpr Duration kContestedPlace = std::chrono::seconds(10);
+/// Who was accepted for longer than the one that followed has been gets the place again when it is back
+/// within this.
+constexpr Duration kReturn = std::chrono::minutes(1);
 /// Where a board sends no readings while nothing changes, its other datagrams hold its place for so long.
 constexpr Duration kUnchangedPlace = std::chrono::seconds(5);
 /// Nor is one whose time is so far from its last, ...
@@ -90,7 +97,7 @@ Receiver::Device& Receiver::meet(const DeviceKey& key, Sender sender, std::size_
   met.key = key;
   met.peer = sender.peer;
   met.source = sender.source;
-  met.received = arrival;
+  met.received = met.accepted_since = arrival;
   met.protocol = protocol;
   for (const auto& [bound, sensor] : bound_)
     if (bound == key) met.sensor = sensor;
@@ -115,7 +122,8 @@ void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& 
 
 bool Receiver::is_received(const Device& device, HostTime arrival) {
   const Duration silent = arrival - device.received;
-  if (silent < kSamePlace) return true;
+  const bool contested = device.contested_beside && device.received - *device.contested_beside <= kContest;
+  if (silent < (contested ? kContestedPlace : kSamePlace)) return true;
   return device.estimated && silent < kUnchangedPlace && arrival - device.alive < kSamePlace;
 }
 
@@ -141,9 +149,10 @@ void Receiver::change_places(Device& device, Rival& rival, SampleConsumer& consu
   std::swap(device.source, rival.source);
   std::swap(device.plausibility, rival.plausibility);
   std::swap(device.received, *rival.received);
-  device.alive = device.received;
+  device.alive = device.accepted_since = device.received;
   device.newest = {};
   device.chosen = false;
+  device.former.reset();
   if (!device.sensor) return;
   links_[*device.sensor] = Link();
   ticks_.forget(*device.sensor);
@@ -167,13 +176,51 @@ bool Receiver::judge_rival(Device& device, HostTime arrival, Sender sender, cons
   return true;
 }
 
-void Receiver::follow(Device& device, Sender sender) {
+void Receiver::follow(Device& device, HostTime arrival, Sender sender) {
   for (Rival& rival : device.rivals)
     if (rival.peer == sender.peer) rival.received.reset();
+  const Duration accepted_for = device.received - device.accepted_since;
+  if (!device.former || device.former->accepted_for <= accepted_for)
+    device.former = Former{.peer = device.peer,
+                           .source = device.source,
+                           .plausibility = device.plausibility,
+                           .received = device.received,
+                           .newest = device.newest,
+                           .accepted_for = accepted_for};
   device.peer = sender.peer;
   device.source = sender.source;
   device.plausibility = {};
+  device.accepted_since = arrival;
+  device.contested_beside.reset();
   device.chosen = false;
+}
+
+bool Receiver::returns(const Device& device, HostTime arrival, Sender sender, DeviceTime time) {
+  if (!device.former || device.chosen) return false;
+  const Former& former = *device.former;
+  const Duration gone = arrival - former.received;
+  const Duration off = (time - former.newest) - gone;
+  return former.peer == sender.peer && gone <= kReturn && off <= kSameClock && off >= -kSameClock &&
+         former.accepted_for > arrival - device.accepted_since && !former.plausibility.is_implausible();
+}
+
+void Receiver::give_back(Device& device, HostTime arrival, SampleConsumer& consumer) {
+  Former former = *std::exchange(device.former, std::nullopt);
+  if (Rival* const rival = rival_of(device, arrival, {device.peer, device.source})) {
+    rival->received = device.received;
+    rival->plausibility = device.plausibility;
+  }
+  for (Rival& rival : device.rivals)
+    if (rival.peer == former.peer) rival.received.reset();
+  device.peer = former.peer;
+  device.plausibility = former.plausibility;
+  device.accepted_since = arrival - former.accepted_for;
+  device.contested = device.contested_beside = device.received;
+  device.source.swap(former.source);
+  if (!device.sensor) return;
+  // The clock was another's meanwhile; what is known of the board itself holds.
+  ticks_.forget(*device.sensor);
+  consumer.contested(*device.sensor, device.source, former.source);
 }
 
 bool Receiver::hear(std::uint16_t sensor, std::string_view source, SampleConsumer& consumer) {
@@ -208,14 +255,19 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
   const Duration off = (reading.sample.time - from->newest) - silent;
   const bool other_clock = from->newest != DeviceTime{} && (off > kSameClock || off < -kSameClock);
   const bool elsewhere = from->peer != sender.peer && is_received(*from, arrival);
+  if (elsewhere && returns(*from, arrival, sender, reading.sample.time)) {
+    give_back(*from, arrival, consumer);
+    return take_reading(arrival, sender, protocol, reading, consumer);
+  }
   bool impostor = elsewhere || (other_clock && silent < kSameBoard);
   if (elsewhere) {
     if (judge_rival(*from, arrival, sender, reading.sample, consumer)) impostor = false;
   } else {
-    if (from->peer != sender.peer) follow(*from, sender);
+    if (from->peer != sender.peer) follow(*from, arrival, sender);
     from->plausibility.add(arrival, reading.sample);
   }
   if (!impostor) {
+    from->contested_beside = from->contested;
     from->received = arrival;
     from->newest = reading.sample.time;
     from->estimated = reading.sample.time_estimated;

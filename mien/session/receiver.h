@@ -133,6 +133,15 @@ class Receiver {
     std::optional<HostTime> received;  // None: nobody.
     sensor::Plausibility plausibility;
   };
+  /// Who was accepted as a device before the one that is now, which followed when it was silent.
+  struct Former {
+    sensor::Peer peer = 0;
+    std::string source;
+    sensor::Plausibility plausibility;
+    HostTime received;
+    DeviceTime newest;
+    Duration accepted_for{};
+  };
   struct Device {
     sensor::DeviceKey key;
     std::optional<std::uint16_t> sensor;
@@ -140,10 +149,13 @@ class Receiver {
     std::string source;
     sensor::Plausibility plausibility;
     std::array<Rival, 4> rivals;
-    bool chosen = false;                // By a person: nobody else prevails.
-    std::optional<HostTime> contested;  // The newest reading of a rival.
-    HostTime received;                  // The newest accepted reading, ...
-    HostTime alive;                     // ... and the newest datagram of its board from there.
+    bool chosen = false;                       // By a person: nobody else prevails.
+    std::optional<HostTime> contested;         // The newest reading of a rival, ...
+    std::optional<HostTime> contested_beside;  // ... and of those before the device's own newest.
+    std::optional<Former> former;
+    HostTime accepted_since;  // The first reading from there, without a pause that lost the place.
+    HostTime received;        // The newest accepted reading, ...
+    HostTime alive;           // ... and the newest datagram of its board from there.
     bool estimated = false;
     DeviceTime newest;  // Of accepted samples.
     std::size_t protocol = 0;
@@ -183,7 +195,10 @@ class Receiver {
   /// The rival is accepted from now on, and who was so far is its rival.
   void change_places(Device& device, Rival& rival, SampleConsumer& consumer);
   /// Another sender has come to a device whose own was silent.
-  static void follow(Device& device, Sender sender);
+  static void follow(Device& device, HostTime arrival, Sender sender);
+  /// Whether this is who was accepted before, back with its own clock, and trusted for longer.
+  [[nodiscard]] static bool returns(const Device& device, HostTime arrival, Sender sender, DeviceTime time);
+  void give_back(Device& device, HostTime arrival, SampleConsumer& consumer);
   void take_reading(HostTime arrival, Sender sender, std::size_t protocol, const sensor::Reading& reading,
                     SampleConsumer& consumer);
   void report_senders(HostTime now, const sensor::DeviceKey& key, Report::Link& out) const;

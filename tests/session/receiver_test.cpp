@@ -209,12 +209,12 @@ TEST(Receiver, TwoSendersOfOneIdAreBothShownAndOneIsChosen) {
   const auto receiver = receiver_test::receiver();
   Accepted accepted;
   Peers peers;
-  const auto play = [&](std::size_t from, std::size_t to, const char* only = nullptr) {
+  const auto play = [&](std::size_t from, std::size_t to, const char* only = nullptr, Duration later = {}) {
     for (std::size_t i = from; i < to; ++i)
       if (const take::LogEntry& e = both.entries[i]; only == nullptr || e.source == only)
-        receiver->receive(e.arrival, peers.of(e.source), e.bytes, accepted);
+        receiver->receive(e.arrival + later, peers.of(e.source), e.bytes, accepted);
     Report report;
-    receiver->report(both.entries[to - 1].arrival, report);
+    receiver->report(both.entries[to - 1].arrival + later, report);
     return report;
   };
   const std::size_t part = both.entries.size() / 4;
@@ -251,9 +251,49 @@ TEST(Receiver, TwoSendersOfOneIdAreBothShownAndOneIsChosen) {
   EXPECT_EQ(accepted.stranger.size(), of_stranger);
 
   // Who was chosen and falls silent has no place any more, and who took it is nobody's rival.
-  report = play(3 * part, 4 * part, TwoSenders::kForger);
+  report = play(3 * part, 4 * part, TwoSenders::kForger, std::chrono::seconds(10));
   EXPECT_EQ(report.links[0].source, TwoSenders::kForger);
   EXPECT_TRUE(report.links[0].rivals.empty());
+}
+
+/// Two senders, the boards but for a pause; which of the forger's readings were accepted, and the links at
+/// the end.
+struct Paused {
+  Accepted accepted;
+  Report report;
+  Paused(double seconds, double from_s, double to_s) {
+    const TwoSenders both(seconds);
+    const auto receiver = receiver_test::receiver();
+    Peers peers;
+    const HostTime begin = both.entries.front().arrival;
+    for (const take::LogEntry& e : both.entries) {
+      const double at_s = to_seconds(e.arrival - begin);
+      if (e.source == TwoSenders::kBoards && at_s >= from_s && at_s < to_s) continue;
+      receiver->receive(e.arrival, peers.of(e.source), e.bytes, accepted);
+    }
+    receiver->report(both.entries.back().arrival, report);
+  }
+};
+
+TEST(Receiver, WhoSentBesideADeviceDoesNotGetItsPlaceWhenItPauses) {
+  const Paused session(7, 3, 6);
+  EXPECT_TRUE(session.accepted.stranger.empty());
+  EXPECT_EQ(session.accepted.changes, 0);
+  EXPECT_EQ(session.report.links[0].source, TwoSenders::kBoards);
+}
+
+TEST(Receiver, ADeviceThatIsBackGetsItsPlaceAgain) {
+  const Paused session(36, 15, 28);
+  EXPECT_FALSE(session.accepted.stranger.empty()) << "after ten seconds";
+  EXPECT_EQ(session.accepted.changes, 0) << "what is known of the board holds";
+  for (const Report::Link& link : session.report.links) {
+    EXPECT_EQ(link.source, TwoSenders::kBoards);
+    ASSERT_EQ(link.rivals.size(), 1u);
+    EXPECT_EQ(link.rivals[0].source, TwoSenders::kForger);
+  }
+  const HostTime last_of_stranger = session.accepted.stranger.back();
+  EXPECT_GT(std::ranges::count_if(session.accepted.device, [&](HostTime t) { return t > last_of_stranger; }),
+            1000);
 }
 
 TEST(Receiver, WhoWasChosenStaysHoweverItBehaves) {
