@@ -252,6 +252,8 @@ TEST(Engine, OneOfTwoSendersIsChosenOnThePageAndAReplayDoesTheSame) {
   ASSERT_TRUE(running.engine()) << running.engine().error().message();
   boost::asio::io_context network;
   PageClient page(network, test::port_of((*running).page()));
+  // News is told to the pages that are there.
+  ASSERT_TRUE(run_until(network, [&] { return Json(page.last("status")).is_object(); }));
   const virt::VirtualSession performed = session::test::performance(60);
   Nodes nodes(performed, test::port_of((*running).listening().front()), Nodes::Twin::yes);
   const auto chin = [&] {
