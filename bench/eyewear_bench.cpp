@@ -10,6 +10,7 @@
 #include "mien/eyewear/eyewear_tracker.h"
 #include "mien/eyewear/marker_network.h"
 #include "mien/face/frame_hash.h"
+#include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
 
 namespace {
@@ -52,6 +53,7 @@ void eyewear_frame(benchmark::State& state) {
           eyewear::NetworkRegressor::create(std::move(file), eyewear::photo_sensor_names(rig)).value())
           .value();
   const std::vector<sensor::Sample> samples = wave(rig.sensors.size());
+  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
   face::FrameHash hash;
   face::OutputFrame out;
   std::size_t next = 0;
@@ -67,15 +69,17 @@ void eyewear_frame(benchmark::State& state) {
       sensor::Sample sample = samples[next];
       sample.time += loop;
       if (sample.time > time) break;
-      tracker->add(HostTime(sample.time.time_since_epoch()), sample);
+      const HostTime arrival(sample.time.time_since_epoch());
+      lines.add(arrival, sample);
+      tracker->add(arrival, sample);
     }
-    return tracker->tick(time, out);
+    return tracker->tick(time, lines, out).sensors_present;
   };
   for (int i = 0; i < 600; ++i) {
     step();
     hash.add(out);
   }
-  const bool calibrated = tracker->calibration_count() > 0;
+  const bool calibrated = tracker->calibration_state().phase == tracker::CalibrationState::Phase::done;
   std::size_t there = 0;
   for (auto turn : state) {
     (void)turn;
