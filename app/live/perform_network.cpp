@@ -255,7 +255,13 @@ Result<NetworkSummary> perform_to_network(virt::Stage stage, const NetworkOption
   MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
   MIEN_TRY_ASSIGN(const std::unique_ptr<virt::NodeGroup> nodes,
                   virt::NodeGroup::create(std::move(stage), target.language, options.loop));
-  if (options.key) nodes->seal(*options.key);
+  if (options.key) {
+    // What a board counts in its flash: each performer of a session is after the one before, and no nonce
+    // comes twice.
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(now).count();
+    nodes->seal(*options.key, static_cast<std::uint32_t>(seconds & 0x7FFF'FFFF));
+  }
   Broadcast broadcast(*nodes, options);
   MIEN_TRY(broadcast.open(target));
   return broadcast.run();

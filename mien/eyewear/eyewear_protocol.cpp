@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <tuple>
 
 #include "mien/core/cobs.h"
 
@@ -18,7 +19,9 @@ constexpr std::size_t kMaxPacketBytes = 36 + 4 * kMaxChannels;
 constexpr int kAgreed = 8;
 /// After this time without a line of the accepted number another is considered: a new sketch was uploaded.
 constexpr Duration kDoubt = std::chrono::milliseconds(500);
-/// A device without an accepted line for so long gives its name to another where all are taken.
+/// A candidate that was silent for so long is forgotten before others.
+constexpr Duration kPause = std::chrono::seconds(1);
+/// A device without an accepted line for so long gives its place to another where all are taken.
 constexpr Duration kForget = std::chrono::seconds(10);
 /// Sketches print 10 to 1000 lines a second.
 const sensor::EstimatedClockSettings kTextClock = {.min_period = std::chrono::milliseconds(1),
@@ -42,6 +45,7 @@ Result<EyewearProtocol> EyewearProtocol::create(EyewearProtocolSettings settings
 EyewearProtocol::EyewearProtocol(EyewearProtocolSettings settings) : settings_(settings) {
   candidates_.reserve(kMaxTextCandidates);
   devices_.reserve(kMaxTextDevices);
+  former_.reserve(kMaxTextDevices);
 }
 
 bool EyewearProtocol::recognises(std::span<const std::byte> datagram) const {
@@ -76,12 +80,13 @@ bool EyewearProtocol::Run::add(std::size_t its_values) {
   return lines >= kAgreed;
 }
 
-EyewearProtocol::TextCandidate& EyewearProtocol::meet(sensor::Peer peer) {
+EyewearProtocol::TextCandidate& EyewearProtocol::meet(sensor::Peer peer, HostTime arrival) {
   const auto known = std::ranges::find(candidates_, peer, &TextCandidate::peer);
   if (known != candidates_.end()) return *known;
   if (candidates_.size() < kMaxTextCandidates) return candidates_.emplace_back(TextCandidate{.peer = peer});
-  const auto place = std::ranges::min_element(
-      candidates_, {}, [](const TextCandidate& one) { return std::pair(one.run.lines, one.received); });
+  const auto place = std::ranges::min_element(candidates_, {}, [&](const TextCandidate& one) {
+    return std::tuple(arrival - one.received <= kPause, one.run.lines, one.received);
+  });
   *place = {.peer = peer};
   return *place;
 }
@@ -89,14 +94,20 @@ EyewearProtocol::TextCandidate& EyewearProtocol::meet(sensor::Peer peer) {
 EyewearProtocol::TextDevice* EyewearProtocol::accept(HostTime arrival, const TextCandidate& candidate) {
   TextDevice* place = nullptr;
   if (devices_.size() < kMaxTextDevices) {
-    place = &devices_.emplace_back(TextDevice{.id = kTextDevice + devices_.size()});
+    place = &devices_.emplace_back();
   } else {
     const auto silent = std::ranges::min_element(devices_, {}, &TextDevice::accepted);
     if (arrival - silent->accepted <= kForget) return nullptr;
     place = &*silent;
+    if (former_.size() == kMaxTextDevices) former_.erase(former_.begin());
+    former_.push_back({place->peer, place->id});
   }
+  // An id that a rig binds is never another's.
+  const auto own = std::ranges::find(former_, candidate.peer, &Id::peer);
+  const std::uint64_t id = own != former_.end() ? own->device : kTextDevice + text_devices_++;
+  if (own != former_.end()) former_.erase(own);
   *place = {.peer = candidate.peer,
-            .id = place->id,
+            .id = id,
             .header = candidate.header,
             .columns = candidate.run.values,
             .clock = sensor::EstimatedClock(kTextClock)};
@@ -137,7 +148,7 @@ Verdict EyewearProtocol::take_line_of_candidate(HostTime arrival, sensor::Peer p
                                                 Inbox& inbox) {
   const auto* values = std::get_if<TextValues>(&line);
   if (values == nullptr) {
-    TextCandidate& candidate = meet(peer);
+    TextCandidate& candidate = meet(peer, arrival);
     candidate = {.peer = peer, .header = std::get<TextHeader>(line), .received = arrival};
     return Verdict::taken;
   }
@@ -145,7 +156,7 @@ Verdict EyewearProtocol::take_line_of_candidate(HostTime arrival, sensor::Peer p
   // A malformed line leaves no trace, not even its sender: logs lack it, and a replay must decode alike.
   if (!is_sound(*values, known != candidates_.end() ? known->header : TextHeader()))
     return Verdict::malformed;
-  TextCandidate& candidate = meet(peer);
+  TextCandidate& candidate = meet(peer, arrival);
   candidate.received = arrival;
   if (!candidate.run.add(values->count)) return Verdict::taken;
   TextDevice* const device = accept(arrival, candidate);

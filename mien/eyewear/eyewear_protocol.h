@@ -10,8 +10,8 @@
 
 namespace mien::eyewear {
 
-/// Text lines carry no device name. Their devices are "02:4D:49:54:58:00" and up: the last octet counts the
-/// peers, in the order in which they were accepted.
+/// Text lines carry no device name. Their devices are "02:4D:49:54:58:00" and up, counted in the order in
+/// which they were accepted; so many at a time.
 inline constexpr std::uint64_t kTextDevice = 0x024D'4954'5800ULL;
 inline constexpr std::size_t kMaxTextDevices = 16;
 
@@ -33,9 +33,11 @@ struct EyewearProtocolSettings {
 /// estimated from arrivals, one clock for all sensors of a line, at 10 to 1000 lines a second. A sample's
 /// sequence counts the accepted lines.
 ///
-/// Who sends a few lines takes nobody's place: of 512 peers that are not accepted yet the one with the
-/// shortest run of lines, and of these the one silent longest, is forgotten for the next. When all 16 devices
-/// are there, the one without an accepted line for longest, ten seconds at least, gives its name to the next.
+/// Who sends a few lines takes nobody's place: of 512 peers that are not accepted yet one that was silent for
+/// a second, or else the one with the shortest run of lines, and of these the one silent longest, is
+/// forgotten for the next. When all 16 devices are there, the one without an accepted line for longest, ten
+/// seconds at least, gives its place to the next, which has an id of its own; of the last 16 each gets its
+/// own again.
 class EyewearProtocol final : public sensor::Protocol {
  public:
   /// Errors: bad_usage (bits).
@@ -86,7 +88,7 @@ class EyewearProtocol final : public sensor::Protocol {
   /// Whether a line of this device has values in pairs, if they come so, none too many, all within range.
   [[nodiscard]] bool is_sound(const TextValues& line, const TextHeader& header) const;
   /// The candidate of this peer, from now on if it is new.
-  TextCandidate& meet(sensor::Peer peer);
+  TextCandidate& meet(sensor::Peer peer, HostTime arrival);
   /// The device that a candidate becomes; null: all are there.
   TextDevice* accept(HostTime arrival, const TextCandidate& candidate);
   [[nodiscard]] std::int32_t full_scale(const TextHeader& header) const;
@@ -94,6 +96,12 @@ class EyewearProtocol final : public sensor::Protocol {
   EyewearProtocolSettings settings_;
   std::vector<TextCandidate> candidates_;
   std::vector<TextDevice> devices_;
+  struct Id {
+    sensor::Peer peer = 0;
+    std::uint64_t device = 0;
+  };
+  std::vector<Id> former_;          // Of devices that gave their place to others, the newest last.
+  std::uint64_t text_devices_ = 0;  // So far.
 };
 
 }  // namespace mien::eyewear

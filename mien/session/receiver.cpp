@@ -180,7 +180,8 @@ void Receiver::follow(Device& device, HostTime arrival, Sender sender) {
   for (Rival& rival : device.rivals)
     if (rival.peer == sender.peer) rival.received.reset();
   const Duration accepted_for = device.received - device.accepted_since;
-  if (!device.former || device.former->accepted_for <= accepted_for)
+  if (!device.former || arrival - device.former->received > kReturn ||
+      device.former->accepted_for <= accepted_for)
     device.former = Former{.peer = device.peer,
                            .source = device.source,
                            .plausibility = device.plausibility,
@@ -191,6 +192,7 @@ void Receiver::follow(Device& device, HostTime arrival, Sender sender) {
   device.source = sender.source;
   device.plausibility = {};
   device.accepted_since = arrival;
+  device.contested.reset();
   device.contested_beside.reset();
   device.chosen = false;
 }
@@ -201,7 +203,7 @@ bool Receiver::returns(const Device& device, HostTime arrival, Sender sender, De
   const Duration gone = arrival - former.received;
   const Duration off = (time - former.newest) - gone;
   return former.peer == sender.peer && gone <= kReturn && off <= kSameClock && off >= -kSameClock &&
-         former.accepted_for > arrival - device.accepted_since && !former.plausibility.is_implausible();
+         former.accepted_for > arrival - device.accepted_since && former.plausibility.is_plausible();
 }
 
 void Receiver::give_back(Device& device, HostTime arrival, SampleConsumer& consumer) {
@@ -216,6 +218,7 @@ void Receiver::give_back(Device& device, HostTime arrival, SampleConsumer& consu
   device.plausibility = former.plausibility;
   device.accepted_since = arrival - former.accepted_for;
   device.contested = device.contested_beside = device.received;
+  device.newest = {};
   device.source.swap(former.source);
   if (!device.sensor) return;
   // The clock was another's meanwhile; what is known of the board itself holds.
@@ -267,6 +270,8 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
     from->plausibility.add(arrival, reading.sample);
   }
   if (!impostor) {
+    // A pause is no time in which it was accepted.
+    if (silent >= kSamePlace) from->accepted_since += silent;
     from->contested_beside = from->contested;
     from->received = arrival;
     from->newest = reading.sample.time;

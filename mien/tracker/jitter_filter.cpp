@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::array kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
+/// A level below this is as good as none: where it went on falling while a face hardly moves, noise that is
+/// back would be believed seconds later only.
+constexpr float kLeastNoise = 2e-4F;
+
 bool is_lid(std::size_t shape) {
   return std::ranges::find(kLids, shape) != kLids.end();
 }
@@ -26,7 +30,9 @@ float NoiseLevel::add(const face::BlendshapeWeights& answer) {
       if (difference > 0) ++moving;
     }
     if (moving > 0 && std::isfinite(sum))
-      level_ += gain_ * (std::min(sum / static_cast<float>(moving), kOutlier * level_) - level_);
+      level_ =
+          std::max(kLeastNoise,
+                   level_ + gain_ * (std::min(sum / static_cast<float>(moving), kOutlier * level_) - level_));
   } else {
     ++frames_;
   }

@@ -28,8 +28,9 @@ Result<std::unique_ptr<NodeGroup>> NodeGroup::create(Stage stage, NodeLanguage l
   return group;
 }
 
-void NodeGroup::seal(const sensor::SealKey& key) {
-  for (Node*& node : nodes_) node = sealed_.emplace_back(std::make_unique<SealedNode>(*node, key)).get();
+void NodeGroup::seal(const sensor::SealKey& key, std::uint32_t power_ons) {
+  for (Node*& node : nodes_)
+    node = sealed_.emplace_back(std::make_unique<SealedNode>(*node, key, power_ons)).get();
 }
 
 NodeGroup::Round NodeGroup::round_at(double time_s) const {

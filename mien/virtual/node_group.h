@@ -34,8 +34,8 @@ class NodeGroup {
   ~NodeGroup();
 
   /// All nodes are paired by this key: what they say leaves sealed. Once, before they say anything. Nodes
-  /// of SlimeVR's language cannot be.
-  void seal(const sensor::SealKey& key);
+  /// of SlimeVR's language cannot be. `power_ons`: as SealedNode has it.
+  void seal(const sensor::SealKey& key, std::uint32_t power_ons);
 
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
   [[nodiscard]] Node& operator[](std::size_t node) { return *nodes_[node]; }

@@ -9,7 +9,8 @@
 
 namespace mien::virt {
 
-SealedNode::SealedNode(Node& node, const sensor::SealKey& key) : node_(node), key_(key) {
+SealedNode::SealedNode(Node& node, const sensor::SealKey& key, std::uint32_t power_ons)
+    : node_(node), key_(key), counter_(std::uint64_t{power_ons} << 32U) {
   // It announces no place: the rig binds its channels.
   if (!node.listens())
     greeting_.emplace(imu::Hello{.device = node.device(), .firmware = "virtual", .sites = {""}});

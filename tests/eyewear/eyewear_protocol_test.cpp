@@ -51,12 +51,13 @@ struct Host {
   EyewearProtocol protocol;
   Inbox inbox;
   double now_s = 0;
+  double step_s = 0.01;  // Between two lines.
 
   explicit Host(EyewearProtocolSettings settings = {}) : protocol(make(settings)) {}
 
   Verdict receive(std::span<const std::byte> bytes, sensor::Peer peer = 0) {
     inbox.clear();
-    now_s += 0.01;
+    now_s += step_s;
     EXPECT_TRUE(protocol.recognises(bytes));
     return protocol.receive(at(now_s), peer, bytes, inbox);
   }
@@ -242,15 +243,32 @@ TEST(EyewearProtocol, EveryPlaceThatTextComesFromIsADevice) {
   EXPECT_EQ(host.receive("1", 6), Verdict::ignored);
   host.now_s += 8.5;
   EXPECT_EQ(host.receive("1", 6), Verdict::taken) << "the first was silent for ten seconds";
-  EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice, 0}));
+  EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice + kMaxTextDevices, 0}))
+      << "nobody else's id";
+  host.now_s += 1;
+  host.meet("1", 7);
+  EXPECT_EQ(host.inbox.readings.at(0).from, (DeviceKey{kTextDevice, 0})) << "its own again";
 }
 
 // 300 strangers between any two lines of a sketch that prints ten a second: all that a session lets through.
 TEST(EyewearProtocol, StrangersWithALineEachKeepNoDeviceOut) {
   Host host;
+  host.step_s = 0.1 / 301;
   sensor::Peer stranger = 100;
   for (int line = 0; line < 8; ++line) {
     for (int i = 0; i < 300; ++i) EXPECT_EQ(host.receive("7", stranger++), Verdict::taken);
+    EXPECT_EQ(host.receive("1,2", 1), Verdict::taken);
+  }
+  EXPECT_EQ(host.inbox.readings.size(), 2u);
+}
+
+TEST(EyewearProtocol, StrangersWhoStopShortKeepNoDeviceOut) {
+  Host host;
+  for (sensor::Peer stranger = 100; stranger < 620; ++stranger)
+    for (int i = 0; i < 7; ++i) EXPECT_EQ(host.receive("7", stranger), Verdict::taken);
+  host.now_s += 1;
+  for (int line = 0; line < 8; ++line) {
+    EXPECT_EQ(host.receive("7", 1000 + static_cast<sensor::Peer>(line)), Verdict::taken);
     EXPECT_EQ(host.receive("1,2", 1), Verdict::taken);
   }
   EXPECT_EQ(host.inbox.readings.size(), 2u);

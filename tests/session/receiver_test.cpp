@@ -194,12 +194,12 @@ struct TwoSenders {
   static constexpr const char* kBoards = "udp://10.0.0.1:5005";
   static constexpr const char* kForger = "udp://10.0.0.9:5005";
   std::vector<take::LogEntry> entries;
-  explicit TwoSenders(double seconds) {
+  explicit TwoSenders(double seconds, Duration later = {}) {
     for (const take::LogEntry& entry : test::performance(seconds).entries) {
       if (!imu::is_packet(entry.bytes)) continue;
       const auto id = static_cast<std::int64_t>(entries.size());
       entries.push_back({id + 1, entry.arrival, kBoards, entry.bytes});
-      entries.push_back({id + 2, entry.arrival, kForger, forged(entry.bytes, 5)});
+      entries.push_back({id + 2, entry.arrival, kForger, forged(entry.bytes, 5, later)});
     }
   }
 };
@@ -262,7 +262,7 @@ struct Paused {
   Accepted accepted;
   Report report;
   Paused(double seconds, double from_s, double to_s) {
-    const TwoSenders both(seconds);
+    const TwoSenders both(seconds, std::chrono::hours(1));
     const auto receiver = receiver_test::receiver();
     Peers peers;
     const HostTime begin = both.entries.front().arrival;
