@@ -266,12 +266,13 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
   if (elsewhere) {
     if (judge_rival(*from, arrival, sender, reading.sample, consumer)) impostor = false;
   } else {
-    if (from->peer != sender.peer) follow(*from, arrival, sender);
+    if (from->peer != sender.peer)
+      follow(*from, arrival, sender);
+    else if (silent >= kSamePlace)
+      from->accepted_since += silent;  // A pause is no time in which it was accepted.
     from->plausibility.add(arrival, reading.sample);
   }
   if (!impostor) {
-    // A pause is no time in which it was accepted.
-    if (silent >= kSamePlace) from->accepted_since += silent;
     from->contested_beside = from->contested;
     from->received = arrival;
     from->newest = reading.sample.time;
