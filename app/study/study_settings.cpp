@@ -133,6 +133,17 @@ Result<void> run_jitter(JitterOptions options) {
   return {};
 }
 
+/// How many people of each seed perform, and for how long.
+template <class Request>
+void add_people(const Command& command, Request& request) {
+  command.add_option("--performers", request.performers, "Virtual people of each seed")
+      .in_range(1, 10000)
+      .show_default();
+  command.add_option("--seconds", request.seconds, "Length of each performance after the prologue")
+      .number_between(1.0, 3600.0)
+      .show_default();
+}
+
 void add_jitter(Commands& commands, Command settings) {
   auto options = std::make_shared<JitterOptions>();
   const Command command = commands.add_under(
@@ -142,12 +153,7 @@ void add_jitter(Commands& commands, Command settings) {
   command.add_option("--model", options->model,
                      "Live model of facial IMUs (default: models/live.safetensors)");
   command.add_option("--rig", options->rig, "Rig file (default: rigs/default.toml)");
-  command.add_option("--performers", options->request.performers, "Virtual people of each seed")
-      .in_range(1, 10000)
-      .show_default();
-  command.add_option("--seconds", options->request.seconds, "Length of each performance after the prologue")
-      .number_between(1.0, 3600.0)
-      .show_default();
+  add_people(command, options->request);
   const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
                           double most) { command.add_option(name, into, what).number_between(least, most); };
   values("--cutoff", options->cutoff_hz, "Cutoffs at rest, Hz", 1e-3, 30);
@@ -237,12 +243,7 @@ void add_heading(Commands& commands, Command settings) {
       "mien study settings heading --sigmas 1.2 1.67 2.4 --every 1 1.4 2",
       [options] { return run_heading(*options); });
   command.add_option("--rig", options->rig, "Rig file with a [skin] table (default: rigs/default.toml)");
-  command.add_option("--performers", options->request.performers, "Virtual people of each seed")
-      .in_range(1, 10000)
-      .show_default();
-  command.add_option("--seconds", options->request.seconds, "Length of each performance after the prologue")
-      .number_between(1.0, 3600.0)
-      .show_default();
+  add_people(command, options->request);
   const auto values = [&](const char* name, std::vector<double>& into, const char* what, double least,
                           double most) { command.add_option(name, into, what).number_between(least, most); };
   values("--sigmas", options->sigmas, "Noise of a measurement, in sigmas of the skin's prediction", 1e-3,
