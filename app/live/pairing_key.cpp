@@ -7,17 +7,32 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
 #include <system_error>
 
 #include "app/private_folder.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
 
 namespace mien::app {
 namespace fs = std::filesystem;
+namespace {
+
+void warn_where_others_read(const fs::path& file) {
+  std::error_code unknown;
+  const fs::perms mode = fs::status(file, unknown).permissions();
+  if (unknown || (mode & (fs::perms::group_read | fs::perms::others_read)) == fs::perms::none) return;
+  fmt::print(
+      stderr,
+      "mien: {}: other users of this machine can read this key; run chmod 600 on it, or make another\n",
+      without_controls(file.string()));
+}
+
+}  // namespace
 
 Result<sensor::SealKey> read_pairing_key(const fs::path& file) {
   MIEN_TRY_ASSIGN(const std::string text, read_text(file, 4096));
@@ -35,6 +50,7 @@ Result<sensor::SealKey> read_pairing_key(const fs::path& file) {
     return fail(ErrorCode::malformed, "not a key file", file.string(),
                 "write a number from 0 to 255, a space and 64 hexadecimal digits into it");
   key.id = static_cast<std::uint8_t>(id);
+  warn_where_others_read(file);
   return key;
 }
 

@@ -32,6 +32,11 @@ asio::ip::address address_of(const in6_addr& address) {
   return asio::ip::address_v6(bytes);
 }
 
+/// Of fe80::1, which every interface may have once.
+bool is_link_local(const asio::ip::address& address) {
+  return address.is_v6() && address.to_v6().is_link_local();
+}
+
 /// Whether a socket of this machine can have it: also 127.0.0.2, which no interface names.
 bool is_of_this_machine(const asio::ip::address& address) {
   if (address.is_unspecified() || address.is_multicast()) return false;
@@ -77,6 +82,8 @@ std::optional<UdpArrival> receive_datagram(udp::socket& socket, std::span<std::b
       std::memcpy(&info, CMSG_DATA(part), sizeof(info));
       arrival.interface = static_cast<unsigned>(info.ipi_ifindex);
       arrival.address = address_of(info.ipi_spec_dst);
+      // The address in the datagram is another only where it is nobody's own.
+      arrival.for_several = info.ipi_addr.s_addr != info.ipi_spec_dst.s_addr;
     } else if (part->cmsg_level == IPPROTO_IPV6 && part->cmsg_type == IPV6_PKTINFO) {
       in6_pktinfo info{};
       std::memcpy(&info, CMSG_DATA(part), sizeof(info));
@@ -84,6 +91,7 @@ std::optional<UdpArrival> receive_datagram(udp::socket& socket, std::span<std::b
       if (IN6_IS_ADDR_V4MAPPED(&info.ipi6_addr)) continue;
       arrival.interface = info.ipi6_ifindex;
       arrival.address = address_of(info.ipi6_addr);
+      arrival.for_several = arrival.address.is_multicast();
     }
   }
   return arrival;
@@ -92,22 +100,34 @@ std::optional<UdpArrival> receive_datagram(udp::socket& socket, std::span<std::b
 Result<UdpEntrance> UdpEntrance::find(std::string_view name) {
   UdpEntrance out;
   out.name_ = name;
+  const auto none = [&out] {
+    return fail(ErrorCode::bad_usage, "no interface and no address of this machine", out.name_.substr(0, 40),
+                "name one that `ip address` shows");
+  };
   boost::system::error_code code;
-  const asio::ip::address address = asio::ip::make_address(out.name_, code);
+  asio::ip::address address = asio::ip::make_address(out.name_, code);
   if (code) {
     out.interface_ = out.name_;
     out.look_up();
-    if (out.number_ != 0) return out;
-  } else if (is_of_this_machine(address)) {
-    out.address_ = address;
-    const auto all = network_interfaces();
-    const auto its = std::ranges::find(all, address.to_string(), &NetworkInterface::address);
-    if (its != all.end()) out.interface_ = its->name;
-    out.look_up();
+    if (out.number_ == 0) return none();
     return out;
   }
-  return fail(ErrorCode::bad_usage, "no interface and no address of this machine", out.name_.substr(0, 40),
-              "name one that `ip address` shows");
+  unsigned long zone = 0;
+  if (address.is_v6()) {
+    zone = address.to_v6().scope_id();
+    address = asio::ip::address_v6(address.to_v6().to_bytes());
+  }
+  const auto all = network_interfaces();
+  const auto its = std::ranges::find_if(all, [&](const NetworkInterface& one) {
+    return one.address == address.to_string() && (zone == 0 || ::if_nametoindex(one.name.c_str()) == zone);
+  });
+  // No socket binds to a link-local one without its zone.
+  if (its == all.end() && (zone != 0 || is_link_local(address) || !is_of_this_machine(address)))
+    return none();
+  if (its != all.end()) out.interface_ = its->name;
+  out.address_ = address;
+  out.look_up();
+  return out;
 }
 
 void UdpEntrance::look_up() {
@@ -118,8 +138,8 @@ void UdpEntrance::look_up() {
 bool UdpEntrance::admits(const UdpArrival& arrival) const {
   const bool here = number_ != 0 && arrival.interface == number_;
   if (!address_) return here;
-  return arrival.address == *address_ ||
-         (here && arrival.address.is_multicast() && arrival.address.is_v6() == address_->is_v6());
+  if (arrival.for_several) return here && arrival.address.is_v6() == address_->is_v6();
+  return arrival.address == *address_ && (here || !is_link_local(*address_));
 }
 
 }  // namespace mien::live

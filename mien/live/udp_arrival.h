@@ -17,8 +17,10 @@ namespace mien::live {
 struct UdpArrival {
   std::size_t size = 0;    ///< Of the datagram; the room's where it was cut.
   unsigned interface = 0;  ///< The system's number of it; 0: the system does not tell.
-  /// The machine's address that it was for; of a broadcast that of the interface. Unspecified: not told.
+  /// The machine's address that it was for, without a zone; of a broadcast one of the interface's.
+  /// Unspecified: not told.
   boost::asio::ip::address address;
+  bool for_several = false;  ///< It was broadcast or multicast.
 };
 
 /// Asks the system to tell where a socket's datagrams come in.
@@ -31,7 +33,8 @@ void tell_arrivals(boost::asio::ip::udp::socket& socket);
 /// One way into this machine: an interface, or an address that one of its interfaces has.
 class UdpEntrance {
  public:
-  /// Of "wlan0" or "192.168.1.7". Errors: bad_usage (neither is here).
+  /// Of "wlan0" or "192.168.1.7"; of a link-local IPv6 address, with its zone ("fe80::1%wlan0") or without,
+  /// the interface that has it. Errors: bad_usage (neither is here).
   [[nodiscard]] static Result<UdpEntrance> find(std::string_view name);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -46,7 +49,7 @@ class UdpEntrance {
   std::string name_;
   std::string interface_;  // Whose number is meant; empty where it is not known.
   unsigned number_ = 0;
-  std::optional<boost::asio::ip::address> address_;
+  std::optional<boost::asio::ip::address> address_;  // Without a zone.
 };
 
 }  // namespace mien::live

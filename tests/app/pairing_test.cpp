@@ -82,6 +82,20 @@ TEST(PairingKey, IsMadeOnceAndForItsOwnerAlone) {
   EXPECT_EQ(content(folder / "no.key"), "open sesame\n");
 }
 
+TEST(PairingKey, ThatOthersCanReadIsSaid) {
+  const Folder folder;
+  const std::filesystem::path file = folder / "pairing.key";
+  ASSERT_TRUE(make_pairing_key(file));
+  const auto said = [&file] {
+    ::testing::internal::CaptureStderr();
+    EXPECT_TRUE(read_pairing_key(file));
+    return ::testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said(), "");
+  std::filesystem::permissions(file, std::filesystem::perms(0640));
+  EXPECT_THAT(said(), HasSubstr("pairing.key: other users of this machine can read this key; run chmod 600"));
+}
+
 TEST(PairingKey, IsOneLineOfFirmwareAndOneCommand) {
   sensor::SealKey key{.id = 3, .secret = {}};
   for (std::size_t i = 0; i < key.secret.size(); ++i) key.secret[i] = static_cast<std::byte>(16 * i);

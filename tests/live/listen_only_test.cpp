@@ -2,11 +2,15 @@
 #include <utility>  // Before Asio 1.74, which forgets it.
 
 #include <gmock/gmock.h>
+#include <net/if.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "mien/live/intake.h"
+#include "mien/live/network_interfaces.h"
+#include "mien/live/udp_arrival.h"
 #include "tests/live/page_client.h"
 
 namespace mien::live::listen_only_test {
@@ -119,6 +123,44 @@ TEST_F(ListenOnly, WhatIsNotHereIsRefusedAndChangesNothing) {
   }
   EXPECT_FALSE(intake.listen_only("::1")) << "no port is of that family";
   EXPECT_EQ(intake.entrance(), "127.0.0.2");
+}
+
+TEST(UdpEntrance, AnInterfaceRefusesWhatCameInByAnother) {
+  const auto loopback = UdpEntrance::find("lo");
+  ASSERT_TRUE(loopback);
+  const unsigned number = ::if_nametoindex("lo");
+  const auto address = boost::asio::ip::make_address("127.0.0.1");
+  EXPECT_TRUE(loopback->admits({.interface = number, .address = address}));
+  EXPECT_FALSE(loopback->admits({.interface = number + 1, .address = address}));
+}
+
+TEST(UdpEntrance, AnAddressAdmitsWhatItsInterfaceBroadcasts) {
+  const auto own = UdpEntrance::find("127.0.0.1");
+  ASSERT_TRUE(own);
+  const unsigned number = ::if_nametoindex("lo");
+  // Of a second address of an interface the system names the first one where it was broadcast.
+  const auto first = boost::asio::ip::make_address("127.0.0.9");
+  EXPECT_TRUE(own->admits({.interface = number, .address = first, .for_several = true}));
+  EXPECT_FALSE(own->admits({.interface = number + 1, .address = first, .for_several = true}));
+  EXPECT_FALSE(own->admits({.interface = number, .address = first}));
+  const auto group = boost::asio::ip::make_address("ff02::1");
+  EXPECT_FALSE(own->admits({.interface = number, .address = group, .for_several = true})) << "another family";
+}
+
+TEST(UdpEntrance, ALinkLocalAddressIsItsInterfaces) {
+  const auto all = network_interfaces();
+  const auto one = std::ranges::find_if(all, [](const auto& i) { return i.address.starts_with("fe80:"); });
+  if (one == all.end()) GTEST_SKIP() << "this machine has no link-local IPv6 address";
+  const unsigned number = ::if_nametoindex(one->name.c_str());
+  const auto address = boost::asio::ip::make_address(one->address);
+  for (const std::string& name : {one->address, one->address + "%" + one->name}) {
+    const auto found = UdpEntrance::find(name);
+    ASSERT_TRUE(found) << name;
+    EXPECT_EQ(found->name(), name);
+    EXPECT_TRUE(found->admits({.interface = number, .address = address})) << name;
+    EXPECT_FALSE(found->admits({.interface = number + 1, .address = address})) << name;
+  }
+  EXPECT_FALSE(UdpEntrance::find(one->address + "%lo")) << "loopback does not have it";
 }
 
 }  // namespace
