@@ -71,12 +71,14 @@ struct Gaps {
 /// One sensor of the rig: from samples to fused orientations, on its own clock.
 struct Channel {
   explicit Channel(const FusionSettings& settings) : integration(settings) {}
-  /// What gaps have added since the last call, by the fusion's sums now or at an earlier sample.
+  /// What gaps have added since the last call, by the fusion's sums now or at an earlier sample. Once each: sums
+  /// that fall, since a late sample filled a gap or an earlier sample is asked, add nothing until they are past
+  /// what was counted.
   Gaps take_gaps(double sigma, std::uint64_t restarts_by_then) {
     const Gaps gaps{std::sqrt(std::max(0.0, sigma * sigma - gap_sigma * gap_sigma)),
                     restarts_by_then > restarts};
-    gap_sigma = sigma;
-    restarts = restarts_by_then;
+    gap_sigma = std::max(gap_sigma, sigma);
+    restarts = std::max(restarts, restarts_by_then);
     return gaps;
   }
   Gaps take_gaps() { return take_gaps(integration.fusion.gap_sigma_rad(), integration.fusion.restarts()); }
@@ -94,7 +96,7 @@ struct Channel {
   bool behind = false;  // The history has samples that are not integrated.
   OrientationTrack track;
   LabTrack lab;
-  double gap_sigma = 0;                 // The fusion's at the last take_gaps(), ...
+  double gap_sigma = 0;                 // The fusion's, as far as take_gaps() has counted, ...
   std::uint64_t restarts = 0;           // ... and its restarts.
   std::optional<DeviceTime> overtaken;  // The newest time when a late sample last came.
   bool restarted = false;               // Its heading is unrelated to the calibrated one.
