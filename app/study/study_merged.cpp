@@ -54,9 +54,13 @@ Json to_json(const study::MergedPerson& person) {
   Json by_eyewear = Json::object();
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     if (person.by_eyewear[k] > 0) by_eyewear[std::string(face::kShapeNames[k])] = person.by_eyewear[k];
-  return {{"frames", person.merged.frames},           {"imu", to_json(person.imu)},
-          {"eyewear", to_json(person.eyewear)},       {"merged", to_json(person.merged)},
-          {"hand_overs_a_second", person.hand_overs}, {"by_eyewear", by_eyewear}};
+  return {{"frames", person.merged.frames},
+          {"imu", to_json(person.imu)},
+          {"eyewear", to_json(person.eyewear)},
+          {"merged", to_json(person.merged)},
+          {"ece", person.confidence.expected_error()},
+          {"hand_overs_a_second", person.hand_overs},
+          {"by_eyewear", by_eyewear}};
 }
 
 void print_row(const std::string& who, const study::MergedPerson& person) {
@@ -69,10 +73,10 @@ void print_row(const std::string& who, const study::MergedPerson& person) {
   };
   fmt::print(
       "{:<8} {:8.4f} {:8.4f} {:8.4f} {:+7.1f} % {:8.5f} {:8.5f} {:8.5f} {:7.3f} {:7.3f} {:7.3f} {:7.1f} % "
-      "{:6.2f}\n",
+      "{:6.2f} {:6.3f}\n",
       who, alone, study::MergedPerson::mae(person.eyewear), merged, 100 * (merged / alone - 1),
       person.imu.mse, person.eyewear.mse, person.merged.mse, pve(person.imu), pve(person.eyewear),
-      pve(person.merged), 100 * answered, person.hand_overs);
+      pve(person.merged), 100 * answered, person.hand_overs, person.confidence.expected_error());
 }
 
 Result<void> run_study_merged(StudyMergedOptions options) {
@@ -88,15 +92,18 @@ Result<void> run_study_merged(StudyMergedOptions options) {
                 {"performers", options.request.performers},
                 {"seconds", options.request.seconds},
                 {"seed", options.request.seed},
+                {"lost", options.request.lost},
                 {"people", all}});
     return {};
   }
   fmt::print(
-      "{} virtual people with IMUs and glasses, {:g} s, seed {}\n\n{:<8} {:>26} {:>9} {:>26} {:>23} {:>9} "
-      "{:>6}\n{:<8} {:>8} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>9} {:>6}\n",
-      options.request.performers, options.request.seconds, options.request.seed, "", "mean error", "", "MSE",
-      "face mm", "glasses", "hands", "", "IMUs", "glasses", "merged", "against", "IMUs", "glasses", "merged",
-      "IMUs", "glasses", "merged", "answer", "a s");
+      "{} virtual people with IMUs and glasses, {:g} s, seed {}, {} IMUs lost\n\n{:<8} {:>26} {:>9} {:>26} "
+      "{:>23} "
+      "{:>9} {:>6} {:>6}\n{:<8} {:>8} {:>8} {:>8} {:>9} {:>8} {:>8} {:>8} {:>7} {:>7} {:>7} {:>9} {:>6} "
+      "{:>6}\n",
+      options.request.performers, options.request.seconds, options.request.seed, options.request.lost, "",
+      "mean error", "", "MSE", "face mm", "glasses", "hands", "merged", "", "IMUs", "glasses", "merged",
+      "against", "IMUs", "glasses", "merged", "IMUs", "glasses", "merged", "answer", "a s", "ECE");
   for (std::size_t p = 0; p < people.size(); ++p) print_row(fmt::format("{}", p + 1), people[p]);
   return {};
 }
@@ -118,6 +125,11 @@ void add_study_merged(Commands& commands, Command study) {
       .add_option("--seconds", options->request.seconds,
                   "Length of each one's performance after the prologue")
       .number_between(1.0, 3600.0)
+      .show_default();
+  command
+      .add_option("--lost", options->request.lost,
+                  "IMUs of the face, drawn for each person, that fall silent as the performance begins")
+      .in_range(0, 1000)
       .show_default();
   add_seed_option(command, options->request.seed, "Of the people, their devices and what they do");
   command.add_flag("--json", options->json, "Print one JSON object");

@@ -1,6 +1,7 @@
 #include "mien/study/merged_study.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -78,6 +79,16 @@ Result<virt::VirtualSession> play_both(const MergedRequest& request, const Merge
   return out;
 }
 
+/// `count` of the rig's IMUs of the face.
+std::vector<std::uint16_t> drawn_imus(const sensor::Rig& rig, int count, Random random) {
+  std::vector<std::uint16_t> all;
+  for (const std::uint16_t sensor : rig.face_sensors())
+    if (rig.sensors[sensor].kind == "imu") all.push_back(sensor);
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) std::swap(all[i], all[i + random.below(all.size() - i)]);
+  all.resize(std::min(all.size(), static_cast<std::size_t>(count)));
+  return all;
+}
+
 /// Both trackers, each given what its sensors say.
 struct Trackers final : session::SampleConsumer {
   static Result<Trackers> create(const MergedScene& scene) {
@@ -97,6 +108,7 @@ struct Trackers final : session::SampleConsumer {
     return out;
   }
   void add(HostTime arrival, const sensor::Sample& sample) override {
+    if (silent && std::ranges::find(lost, sample.sensor) != lost.end()) return;
     owner[sample.sensor]->add(arrival, sample);
   }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey&, bool) override {
@@ -106,11 +118,14 @@ struct Trackers final : session::SampleConsumer {
 
   std::unique_ptr<tracker::Tracker> imu, eyewear;
   std::vector<tracker::Tracker*> owner;  // By the sensor's number.
+  std::vector<std::uint16_t> lost;
+  bool silent = false;  // Nothing comes from those any more.
 };
 
 Result<MergedPerson> answer(const MergedRequest& request, const MergedScene& scene, const face::Face& face,
-                            const virt::VirtualSession& session) {
+                            const virt::VirtualSession& session, std::vector<std::uint16_t> lost) {
   MIEN_TRY_ASSIGN(Trackers trackers, Trackers::create(scene));
+  trackers.lost = std::move(lost);
   guide_by_events(session.events, *trackers.imu);
   guide_by_events(session.events, *trackers.eyewear);
   MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
@@ -137,12 +152,16 @@ Result<MergedPerson> answer(const MergedRequest& request, const MergedScene& sce
                                                                source(frames[1], eyewear)};
         face::OutputFrame one;
         merge.apply(sources, one);
-        const bool counts = session.truth[merged.size()].evaluated;
+        trackers.silent = tick.frame >= session.motion_start;
+        const take::TruthFrame& truth = session.truth[merged.size()];
+        const bool counts = truth.evaluated;
         merged.push_back(one.weights);
         evaluated += counts ? 1 : 0;
         for (std::size_t k = 0; k < face::kShapeCount; ++k) {
           const std::optional<std::size_t> who = merge.answers(k);
           if (counts) {
+            out.confidence.add(one.confidence[k],
+                               std::abs(one.weights[k] - truth.weights[k]) <= model::kConfidenceTolerance);
             out.by_eyewear[k] += who == std::size_t{1} ? 1 : 0;
             out.hand_overs += who != before[k] ? 1 : 0;
           }
@@ -172,6 +191,9 @@ Result<std::vector<MergedPerson>> study_merged(const MergedRequest& request, con
                                                const Progress& progress) {
   if (request.performers < 1 || !(request.seconds >= 1))
     return fail(ErrorCode::bad_usage, "the study needs somebody and a second of performance", "study merged");
+  if (request.lost < 0 || std::cmp_greater(request.lost, only(scene.rig, "imu").face_sensors().size()))
+    return fail(ErrorCode::bad_usage, "the rig has fewer IMUs of the face than are to be lost",
+                "study merged");
   const auto reference = scene.rig.find(scene.rig.reference);
   if (!reference || scene.rig.sensors[*reference].kind != "imu")
     return fail(ErrorCode::bad_usage, "the frame grid of the rig is not an IMU's", "rig " + scene.rig.name,
@@ -181,7 +203,8 @@ Result<std::vector<MergedPerson>> study_merged(const MergedRequest& request, con
     const Random root = Random(request.seed).fork("merged", p);
     const VirtualPerson person = draw_person(root);
     MIEN_TRY_ASSIGN(const virt::VirtualSession session, play_both(request, scene, person, root));
-    MIEN_TRY_ASSIGN(people[p], answer(request, scene, person.face, session));
+    MIEN_TRY_ASSIGN(people[p], answer(request, scene, person.face, session,
+                                      drawn_imus(scene.rig, request.lost, root.fork("lost"))));
     return {};
   }));
   return people;

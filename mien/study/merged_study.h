@@ -13,6 +13,7 @@
 #include "mien/performer/prologue.h"
 #include "mien/sensor/rig.h"
 #include "mien/shaping/merge_settings.h"
+#include "mien/study/confidence.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/imu/device_faults.h"
 
@@ -23,6 +24,9 @@ struct MergedRequest {
   int performers = 3;
   double seconds = 60;  ///< Each one's performance, after the prologue.
   performer::PrologueKind prologue = performer::PrologueKind::full;
+  /// IMUs of the face, drawn for each person, from which nothing comes once the performance has begun; 0 to
+  /// all.
+  int lost = 0;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: one a core.
   shaping::MergeSettings merge;
@@ -44,6 +48,7 @@ struct MergedPerson {
   measure::Metrics eyewear;                            ///< By the glasses alone.
   measure::Metrics merged;                             ///< By shaping::Merge of both.
   std::array<double, face::kShapeCount> by_eyewear{};  ///< Share of the frames that the glasses answered.
+  Reliability confidence;                              ///< Of the merged frames.
   double hand_overs = 0;  ///< How often a shape changed hands, a second of performance, all shapes together.
 
   /// Mean absolute error of the 53 weights.
@@ -53,8 +58,8 @@ struct MergedPerson {
 /// What merging loses or gains: each person performs once, IMUs and glasses of the scene's rig feel it at
 /// once and are received in one session, and the trackers' frames are merged as a live session's are. The
 /// prologue (ten seconds of neutral, nod, shake, and expressions in a full one) calibrates both. Errors:
-/// bad_usage (nobody; a rig whose grid is not an IMU's), those of the devices and the models; cancelled.
-/// Cost: about half a minute of one core a person and minute.
+/// bad_usage (nobody; more lost than there are; a rig whose grid is not an IMU's), those of the devices and
+/// the models; cancelled. Cost: about half a minute of one core a person and minute.
 [[nodiscard]] Result<std::vector<MergedPerson>> study_merged(const MergedRequest& request,
                                                              const MergedScene& scene,
                                                              const Progress& progress);

@@ -24,6 +24,7 @@ MergedRequest brief(unsigned threads) {
   return {.performers = 1,
           .seconds = 2,
           .prologue = performer::PrologueKind::brief,
+          .lost = 0,
           .seed = 4,
           .threads = threads,
           .merge = {}};
@@ -46,6 +47,20 @@ TEST(MergedStudy, WhoExplainsMoreAnswersAndIsFollowedToTheBit) {
   ASSERT_TRUE(by_eyewear) << by_eyewear.error().message();
   EXPECT_EQ(by_eyewear->front().merged.mse, person.eyewear.mse);
   for (const double share : by_eyewear->front().by_eyewear) EXPECT_EQ(share, 1);
+}
+
+TEST(MergedStudy, IMUsThatFallSilentAreLostToTheirsAlone) {
+  const auto all = study_merged(brief(1), scene(), no_progress);
+  MergedRequest request = brief(1);
+  request.lost = 3;
+  const auto fewer = study_merged(request, scene(), no_progress);
+  ASSERT_TRUE(all && fewer);
+  EXPECT_NE(fewer->front().imu.mse, all->front().imu.mse);
+  EXPECT_EQ(fewer->front().eyewear.mse, all->front().eyewear.mse);
+  EXPECT_EQ(fewer->front().merged.frames, all->front().merged.frames);
+  EXPECT_GT(fewer->front().confidence.expected_error(), 0);
+  request.lost = 12;
+  EXPECT_EQ(study_merged(request, scene(), no_progress).error().code, ErrorCode::bad_usage);
 }
 
 TEST(MergedStudy, RefusesNobodyAndAGridThatNoImuCarries) {

@@ -47,7 +47,7 @@ std::string LossCondition::name() const {
     case Fault::restart:
       return "one restarts half-way";
     case Fault::shared_id:
-      return "two with one id, both received";
+      return "two with one id, nobody chooses";
     case Fault::sensor_silent:
       return "without " + sensor;
     case Fault::sensors_silent:

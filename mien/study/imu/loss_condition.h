@@ -23,7 +23,7 @@ enum class Fault : std::uint8_t {
   disorder,        ///< `amount` percent come twice, and packets overtake each other by up to 40 ms.
   clock_drift,     ///< Every clock is `amount` ppm off, either way, and stepped by 500 us every ten seconds.
   restart,         ///< One face sensor restarts half-way, with a new clock.
-  shared_id,       ///< One face sensor speaks with another's id, and both are heard.
+  shared_id,       ///< One face sensor sends with another's id; the first of the two is received.
   sensor_silent,   ///< The face sensor `sensor` is never heard.
   sensors_silent,  ///< `amount` face sensors are never heard.
   head_silent,     ///< The head's sensor is not heard for `amount` seconds, half-way.
