@@ -6,6 +6,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/names_option.h"
 #include "app/performance.h"
 #include "app/write_motion.h"
 #include "mien/builtin_face/load_face.h"
@@ -18,7 +19,7 @@ namespace mien::app {
 namespace {
 
 struct ExportOptions {
-  std::string motion, face, out, markers;
+  std::string motion, face, out, markers, names;
   std::string model;
   onnx::ExportRequest graph;  ///< Of a model.
   bool json = false;
@@ -54,12 +55,16 @@ Result<void> write_onnx(const ExportOptions& options) {
 }
 
 Result<void> write_performance(ExportOptions options) {
+  if (!options.names.empty() &&
+      (wants_markers(options) || std::filesystem::path(options.out).extension() == ".csv"))
+    return fail(ErrorCode::bad_usage, "--names is for the morph targets of glTF", options.out,
+                "write a .glb or .gltf, or leave --names out");
   MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion));
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
   if (wants_markers(options))
     MIEN_TRY(write_markers(performance.motion, options));
   else
-    MIEN_TRY(write_motion(performance.motion, options.face, options.out));
+    MIEN_TRY(write_motion(performance.motion, options.face, options.out, gltf_settings(options.names)));
   if (options.json)
     print_json({{"out", options.out},
                 {"face", options.face},
@@ -87,7 +92,8 @@ void add_export_command(Commands& commands) {
   const Command command = commands.add(
       "export",
       "Writes a motion as Live Link CSV, as animated glTF, or as markers on the skin; or a model as ONNX",
-      "mien export --motion take.mien --out take.glb\n  mien export --model models/live.safetensors --out "
+      "mien export --motion take.mien --names arkit --out take.glb\n  mien export --model "
+      "models/live.safetensors --out "
       "live.onnx",
       [options] { return run_export(*options); });
   const Option motion =
@@ -102,9 +108,12 @@ void add_export_command(Commands& commands) {
           "take's own unless told")
       .needs(motion);
   command
-      .add_option("--out", options->out,
-                  "The .csv, .glb or .gltf to write; .trc for markers; of a model the .onnx")
+      .add_option(
+          "--out", options->out,
+          "The .csv, .glb or .gltf to write (with --names vrm also .vrm); .trc for markers; of a model the "
+          ".onnx")
       .required();
+  add_names_option(command, options->names).needs(motion);
   command
       .add_option("--markers", options->markers,
                   "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "

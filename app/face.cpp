@@ -9,6 +9,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/names_option.h"
 #include "app/one_line.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
@@ -92,6 +93,7 @@ void print_face(const face::Face& face) {
 struct FaceArguments {
   std::string face = "builtin";
   std::string out;
+  std::string names;
   bool json = false;
 };
 
@@ -107,15 +109,19 @@ Result<void> show(const FaceArguments& arguments) {
 
 Result<void> export_face(const FaceArguments& arguments) {
   const fs::path out = arguments.out;
-  const std::string ending = out.extension().string();
-  if (ending != ".obj" && ending != ".glb" && ending != ".gltf")
-    return fail(ErrorCode::bad_usage, "the name ends neither in .obj nor in .glb or .gltf", out.string());
+  const render::GltfSettings settings = gltf_settings(arguments.names);
+  MIEN_TRY(settings.vrm ? check_output(out, {".glb", ".gltf", ".vrm"})
+                        : check_output(out, {".obj", ".glb", ".gltf"}));
+  const bool obj = out.extension() == ".obj";
+  if (obj && !arguments.names.empty())
+    return fail(ErrorCode::bad_usage, "an .obj holds the neutral face alone, without morph targets",
+                "--names", "write a .glb or .gltf");
   MIEN_TRY_ASSIGN(const face::Face face,
                   builtin_face::load_face(arguments.face, terminal_progress("reading the face")));
-  if (ending == ".obj")
+  if (obj)
     MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
   else
-    MIEN_TRY(render::write_gltf(out, face, nullptr));
+    MIEN_TRY(render::write_gltf(out, face, nullptr, settings));
   if (arguments.json) print_json(Json{{"file", out.string()}, {"face", face.name}});
   return {};
 }
@@ -130,12 +136,17 @@ void add_face_command(Commands& commands) {
                                     [arguments] { return show(*arguments); });
   face.add_option("--face", arguments->face, kFaceHelp).show_default();
   face.add_flag("--json", arguments->json, "One JSON object on stdout");
-  const Command exported = commands.add_under(
-      face, "export", "Writes the face to a file that other programs open",
-      "mien face export --face builtin --out face.glb", [arguments] { return export_face(*arguments); });
+  const Command exported =
+      commands.add_under(face, "export", "Writes the face to a file that other programs open",
+                         "mien face export --face builtin --names arkit --out face.glb",
+                         [arguments] { return export_face(*arguments); });
   exported.add_option("--face", arguments->face, kFaceHelp).show_default();
-  exported.add_option("--out", arguments->out, "The file to write: .obj (the neutral face), .glb or .gltf")
+  exported
+      .add_option("--out", arguments->out,
+                  "The file to write: .obj (the neutral face), .glb or .gltf; with "
+                  "--names vrm also .vrm")
       .required();
+  add_names_option(exported, arguments->names);
   exported.add_flag("--json", arguments->json, "One JSON object on stdout");
 }
 

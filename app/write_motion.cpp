@@ -4,7 +4,6 @@
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
-#include "mien/render/gltf_export.h"
 
 namespace mien::app {
 
@@ -28,12 +27,12 @@ Result<void> check_motion_output(const std::filesystem::path& path) {
 }
 
 Result<void> write_motion(const face::Motion& motion, const std::string& face,
-                          const std::filesystem::path& path) {
-  MIEN_TRY(check_motion_output(path));
+                          const std::filesystem::path& path, const render::GltfSettings& settings) {
+  MIEN_TRY(settings.vrm ? check_output(path, {".csv", ".glb", ".gltf", ".vrm"}) : check_motion_output(path));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
   MIEN_TRY_ASSIGN(const face::Face model, builtin_face::load_face(face));
-  return render::write_gltf(path, model, &motion);
+  return render::write_gltf(path, model, &motion, settings);
 }
 
 }  // namespace mien::app

@@ -7,6 +7,7 @@
 #include "mien/core/error.h"
 #include "mien/face/motion.h"
 #include "mien/face/output_frame.h"
+#include "mien/render/gltf_export.h"
 
 namespace mien::app {
 
@@ -17,8 +18,10 @@ namespace mien::app {
 [[nodiscard]] Result<void> check_motion_output(const std::filesystem::path& path);
 
 /// Writes a motion in the format of the file's ending: .csv (Live Link Face), .glb or .gltf (on the face that
-/// `face` names). Errors: bad_usage for another ending, and the writers'.
+/// `face` names, known to receivers as `settings` say). Errors: bad_usage for another ending, and the
+/// writers'.
 [[nodiscard]] Result<void> write_motion(const face::Motion& motion, const std::string& face,
-                                        const std::filesystem::path& path);
+                                        const std::filesystem::path& path,
+                                        const render::GltfSettings& settings = {});
 
 }  // namespace mien::app

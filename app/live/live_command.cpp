@@ -212,7 +212,8 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
     return fail(ErrorCode::io, "nothing was received", "no frame came",
                 "see that the devices are on, and send to where the session listened");
   if (summary.network.elsewhere == summary.datagrams)
-    return fail(ErrorCode::io, "all packets came in where the page had narrowed listening not to", "no frame came",
+    return fail(ErrorCode::io, "all packets came in where the page had narrowed listening not to",
+                "no frame came",
                 "let the page listen on every interface, or on the one that the devices send to");
   if (summary.network.sealed && summary.report.refused > 0)
     return fail(ErrorCode::io, "packets did that were not sealed with the session's key", "no frame came",

@@ -9,8 +9,8 @@
 // The key that devices and sessions share, as a file: a number from 0 to 255, a space, 64 hexadecimal digits.
 namespace mien::app {
 
-/// Says on stderr where others than its owner can read the file, and the way out. Errors: not_found, io, malformed
-/// (no key file).
+/// Says on stderr where others than its owner can read the file, and the way out. Errors: not_found, io,
+/// malformed (no key file).
 [[nodiscard]] Result<sensor::SealKey> read_pairing_key(const std::filesystem::path& file);
 
 /// Where this user's key is unless told otherwise: mien/pairing.key in XDG_CONFIG_HOME, or in ~/.config.

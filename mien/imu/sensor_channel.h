@@ -71,9 +71,9 @@ struct Gaps {
 /// One sensor of the rig: from samples to fused orientations, on its own clock.
 struct Channel {
   explicit Channel(const FusionSettings& settings) : integration(settings) {}
-  /// What gaps have added since the last call, by the fusion's sums now or at an earlier sample. Once each: sums
-  /// that fall, since a late sample filled a gap or an earlier sample is asked, add nothing until they are past
-  /// what was counted.
+  /// What gaps have added since the last call, by the fusion's sums now or at an earlier sample. Once each:
+  /// sums that fall, since a late sample filled a gap or an earlier sample is asked, add nothing until they
+  /// are past what was counted.
   Gaps take_gaps(double sigma, std::uint64_t restarts_by_then) {
     const Gaps gaps{std::sqrt(std::max(0.0, sigma * sigma - gap_sigma * gap_sigma)),
                     restarts_by_then > restarts};

@@ -15,6 +15,7 @@
 #include "mien/core/files.h"
 #include "mien/core/time.h"
 #include "mien/render/surface_paint.h"
+#include "mien/render/vrm.h"
 
 namespace mien::render {
 namespace {
@@ -170,7 +171,6 @@ json material_entry(Material material, float roughness) {
 struct Piece {
   std::string name;
   std::map<Material, std::vector<TriangleIndices>> triangles;  // Of the face's vertices.
-  bool with_shapes = false;
   Vec3f origin_m = Vec3f::Zero();
 };
 
@@ -213,7 +213,7 @@ Result<void> check(const face::Face& face) {
 /// Adds a mesh and gives its index.
 std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& paint,
                      std::map<Material, std::size_t>& materials, const Piece& piece,
-                     std::span<const Vec3f> normals) {
+                     std::span<const face::MorphTarget> morphs, std::span<const Vec3f> normals) {
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> place(face.neutral_m.size(), kNone);
   std::vector<Material> material_of(face.neutral_m.size(), Material::skin);
@@ -249,19 +249,17 @@ std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& p
                            {"COLOR_0", asset.colours(colours)}};
 
   json targets = json::array(), names = json::array();
-  if (piece.with_shapes)
-    for (const face::Shape& s : face.shapes) {
-      std::vector<std::uint32_t> index;
-      std::vector<Vec3f> delta;
-      for (std::size_t k = 0; k < s.vertex.size(); ++k)
-        if (place[s.vertex[k]] != kNone) {
-          index.push_back(place[s.vertex[k]]);
-          delta.push_back(s.delta_m[k]);
-        }
-      targets.push_back(
-          {{"POSITION", asset.sparse_vectors(std::move(index), std::move(delta), used.size())}});
-      names.push_back(s.name);
-    }
+  for (const face::MorphTarget& morph : morphs) {
+    std::vector<std::uint32_t> index;
+    std::vector<Vec3f> delta;
+    for (std::size_t k = 0; k < morph.vertex.size(); ++k)
+      if (place[morph.vertex[k]] != kNone) {
+        index.push_back(place[morph.vertex[k]]);
+        delta.push_back(morph.delta_m[k]);
+      }
+    targets.push_back({{"POSITION", asset.sparse_vectors(std::move(index), std::move(delta), used.size())}});
+    names.push_back(morph.name);
+  }
 
   json primitives = json::array();
   for (const auto& [material, triangles] : piece.triangles) {
@@ -310,20 +308,22 @@ struct NodeNames {
   std::array<bool, 2> has_eye{};
 };
 
-Result<void> add_animation(Asset& asset, const face::Face& face, const face::Motion& motion,
-                           const NodeNames& nodes) {
+Result<void> add_animation(Asset& asset, std::span<const face::MorphTarget> morphs,
+                           const face::Motion& motion, const NodeNames& nodes, const Vec3f& rest_m) {
   const face::MotionCurve curve(motion);
   const auto last_frame = static_cast<std::int64_t>(std::floor(motion.duration_s() * kFrameRateHz + 1e-6));
   std::vector<float> times, weights, head, position;
+  bool moves = false;
   std::array<std::vector<float>, 2> eyes;
   for (std::int64_t i = 0; i <= last_frame; ++i) {
     const double time_s = to_seconds(frame_offset(i));
     const face::MotionFrame frame = curve.at(time_s);
     times.push_back(static_cast<float>(time_s));
-    for (std::size_t k = 0; k < face.shapes.size(); ++k)
-      weights.push_back(k < face::kShapeCount ? frame.weights[k] : frame.tongue_out);
+    for (const face::MorphTarget& morph : morphs)
+      weights.push_back(face::weight_of(morph, frame.weights, frame.tongue_out));
     append(head, frame.head);
-    for (int c = 0; c < 3; ++c) position.push_back(static_cast<float>(frame.head_position_m[c]));
+    moves = moves || !frame.head_position_m.isZero(0);
+    for (int c = 0; c < 3; ++c) position.push_back(rest_m[c] + static_cast<float>(frame.head_position_m[c]));
     for (std::size_t e = 0; e < 2; ++e) append(eyes[e], eye_rotation(frame.weights, e == 0));
   }
   for (const auto* track : {&times, &weights, &head, &position, &eyes[0], &eyes[1]})
@@ -337,10 +337,9 @@ Result<void> add_animation(Asset& asset, const face::Face& face, const face::Mot
     channels.push_back({{"sampler", samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
     samplers.push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
   };
-  if (!face.shapes.empty()) add(nodes.face, "weights", asset.track(weights, "SCALAR", 1, false));
+  if (!morphs.empty()) add(nodes.face, "weights", asset.track(weights, "SCALAR", 1, false));
   add(nodes.head, "rotation", asset.track(head, "VEC4", 4, false));
-  if (std::ranges::any_of(position, [](float v) { return v != 0; }))
-    add(nodes.head, "translation", asset.track(position, "VEC3", 3, false));
+  if (moves) add(nodes.head, "translation", asset.track(position, "VEC3", 3, false));
   for (std::size_t e = 0; e < 2; ++e)
     if (nodes.has_eye[e]) add(nodes.eye[e], "rotation", asset.track(eyes[e], "VEC4", 4, false));
   asset.tree["animations"] = {{{"name", motion.name.empty() ? "performance" : motion.name},
@@ -351,8 +350,8 @@ Result<void> add_animation(Asset& asset, const face::Face& face, const face::Mot
 
 }  // namespace
 
-Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion,
-                                           GltfKind kind) {
+Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion, GltfKind kind,
+                                           const GltfSettings& settings) {
   MIEN_TRY(check(face));
   if (motion != nullptr && motion->frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion->name);
@@ -364,12 +363,9 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
       material[t] = part.material;
 
   std::array<Piece, 3> pieces;  // The face, left eye, right eye.
-  pieces[0] = {.name = "face", .triangles = {}, .with_shapes = true, .origin_m = Vec3f::Zero()};
+  pieces[0] = {.name = "face", .triangles = {}, .origin_m = Vec3f::Zero()};
   for (std::size_t e = 0; e < 2; ++e)
-    pieces[e + 1] = {.name = e == 0 ? "eye_L" : "eye_R",
-                     .triangles = {},
-                     .with_shapes = false,
-                     .origin_m = face.eyes[e].centre_m};
+    pieces[e + 1] = {.name = e == 0 ? "eye_L" : "eye_R", .triangles = {}, .origin_m = face.eyes[e].centre_m};
   const std::array<bool, 2> alone = {turns_alone(face, face.eyes[0]), turns_alone(face, face.eyes[1])};
   for (std::size_t t = 0; t < face.triangles.size(); ++t) {
     std::size_t piece = 0;
@@ -388,11 +384,14 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
   std::map<Material, std::size_t> materials;
+  const std::vector<face::MorphTarget> morphs =
+      face::morph_targets(face, settings.vrm ? face::TargetNames::arkit : settings.names);
 
   NodeNames nodes;
   json children = json::array();
   nodes.face = asset.add(
-      "nodes", {{"name", "face"}, {"mesh", add_mesh(asset, face, paint, materials, pieces[0], normals)}});
+      "nodes",
+      {{"name", "face"}, {"mesh", add_mesh(asset, face, paint, materials, pieces[0], morphs, normals)}});
   children.push_back(nodes.face);
   for (std::size_t e = 0; e < 2; ++e) {
     if (pieces[e + 1].triangles.empty()) continue;
@@ -400,14 +399,27 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
     nodes.has_eye[e] = true;
     nodes.eye[e] =
         asset.add("nodes", {{"name", pieces[e + 1].name},
-                            {"mesh", add_mesh(asset, face, paint, materials, pieces[e + 1], normals)},
+                            {"mesh", add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals)},
                             {"translation", {at.x(), at.y(), at.z()}}});
     children.push_back(nodes.eye[e]);
   }
   nodes.head = asset.add("nodes", {{"name", "head"}, {"children", std::move(children)}});
-  asset.tree["scenes"] = {{{"name", face.name.empty() ? "face" : face.name}, {"nodes", {nodes.head}}}};
+  std::size_t root = nodes.head;
+  Vec3f rest_m = Vec3f::Zero();  // Of the head, in its parent's frame.
+  if (settings.vrm) {
+    std::array<std::optional<std::size_t>, 2> eyes;
+    for (std::size_t e = 0; e < 2; ++e)
+      if (nodes.has_eye[e]) eyes[e] = nodes.eye[e];
+    Skeleton skeleton = add_skeleton(asset.tree["nodes"], nodes.head, eyes);
+    root = skeleton.root;
+    rest_m = skeleton.head_m;
+    asset.tree["extensionsUsed"] = {"VRMC_vrm"};
+    asset.tree["extensions"]["VRMC_vrm"] =
+        vrm_extension(face, morphs, nodes.face, eyes[0] && eyes[1], std::move(skeleton.humanoid));
+  }
+  asset.tree["scenes"] = {{{"name", face.name.empty() ? "face" : face.name}, {"nodes", {root}}}};
   asset.tree["scene"] = 0;
-  if (motion != nullptr) MIEN_TRY(add_animation(asset, face, *motion, nodes));
+  if (motion != nullptr) MIEN_TRY(add_animation(asset, morphs, *motion, nodes, rest_m));
 
   while (asset.buffer.bytes().size() % 4 != 0) asset.buffer.little(std::uint8_t{0});
   const auto buffer = asset.buffer.bytes();
@@ -437,14 +449,14 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   return file.release();
 }
 
-Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face,
-                        const face::Motion* motion) {
+Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face, const face::Motion* motion,
+                        const GltfSettings& settings) {
   const std::string ending = path.extension().string();
-  if (ending != ".glb" && ending != ".gltf")
+  if (ending != ".glb" && ending != ".gltf" && !(settings.vrm && ending == ".vrm"))
     return fail(ErrorCode::bad_usage, fmt::format("'{}' is no ending of glTF", ending), path.string(),
                 "name it .glb or .gltf");
   MIEN_TRY_ASSIGN(const auto content,
-                  encode_gltf(face, motion, ending == ".glb" ? GltfKind::binary : GltfKind::text));
+                  encode_gltf(face, motion, ending == ".gltf" ? GltfKind::text : GltfKind::binary, settings));
   return write_file(path, content);
 }
 

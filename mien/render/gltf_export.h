@@ -6,6 +6,7 @@
 
 #include "mien/core/error.h"
 #include "mien/face/face.h"
+#include "mien/face/morph_targets.h"
 #include "mien/face/motion.h"
 
 namespace mien::render {
@@ -16,18 +17,26 @@ enum class GltfKind {
   text,    ///< .gltf with its buffer inside as base64.
 };
 
-/// A face as glTF 2.0: a head node that turns, a mesh with one morph target a shape (names in
-/// mesh.extras.targetNames, ours), both eyeballs as nodes of their own where no shape moves them, colours at
+/// How a receiver knows the face.
+struct GltfSettings {
+  face::TargetNames names = face::TargetNames::ict;
+  /// An avatar by VRM 1.0 (VRM Consortium) as well: bones, expressions, whereby it looks. Its names are
+  /// ARKit's.
+  bool vrm = false;
+};
+
+/// A face as glTF 2.0: a head node that turns, a mesh with one sparse morph target a name (in
+/// mesh.extras.targetNames), both eyeballs as nodes of their own where no shape moves them, colours at
 /// the vertices. With a motion, one animation at 60 frames a second: weights as performed, head rotation and
 /// position, eyes. Metres, +Y up, +Z forward. The same input gives the same bytes. Errors: out_of_range (a
 /// number that is not finite, or more than 4 GB), malformed (a triangle or shape that names a vertex that is
 /// not there), bad_usage (nothing to write). Source: Khronos, glTF 2.0 specification (ISO/IEC 12113:2022).
 [[nodiscard]] Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion,
-                                                         GltfKind kind);
+                                                         GltfKind kind, const GltfSettings& settings = {});
 
-/// The same into a file, whole or not at all; the name's ending (.glb, .gltf) chooses the kind. Errors: those
-/// of encode_gltf and write_file, and bad_usage for another ending.
+/// The same into a file, whole or not at all; the name's ending (.glb, .gltf, of an avatar .vrm too) chooses
+/// the kind. Errors: those of encode_gltf and write_file, and bad_usage for another ending.
 [[nodiscard]] Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face,
-                                      const face::Motion* motion);
+                                      const face::Motion* motion, const GltfSettings& settings = {});
 
 }  // namespace mien::render

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "mien/core/base64.h"
 #include "mien/core/bytes.h"
@@ -128,6 +130,96 @@ TEST(Gltf, NamesItsTargetsAndBoundsItsPositions) {
   EXPECT_FALSE(glb.tree.contains("animations"));
 }
 
+TEST(Gltf, HasApplesNamesAndTheirWeights) {
+  const face::Face face = ball_face();
+  face::Motion motion = nod(0.1);
+  for (face::MotionFrame& frame : motion.frames) frame.weights[face::shape("cheekPuff_L")] = 0.5F;
+  const Glb glb =
+      open(encode_gltf(face, &motion, GltfKind::binary, {.names = face::TargetNames::arkit}).value());
+  const json& names = glb.tree["meshes"][0]["extras"]["targetNames"];
+  EXPECT_EQ(names.get<std::vector<std::string>>(), face::arkit52().shapes);
+  EXPECT_EQ(glb.tree["meshes"][0]["primitives"][0]["targets"].size(), 52U);
+  const json& animation = glb.tree["animations"][0];
+  const auto weights =
+      floats(glb, animation["samplers"][animation["channels"][0]["sampler"].get<std::size_t>()]["output"]
+                      .get<std::size_t>());
+  const auto puff = static_cast<std::size_t>(std::ranges::find(face::arkit52().shapes, "cheekPuff") -
+                                             face::arkit52().shapes.begin());
+  EXPECT_FLOAT_EQ(weights[puff], 0.25F) << "the mean of both sides";
+  const auto head = face::parse_gltf(
+      encode_gltf(face, nullptr, GltfKind::binary, {.names = face::TargetNames::arkit}).value(), "ball.glb");
+  ASSERT_TRUE(head);
+  EXPECT_NEAR(peak_displacement_m(head->face, "mouthSmile_L"), peak_displacement_m(face, "mouthSmile_L"),
+              1e-7);
+}
+
+TEST(Gltf, IsAnAvatarByVrm) {
+  const face::Face face = ball_face();
+  face::Motion motion = nod(0.1);
+  for (face::MotionFrame& frame : motion.frames) frame.head_position_m = Vec3(0.01, 0, 0);
+  const Glb glb = open(encode_gltf(face, &motion, GltfKind::binary, {.vrm = true}).value());
+  EXPECT_EQ(glb.tree["extensionsUsed"], json::array({"VRMC_vrm"}));
+  const json& vrm = glb.tree["extensions"]["VRMC_vrm"];
+  EXPECT_EQ(vrm["specVersion"], "1.0");
+  EXPECT_EQ(vrm["meta"]["licenseUrl"], "https://vrm.dev/licenses/1.0/");
+  EXPECT_FALSE(vrm["meta"].contains("allowRedistribution")) << "nobody said whose this face is";
+
+  // Each bone is a node of its own below its parent, the head where a neck ends.
+  const json& bones = vrm["humanoid"]["humanBones"];
+  const json& nodes = glb.tree["nodes"];
+  const auto parent = [&](std::size_t node) {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      for (const json& child : nodes[i].value("children", json::array()))
+        if (child == node) return i;
+    return nodes.size();
+  };
+  for (const char* bone : {"hips", "spine", "head", "leftUpperLeg", "leftLowerLeg", "leftFoot",
+                           "rightUpperLeg", "rightLowerLeg", "rightFoot", "leftUpperArm", "leftLowerArm",
+                           "leftHand", "rightUpperArm", "rightLowerArm", "rightHand", "leftEye", "rightEye"})
+    ASSERT_TRUE(bones.contains(bone)) << bone;
+  double height_m = 0;
+  std::size_t node = bones["head"]["node"].get<std::size_t>();
+  for (; node < nodes.size(); node = parent(node))
+    if (nodes[node].contains("translation")) height_m += nodes[node]["translation"][1].get<double>();
+  EXPECT_NEAR(height_m, 1.58, 1e-5);
+  EXPECT_EQ(parent(bones["leftEye"]["node"].get<std::size_t>()), bones["head"]["node"].get<std::size_t>());
+
+  // Expressions bind targets that are there: ARKit's each for itself, VRM's own as sums.
+  const json& expressions = vrm["expressions"];
+  EXPECT_EQ(expressions["custom"].size(), 52U);
+  EXPECT_TRUE(expressions["custom"].contains("EyeBlinkLeft"));
+  EXPECT_EQ(expressions["preset"]["blink"]["morphTargetBinds"].size(), 2U);
+  for (const char* kind : {"preset", "custom"})
+    for (const auto& [name, expression] : expressions[kind].items())
+      for (const json& bound : expression.value("morphTargetBinds", json::array())) {
+        const json& owner = nodes[bound["node"].get<std::size_t>()];
+        EXPECT_LT(bound["index"].get<std::size_t>(),
+                  glb.tree["meshes"][owner["mesh"].get<std::size_t>()]["extras"]["targetNames"].size());
+        EXPECT_GT(bound["weight"].get<double>(), 0) << name;
+      }
+  EXPECT_EQ(vrm["lookAt"]["type"], "bone");
+  EXPECT_NEAR(vrm["lookAt"]["offsetFromHeadBone"][2].get<double>(), 0.085, 1e-6);
+
+  // A motion moves the head from its place on the neck.
+  for (const json& channel : glb.tree["animations"][0]["channels"]) {
+    if (channel["target"]["path"] != "translation") continue;
+    const auto moved =
+        floats(glb, glb.tree["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()]["output"]
+                        .get<std::size_t>());
+    EXPECT_FLOAT_EQ(moved[0], 0.01F);
+    EXPECT_NEAR(moved[1], 0.13, 1e-5);
+  }
+}
+
+TEST(Gltf, AnAvatarWhoseEyesAreShapesLooksByExpressions) {
+  face::Face face = ball_face();
+  face.eyes = {};
+  const Glb glb = open(encode_gltf(face, nullptr, GltfKind::binary, {.vrm = true}).value());
+  const json& look = glb.tree["extensions"]["VRMC_vrm"]["lookAt"];
+  EXPECT_EQ(look["type"], "expression");
+  EXPECT_EQ(look["rangeMapVerticalUp"]["outputScale"], 1.0);
+}
+
 TEST(Gltf, IsTheSameEveryTimeInBothKinds) {
   const face::Face face = ball_face();
   const face::Motion motion = nod(0.3);
@@ -164,6 +256,7 @@ TEST(Gltf, RefusesWhatNoReaderCouldShow) {
   const face::Motion empty;
   EXPECT_EQ(code(good, &empty), ErrorCode::bad_usage);
   EXPECT_EQ(write_gltf("face.obj", good, nullptr).error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(write_gltf("face.vrm", good, nullptr).error().code, ErrorCode::bad_usage) << "no avatar";
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+#include "app/names_option.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "app/nearest_word.h"
+#include "app/one_line.h"
+
+namespace mien::app {
+
+Option add_names_option(Command command, std::string& names) {
+  const auto check = [](const std::string& word) -> std::string {
+    static const std::vector<std::string> known = {"ict", "arkit", "unified", "vrm"};
+    if (std::ranges::find(known, word) != known.end()) return {};
+    const std::string near = nearest_word(word, known);
+    return fmt::format(
+        "there are no names '{}'{}", one_line(word, 40),
+        near.empty() ? "; there are ict, arkit, unified and vrm" : fmt::format("; did you mean {}?", near));
+  };
+  return command
+      .add_option("--names", names,
+                  "Names of the morph targets in glTF: ict (ours), arkit (Apple's 52), unified (Unified "
+                  "Expressions) or vrm (ARKit's, and an avatar by VRM 1.0: bones, expressions, look-at)")
+      .check(check, "ict, arkit, unified or vrm");
+}
+
+render::GltfSettings gltf_settings(const std::string& names) {
+  if (names == "arkit") return {.names = face::TargetNames::arkit};
+  if (names == "unified") return {.names = face::TargetNames::unified};
+  if (names == "vrm") return {.names = face::TargetNames::arkit, .vrm = true};
+  return {};
+}
+
+}  // namespace mien::app

@@ -1,0 +1,206 @@
+#include "mien/face/morph_targets.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "mien/face/target_names.h"
+
+namespace mien::face {
+namespace {
+
+enum class Side : std::uint8_t { both, left, right };
+enum class Lip : std::uint8_t { both, upper, lower };
+
+/// A target of Unified Expressions: a share of a portion of one shape.
+struct Portion {
+  std::string_view name;
+  std::string_view shape;
+  float share = 1;
+  Side side = Side::both;
+  Lip lip = Lip::both;
+};
+
+/// In the order of Unified Expressions' own reference: eyes, brows, cheeks, jaw, lips, mouth, tongue.
+constexpr Portion kUnified[] = {
+    {"EyeLookOutRight", "eyeLookOut_R"},
+    {"EyeLookInRight", "eyeLookIn_R"},
+    {"EyeLookUpRight", "eyeLookUp_R"},
+    {"EyeLookDownRight", "eyeLookDown_R"},
+    {"EyeLookOutLeft", "eyeLookOut_L"},
+    {"EyeLookInLeft", "eyeLookIn_L"},
+    {"EyeLookUpLeft", "eyeLookUp_L"},
+    {"EyeLookDownLeft", "eyeLookDown_L"},
+    {"EyeClosedRight", "eyeBlink_R"},
+    {"EyeClosedLeft", "eyeBlink_L"},
+    {"EyeSquintRight", "eyeSquint_R"},
+    {"EyeSquintLeft", "eyeSquint_L"},
+    {"EyeWideRight", "eyeWide_R"},
+    {"EyeWideLeft", "eyeWide_L"},
+    {"BrowPinchRight", "browDown_R", 0.25F},
+    {"BrowPinchLeft", "browDown_L", 0.25F},
+    {"BrowLowererRight", "browDown_R", 0.75F},
+    {"BrowLowererLeft", "browDown_L", 0.75F},
+    {"BrowInnerUpRight", "browInnerUp_R"},
+    {"BrowInnerUpLeft", "browInnerUp_L"},
+    {"BrowOuterUpRight", "browOuterUp_R"},
+    {"BrowOuterUpLeft", "browOuterUp_L"},
+    {"CheekSquintRight", "cheekSquint_R"},
+    {"CheekSquintLeft", "cheekSquint_L"},
+    {"CheekPuffRight", "cheekPuff_R"},
+    {"CheekPuffLeft", "cheekPuff_L"},
+    {"JawOpen", "jawOpen"},
+    {"JawRight", "jawRight"},
+    {"JawLeft", "jawLeft"},
+    {"JawForward", "jawForward"},
+    {"MouthClosed", "mouthClose"},
+    {"LipSuckUpperRight", "mouthRollUpper", 1, Side::right},
+    {"LipSuckUpperLeft", "mouthRollUpper", 1, Side::left},
+    {"LipSuckLowerRight", "mouthRollLower", 1, Side::right},
+    {"LipSuckLowerLeft", "mouthRollLower", 1, Side::left},
+    {"LipFunnelUpperRight", "mouthFunnel", 1, Side::right, Lip::upper},
+    {"LipFunnelUpperLeft", "mouthFunnel", 1, Side::left, Lip::upper},
+    {"LipFunnelLowerRight", "mouthFunnel", 1, Side::right, Lip::lower},
+    {"LipFunnelLowerLeft", "mouthFunnel", 1, Side::left, Lip::lower},
+    {"LipPuckerUpperRight", "mouthPucker", 1, Side::right, Lip::upper},
+    {"LipPuckerUpperLeft", "mouthPucker", 1, Side::left, Lip::upper},
+    {"LipPuckerLowerRight", "mouthPucker", 1, Side::right, Lip::lower},
+    {"LipPuckerLowerLeft", "mouthPucker", 1, Side::left, Lip::lower},
+    {"MouthUpperUpRight", "mouthUpperUp_R"},
+    {"MouthUpperUpLeft", "mouthUpperUp_L"},
+    {"NoseSneerRight", "noseSneer_R"},
+    {"NoseSneerLeft", "noseSneer_L"},
+    {"MouthLowerDownRight", "mouthLowerDown_R"},
+    {"MouthLowerDownLeft", "mouthLowerDown_L"},
+    {"MouthUpperRight", "mouthRight", 1, Side::both, Lip::upper},
+    {"MouthUpperLeft", "mouthLeft", 1, Side::both, Lip::upper},
+    {"MouthLowerRight", "mouthRight", 1, Side::both, Lip::lower},
+    {"MouthLowerLeft", "mouthLeft", 1, Side::both, Lip::lower},
+    {"MouthCornerPullRight", "mouthSmile_R", 0.8F},
+    {"MouthCornerPullLeft", "mouthSmile_L", 0.8F},
+    {"MouthCornerSlantRight", "mouthSmile_R", 0.2F},
+    {"MouthCornerSlantLeft", "mouthSmile_L", 0.2F},
+    {"MouthFrownRight", "mouthFrown_R"},
+    {"MouthFrownLeft", "mouthFrown_L"},
+    {"MouthStretchRight", "mouthStretch_R"},
+    {"MouthStretchLeft", "mouthStretch_L"},
+    {"MouthDimpleRight", "mouthDimple_R"},
+    {"MouthDimpleLeft", "mouthDimple_L"},
+    {"MouthRaiserUpper", "mouthShrugUpper"},
+    {"MouthRaiserLower", "mouthShrugLower"},
+    {"MouthPressRight", "mouthPress_R"},
+    {"MouthPressLeft", "mouthPress_L"},
+    {"TongueOut", "tongueOut"},
+};
+
+constexpr float kMidlineHalfWidth_m = 0.008F;
+/// Displacement by jawOpen, of its largest, from which skin begins to be the lower lip's, and is it wholly.
+constexpr float kLowerFrom = 0.15F, kLowerTo = 0.5F;
+
+float smoothstep(float from, float to, float value) {
+  const float t = std::clamp((value - from) / (to - from), 0.0F, 1.0F);
+  return t * t * (3 - 2 * t);
+}
+
+/// Which share of a vertex is left, and which the lower lip's.
+class Portions {
+ public:
+  explicit Portions(const Face& face) : face_(face), lower_(face.neutral_m.size(), 0) {
+    const Shape* const jaw = face.find_shape("jawOpen");
+    if (jaw == nullptr) return;
+    float largest = 0;
+    for (const Vec3f& delta : jaw->delta_m) largest = std::max(largest, delta.norm());
+    if (!(largest > 0)) return;
+    for (std::size_t i = 0; i < jaw->vertex.size(); ++i)
+      lower_[jaw->vertex[i]] = smoothstep(kLowerFrom, kLowerTo, jaw->delta_m[i].norm() / largest);
+  }
+  [[nodiscard]] float of(const Portion& portion, std::uint32_t vertex) const {
+    const float left = smoothstep(-kMidlineHalfWidth_m, kMidlineHalfWidth_m, face_.neutral_m[vertex].x());
+    const float lower = lower_[vertex];
+    return portion.share *
+           (portion.side == Side::both   ? 1
+            : portion.side == Side::left ? left
+                                         : 1 - left) *
+           (portion.lip == Lip::both    ? 1
+            : portion.lip == Lip::lower ? lower
+                                        : 1 - lower);
+  }
+
+ private:
+  const Face& face_;
+  std::vector<float> lower_;
+};
+
+/// None where the face lacks it.
+const Shape* shape_at(const Face& face, std::size_t k) {
+  return k < face.shapes.size() ? &face.shapes[k] : nullptr;
+}
+
+MorphTarget sum_of(const Face& face, std::string name, std::vector<std::size_t> shapes) {
+  std::map<std::uint32_t, Vec3f> moved;
+  for (const std::size_t k : shapes) {
+    const Shape* const shape = shape_at(face, k);
+    if (shape == nullptr) continue;
+    for (std::size_t i = 0; i < shape->vertex.size(); ++i) {
+      const auto [at, is_new] = moved.try_emplace(shape->vertex[i], shape->delta_m[i]);
+      if (!is_new) at->second += shape->delta_m[i];
+    }
+  }
+  MorphTarget out{.name = std::move(name), .shapes = std::move(shapes), .vertex = {}, .delta_m = {}};
+  for (const auto& [vertex, delta] : moved) {
+    out.vertex.push_back(vertex);
+    out.delta_m.push_back(delta);
+  }
+  return out;
+}
+
+std::vector<MorphTarget> arkit_targets(const Face& face) {
+  std::vector<MorphTarget> out;
+  for (const std::string& name : arkit52().shapes) out.push_back(sum_of(face, name, shapes_of_name(name)));
+  return out;
+}
+
+std::vector<MorphTarget> unified_targets(const Face& face) {
+  const Portions portions(face);
+  std::vector<MorphTarget> out;
+  for (const Portion& portion : kUnified) {
+    const std::size_t k = shapes_of_name(portion.shape).front();
+    MorphTarget& target = out.emplace_back();
+    target.name = portion.name;
+    target.shapes = {k};
+    const Shape* const shape = shape_at(face, k);
+    if (shape == nullptr) continue;
+    for (std::size_t i = 0; i < shape->vertex.size(); ++i) {
+      const float share = portions.of(portion, shape->vertex[i]);
+      if (share <= 0) continue;
+      target.vertex.push_back(shape->vertex[i]);
+      target.delta_m.push_back(share * shape->delta_m[i]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<MorphTarget> morph_targets(const Face& face, TargetNames names) {
+  switch (names) {
+    case TargetNames::arkit:
+      return arkit_targets(face);
+    case TargetNames::unified:
+      return unified_targets(face);
+    case TargetNames::ict:
+      break;
+  }
+  std::vector<MorphTarget> out;
+  for (std::size_t k = 0; k < face.shapes.size(); ++k) out.push_back(sum_of(face, face.shapes[k].name, {k}));
+  return out;
+}
+
+float weight_of(const MorphTarget& target, const BlendshapeWeights& weights, float tongue_out) {
+  float sum = 0;
+  for (const std::size_t k : target.shapes) sum += k < kShapeCount ? weights[k] : tongue_out;
+  return sum / static_cast<float>(target.shapes.size());
+}
+
+}  // namespace mien::face
