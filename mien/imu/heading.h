@@ -43,7 +43,7 @@ class HeadingSums {
 };
 
 /// Settings of the heading tracker. Defaults: docs/method/fusion.md; those of re-centring were chosen by
-/// `mien study drift`, those of skin on virtual people and one real take (docs/experiments/fusion.md). "Weigh
+/// `mien study drift`, those of skin by `mien study settings heading` (docs/experiments/settings.md). "Weigh
 /// less": the Kalman gain of that measurement falls, so drift is corrected later and the state is steadier.
 struct HeadingSettings {
   // Nods of a still face.
@@ -119,12 +119,12 @@ struct HeadingSettings {
   // predict.
   /// Measurement noise, in standard deviations of that prediction (residual_cov_rad2). Raising: measurements
   /// weigh less. Lowering: drift is held tighter, held expressions are bent sooner.
-  double predicted_sigmas = 1.67;
+  double predicted_sigmas = 1.2;
   /// Time in which the frames' measurements add up to one of that noise, s. Raising and lowering: as above.
-  double predicted_every_s = 1.4;
+  double predicted_every_s = 1.0;
   /// Prior standard deviation of the wearer-specific skin rotation, in the same unit. Raising: residuals are
   /// attributed to the wearer's skin. Lowering: to the heading.
-  double wearer_rotation_sigmas = 1.1;
+  double wearer_rotation_sigmas = 1.6;
 
   // Search for a lost heading: a turn about the vertical beyond `lost_turn_rad` to one side for
   // `lost_after_s`, while the heading's standard deviation is above `lost_sigma_rad`, is attributed to the
