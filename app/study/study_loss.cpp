@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <utility>
 
 #include "app/json_output.h"
+#include "app/one_line.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
 #include "mien/builtin_face/load_face.h"
@@ -24,6 +26,7 @@ struct StudyLossOptions {
   std::string rig;
   std::vector<std::string> motions;
   std::vector<std::string> faces;
+  std::vector<std::string> rows;
   std::string out;
   bool json = false;
 };
@@ -48,6 +51,25 @@ Result<void> load_motions(StudyLossOptions& options) {
     options.request.motions.push_back({std::move(performance.motion), place});
   }
   return {};
+}
+
+/// All conditions, or those whose name has one of the texts of --rows in it.
+Result<std::vector<study::LossCondition>> chosen_conditions(const StudyLossOptions& options,
+                                                            const sensor::Rig& rig) {
+  const std::vector<study::LossCondition> all = study::loss_conditions(rig);
+  const auto has = [](const std::string& text) {
+    return [&text](const study::LossCondition& one) { return one.name().find(text) != std::string::npos; };
+  };
+  for (const std::string& row : options.rows)
+    if (std::ranges::none_of(all, has(row)))
+      return fail(ErrorCode::bad_usage, "no condition has this in its name", "--rows " + one_line(row, 40),
+                  "the table of mien study loss --performers 1 --seconds 1 names them all");
+  std::vector<study::LossCondition> chosen;
+  std::ranges::copy_if(all, std::back_inserter(chosen), [&](const study::LossCondition& one) {
+    return options.rows.empty() ||
+           std::ranges::any_of(options.rows, [&](const std::string& row) { return has(row)(one); });
+  });
+  return chosen;
 }
 
 std::string performed_by(const StudyLossOptions& options) {
@@ -126,10 +148,10 @@ Result<void> run_study_loss(StudyLossOptions options) {
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(options.rig));
   MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(options.model));
+  MIEN_TRY_ASSIGN(const std::vector<study::LossCondition> conditions, chosen_conditions(options, rig));
   if (!options.motions.empty()) MIEN_TRY(load_motions(options));
-  MIEN_TRY_ASSIGN(
-      const study::LossStudy study,
-      study::study_loss(options.request, rig, model, study::loss_conditions(rig), terminal_progress("loss")));
+  MIEN_TRY_ASSIGN(const study::LossStudy study,
+                  study::study_loss(options.request, rig, model, conditions, terminal_progress("loss")));
   clear_progress();
   const std::string subtitle = fmt::format("{}, model {}", performed_by(options),
                                            std::filesystem::path(options.model).filename().string());
@@ -171,6 +193,9 @@ void add_study_loss(Commands& commands, Command study) {
       .add_option("--face", options->faces,
                   "Face of each --motion, or one for all, as mien face takes it (default: builtin)")
       .needs(motions);
+  command.add_option(
+      "--rows", options->rows,
+      "Only the conditions with one of these in their name, beside the clean one: bursts \"10 %\"");
   add_seed_option(command, options->request.seed, "Of the performers, their devices and the networks");
   command.add_option("--out", options->out, "Write a self-contained HTML page with the curve and the table");
   command.add_flag("--json", options->json, "Print one JSON object");

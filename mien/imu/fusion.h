@@ -185,8 +185,8 @@ class Fusion {
   /// Standard deviation of the bias: the largest of the three axes', rad/s.
   [[nodiscard]] double bias_sigma_rad_s() const;
   [[nodiscard]] bool at_rest() const { return at_rest_; }
-  /// Standard deviation that gaps and clipped rates have added to the orientation since the start, rad. Only
-  /// grows: callers take its increments.
+  /// Standard deviation that gaps and clipped rates have added to the orientation since the start or
+  /// restart(), rad. Only grows meanwhile: callers take its increments.
   [[nodiscard]] double gap_sigma_rad() const { return gap_sigma_; }
   /// How often the inclination was begun anew: gaps beyond max_gap_s, and restart().
   [[nodiscard]] std::uint64_t restarts() const { return restarts_; }

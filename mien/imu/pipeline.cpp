@@ -62,6 +62,8 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
   if (s.head) ear = s.pose(*s.head, frame);
   if (!s.windows.empty()) s.run_prologue(frame, ear);
   if (s.self_calibrating()) s.watch_for_calibration(frame, ear);
+  const bool bridged = s.head && !ear;
+  if (bridged) ear = s.bridged_ear(frame);
 
   const Calibration& calibration = s.calibration;
   if (ear && calibration.complete && s.channels[*s.head].restarted) s.realign_head(frame, *ear);
@@ -74,9 +76,9 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     out.has_head = true;
     s.last_head = out.head;
     head_rate = c * ear->rate_rad_s;
-    if (s.last_head_rate && dt_s > 0) head_turn = (head_rate - *s.last_head_rate) / dt_s;
+    if (s.last_head_rate && dt_s > 0 && !bridged) head_turn = (head_rate - *s.last_head_rate) / dt_s;
   }
-  s.last_head_rate = head_known ? std::optional<Vec3>(head_rate) : std::nullopt;
+  s.last_head_rate = head_known && !bridged ? std::optional<Vec3>(head_rate) : std::nullopt;
 
   const Gaps ear_gaps = s.head ? s.take_gaps(*s.head, frame) : Gaps();
   const bool followed = s.settings.track_heading && !s.settings.magnetometer;
@@ -109,6 +111,11 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     }
     if (channel.restarted) s.realign_face(i, *ear, *pose);
     if (!followed) continue;
+    if (bridged) {
+      // Where the head is was told by the skin: nothing is learnt from where skin is to it.
+      s.trackers[i].skip(dt_s);
+      continue;
+    }
     if (s.implausible(i, dt_s, *ear, *pose)) {
       s.trackers[i].skip(dt_s);
       s.poses[i].reset();
@@ -118,7 +125,7 @@ CalibrationChange Pipeline::tick(DeviceTime frame, const sensor::TimeLines& line
     s.trackers[i].add(dt_s, relative, ear->orientation, relative * pose->rate_rad_s - ear->rate_rad_s,
                       ear->rate_rad_s);
   }
-  if (head_known && followed) s.update_headings_from_skin(dt_s, ear->orientation);
+  if (head_known && followed && !bridged) s.update_headings_from_skin(dt_s, ear->orientation);
 
   for (std::size_t i = 0; i < s.face.size(); ++i) {
     const std::optional<FusedSample>& pose = s.poses[i];

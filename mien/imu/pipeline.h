@@ -65,9 +65,15 @@ struct PipelineSettings {
   /// Self-calibration: while there is no calibration, detect a still face, a nod and a shake, and calibrate
   /// by them (docs/method/calibration.md). Live sessions set it (ImuTracker::live_settings()).
   bool calibrates_itself = false;
-  /// Time-out: a sensor whose newest sample is older than this at a frame is missing (100 ms). Raising:
-  /// drop-outs hide behind held values. Lowering: sensors are missing sooner.
-  Duration silence = std::chrono::milliseconds(100);
+  /// Time-out: a sensor whose newest sample is older than this at a frame is missing (150 ms). Raising:
+  /// drop-outs hide behind held values. Lowering: sensors are missing sooner. Chosen, as `bridge`, on virtual
+  /// people of the studies of settings (docs/experiments/loss.md).
+  Duration silence = std::chrono::milliseconds(150);
+  /// Time-out of the ear sensor, without which nothing is known against the head: beyond `silence` its
+  /// orientation is bridged by the head's turn as the face sensors felt it (250 ms; at most what their tracks
+  /// hold, a quarter of a second at 240 Hz). Raising: longer gaps leave rotations, whose error is skin that
+  /// turned together. Lowering: all rotations are missing sooner; at most `silence`: nothing is bridged.
+  Duration bridge = std::chrono::milliseconds(250);
   /// The same for a board without device time that sends only changes of its rotation (1 s). Raising and
   /// lowering: likewise.
   Duration unchanged = std::chrono::seconds(1);

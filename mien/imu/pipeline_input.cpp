@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <span>
 
 #include "mien/imu/pipeline_state.h"
 
@@ -12,6 +14,10 @@ using sensor::SampleKind;
 
 /// A device time this far behind the newest is a restarted board; less is a sample that was overtaken.
 constexpr Duration kRestart = std::chrono::seconds(1);
+/// Face sensors that bridge the ear sensor's gap: without a sample for this long at most, ...
+constexpr Duration kBridgeSilence = std::chrono::milliseconds(30);
+/// ... that many at least, since the median of fewer is skin's own turn, and at most.
+constexpr std::size_t kLeastToBridge = 4, kMostToBridge = 32;
 
 Vec3 vec3(const FusionInput& in, std::size_t at) {
   return Vec3(in.values[at], in.values[at + 1], in.values[at + 2]);
@@ -41,6 +47,8 @@ void Pipeline::State::add(Channel& channel, const FusionInput& in) {
     channel.history.clear();
     channel.track.clear();
     channel.overtaken.reset();
+    channel.gap_sigma = 0;  // As the fusion's sum.
+    channel.gaps_until.reset();
     channel.restarted = true;
   }
   // No tick has come for long: what waits must not leave the history.
@@ -121,7 +129,7 @@ Gaps Pipeline::State::take_gaps(std::uint16_t sensor, DeviceTime frame) {
   if (!channel.disordered() || channel.track.empty() || !lines->has_samples(sensor))
     return channel.take_gaps();
   const FusedSample& then = channel.track.reached(lines->from_line(sensor, frame) - kFilledWithin);
-  return channel.take_gaps(then.gap_sigma_rad, then.restarts);
+  return channel.take_gaps(then.gap_sigma_rad, then.restarts, then.time);
 }
 
 std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTime frame) const {
@@ -130,6 +138,42 @@ std::optional<FusedSample> Pipeline::State::pose(std::uint16_t sensor, DeviceTim
   return channel.track.at(lines->from_line(sensor, frame),
                           channel.may_be_unchanged ? settings.unchanged : settings.silence,
                           settings.prediction);
+}
+
+// What the ear sensor turns while nothing of it is received is the head's turn, which every face sensor felt
+// beside its own skin's: the median of each axis.
+std::optional<FusedSample> Pipeline::State::bridged_ear(DeviceTime frame) const {
+  const Channel& ear = channels[*head];
+  if (ear.track.empty() || !calibration.complete || !lines->ready() || !lines->has_samples(*head))
+    return std::nullopt;
+  FusedSample out = ear.track.newest();
+  const DeviceTime now = lines->from_line(*head, frame);
+  if (now <= out.time || now - out.time > settings.bridge) return std::nullopt;
+  const DeviceTime last = lines->to_line(*head, out.time);
+  std::array<std::array<double, kMostToBridge>, 3> turns;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < face.size() && count < kMostToBridge; ++i) {
+    if (!calibration.sensors[i].valid || !lines->has_samples(face[i])) continue;
+    const OrientationTrack& track = channels[face[i]].track;
+    const auto at = [&](DeviceTime line) {
+      return track.at(lines->from_line(face[i], line), kBridgeSilence, settings.prediction);
+    };
+    const std::optional<FusedSample> before = at(last), after = at(frame);
+    if (!before || !after) continue;
+    const Vec3 turn = neutral(i) * log_rotation(before->orientation.conjugate() * after->orientation);
+    for (std::size_t c = 0; c < 3; ++c) turns[c][count] = turn[static_cast<int>(c)];
+    ++count;
+  }
+  if (count < kLeastToBridge) return std::nullopt;
+  Vec3 median;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::span<double> axis = std::span(turns[c]).first(count);
+    std::ranges::sort(axis);
+    median[static_cast<int>(c)] = 0.5 * (axis[(count - 1) / 2] + axis[count / 2]);
+  }
+  out.orientation = out.orientation * exp_rotation(median);
+  out.time = now;
+  return out;
 }
 
 bool Pipeline::State::fresh(std::uint16_t sensor, DeviceTime frame) const {

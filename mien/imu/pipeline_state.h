@@ -61,6 +61,10 @@ struct Pipeline::State {
   Gaps take_gaps(std::uint16_t sensor, DeviceTime frame);
   /// The sensor's orientation at the frame; none where nothing was received lately.
   [[nodiscard]] std::optional<FusedSample> pose(std::uint16_t sensor, DeviceTime frame) const;
+  /// The ear sensor's orientation in a gap of at most `bridge`, by what the face sensors turned since its
+  /// newest sample; rate and force are that sample's. None without a calibration, or where too few face
+  /// sensors are there.
+  [[nodiscard]] std::optional<FusedSample> bridged_ear(DeviceTime frame) const;
   // Calibration: pipeline_calibration.cpp.
   void run_prologue(DeviceTime frame, const std::optional<FusedSample>& ear);
   void watch_for_calibration(DeviceTime frame, const std::optional<FusedSample>& ear);

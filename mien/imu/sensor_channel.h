@@ -71,17 +71,21 @@ struct Gaps {
 /// One sensor of the rig: from samples to fused orientations, on its own clock.
 struct Channel {
   explicit Channel(const FusionSettings& settings) : integration(settings) {}
-  /// What gaps have added since the last call, by the fusion's sums now or at an earlier sample. Once each:
-  /// sums that fall, since a late sample filled a gap or an earlier sample is asked, add nothing until they
-  /// are past what was counted.
-  Gaps take_gaps(double sigma, std::uint64_t restarts_by_then) {
+  /// What gaps have added since the last call, by the fusion's sums at a sample of that time: once each, so
+  /// nothing where an earlier sample is asked than the last time.
+  Gaps take_gaps(double sigma, std::uint64_t restarts_by_then, DeviceTime then) {
+    if (gaps_until && then <= *gaps_until) return {};
     const Gaps gaps{std::sqrt(std::max(0.0, sigma * sigma - gap_sigma * gap_sigma)),
                     restarts_by_then > restarts};
-    gap_sigma = std::max(gap_sigma, sigma);
-    restarts = std::max(restarts, restarts_by_then);
+    gap_sigma = sigma;
+    restarts = restarts_by_then;
+    gaps_until = then;
     return gaps;
   }
-  Gaps take_gaps() { return take_gaps(integration.fusion.gap_sigma_rad(), integration.fusion.restarts()); }
+  Gaps take_gaps() {
+    if (!integration.newest) return {};
+    return take_gaps(integration.fusion.gap_sigma_rad(), integration.fusion.restarts(), *integration.newest);
+  }
   /// False for a while after a restart, until the new stream has run without a long gap.
   [[nodiscard]] bool settled() const {
     return !restarted || !integration.newest || *integration.newest - integration.steady_since >= kSettleTime;
@@ -96,12 +100,13 @@ struct Channel {
   bool behind = false;  // The history has samples that are not integrated.
   OrientationTrack track;
   LabTrack lab;
-  double gap_sigma = 0;                 // The fusion's, as far as take_gaps() has counted, ...
-  std::uint64_t restarts = 0;           // ... and its restarts.
-  std::optional<DeviceTime> overtaken;  // The newest time when a late sample last came.
-  bool restarted = false;               // Its heading is unrelated to the calibrated one.
-  bool may_be_unchanged = false;        // Sends nothing while its rotation is constant.
-  std::uint64_t dropped = 0;            // As SensorStatus has it.
+  double gap_sigma = 0;                  // The fusion's at the last take_gaps(), ...
+  std::uint64_t restarts = 0;            // ... its restarts, ...
+  std::optional<DeviceTime> gaps_until;  // ... and of which sample they were.
+  std::optional<DeviceTime> overtaken;   // The newest time when a late sample last came.
+  bool restarted = false;                // Its heading is unrelated to the calibrated one.
+  bool may_be_unchanged = false;         // Sends nothing while its rotation is constant.
+  std::uint64_t dropped = 0;             // As SensorStatus has it.
 };
 
 }  // namespace mien::imu

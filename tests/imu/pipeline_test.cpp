@@ -282,6 +282,44 @@ TEST(Pipeline, LostSensorsAreMissingAndTheOthersAreNot) {
   EXPECT_GT(pipeline.status(3).lost, 200u);
 }
 
+TEST(Pipeline, AGapOfTheEarSensorIsBridgedByTheFaceSensors) {
+  Script script;
+  script.end = 18;
+  Recording recording = record(script, Faults{}, 6, 26, still_skin);
+  // The head nods and turns by up to 150 degrees a second all the while.
+  std::erase_if(recording.entries, [](const Entry& entry) {
+    const double t = to_seconds(entry.arrival.time_since_epoch());
+    return entry.samples[0].sensor == 6 && t > 14 && t < 14.6;
+  });
+  for (const bool bridged : {true, false}) {
+    PipelineSettings settings;
+    if (!bridged) settings.bridge = {};
+    testing_head::ClockedPipeline pipeline(recording.rig, settings);
+    std::size_t within = 0, beyond = 0;
+    play(recording, script, pipeline,
+         [&](double t, const model::FeatureFrame& frame, const testing_head::ClockedPipeline&) {
+           if (t > 14.17 && t < 14.23) {
+             ++within;
+             EXPECT_EQ(frame.has_head, bridged) << t;
+             for (const auto& feature : frame.sensors) {
+               ASSERT_EQ(feature.has_rotation, bridged) << t;
+               EXPECT_FALSE(feature.has_accel) << t;
+               const auto& q = feature.rotation;
+               if (bridged) {
+                 EXPECT_LT(log_rotation(Quat(q[0], q[1], q[2], q[3])).norm(), 5 * kRadPerDeg) << t;
+               }
+             }
+           }
+           if (t > 14.3 && t < 14.58) {
+             ++beyond;
+             EXPECT_FALSE(frame.has_head) << "too long";
+           }
+         });
+    EXPECT_GE(within, 3U);
+    EXPECT_GE(beyond, 15U);
+  }
+}
+
 TEST(Pipeline, AnotherBoardHasNoNeutralUntilTheNextCalibration) {
   Script script;
   script.end = 24;
