@@ -64,7 +64,8 @@ Result<void> write_performance(ExportOptions options) {
   if (wants_markers(options))
     MIEN_TRY(write_markers(performance.motion, options));
   else
-    MIEN_TRY(write_motion(performance.motion, options.face, options.out, gltf_settings(options.names)));
+    MIEN_TRY(
+        write_motion(performance.motion, options.face, options.out, gltf_names(options.names, options.out)));
   if (options.json)
     print_json({{"out", options.out},
                 {"face", options.face},
@@ -108,10 +109,9 @@ void add_export_command(Commands& commands) {
           "take's own unless told")
       .needs(motion);
   command
-      .add_option(
-          "--out", options->out,
-          "The .csv, .glb or .gltf to write (with --names vrm also .vrm); .trc for markers; of a model the "
-          ".onnx")
+      .add_option("--out", options->out,
+                  "The .csv, .glb, .gltf or .vrm to write; .trc for markers; of a model the "
+                  ".onnx")
       .required();
   add_names_option(command, options->names).needs(motion);
   command

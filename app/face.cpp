@@ -109,9 +109,11 @@ Result<void> show(const FaceArguments& arguments) {
 
 Result<void> export_face(const FaceArguments& arguments) {
   const fs::path out = arguments.out;
-  const render::GltfSettings settings = gltf_settings(arguments.names);
-  MIEN_TRY(settings.vrm ? check_output(out, {".glb", ".gltf", ".vrm"})
-                        : check_output(out, {".obj", ".glb", ".gltf"}));
+  const render::GltfNames names = gltf_names(arguments.names, out);
+  if (names == render::GltfNames::vrm)
+    MIEN_TRY(check_output(out, {".vrm", ".glb"}));
+  else
+    MIEN_TRY(check_output(out, {".obj", ".glb", ".gltf"}));
   const bool obj = out.extension() == ".obj";
   if (obj && !arguments.names.empty())
     return fail(ErrorCode::bad_usage, "an .obj holds the neutral face alone, without morph targets",
@@ -121,7 +123,7 @@ Result<void> export_face(const FaceArguments& arguments) {
   if (obj)
     MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
   else
-    MIEN_TRY(render::write_gltf(out, face, nullptr, settings));
+    MIEN_TRY(render::write_gltf(out, face, nullptr, names));
   if (arguments.json) print_json(Json{{"file", out.string()}, {"face", face.name}});
   return {};
 }
@@ -142,9 +144,7 @@ void add_face_command(Commands& commands) {
                          [arguments] { return export_face(*arguments); });
   exported.add_option("--face", arguments->face, kFaceHelp).show_default();
   exported
-      .add_option("--out", arguments->out,
-                  "The file to write: .obj (the neutral face), .glb or .gltf; with "
-                  "--names vrm also .vrm")
+      .add_option("--out", arguments->out, "The file to write: .obj (the neutral face), .glb, .gltf or .vrm")
       .required();
   add_names_option(exported, arguments->names);
   exported.add_flag("--json", arguments->json, "One JSON object on stdout");

@@ -22,15 +22,17 @@ Option add_names_option(Command command, std::string& names) {
   return command
       .add_option("--names", names,
                   "Names of the morph targets in glTF: ict (ours), arkit (Apple's 52), unified (Unified "
-                  "Expressions) or vrm (ARKit's, and an avatar by VRM 1.0: bones, expressions, look-at)")
+                  "Expressions) or vrm (ARKit's, and an avatar by VRM 1.0: bones, expressions, look-at; what "
+                  "a .vrm is "
+                  "unless told otherwise)")
       .check(check, "ict, arkit, unified or vrm");
 }
 
-render::GltfSettings gltf_settings(const std::string& names) {
-  if (names == "arkit") return {.names = face::TargetNames::arkit};
-  if (names == "unified") return {.names = face::TargetNames::unified};
-  if (names == "vrm") return {.names = face::TargetNames::arkit, .vrm = true};
-  return {};
+render::GltfNames gltf_names(const std::string& names, const std::filesystem::path& file) {
+  if (names == "arkit") return render::GltfNames::arkit;
+  if (names == "unified") return render::GltfNames::unified;
+  if (names == "vrm" || (names.empty() && file.extension() == ".vrm")) return render::GltfNames::vrm;
+  return render::GltfNames::ict;
 }
 
 }  // namespace mien::app

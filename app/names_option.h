@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "app/command_line.h"
@@ -10,7 +11,7 @@ namespace mien::app {
 /// --names: by whose names a receiver finds the morph targets of a glTF asset; empty until it is given.
 Option add_names_option(Command command, std::string& names);
 
-/// What a value of --names means; empty: our own names.
-[[nodiscard]] render::GltfSettings gltf_settings(const std::string& names);
+/// What a value of --names means for a file: where none was given, our own names, of a .vrm VRM's.
+[[nodiscard]] render::GltfNames gltf_names(const std::string& names, const std::filesystem::path& file);
 
 }  // namespace mien::app

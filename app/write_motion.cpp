@@ -27,12 +27,15 @@ Result<void> check_motion_output(const std::filesystem::path& path) {
 }
 
 Result<void> write_motion(const face::Motion& motion, const std::string& face,
-                          const std::filesystem::path& path, const render::GltfSettings& settings) {
-  MIEN_TRY(settings.vrm ? check_output(path, {".csv", ".glb", ".gltf", ".vrm"}) : check_motion_output(path));
+                          const std::filesystem::path& path, render::GltfNames names) {
+  if (names == render::GltfNames::vrm)
+    MIEN_TRY(check_output(path, {".vrm", ".glb"}));
+  else
+    MIEN_TRY(check_motion_output(path));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
   MIEN_TRY_ASSIGN(const face::Face model, builtin_face::load_face(face));
-  return render::write_gltf(path, model, &motion, settings);
+  return render::write_gltf(path, model, &motion, names);
 }
 
 }  // namespace mien::app

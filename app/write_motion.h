@@ -17,11 +17,11 @@ namespace mien::app {
 /// Whether write_motion() can write there (check_output): to be asked before long work.
 [[nodiscard]] Result<void> check_motion_output(const std::filesystem::path& path);
 
-/// Writes a motion in the format of the file's ending: .csv (Live Link Face), .glb or .gltf (on the face that
-/// `face` names, known to receivers as `settings` say). Errors: bad_usage for another ending, and the
+/// Writes a motion in the format of the file's ending: .csv (Live Link Face), .glb, .gltf or .vrm (on the
+/// face that `face` names, known to receivers by `names`). Errors: bad_usage for another ending, and the
 /// writers'.
 [[nodiscard]] Result<void> write_motion(const face::Motion& motion, const std::string& face,
                                         const std::filesystem::path& path,
-                                        const render::GltfSettings& settings = {});
+                                        render::GltfNames names = render::GltfNames::ict);
 
 }  // namespace mien::app

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "mien/core/smoothstep.h"
 #include "mien/face/target_names.h"
 
 namespace mien::face {
@@ -98,15 +99,12 @@ constexpr float kMidlineHalfWidth_m = 0.008F;
 /// Displacement by jawOpen, of its largest, from which skin begins to be the lower lip's, and is it wholly.
 constexpr float kLowerFrom = 0.15F, kLowerTo = 0.5F;
 
-float smoothstep(float from, float to, float value) {
-  const float t = std::clamp((value - from) / (to - from), 0.0F, 1.0F);
-  return t * t * (3 - 2 * t);
-}
-
 /// Which share of a vertex is left, and which the lower lip's.
 class Portions {
  public:
   explicit Portions(const Face& face) : face_(face), lower_(face.neutral_m.size(), 0) {
+    if (face.eyes[0].vertex_count > 0 && face.eyes[1].vertex_count > 0)
+      middle_x_m_ = 0.5F * (face.eyes[0].centre_m.x() + face.eyes[1].centre_m.x());
     const Shape* const jaw = face.find_shape("jawOpen");
     if (jaw == nullptr) return;
     float largest = 0;
@@ -116,7 +114,8 @@ class Portions {
       lower_[jaw->vertex[i]] = smoothstep(kLowerFrom, kLowerTo, jaw->delta_m[i].norm() / largest);
   }
   [[nodiscard]] float of(const Portion& portion, std::uint32_t vertex) const {
-    const float left = smoothstep(-kMidlineHalfWidth_m, kMidlineHalfWidth_m, face_.neutral_m[vertex].x());
+    const float left = smoothstep(middle_x_m_ - kMidlineHalfWidth_m, middle_x_m_ + kMidlineHalfWidth_m,
+                                  face_.neutral_m[vertex].x());
     const float lower = lower_[vertex];
     return portion.share *
            (portion.side == Side::both   ? 1
@@ -129,6 +128,7 @@ class Portions {
 
  private:
   const Face& face_;
+  float middle_x_m_ = 0;  // Between the eyes, where they are known.
   std::vector<float> lower_;
 };
 

@@ -115,6 +115,8 @@ Result<UdpEntrance> UdpEntrance::find(std::string_view name) {
   unsigned long zone = 0;
   if (address.is_v6()) {
     zone = address.to_v6().scope_id();
+    // The parser takes a zone that is not here for none.
+    if (zone == 0 && name.contains('%')) return none();
     address = asio::ip::address_v6(address.to_v6().to_bytes());
   }
   const auto all = network_interfaces();

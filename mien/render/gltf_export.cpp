@@ -348,11 +348,31 @@ Result<void> add_animation(Asset& asset, std::span<const face::MorphTarget> morp
   return {};
 }
 
+face::TargetNames target_names(GltfNames names) {
+  switch (names) {
+    case GltfNames::unified:
+      return face::TargetNames::unified;
+    case GltfNames::arkit:
+    case GltfNames::vrm:
+      return face::TargetNames::arkit;
+    case GltfNames::ict:
+      break;
+  }
+  return face::TargetNames::ict;
+}
+
 }  // namespace
 
 Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion, GltfKind kind,
-                                           const GltfSettings& settings) {
+                                           GltfNames names) {
   MIEN_TRY(check(face));
+  const bool avatar = names == GltfNames::vrm;
+  Vec3f origin_m = Vec3f::Zero();
+  if (avatar) {
+    if (kind == GltfKind::text)
+      return fail(ErrorCode::bad_usage, "an avatar by VRM is binary glTF", face.name, "name it .vrm or .glb");
+    MIEN_TRY_ASSIGN(origin_m, head_origin_m(face));
+  }
   if (motion != nullptr && motion->frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion->name);
 
@@ -384,18 +404,19 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
   std::map<Material, std::size_t> materials;
-  const std::vector<face::MorphTarget> morphs =
-      face::morph_targets(face, settings.vrm ? face::TargetNames::arkit : settings.names);
+  const std::vector<face::MorphTarget> morphs = face::morph_targets(face, target_names(names));
 
   NodeNames nodes;
   json children = json::array();
   nodes.face = asset.add(
       "nodes",
       {{"name", "face"}, {"mesh", add_mesh(asset, face, paint, materials, pieces[0], morphs, normals)}});
+  if (origin_m != Vec3f::Zero())
+    asset.tree["nodes"][nodes.face]["translation"] = {-origin_m.x(), -origin_m.y(), -origin_m.z()};
   children.push_back(nodes.face);
   for (std::size_t e = 0; e < 2; ++e) {
     if (pieces[e + 1].triangles.empty()) continue;
-    const Vec3f& at = pieces[e + 1].origin_m;
+    const Vec3f at = pieces[e + 1].origin_m - origin_m;
     nodes.has_eye[e] = true;
     nodes.eye[e] =
         asset.add("nodes", {{"name", pieces[e + 1].name},
@@ -406,7 +427,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   nodes.head = asset.add("nodes", {{"name", "head"}, {"children", std::move(children)}});
   std::size_t root = nodes.head;
   Vec3f rest_m = Vec3f::Zero();  // Of the head, in its parent's frame.
-  if (settings.vrm) {
+  if (avatar) {
     std::array<std::optional<std::size_t>, 2> eyes;
     for (std::size_t e = 0; e < 2; ++e)
       if (nodes.has_eye[e]) eyes[e] = nodes.eye[e];
@@ -415,7 +436,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
     rest_m = skeleton.head_m;
     asset.tree["extensionsUsed"] = {"VRMC_vrm"};
     asset.tree["extensions"]["VRMC_vrm"] =
-        vrm_extension(face, morphs, nodes.face, eyes[0] && eyes[1], std::move(skeleton.humanoid));
+        vrm_extension(face, origin_m, morphs, nodes.face, eyes[0] && eyes[1], std::move(skeleton.humanoid));
   }
   asset.tree["scenes"] = {{{"name", face.name.empty() ? "face" : face.name}, {"nodes", {root}}}};
   asset.tree["scene"] = 0;
@@ -450,13 +471,13 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
 }
 
 Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face, const face::Motion* motion,
-                        const GltfSettings& settings) {
+                        GltfNames names) {
   const std::string ending = path.extension().string();
-  if (ending != ".glb" && ending != ".gltf" && !(settings.vrm && ending == ".vrm"))
+  if (ending != ".glb" && ending != ".gltf" && !(names == GltfNames::vrm && ending == ".vrm"))
     return fail(ErrorCode::bad_usage, fmt::format("'{}' is no ending of glTF", ending), path.string(),
                 "name it .glb or .gltf");
   MIEN_TRY_ASSIGN(const auto content,
-                  encode_gltf(face, motion, ending == ".gltf" ? GltfKind::text : GltfKind::binary, settings));
+                  encode_gltf(face, motion, ending == ".gltf" ? GltfKind::text : GltfKind::binary, names));
   return write_file(path, content);
 }
 

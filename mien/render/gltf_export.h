@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/face/face.h"
-#include "mien/face/morph_targets.h"
 #include "mien/face/motion.h"
 
 namespace mien::render {
@@ -17,12 +17,12 @@ enum class GltfKind {
   text,    ///< .gltf with its buffer inside as base64.
 };
 
-/// How a receiver knows the face.
-struct GltfSettings {
-  face::TargetNames names = face::TargetNames::ict;
-  /// An avatar by VRM 1.0 (VRM Consortium) as well: bones, expressions, whereby it looks. Its names are
-  /// ARKit's.
-  bool vrm = false;
+/// By whose names a receiver knows the face's morph targets.
+enum class GltfNames : std::uint8_t {
+  ict,      ///< face::TargetNames::ict: ours.
+  arkit,    ///< face::TargetNames::arkit.
+  unified,  ///< face::TargetNames::unified.
+  vrm,      ///< ARKit's, and an avatar by VRM 1.0 (VRM Consortium): bones, expressions, whereby it looks.
 };
 
 /// A face as glTF 2.0: a head node that turns, a mesh with one sparse morph target a name (in
@@ -30,13 +30,14 @@ struct GltfSettings {
 /// the vertices. With a motion, one animation at 60 frames a second: weights as performed, head rotation and
 /// position, eyes. Metres, +Y up, +Z forward. The same input gives the same bytes. Errors: out_of_range (a
 /// number that is not finite, or more than 4 GB), malformed (a triangle or shape that names a vertex that is
-/// not there), bad_usage (nothing to write). Source: Khronos, glTF 2.0 specification (ISO/IEC 12113:2022).
+/// not there), bad_usage (nothing to write; as an avatar, more than a head: kLargestHead_m). Source: Khronos,
+/// glTF 2.0 specification (ISO/IEC 12113:2022).
 [[nodiscard]] Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion,
-                                                         GltfKind kind, const GltfSettings& settings = {});
+                                                         GltfKind kind, GltfNames names = GltfNames::ict);
 
 /// The same into a file, whole or not at all; the name's ending (.glb, .gltf, of an avatar .vrm too) chooses
 /// the kind. Errors: those of encode_gltf and write_file, and bad_usage for another ending.
 [[nodiscard]] Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face,
-                                      const face::Motion* motion, const GltfSettings& settings = {});
+                                      const face::Motion* motion, GltfNames names = GltfNames::ict);
 
 }  // namespace mien::render

@@ -1,8 +1,8 @@
 #include "mien/render/vrm.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -81,6 +81,16 @@ json bind(std::size_t mesh, std::size_t target, double weight) {
 
 }  // namespace
 
+Result<Vec3f> head_origin_m(const face::Face& face) {
+  Eigen::AlignedBox3f box;
+  for (const Vec3f& vertex : face.neutral_m) box.extend(vertex);
+  if (box.sizes().maxCoeff() > kLargestHead_m)
+    return fail(ErrorCode::bad_usage, "it is more than a head, and would hang on the head's bone whole",
+                face.name, "give a face without a body, or leave --names vrm out");
+  if (face.origin != face::Origin::other) return Vec3f(Vec3f::Zero());
+  return Vec3f(box.center());
+}
+
 Skeleton add_skeleton(json& nodes, std::size_t head, const std::array<std::optional<std::size_t>, 2>& eyes) {
   Skeleton out;
   const auto add = [&](std::string_view name) {
@@ -112,8 +122,8 @@ Skeleton add_skeleton(json& nodes, std::size_t head, const std::array<std::optio
   return out;
 }
 
-json vrm_extension(const face::Face& face, std::span<const face::MorphTarget> targets, std::size_t mesh,
-                   bool eyes_turn, json humanoid) {
+json vrm_extension(const face::Face& face, const Vec3f& origin_m, std::span<const face::MorphTarget> targets,
+                   std::size_t mesh, bool eyes_turn, json humanoid) {
   const auto index = [&](std::string_view name) {
     const auto found = std::ranges::find(targets, name, &face::MorphTarget::name);
     return static_cast<std::size_t>(found - targets.begin());
@@ -139,9 +149,11 @@ json vrm_extension(const face::Face& face, std::span<const face::MorphTarget> ta
   // As far as the eyes turn at weight 1, degree for degree.
   const double reach_deg = face::kEyeTurnRadPerUnit * 180 / std::numbers::pi;
   const json range = {{"inputMaxValue", reach_deg}, {"outputScale", eyes_turn ? reach_deg : 1.0}};
-  const Vec3f between_m = 0.5F * (face.eyes[0].centre_m + face.eyes[1].centre_m);
-  json look = {{"type", eyes_turn ? "bone" : "expression"},
-               {"offsetFromHeadBone", {between_m.x(), between_m.y(), between_m.z()}}};
+  json look = {{"type", eyes_turn ? "bone" : "expression"}};
+  if (face.eyes[0].vertex_count > 0 && face.eyes[1].vertex_count > 0) {
+    const Vec3f between_m = 0.5F * (face.eyes[0].centre_m + face.eyes[1].centre_m) - origin_m;
+    look["offsetFromHeadBone"] = {between_m.x(), between_m.y(), between_m.z()};
+  }
   for (const char* map :
        {"rangeMapHorizontalInner", "rangeMapHorizontalOuter", "rangeMapVerticalDown", "rangeMapVerticalUp"})
     look[map] = range;
@@ -152,6 +164,7 @@ json vrm_extension(const face::Face& face, std::span<const face::MorphTarget> ta
                {"licenseUrl", "https://vrm.dev/licenses/1.0/"}};
   if (face.origin == face::Origin::builtin) {
     meta["authors"] = {"Mien"};
+    meta["copyrightInformation"] = "Copyright (c) 2026 The Mien authors, MIT License";
     meta["avatarPermission"] = "everyone";
     meta["commercialUsage"] = "corporation";
     meta["creditNotation"] = "unnecessary";

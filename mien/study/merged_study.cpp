@@ -18,6 +18,7 @@
 #include "mien/sensor/rig_part.h"
 #include "mien/session/replay.h"
 #include "mien/shaping/merge.h"
+#include "mien/study/draw_first.h"
 #include "mien/study/performance.h"
 #include "mien/study/performers.h"
 #include "mien/study/solve.h"
@@ -84,7 +85,7 @@ std::vector<std::uint16_t> drawn_imus(const sensor::Rig& rig, int count, Random 
   std::vector<std::uint16_t> all;
   for (const std::uint16_t sensor : rig.face_sensors())
     if (rig.sensors[sensor].kind == "imu") all.push_back(sensor);
-  for (std::size_t i = 0; i + 1 < all.size(); ++i) std::swap(all[i], all[i + random.below(all.size() - i)]);
+  draw_first(std::span(all), static_cast<std::size_t>(count), random);
   all.resize(std::min(all.size(), static_cast<std::size_t>(count)));
   return all;
 }

@@ -161,6 +161,7 @@ TEST(UdpEntrance, ALinkLocalAddressIsItsInterfaces) {
     EXPECT_FALSE(found->admits({.interface = number + 1, .address = address})) << name;
   }
   EXPECT_FALSE(UdpEntrance::find(one->address + "%lo")) << "loopback does not have it";
+  EXPECT_FALSE(UdpEntrance::find(one->address + "%nosuch0"));
 }
 
 }  // namespace

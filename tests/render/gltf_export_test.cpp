@@ -6,8 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mien/core/base64.h"
@@ -134,8 +137,7 @@ TEST(Gltf, HasApplesNamesAndTheirWeights) {
   const face::Face face = ball_face();
   face::Motion motion = nod(0.1);
   for (face::MotionFrame& frame : motion.frames) frame.weights[face::shape("cheekPuff_L")] = 0.5F;
-  const Glb glb =
-      open(encode_gltf(face, &motion, GltfKind::binary, {.names = face::TargetNames::arkit}).value());
+  const Glb glb = open(encode_gltf(face, &motion, GltfKind::binary, GltfNames::arkit).value());
   const json& names = glb.tree["meshes"][0]["extras"]["targetNames"];
   EXPECT_EQ(names.get<std::vector<std::string>>(), face::arkit52().shapes);
   EXPECT_EQ(glb.tree["meshes"][0]["primitives"][0]["targets"].size(), 52U);
@@ -146,8 +148,8 @@ TEST(Gltf, HasApplesNamesAndTheirWeights) {
   const auto puff = static_cast<std::size_t>(std::ranges::find(face::arkit52().shapes, "cheekPuff") -
                                              face::arkit52().shapes.begin());
   EXPECT_FLOAT_EQ(weights[puff], 0.25F) << "the mean of both sides";
-  const auto head = face::parse_gltf(
-      encode_gltf(face, nullptr, GltfKind::binary, {.names = face::TargetNames::arkit}).value(), "ball.glb");
+  const auto head =
+      face::parse_gltf(encode_gltf(face, nullptr, GltfKind::binary, GltfNames::arkit).value(), "ball.glb");
   ASSERT_TRUE(head);
   EXPECT_NEAR(peak_displacement_m(head->face, "mouthSmile_L"), peak_displacement_m(face, "mouthSmile_L"),
               1e-7);
@@ -157,7 +159,7 @@ TEST(Gltf, IsAnAvatarByVrm) {
   const face::Face face = ball_face();
   face::Motion motion = nod(0.1);
   for (face::MotionFrame& frame : motion.frames) frame.head_position_m = Vec3(0.01, 0, 0);
-  const Glb glb = open(encode_gltf(face, &motion, GltfKind::binary, {.vrm = true}).value());
+  const Glb glb = open(encode_gltf(face, &motion, GltfKind::binary, GltfNames::vrm).value());
   EXPECT_EQ(glb.tree["extensionsUsed"], json::array({"VRMC_vrm"}));
   const json& vrm = glb.tree["extensions"]["VRMC_vrm"];
   EXPECT_EQ(vrm["specVersion"], "1.0");
@@ -177,6 +179,16 @@ TEST(Gltf, IsAnAvatarByVrm) {
                            "rightUpperLeg", "rightLowerLeg", "rightFoot", "leftUpperArm", "leftLowerArm",
                            "leftHand", "rightUpperArm", "rightLowerArm", "rightHand", "leftEye", "rightEye"})
     ASSERT_TRUE(bones.contains(bone)) << bone;
+  std::set<std::size_t> distinct;
+  for (const auto& [name, bone] : bones.items()) distinct.insert(bone["node"].get<std::size_t>());
+  EXPECT_EQ(distinct.size(), bones.size());
+  for (const auto& [bone, above] : std::map<std::string, std::string>{{"leftLowerArm", "leftUpperArm"},
+                                                                      {"rightHand", "rightLowerArm"},
+                                                                      {"leftUpperLeg", "hips"},
+                                                                      {"rightFoot", "rightLowerLeg"},
+                                                                      {"spine", "hips"}})
+    EXPECT_EQ(parent(bones[bone]["node"].get<std::size_t>()), bones[above]["node"].get<std::size_t>())
+        << bone;
   double height_m = 0;
   std::size_t node = bones["head"]["node"].get<std::size_t>();
   for (; node < nodes.size(); node = parent(node))
@@ -188,7 +200,15 @@ TEST(Gltf, IsAnAvatarByVrm) {
   const json& expressions = vrm["expressions"];
   EXPECT_EQ(expressions["custom"].size(), 52U);
   EXPECT_TRUE(expressions["custom"].contains("EyeBlinkLeft"));
-  EXPECT_EQ(expressions["preset"]["blink"]["morphTargetBinds"].size(), 2U);
+  // Every shape of a preset is a target that is there, both sides of one without a side.
+  const std::map<std::string, std::size_t> binds = {
+      {"aa", 5},       {"ih", 5},        {"ou", 3},         {"ee", 7},     {"oh", 3},
+      {"blink", 2},    {"blinkLeft", 1}, {"blinkRight", 1}, {"happy", 6},  {"angry", 10},
+      {"sad", 4},      {"relaxed", 4},   {"surprised", 6},  {"lookUp", 2}, {"lookDown", 2},
+      {"lookLeft", 2}, {"lookRight", 2}, {"neutral", 0}};
+  EXPECT_EQ(expressions["preset"].size(), binds.size());
+  for (const auto& [name, count] : binds)
+    EXPECT_EQ(expressions["preset"][name].value("morphTargetBinds", json::array()).size(), count) << name;
   for (const char* kind : {"preset", "custom"})
     for (const auto& [name, expression] : expressions[kind].items())
       for (const json& bound : expression.value("morphTargetBinds", json::array())) {
@@ -201,22 +221,50 @@ TEST(Gltf, IsAnAvatarByVrm) {
   EXPECT_NEAR(vrm["lookAt"]["offsetFromHeadBone"][2].get<double>(), 0.085, 1e-6);
 
   // A motion moves the head from its place on the neck.
+  std::size_t translations = 0;
   for (const json& channel : glb.tree["animations"][0]["channels"]) {
     if (channel["target"]["path"] != "translation") continue;
+    ++translations;
     const auto moved =
         floats(glb, glb.tree["animations"][0]["samplers"][channel["sampler"].get<std::size_t>()]["output"]
                         .get<std::size_t>());
     EXPECT_FLOAT_EQ(moved[0], 0.01F);
     EXPECT_NEAR(moved[1], 0.13, 1e-5);
   }
+  EXPECT_EQ(translations, 1U);
+}
+
+TEST(Gltf, AnAvatarsHeadSitsOnItsNeckWhereverTheFaceStood) {
+  const auto place = [](const face::Face& face) {
+    const Glb glb = open(encode_gltf(face, nullptr, GltfKind::binary, GltfNames::vrm).value());
+    const json& vrm = glb.tree["extensions"]["VRMC_vrm"];
+    return std::pair(glb.tree["nodes"][vrm["humanoid"]["humanBones"]["leftEye"]["node"].get<std::size_t>()]
+                             ["translation"][1]
+                                 .get<double>(),
+                     vrm["lookAt"]["offsetFromHeadBone"][1].get<double>());
+  };
+  const face::Face face = ball_face();
+  face::Face higher = face;
+  for (Vec3f& vertex : higher.neutral_m) vertex.y() += 1.4F;
+  for (face::Eyeball& eye : higher.eyes) eye.centre_m.y() += 1.4F;
+  EXPECT_NEAR(place(higher).first, place(face).first, 1e-5);
+  EXPECT_NEAR(place(higher).second, place(face).second, 1e-5);
+
+  face::Face body = face;
+  for (Vec3f& vertex : body.neutral_m) vertex *= 8;
+  const auto refused = encode_gltf(body, nullptr, GltfKind::binary, GltfNames::vrm);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(encode_gltf(face, nullptr, GltfKind::text, GltfNames::vrm).error().code, ErrorCode::bad_usage);
 }
 
 TEST(Gltf, AnAvatarWhoseEyesAreShapesLooksByExpressions) {
   face::Face face = ball_face();
   face.eyes = {};
-  const Glb glb = open(encode_gltf(face, nullptr, GltfKind::binary, {.vrm = true}).value());
+  const Glb glb = open(encode_gltf(face, nullptr, GltfKind::binary, GltfNames::vrm).value());
   const json& look = glb.tree["extensions"]["VRMC_vrm"]["lookAt"];
   EXPECT_EQ(look["type"], "expression");
+  EXPECT_FALSE(look.contains("offsetFromHeadBone")) << "nobody knows where its eyes are";
   EXPECT_EQ(look["rangeMapVerticalUp"]["outputScale"], 1.0);
 }
 

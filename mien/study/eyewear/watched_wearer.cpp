@@ -6,6 +6,7 @@
 
 #include "mien/core/time.h"
 #include "mien/eyewear/normalisation.h"
+#include "mien/study/draw_first.h"
 #include "mien/study/eyewear/worn_glasses.h"
 #include "mien/study/performance.h"
 #include "mien/study/performers.h"
@@ -40,10 +41,8 @@ std::vector<std::uint8_t> draw_lost(std::size_t sensors, std::size_t lost, Rando
   std::vector<std::uint8_t> out(sensors);
   std::vector<std::size_t> order(sensors);
   for (std::size_t i = 0; i < sensors; ++i) order[i] = i;
-  for (std::size_t i = 0; i < std::min(lost, sensors); ++i) {
-    std::swap(order[i], order[i + random.below(sensors - i)]);
-    out[order[i]] = 1;
-  }
+  draw_first(std::span(order), lost, random);
+  for (std::size_t i = 0; i < std::min(lost, sensors); ++i) out[order[i]] = 1;
   return out;
 }
 

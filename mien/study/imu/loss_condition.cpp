@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 #include <utility>
+
+#include "mien/study/draw_first.h"
 
 namespace mien::study {
 namespace {
@@ -19,8 +22,7 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 /// two and one more.
 std::vector<std::uint16_t> drawn_sensors(const sensor::Rig& rig, Random random) {
   std::vector<std::uint16_t> sensors = rig.face_sensors();
-  for (std::size_t i = 0; i + 1 < sensors.size(); ++i)
-    std::swap(sensors[i], sensors[i + random.below(sensors.size() - i)]);
+  draw_first(std::span(sensors), sensors.size(), random);
   return sensors;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "mien/study/draw_first.h"
 #include "mien/study/imu/make_dataset.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/tracker/causal_tracker.h"
@@ -133,10 +134,9 @@ std::vector<model::FeatureFrame> without_sensors(std::span<const model::FeatureF
   if (out.empty()) return out;
   std::vector<std::size_t> order(out.front().sensors.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  for (std::size_t i = 0; i < std::min(lost, order.size()); ++i) {
-    std::swap(order[i], order[i + random.below(order.size() - i)]);
+  draw_first(std::span(order), lost, random);
+  for (std::size_t i = 0; i < std::min(lost, order.size()); ++i)
     for (model::FeatureFrame& frame : out) frame.sensors[order[i]] = {};
-  }
   return out;
 }
 
