@@ -213,7 +213,8 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
                 "see that the devices are on, and send to where the session listened");
   if (2 * summary.network.elsewhere > summary.datagrams)
     return fail(ErrorCode::io, "packets came, but by an interface or address that the page had excluded",
-                "no frame came", "let the page listen on every interface, or on the one that the devices send to");
+                "no frame came",
+                "let the page listen on every interface, or on the one that the devices send to");
   if (summary.network.sealed && summary.report.refused > 0)
     return fail(ErrorCode::io, "packets did that were not sealed with the session's key", "no frame came",
                 "pair the devices with it, or leave --key out");
