@@ -110,10 +110,7 @@ Result<void> show(const FaceArguments& arguments) {
 Result<void> export_face(const FaceArguments& arguments) {
   const fs::path out = arguments.out;
   const render::GltfNames names = gltf_names(arguments.names, out);
-  if (names == render::GltfNames::vrm)
-    MIEN_TRY(check_output(out, {".vrm", ".glb"}));
-  else
-    MIEN_TRY(check_output(out, {".obj", ".glb", ".gltf"}));
+  MIEN_TRY(check_gltf_output(out, names, ".obj"));
   const bool obj = out.extension() == ".obj";
   if (obj && !arguments.names.empty())
     return fail(ErrorCode::bad_usage, "an .obj holds the neutral face alone, without morph targets",

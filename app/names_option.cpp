@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "app/command.h"
 #include "app/nearest_word.h"
 #include "app/one_line.h"
 
@@ -23,8 +24,7 @@ Option add_names_option(Command command, std::string& names) {
       .add_option("--names", names,
                   "Names of the morph targets in glTF: ict (ours), arkit (Apple's 52), unified (Unified "
                   "Expressions) or vrm (ARKit's, and an avatar by VRM 1.0: bones, expressions, look-at; what "
-                  "a .vrm is "
-                  "unless told otherwise)")
+                  "a .vrm is unless told otherwise)")
       .check(check, "ict, arkit, unified or vrm");
 }
 
@@ -33,6 +33,12 @@ render::GltfNames gltf_names(const std::string& names, const std::filesystem::pa
   if (names == "unified") return render::GltfNames::unified;
   if (names == "vrm" || (names.empty() && file.extension() == ".vrm")) return render::GltfNames::vrm;
   return render::GltfNames::ict;
+}
+
+Result<void> check_gltf_output(const std::filesystem::path& file, render::GltfNames names,
+                               const std::string& other) {
+  if (names == render::GltfNames::vrm) return check_output(file, {".vrm", ".glb"});
+  return check_output(file, {other, ".glb", ".gltf"});
 }
 
 }  // namespace mien::app

@@ -14,4 +14,8 @@ Option add_names_option(Command command, std::string& names);
 /// What a value of --names means for a file: where none was given, our own names, of a .vrm VRM's.
 [[nodiscard]] render::GltfNames gltf_names(const std::string& names, const std::filesystem::path& file);
 
+/// check_output() of a file with these names, or, where they are not VRM's, with the ending `other` (".csv").
+[[nodiscard]] Result<void> check_gltf_output(const std::filesystem::path& file, render::GltfNames names,
+                                             const std::string& other);
+
 }  // namespace mien::app

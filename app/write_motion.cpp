@@ -1,6 +1,6 @@
 #include "app/write_motion.h"
 
-#include "app/command.h"
+#include "app/names_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
@@ -23,15 +23,12 @@ face::Motion motion_of(std::span<const face::OutputFrame> frames) {
 }
 
 Result<void> check_motion_output(const std::filesystem::path& path) {
-  return check_output(path, {".csv", ".glb", ".gltf"});
+  return check_gltf_output(path, render::GltfNames::ict, ".csv");
 }
 
 Result<void> write_motion(const face::Motion& motion, const std::string& face,
                           const std::filesystem::path& path, render::GltfNames names) {
-  if (names == render::GltfNames::vrm)
-    MIEN_TRY(check_output(path, {".vrm", ".glb"}));
-  else
-    MIEN_TRY(check_motion_output(path));
+  MIEN_TRY(check_gltf_output(path, names, ".csv"));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
   MIEN_TRY_ASSIGN(const face::Face model, builtin_face::load_face(face));

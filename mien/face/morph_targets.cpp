@@ -137,21 +137,30 @@ const Shape* shape_at(const Face& face, std::size_t k) {
   return k < face.shapes.size() ? &face.shapes[k] : nullptr;
 }
 
-MorphTarget sum_of(const Face& face, std::string name, std::vector<std::size_t> shapes) {
+void add(MorphTarget& target, const Shape& shape) {
+  if (target.vertex.empty()) {
+    target.vertex = shape.vertex;
+    target.delta_m = shape.delta_m;
+    return;
+  }
   std::map<std::uint32_t, Vec3f> moved;
-  for (const std::size_t k : shapes) {
-    const Shape* const shape = shape_at(face, k);
-    if (shape == nullptr) continue;
-    for (std::size_t i = 0; i < shape->vertex.size(); ++i) {
-      const auto [at, is_new] = moved.try_emplace(shape->vertex[i], shape->delta_m[i]);
-      if (!is_new) at->second += shape->delta_m[i];
-    }
+  for (std::size_t i = 0; i < target.vertex.size(); ++i) moved.emplace(target.vertex[i], target.delta_m[i]);
+  for (std::size_t i = 0; i < shape.vertex.size(); ++i) {
+    const auto [at, is_new] = moved.try_emplace(shape.vertex[i], shape.delta_m[i]);
+    if (!is_new) at->second += shape.delta_m[i];
   }
-  MorphTarget out{.name = std::move(name), .shapes = std::move(shapes), .vertex = {}, .delta_m = {}};
+  target.vertex.clear();
+  target.delta_m.clear();
   for (const auto& [vertex, delta] : moved) {
-    out.vertex.push_back(vertex);
-    out.delta_m.push_back(delta);
+    target.vertex.push_back(vertex);
+    target.delta_m.push_back(delta);
   }
+}
+
+MorphTarget sum_of(const Face& face, std::string name, std::vector<std::size_t> shapes) {
+  MorphTarget out{.name = std::move(name), .shapes = std::move(shapes), .vertex = {}, .delta_m = {}};
+  for (const std::size_t k : out.shapes)
+    if (const Shape* const shape = shape_at(face, k)) add(out, *shape);
   return out;
 }
 

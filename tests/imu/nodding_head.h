@@ -68,6 +68,11 @@ struct Script {
   }
 };
 
+/// A skin for record() that never turns from neutral.
+inline Quat still_skin(std::size_t, double) {
+  return Quat::Identity();
+}
+
 struct Entry {
   HostTime arrival;
   std::vector<sensor::Sample> samples;

@@ -15,10 +15,7 @@ using testing_head::play;
 using testing_head::record;
 using testing_head::Recording;
 using testing_head::Script;
-
-Quat still_skin(std::size_t, double) {
-  return Quat::Identity();
-}
+using testing_head::still_skin;
 
 TEST(PipelineGaps, LostSensorsAreMissingAndTheOthersAreNot) {
   Script script;

@@ -23,10 +23,7 @@ using testing_head::record;
 using testing_head::Recording;
 using testing_head::rotation_of;
 using testing_head::Script;
-
-Quat still_skin(std::size_t, double) {
-  return Quat::Identity();
-}
+using testing_head::still_skin;
 
 /// A skin that turns by up to 20 degrees about an axis of its own once the prologue is over, then rests at
 /// neutral.

@@ -18,10 +18,7 @@ using testing_head::record;
 using testing_head::Recording;
 using testing_head::rotation_of;
 using testing_head::Script;
-
-Quat still_skin(std::size_t, double) {
-  return Quat::Identity();
-}
+using testing_head::still_skin;
 
 /// Talks all the time.
 Quat busy_skin(std::size_t sensor, double t) {
