@@ -100,7 +100,7 @@ Result<std::unique_ptr<StudiedModel>> eyewear_model(eyewear::MarkerNetworkFile f
   MIEN_TRY_ASSIGN(sensor::Rig read, sensor::read_rig(rig_file));
   MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(markers));
-  MIEN_TRY_ASSIGN(eyewear::MarkedFace marked, eyewear::MarkedFace::create(set));
+  MIEN_TRY_ASSIGN(eyewear::MarkedFace marked, eyewear::MarkedFace::of(file, set));
   return std::make_unique<StudiedEyewearModel>(std::move(file), std::move(marked), std::move(read));
 }
 

@@ -18,12 +18,10 @@ constexpr double kLongestStepS = 1;
 
 }  // namespace
 
-Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig& rig,
-                                                               const builtin_face::MarkerSet& markers,
+Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig& rig, MarkedFace face,
                                                                std::unique_ptr<MarkerRegressor> regressor) {
   if (photo_sensors(rig).empty())
     return fail(ErrorCode::mismatch, "the rig has no photo-reflective sensors", rig.name);
-  MIEN_TRY_ASSIGN(MarkedFace face, MarkedFace::create(markers));
   MIEN_TRY_ASSIGN(LightModel model, LightModel::create(std::move(face), std::move(regressor)));
   return std::unique_ptr<EyewearTracker>(new EyewearTracker(rig, std::move(model)));
 }

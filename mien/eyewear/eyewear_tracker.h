@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 
-#include "mien/builtin_face/markers.h"
 #include "mien/eyewear/calibrator.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/light_model.h"
@@ -16,12 +15,10 @@ namespace mien::eyewear {
 /// with that provenance. Method and cost: docs/method/eyewear.md.
 class EyewearTracker final : public tracker::Tracker {
  public:
-  /// `regressor`: from the rig's photo-reflective sensors, in the rig's order, to the markers of the set.
-  /// Errors: mismatch (another number of markers; a rig without such sensors), the face's. Cost: makes the
-  /// built-in face (half a second).
+  /// `regressor`: from the rig's photo-reflective sensors, in the rig's order, to the face's markers. Errors:
+  /// mismatch (another number of markers; a rig without such sensors).
   [[nodiscard]] static Result<std::unique_ptr<EyewearTracker>> create(
-      const sensor::Rig& rig, const builtin_face::MarkerSet& markers,
-      std::unique_ptr<MarkerRegressor> regressor);
+      const sensor::Rig& rig, MarkedFace face, std::unique_ptr<MarkerRegressor> regressor);
 
   [[nodiscard]] std::string_view modality() const override { return "eyewear"; }
   void add(HostTime arrival, const sensor::Sample& sample) override;

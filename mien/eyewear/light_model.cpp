@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -21,14 +22,27 @@ std::optional<model::ConfidenceTable> table_of(const MarkerRegressor& regressor)
 
 }  // namespace
 
-Result<MarkedFace> MarkedFace::create(const builtin_face::MarkerSet& markers) {
+Result<MarkedShapes> mark_builtin(const builtin_face::MarkerSet& markers) {
   MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
                   builtin_face::PlacedMarkers::place(builtin_face::make_builtin(), markers));
-  Eigen::VectorXd neutral_m = placed.at({});
+  return MarkedShapes{placed.at({}), placed.shapes_m()};
+}
+
+Result<MarkedFace> MarkedFace::create(std::string name, const MarkedShapes& shapes) {
   MIEN_TRY_ASSIGN(
       face::WeightSolver solver,
-      face::WeightSolver::create(neutral_m, placed.shapes_m(), face::natural_rules(), {.rest = kRest}));
-  return MarkedFace{markers.name, std::move(neutral_m), std::move(solver)};
+      face::WeightSolver::create(shapes.neutral_m, shapes.shapes_m, face::natural_rules(), {.rest = kRest}));
+  return MarkedFace{std::move(name), shapes.neutral_m, std::move(solver)};
+}
+
+Result<MarkedFace> MarkedFace::of(const MarkerNetworkFile& file, const builtin_face::MarkerSet& markers) {
+  if (!std::ranges::equal(file.markers, markers.markers, {}, {}, &builtin_face::Marker::name))
+    return fail(ErrorCode::mismatch,
+                fmt::format("the model answers with other markers than {}", markers.name), "model",
+                "train one with this program's markers");
+  if (file.face) return create(markers.name, *file.face);
+  MIEN_TRY_ASSIGN(const MarkedShapes shapes, mark_builtin(markers));
+  return create(markers.name, shapes);
 }
 
 Result<LightModel> LightModel::create(MarkedFace face, std::unique_ptr<MarkerRegressor> regressor) {

@@ -6,6 +6,7 @@
 
 #include "mien/builtin_face/markers.h"
 #include "mien/core/error.h"
+#include "mien/eyewear/marker_network.h"
 #include "mien/eyewear/marker_regressor.h"
 #include "mien/face/output_frame.h"
 #include "mien/face/weight_solver.h"
@@ -13,18 +14,26 @@
 
 namespace mien::eyewear {
 
-/// The built-in face as a set of markers tells it. Copied for each wearer.
-struct MarkedFace {
-  /// Errors: the face's. Cost: makes the built-in face (half a second).
-  [[nodiscard]] static Result<MarkedFace> create(const builtin_face::MarkerSet& markers);
+/// A set's markers on the built-in face of this program. Errors: the face's. Cost: makes that face (half a
+/// second).
+[[nodiscard]] Result<MarkedShapes> mark_builtin(const builtin_face::MarkerSet& markers);
 
-  std::string name;           ///< The set's.
+/// A face as a set of markers tells it. Copied for each wearer.
+struct MarkedFace {
+  /// `name` as below. Errors: the solver's.
+  [[nodiscard]] static Result<MarkedFace> create(std::string name, const MarkedShapes& shapes);
+  /// The face that the model was trained for; of an older file without it, this program's built-in one.
+  /// Errors: mismatch (the model has other markers than the set), those of mark_builtin.
+  [[nodiscard]] static Result<MarkedFace> of(const MarkerNetworkFile& file,
+                                             const builtin_face::MarkerSet& markers);
+
+  std::string name;           ///< The set's, for errors.
   Eigen::VectorXd neutral_m;  ///< Its markers at neutral: x, y, z of the first, then of the next; frame H.
   face::WeightSolver solver;
 };
 
 /// From features of light to weights, frame by frame: markers by a regressor, weights by face::WeightSolver
-/// on the built-in face, provenance and confidence by the regressor's table. One wearer, one thread.
+/// on its model's face, provenance and confidence by the regressor's table. One wearer, one thread.
 class LightModel {
  public:
   /// Errors: mismatch (the regressor has another number of markers).

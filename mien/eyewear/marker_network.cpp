@@ -45,8 +45,51 @@ Result<void> check_network_file(const MarkerNetworkFile& file, const std::string
                 where);
   if (const auto ok = model::check_tensors(file.architecture, file.network); !ok)
     return differ(ok.error().what);
+  if (file.face) {
+    const MarkedShapes& face = *file.face;
+    if (face.neutral_m.size() != static_cast<Eigen::Index>(file.architecture.outputs) ||
+        face.shapes_m.rows() != face.neutral_m.size() ||
+        face.shapes_m.cols() != static_cast<Eigen::Index>(face::kShapeCount))
+      return differ("its markers are not placed on its face");
+    if (!face.neutral_m.allFinite() || !face.shapes_m.allFinite())
+      return fail(ErrorCode::out_of_range, "a marker's place is not finite", where);
+  }
   if (file.confidence) MIEN_TRY(model::check(*file.confidence, face::kShapeCount, where));
   return {};
+}
+
+/// Numbers are written so that they are read back to the bit.
+std::string format_face(const MarkedShapes& face) {
+  Json shapes = Json::object();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    const Eigen::VectorXd moved = face.shapes_m.col(static_cast<Eigen::Index>(k));
+    if (!moved.isZero(0)) shapes[std::string(face::kShapeNames[k])] = std::vector(moved.begin(), moved.end());
+  }
+  return Json{{"neutral_m", std::vector(face.neutral_m.begin(), face.neutral_m.end())}, {"shapes_m", shapes}}
+      .dump();
+}
+
+/// Throws Json::exception.
+MarkedShapes parse_face(const std::string& text) {
+  const Json face = Json::parse(text);
+  const auto neutral = face.at("neutral_m").get<std::vector<double>>();
+  MarkedShapes out;
+  out.neutral_m =
+      Eigen::Map<const Eigen::VectorXd>(neutral.data(), static_cast<Eigen::Index>(neutral.size()));
+  out.shapes_m.setZero(out.neutral_m.size(), static_cast<Eigen::Index>(face::kShapeCount));
+  const Json& shapes = face.at("shapes_m");
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    const auto found = shapes.find(std::string(face::kShapeNames[k]));
+    if (found == shapes.end()) continue;
+    const auto moved = found->get<std::vector<double>>();
+    if (moved.size() != neutral.size()) {
+      out.shapes_m.resize(0, 0);  // Refused by the check.
+      break;
+    }
+    out.shapes_m.col(static_cast<Eigen::Index>(k)) =
+        Eigen::Map<const Eigen::VectorXd>(moved.data(), static_cast<Eigen::Index>(moved.size()));
+  }
+  return out;
 }
 
 }  // namespace
@@ -69,6 +112,7 @@ Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
     file.markers = markers.at("names").get<std::vector<std::string>>();
     file.scale_m = markers.at("scale_m").get<double>();
     file.sensors = Json::parse(metadata["sensors"]).get<std::vector<std::string>>();
+    if (metadata.contains("face")) file.face = parse_face(metadata["face"]);
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed,
                 fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),
@@ -104,6 +148,7 @@ Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& fi
       {"recipe", file.recipe},
       {"results", file.results},
   };
+  if (file.face) to.metadata["face"] = format_face(*file.face);
   model::add_network(file.network, to);
   if (file.confidence) model::add_confidence(*file.confidence, face::kShapeCount, to);
   return model::write_safetensors(to);

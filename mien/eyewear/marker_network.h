@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +16,14 @@
 
 namespace mien::eyewear {
 
+/// Markers on the face whose weights a model answers with. Metres, frame H; double precision, so that a model
+/// answers with the same bits whatever becomes of the face that it was trained on.
+struct MarkedShapes {
+  Eigen::VectorXd neutral_m;  ///< x, y, z of the first marker, then of the next.
+  Eigen::MatrixXd shapes_m;   ///< Displacement per unit weight. Shape: neutral_m.size() x kShapeCount.
+  bool operator==(const MarkedShapes&) const = default;
+};
+
 /// A trained regressor of markers with its provenance: one safetensors file (docs/method/eyewear.md). A
 /// causal network: condition of two values a sensor, the feature (0 where missing) and its presence (1 or 0);
 /// outputs of three a marker, displacement / scale_m.
@@ -27,6 +36,8 @@ struct MarkerNetworkFile {
   std::string recipe;                ///< Text of the training recipe (TOML).
   std::string results;               ///< Measurements of the training, JSON; may be empty.
   std::vector<model::Tensor> network;
+  /// Its markers on the face that it was trained for. None in older files.
+  std::optional<MarkedShapes> face;
   /// What the weights are worth that follow from its markers. None: nobody measured it, so nothing is called
   /// measured and no confidence is claimed.
   std::optional<model::ConfidenceTable> confidence;

@@ -46,12 +46,14 @@ MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::
   MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(markers));
   MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile file, eyewear::read_marker_network(path));
-  if (!std::ranges::equal(file.markers, set.markers, {}, {}, &builtin_face::Marker::name))
-    return fail(ErrorCode::mismatch, "the model answers with other markers than " + markers.string(),
-                path.string(), "train one with this program's markers");
+  auto face = eyewear::MarkedFace::of(file, set);
+  if (!face) {
+    face.error().where = path.string();
+    return std::unexpected(std::move(face).error());
+  }
   MIEN_TRY_ASSIGN(auto regressor,
                   eyewear::NetworkRegressor::create(std::move(file), eyewear::photo_sensor_names(rig)));
-  return eyewear::EyewearTracker::create(rig, set, std::move(regressor));
+  return eyewear::EyewearTracker::create(rig, *std::move(face), std::move(regressor));
 }
 
 /// What devices speak, and whether a key seals it.

@@ -100,10 +100,11 @@ struct Trackers final : session::SampleConsumer {
                     tracker::CausalTracker::create(scene.imu, imus.face_sensor_names()));
     out.imu =
         std::make_unique<imu::ImuTracker>(imus, std::make_unique<tracker::CausalTracker>(std::move(model)));
+    MIEN_TRY_ASSIGN(eyewear::MarkedFace marked, eyewear::MarkedFace::of(scene.eyewear, scene.markers));
     MIEN_TRY_ASSIGN(auto regressor,
                     eyewear::NetworkRegressor::create(scene.eyewear, eyewear::photo_sensor_names(glasses)));
     MIEN_TRY_ASSIGN(out.eyewear,
-                    eyewear::EyewearTracker::create(glasses, scene.markers, std::move(regressor)));
+                    eyewear::EyewearTracker::create(glasses, std::move(marked), std::move(regressor)));
     for (const sensor::Mount& mount : scene.rig.sensors)
       out.owner.push_back(mount.kind == "imu" ? out.imu.get() : out.eyewear.get());
     return out;

@@ -137,6 +137,7 @@ MarkerTask::MarkerTask(Recipe recipe, LightDataset training, LightDataset valida
   model_.architecture = recipe_.architecture;
   model_.sensors = training_.sensors;
   model_.markers = training_.markers;
+  model_.face = training_.face;
   model_.scale_m = kScaleM;
   model_.rig = std::move(rig);
   model_.recipe = recipe_.text;

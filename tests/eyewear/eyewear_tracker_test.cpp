@@ -55,7 +55,7 @@ struct Worn {
     auto made = std::make_unique<test::LinearRegressor>(gain_m());
     linear = made.get();
     tracker =
-        EyewearTracker::create(test::glasses_rig(kSensors), test::mouth_markers(), std::move(made)).value();
+        EyewearTracker::create(test::glasses_rig(kSensors), test::marked_mouth(), std::move(made)).value();
   }
   void play(double seconds, const Glasses::LogLight& light) {
     glasses.play(*this, seconds, light, [&](DeviceTime time) {
@@ -152,7 +152,7 @@ TEST(EyewearTracker, MeasuresNothingAndClaimsNothingWithoutATable) {
   made->table.reset();
   Worn worn;
   worn.tracker =
-      EyewearTracker::create(test::glasses_rig(kSensors), test::mouth_markers(), std::move(made)).value();
+      EyewearTracker::create(test::glasses_rig(kSensors), test::marked_mouth(), std::move(made)).value();
   worn.play(2.5, rest);
   worn.play(1, jaw(0.6));
   EXPECT_NEAR(worn.frame.weights[kJaw], 0.6, 0.05);
@@ -264,7 +264,7 @@ TEST(EyewearTracker, TheSameCallsGiveTheSameBits) {
 TEST(EyewearTracker, RefusesAModelOfOtherMarkersAndARigWithoutEyes) {
   const auto made = [](const sensor::Rig& rig, Eigen::Index rows) {
     return EyewearTracker::create(
-        rig, test::mouth_markers(),
+        rig, test::marked_mouth(),
         std::make_unique<test::LinearRegressor>(Eigen::MatrixXd::Zero(rows, kSensors)));
   };
   EXPECT_EQ(made(test::glasses_rig(kSensors), 6).error().code, ErrorCode::mismatch);

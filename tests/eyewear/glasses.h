@@ -11,6 +11,7 @@
 #include "mien/builtin_face/markers.h"
 #include "mien/core/random.h"
 #include "mien/core/time.h"
+#include "mien/eyewear/light_model.h"
 #include "mien/eyewear/marker_regressor.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/sample.h"
@@ -109,6 +110,10 @@ inline builtin_face::MarkerSet mouth_markers() {
   kept.name = "mouth";
   for (const std::size_t i : mouth) kept.markers.push_back(set.markers[i]);
   return kept;
+}
+
+inline MarkedFace marked_mouth() {
+  return MarkedFace::create("mouth", mark_builtin(mouth_markers()).value()).value();
 }
 
 /// Markers straight from features: a column a sensor. It claims of every shape what it sees of its sensors.

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
 
 #include "mien/core/files.h"
+#include "mien/eyewear/light_model.h"
 #include "tests/eyewear/small_marker_network.h"
 #include "tests/folder.h"
 #include "tests/tracker/tiny_model.h"
@@ -52,6 +54,43 @@ TEST(MarkerNetwork, RefusesWhatDoesNotHoldTogether) {
   file = small_marker_network();
   file.network.pop_back();
   EXPECT_EQ(refusal(file), ErrorCode::mismatch);
+}
+
+TEST(MarkerNetwork, ItsFaceRoundTripsToTheBitAndIsChecked) {
+  MarkerNetworkFile file = small_marker_network();
+  EXPECT_FALSE(parse_marker_network(*format_marker_network(file), "test")->face) << "older files have none";
+  MarkedShapes face{Eigen::VectorXd::LinSpaced(6, -0.1, 1.0 / 3),
+                    Eigen::MatrixXd::Zero(6, static_cast<Eigen::Index>(face::kShapeCount))};
+  face.shapes_m.col(7) = Eigen::VectorXd::LinSpaced(6, 1e-9, std::numbers::pi / 100);
+  file.face = face;
+  const auto back = parse_marker_network(*format_marker_network(file), "test");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->face, file.face);
+  file.face->neutral_m.conservativeResize(3);
+  EXPECT_EQ(refusal(file), ErrorCode::mismatch);
+  file.face = face;
+  file.face->shapes_m.conservativeResize(6, 52);
+  EXPECT_EQ(refusal(file), ErrorCode::mismatch);
+  file.face = face;
+  file.face->shapes_m(2, 7) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal(file), ErrorCode::out_of_range);
+}
+
+TEST(MarkerNetwork, AModelAnswersOnTheFaceThatItWasTrainedFor) {
+  MarkerNetworkFile file = small_marker_network();
+  builtin_face::MarkerSet set{"two", {}};
+  for (const std::string& name : file.markers)
+    set.markers.push_back(
+        {name, builtin_face::MarkerRegion::mouth, Vec3(0.01 * set.markers.size(), -0.03, 0.11)});
+  const auto older = MarkedFace::of(file, set);
+  ASSERT_TRUE(older) << older.error().message();
+  MarkedShapes own = mark_builtin(set).value();
+  EXPECT_EQ(older->neutral_m, own.neutral_m);
+  own.neutral_m.array() += 0.5;
+  file.face = own;
+  EXPECT_EQ(MarkedFace::of(file, set)->neutral_m, own.neutral_m) << "whatever this program's face is";
+  set.markers.pop_back();
+  EXPECT_EQ(MarkedFace::of(file, set).error().code, ErrorCode::mismatch);
 }
 
 TEST(MarkerNetwork, ItsConfidenceTableRoundTripsAndIsChecked) {

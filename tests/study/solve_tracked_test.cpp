@@ -42,7 +42,7 @@ std::unique_ptr<tracker::Tracker> tracker_of(const sensor::Rig& rig) {
   for (std::size_t s = 0; s < rig.sensors.size(); ++s)
     if (rig.sensors[s].site == "lower_jaw")
       gain_m.col(static_cast<Eigen::Index>(s)) = 0.5 * (placed.at(open) - placed.at({}));
-  return eyewear::EyewearTracker::create(rig, markers,
+  return eyewear::EyewearTracker::create(rig, eyewear::test::marked_mouth(),
                                          std::make_unique<eyewear::test::LinearRegressor>(std::move(gain_m)))
       .value();
 }

@@ -168,6 +168,7 @@ Result<EyewearData> make_eyewear_dataset(const EyewearDataRecipe& recipe, const 
   EyewearData data;
   data.train.sensors = eyewear::photo_sensor_names(rig);
   for (const builtin_face::Marker& marker : markers.markers) data.train.markers.push_back(marker.name);
+  data.train.face = eyewear::MarkedShapes{canonical.neutral_m, canonical.placed.shapes_m()};
   data.validation = data.train;
   const auto trained = sequences.begin() + recipe.wearers;
   std::move(sequences.begin(), trained, std::back_inserter(data.train.sequences));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "mien/builtin_face/markers.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/eyewear/marker_network.h"
 #include "mien/sensor/rig.h"
 
 namespace mien::study {
@@ -43,6 +45,8 @@ struct LightDataset {
   std::vector<std::string> sensors;
   std::vector<std::string> markers;
   std::vector<LightSequence> sequences;
+  /// The markers on the face whose displacements the sequences hold; none where nobody needs weights.
+  std::optional<eyewear::MarkedShapes> face;
 };
 
 struct EyewearData {

@@ -16,7 +16,8 @@ namespace {
 using test::untrained;
 
 const eyewear::MarkedFace& marked() {
-  static const eyewear::MarkedFace face = eyewear::MarkedFace::create(test::all_markers()).value();
+  static const eyewear::MarkedFace face =
+      eyewear::MarkedFace::create("all", eyewear::mark_builtin(test::all_markers()).value()).value();
   return face;
 }
 
