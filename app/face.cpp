@@ -21,13 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kMaterialNames = {"skin", "lips",   "sclera", "iris", "pupil",        "cornea", "teeth",
-                                       "gums", "tongue", "hair",   "lash", "mouth_inside", "other"};
-
-std::string material_name(face::Material material) {
-  return kMaterialNames.at(static_cast<std::size_t>(material));
-}
-
 /// Extent of the neutral face along each axis, mm.
 Vec3f size_mm(const face::Face& face) {
   Eigen::AlignedBox3f box;
@@ -56,7 +49,7 @@ Json describe(const face::Face& face) {
   json["parts"] = Json::array();
   for (const face::Part& part : face.parts)
     json["parts"].push_back({{"name", part.name},
-                             {"material", material_name(part.material)},
+                             {"material", face::material_name(part.material)},
                              {"triangles", part.triangle_count}});
   json["eyes"] = Json::array();
   for (const face::Eyeball& eye : face.eyes)
@@ -87,7 +80,8 @@ void print_face(const face::Face& face) {
     fmt::print("{:<18} {:>9}\n", one_line(region.name), region.vertex.size());
   fmt::print("\n{:<18} {:>9}  material\n", "part", "triangles");
   for (const face::Part& part : face.parts)
-    fmt::print("{:<18} {:>9}  {}\n", one_line(part.name), part.triangle_count, material_name(part.material));
+    fmt::print("{:<18} {:>9}  {}\n", one_line(part.name), part.triangle_count,
+               face::material_name(part.material));
 }
 
 struct FaceArguments {

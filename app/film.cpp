@@ -15,13 +15,19 @@
 namespace mien::app {
 namespace {
 
+/// From the chin down to where nothing turns any more.
+constexpr float kNeck_m = 0.075F;
+
 /// Turns the head on its neck: all of it above the chin, nothing at the shoulders, so that a bust stands
 /// still.
 void turn_head(const face::Face& face, const face::MotionFrame& frame, std::span<Vec3f> vertices_m) {
   float lowest = face.neutral_m.front().y();
   for (const Vec3f& p : face.neutral_m) lowest = std::min(lowest, p.y());
   float chin = lowest;
-  if (face.has_landmarks) chin = face.neutral_m[face.landmarks[8]].y();
+  if (face.has_landmarks) {
+    chin = face.neutral_m[face.landmarks[8]].y();
+    lowest = std::max(lowest, chin - kNeck_m);
+  }
   // The skull turns about the top of the neck, which lies under the ears, level with the mouth.
   Vec3f pivot = Vec3f(0, chin, 0);
   if (face.has_landmarks)

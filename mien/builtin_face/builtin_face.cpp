@@ -5,6 +5,7 @@
 
 #include "mien/builtin_face/anatomy.h"
 #include "mien/builtin_face/expression.h"
+#include "mien/builtin_face/haircut.h"
 #include "mien/builtin_face/identity.h"
 #include "mien/builtin_face/landmarks.h"
 #include "mien/builtin_face/mesh.h"
@@ -25,8 +26,8 @@ constexpr PieceInfo kPieces[kPieceCount] = {
     {"pupil_R", face::Material::pupil},   {"teeth_upper", face::Material::teeth},
     {"gums_upper", face::Material::gums}, {"teeth_lower", face::Material::teeth},
     {"gums_lower", face::Material::gums}, {"tongue", face::Material::tongue},
-    {"lashes", face::Material::lash},     {"brows", face::Material::hair},
-    {"hair", face::Material::hair},
+    {"lashes", face::Material::strands},  {"brows", face::Material::strands},
+    {"shirt", face::Material::cloth},
 };
 
 /// The default head, sculpted once.
@@ -44,7 +45,8 @@ const DefaultHead& default_head() {
     add_skin(half);
     add_ear(half);
     add_mouth_parts(half);
-    add_hairs(half);
+    add_brows_and_lashes(half);
+    add_shirt(half);
     h.sculpt = mirrored(half);
     add_eyeballs(h.sculpt);
     h.displacements = shape_displacements(h.sculpt);
@@ -54,6 +56,20 @@ const DefaultHead& default_head() {
     return h;
   }();
   return head;
+}
+
+/// Hair comes last: all other vertices keep their numbers whatever the style.
+void add_hair(face::Face& face, const Haircut& hair, const IdentityWarp& warp, const Vec3f& colour) {
+  if (hair.triangles.empty()) return;
+  const auto first = static_cast<std::uint32_t>(face.neutral_m.size());
+  for (std::size_t i = 0; i < hair.p.size(); ++i) {
+    face.neutral_m.push_back((warp(hair.p[i]) / 1000).cast<float>());
+    face.colour.push_back((colour * hair.shade[i]).cwiseMin(1.0F));
+    face.uv.push_back(hair.uv[i]);
+  }
+  face.parts.push_back({"hair", face::Material::strands, static_cast<std::uint32_t>(face.triangles.size()),
+                        static_cast<std::uint32_t>(hair.triangles.size())});
+  for (const auto& [a, b, c] : hair.triangles) face.triangles.push_back({first + a, first + b, first + c});
 }
 
 }  // namespace
@@ -71,20 +87,32 @@ BuiltinParameters random_identity(Random& random) {
   // Deep skin seldom goes with fair hair.
   p.hair_tone = mix(0.85, 1.0, smoothstep(0.15, 0.6, p.skin_tone)) *
                 std::pow(random.uniform(), 1 - 0.9 * smoothstep(0.1, 0.7, p.skin_tone));
-  p.hair = random.chance(0.85);
+  p.hair = HairStyle::none;
+  if (random.chance(0.85)) {
+    // From a stream of its own: a seed keeps the numbers that it gave before there were styles.
+    Random cut = Random(p.asymmetry_seed).fork("hair");
+    p.hair = static_cast<HairStyle>(1 + cut.below(kHairStyleCount - 1));
+  }
   return p;
+}
+
+BuiltinParameters without_hair(BuiltinParameters parameters) {
+  parameters.hair = HairStyle::none;
+  return parameters;
 }
 
 face::Face make_builtin(const BuiltinParameters& parameters) {
   const DefaultHead& head = default_head();
   Sculpt sculpt = head.sculpt;
-  paint(sculpt, parameters.skin_tone, parameters.hair_tone);
+  paint(sculpt, parameters);
+  const Haircut& hair = haircut(parameters.hair);
   face::Face face;
   face.name = "builtin";
   face.origin = face::Origin::builtin;
   const std::size_t n = sculpt.vertices.size();
-  face.neutral_m.reserve(n);
-  face.colour.reserve(n);
+  face.neutral_m.reserve(n + hair.p.size());
+  face.colour.reserve(n + hair.p.size());
+  face.uv.reserve(n + hair.p.size());
   const IdentityWarp warp(parameters);
   std::vector<Vec3> neutral_mm;
   neutral_mm.reserve(n);
@@ -92,14 +120,15 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
     neutral_mm.push_back(v.tissue == Tissue::ear ? warp.ear(v.p) : warp(v.p));
     face.neutral_m.push_back((neutral_mm.back() / 1000).cast<float>());
     face.colour.push_back(v.colour);
+    face.uv.push_back(v.uv);
   }
   for (std::size_t k = 0; k < kPieceCount; ++k) {
-    if (!parameters.hair && k == static_cast<std::size_t>(Piece::hair)) continue;
     face.parts.push_back({kPieces[k].name, kPieces[k].material,
                           static_cast<std::uint32_t>(face.triangles.size()),
                           static_cast<std::uint32_t>(sculpt.triangles[k].size())});
     face.triangles.insert(face.triangles.end(), sculpt.triangles[k].begin(), sculpt.triangles[k].end());
   }
+  add_hair(face, hair, warp, hair_colour(parameters.hair_tone));
   for (std::size_t k = 0; k <= face::kShapeCount; ++k) {
     face::Shape shape;
     shape.name = k < face::kShapeCount ? std::string(face::kShapeNames[k]) : "tongueOut";

@@ -23,8 +23,16 @@ double lower(const V& v) {
   return 0.5 - 0.5 * v.lip_side;
 }
 bool is_fixed(const V& v) {
-  return v.tissue == Tissue::ear || v.tissue == Tissue::eyeball || v.tissue == Tissue::hair ||
-         v.tissue == Tissue::teeth_upper || v.tissue == Tissue::gums_upper;
+  switch (v.tissue) {
+    case Tissue::ear:
+    case Tissue::eyeball:
+    case Tissue::teeth_upper:
+    case Tissue::gums_upper:
+    case Tissue::cloth:
+      return true;
+    default:
+      return false;
+  }
 }
 bool follows_jaw_rigidly(const V& v) {
   return v.tissue == Tissue::teeth_lower || v.tissue == Tissue::gums_lower || v.tissue == Tissue::tongue;

@@ -12,7 +12,7 @@ namespace mien::builtin_face {
 namespace fs = std::filesystem;
 
 Result<face::Face> load_face(const std::string& what, const Progress& progress) {
-  if (what == "builtin") return make_builtin();
+  if (what == "builtin") return make_builtin({.hair = HairStyle::crop});
   constexpr std::string_view kPerson = "builtin:";
   if (what.starts_with(kPerson)) {
     std::uint64_t seed = 0;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mien/builtin_face/builtin_face.h"
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
 
@@ -24,16 +25,17 @@ enum class Tissue : std::uint8_t {
   tongue,
   lash,
   brow,
-  hair,
+  cloth,
 };
 
 struct SculptVertex {
   Vec3 p = Vec3::Zero();       ///< mm, frame H.
-  Vec3 anchor = Vec3::Zero();  ///< Where on the skin it grows (hair, lashes); else p.
+  Vec3 anchor = Vec3::Zero();  ///< Where on the skin it grows (brows, lashes); else p.
   Tissue tissue = Tissue::skin;
   double lip_side = 0;  ///< 1 goes with the upper lip, -1 with the lower.
   double lid = 0;       ///< 1 at the upper lid's margin to 0 at the socket's rim; negative on the lower lid.
   Vec3f colour = Vec3f::Ones();
+  Eigen::Vector2f uv = Eigen::Vector2f::Zero();  ///< Of lashes and brows, as face::Material::strands has it.
 };
 
 /// Groups of triangles, in the order in which Face::parts has them.
@@ -56,7 +58,7 @@ enum class Piece : std::uint8_t {
   tongue,
   lashes,
   brows,
-  hair,
+  shirt,
   count
 };
 inline constexpr std::size_t kPieceCount = static_cast<std::size_t>(Piece::count);
@@ -120,8 +122,11 @@ void add_ear(Sculpt& half);
 /// Teeth, gums and tongue.
 void add_mouth_parts(Sculpt& half);
 
-/// Lashes, brow, and a cap of short hair.
-void add_hairs(Sculpt& half);
+/// Lashes and brow, as ribbons of strands.
+void add_brows_and_lashes(Sculpt& half);
+
+/// The shirt that the neck ends in.
+void add_shirt(Sculpt& half);
 
 /// Both halves from the left one; vertices on the midline are shared. Eyeballs come last and whole.
 [[nodiscard]] Sculpt mirrored(const Sculpt& half);
@@ -129,7 +134,10 @@ void add_hairs(Sculpt& half);
 /// Two eyeballs at their places, each a contiguous run of vertices.
 void add_eyeballs(Sculpt& whole);
 
-/// Colours by place and tissue, skin tone and hair tone as in BuiltinParameters.
-void paint(Sculpt& whole, double skin_tone, double hair_tone);
+/// Colours of the head's hair at a tone of BuiltinParameters, linear.
+[[nodiscard]] Vec3f hair_colour(double hair_tone);
+
+/// Colours by place and tissue, skin tone, hair tone and style as in BuiltinParameters.
+void paint(Sculpt& whole, const BuiltinParameters& parameters);
 
 }  // namespace mien::builtin_face

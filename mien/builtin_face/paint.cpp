@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "mien/builtin_face/anatomy.h"
+#include "mien/builtin_face/haircut.h"
 #include "mien/builtin_face/mesh.h"
 
 namespace mien::builtin_face {
@@ -17,14 +18,21 @@ double spot(const Vec3& p, double x, double y, double rx, double ry) {
 
 }  // namespace
 
-void paint(Sculpt& whole, double skin_tone, double hair_tone) {
+Vec3f hair_colour(double hair_tone) {
+  return blend(Vec3f(0.47F, 0.28F, 0.14F), Vec3f(0.013F, 0.0085F, 0.007F),
+               std::sqrt(std::clamp(hair_tone, 0.0, 1.0)));
+}
+
+void paint(Sculpt& whole, const BuiltinParameters& parameters) {
+  const double skin_tone = parameters.skin_tone, hair_tone = parameters.hair_tone;
   // Linear albedo. Tones chosen by eye between very fair and deep skin, flaxen and black hair.
   const Vec3f fair(0.72F, 0.46F, 0.35F), middle(0.42F, 0.22F, 0.135F), deep(0.115F, 0.055F, 0.034F);
   const Vec3f skin =
       skin_tone < 0.5 ? blend(fair, middle, 2 * skin_tone) : blend(middle, deep, 2 * skin_tone - 1);
-  const Vec3f hair = blend(Vec3f(0.46F, 0.27F, 0.115F), Vec3f(0.014F, 0.009F, 0.007F),
-                           std::sqrt(std::clamp(hair_tone, 0.0, 1.0)));
-  const Vec3f red(skin.x() * 0.80F, skin.y() * 0.46F, skin.z() * 0.48F);
+  const Vec3f hair = hair_colour(hair_tone);
+  // Of hair that is shaved off, roots are seen.
+  const double roots = parameters.hair == HairStyle::none ? 0.10 : 0.80;
+  const Vec3f red(skin.x() * 0.84F, skin.y() * 0.53F, skin.z() * 0.54F);
   const Vec3f wet(0.45F, 0.13F, 0.11F);
   const Vec3f iris = blend(Vec3f(0.10F, 0.19F, 0.24F), Vec3f(0.12F, 0.055F, 0.022F), 1.5 * hair_tone);
   for (SculptVertex& v : whole.vertices) {
@@ -37,17 +45,23 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
           const Vec3f flush(skin.x() * 0.98F, skin.y() * 0.68F, skin.z() * 0.66F);
           c = blend(
               c, flush,
-              0.55 * spot(p, 42, -2, 20, 17) + 0.5 * spot(p, 0, 2, 14, 12) + 0.25 * spot(p, 0, -66, 16, 10));
+              0.32 * spot(p, 44, -4, 26, 24) + 0.5 * spot(p, 0, 2, 14, 12) + 0.25 * spot(p, 0, -66, 16, 10));
           c = blend(c, skin * 0.72F,
-                    0.6 * spot(p, 30, 45, 18, 7) + 0.35 * spot(p, 30, 25, 16, 5));  // about the eyes
+                    0.45 * spot(p, 30, 45, 18, 7) + 0.35 * spot(p, 30, 25, 16, 5));  // about the eyes
           c = blend(c, flush * 0.8F, smoothstep(0.75, 1.0, std::abs(v.lid)) * 0.5);
           c = blend(c, Vec3f(0.10F, 0.03F, 0.02F),
                     1.25 * spot(p, 7.2, -7.8, 2.8, 2.6) * smoothstep(100, 104, p.z()));
           const double x = std::abs(p.x());
+          // The border of the lips' red is soft.
+          const double from_lip =
+              p.y() > lip_line_y(x) ? p.y() - upper_lip_border_y(x) : lower_lip_border_y(x) - p.y();
+          c = blend(c, red,
+                    0.55 * gauss(std::max(from_lip, 0.0) / 1.3) *
+                        smoothstep(kMouthCornerX + 3, kMouthCornerX - 2, x));
           c = blend(c, hair,
-                    0.55 * gauss((p.y() - brow_y(x)) / 4.2) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
+                    0.45 * gauss((p.y() - brow_y(x)) / 4.2) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
         }
-        v.colour = c;
+        v.colour = blend(c, hair * 0.7F, roots * smoothstep(-4, 9, within_hairline(p)));
         break;
       }
       case Tissue::ear:
@@ -89,13 +103,13 @@ void paint(Sculpt& whole, double skin_tone, double hair_tone) {
         v.colour = Vec3f(0.52F, 0.17F, 0.16F);
         break;
       case Tissue::lash:
-        v.colour = hair * 0.35F;
+        v.colour = hair * 0.3F;
         break;
       case Tissue::brow:
-        v.colour = hair * 0.85F;
+        v.colour = hair.cwiseProduct(v.colour) * 0.8F;
         break;
-      case Tissue::hair:
-        v.colour = hair.cwiseProduct(v.colour);
+      case Tissue::cloth:
+        v.colour = Vec3f(0.045F, 0.055F, 0.075F);
         break;
     }
   }

@@ -5,7 +5,6 @@
 #include "mien/builtin_face/anatomy.h"
 
 namespace mien::builtin_face {
-namespace {
 
 double ellipsoid(const Vec3& p, const Vec3& centre, const Vec3& radii) {
   const Vec3 q = p - centre;
@@ -14,18 +13,19 @@ double ellipsoid(const Vec3& p, const Vec3& centre, const Vec3& radii) {
   return k1 > 0 ? k0 * (k0 - 1) / k1 : -radii.minCoeff();
 }
 
-/// A capsule whose radius goes evenly from ra to rb.
 double capsule(const Vec3& p, const Vec3& a, double ra, const Vec3& b, double rb) {
   const Vec3 ab = b - a;
   const double t = std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0);
   return (p - a - t * ab).norm() - mix(ra, rb, t);
 }
 
-/// Union with a fillet of about k.
 double join(double a, double b, double k) {
   const double h = std::max(k - std::abs(a - b), 0.0) / k;
   return std::min(a, b) - h * h * k * 0.25;
 }
+
+namespace {
+
 double carve(double a, double b, double k) {
   return -join(-a, b, k);
 }

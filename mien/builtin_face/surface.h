@@ -4,6 +4,13 @@
 
 namespace mien::builtin_face {
 
+/// Signed distances (mm) to solids; negative inside. The ellipsoid's is about right near its surface.
+[[nodiscard]] double ellipsoid(const Vec3& p, const Vec3& centre, const Vec3& radii);
+/// A capsule whose radius goes evenly from ra to rb.
+[[nodiscard]] double capsule(const Vec3& p, const Vec3& a, double ra, const Vec3& b, double rb);
+/// Union with a fillet of about k.
+[[nodiscard]] double join(double a, double b, double k);
+
 /// The signed distance (mm, about) to the smooth union of skull, flesh and neck; negative inside.
 [[nodiscard]] double head_distance(const Vec3& p);
 

@@ -1,6 +1,7 @@
 #include "mien/face/face.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace mien::face {
@@ -13,6 +14,26 @@ const Region* Face::region(std::string_view region_name) const {
 const Shape* Face::find_shape(std::string_view shape_name) const {
   const auto found = std::ranges::find(shapes, shape_name, &Shape::name);
   return found == shapes.end() ? nullptr : &*found;
+}
+
+std::string_view material_name(Material material) {
+  constexpr std::array<std::string_view, 15> kNames = {"skin",    "lips",  "sclera",       "iris",   "pupil",
+                                                       "cornea",  "teeth", "gums",         "tongue", "hair",
+                                                       "strands", "lash",  "mouth_inside", "cloth",  "other"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Material::other) + 1);
+  return kNames.at(static_cast<std::size_t>(material));
+}
+
+std::vector<bool> Face::vertices_of(Material material) const {
+  std::vector<bool> used(neutral_m.size(), false);
+  for (const Part& part : parts) {
+    if (part.material != material) continue;
+    const std::size_t end =
+        std::min(triangles.size(), std::size_t{part.first_triangle} + part.triangle_count);
+    for (std::size_t t = part.first_triangle; t < end; ++t)
+      for (const std::uint32_t i : triangles[t]) used[i] = true;
+  }
+  return used;
 }
 
 void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out,

@@ -30,11 +30,20 @@ enum class Material : std::uint8_t {
   teeth,
   gums,
   tongue,
-  hair,
+  hair,     ///< Hair as one modelled piece.
+  strands,  ///< Ribbons of hairs: uv.x counts them across, kStrandsPerUv a unit; uv.y is 0 at the root, 1 at
+            ///< the tip.
   lash,
   mouth_inside,
+  cloth,
   other
 };
+
+/// As in face::Material, for files and people: "mouth_inside".
+[[nodiscard]] std::string_view material_name(Material material);
+
+/// Hairs of Material::strands that lie beside each other in one unit of uv.x.
+inline constexpr float kStrandsPerUv = 64;
 
 /// A part of the mesh with one material.
 struct Part {
@@ -72,7 +81,7 @@ struct Face {
   std::vector<Vec3f> neutral_m;  ///< B0.
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Part> parts;          ///< Cover all triangles in order; may be one part.
-  std::vector<Eigen::Vector2f> uv;  ///< Empty, or beside neutral_m.
+  std::vector<Eigen::Vector2f> uv;  ///< Empty, or beside neutral_m; strands read it as their Material says.
   std::vector<Vec3f> colour;        ///< Empty, or beside neutral_m: linear RGB albedo, 0 to 1.
   std::vector<Shape>
       shapes;  ///< Exactly one a name; in ICT order, missing ones with no vertices; tongueOut last if any.
@@ -84,6 +93,8 @@ struct Face {
 
   [[nodiscard]] const Region* region(std::string_view region_name) const;
   [[nodiscard]] const Shape* find_shape(std::string_view shape_name) const;
+  /// Of each vertex, whether a part of this material uses it.
+  [[nodiscard]] std::vector<bool> vertices_of(Material material) const;
 };
 
 /// Writes M(w) into `vertices_m` (size of neutral_m). No allocation. Eyeballs do not turn here.

@@ -99,6 +99,13 @@ Meter::Meter(const face::Face& face) {
       shapes_.shape[slot] = static_cast<std::uint16_t>(k);
       shapes_.delta_mm[slot] = 1000.0F * face.shapes[k].delta_m[i];
     }
+  // Hair and clothes are nobody's face, and how much of them there is says nothing about an estimate.
+  const std::vector<bool> hair = face.vertices_of(face::Material::strands);
+  const std::vector<bool> cloth = face.vertices_of(face::Material::cloth);
+  counts_.assign(vertices, 1);
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (hair[v] || cloth[v]) counts_[v] = 0;
+  counted_ = static_cast<std::size_t>(std::ranges::count(counts_, 1));
   in_skin_.assign(vertices, 0);
   if (const face::Region* skin = face.region("skin"))
     for (const std::uint32_t v : skin->vertex) in_skin_[v] = 1;
@@ -147,7 +154,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
       for (std::size_t v = 0; v < vertices; ++v) {
         const std::uint32_t begin = shapes_.first[v];
         const std::uint32_t end = shapes_.first[v + 1];
-        if (begin == end) continue;
+        if (begin == end || counts_[v] == 0) continue;
         Lanes x{};
         Lanes y{};
         Lanes z{};
@@ -167,7 +174,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
         }
       }
       for (std::size_t f = 0; f < n; ++f) {
-        out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(vertices)));
+        out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(counted_)));
         if (skin_count_ > 0)
           pve_face_mm.push_back(static_cast<float>(skin_mm[f] / static_cast<double>(skin_count_)));
       }

@@ -63,6 +63,8 @@ class Meter {
     std::vector<Vec3f> delta_mm;
   };
   VertexShapes shapes_;
+  std::vector<std::uint8_t> counts_;  // Vertices of pve_mm.
+  std::size_t counted_ = 0;
   std::vector<std::uint8_t> in_skin_;
   std::size_t skin_count_ = 0;
   std::vector<std::uint32_t> landmarks_;

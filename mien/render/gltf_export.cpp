@@ -14,6 +14,7 @@
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/core/time.h"
+#include "mien/render/strands.h"
 #include "mien/render/surface_paint.h"
 #include "mien/render/vrm.h"
 
@@ -94,6 +95,25 @@ class Asset {
     return add("accessors", std::move(accessor));
   }
 
+  std::size_t texture_coordinates(std::span<const Eigen::Vector2f> values) {
+    return add("accessors", {{"bufferView", view(values, kVertexData)},
+                             {"componentType", kFloat},
+                             {"type", "VEC2"},
+                             {"count", values.size()}});
+  }
+
+  /// A texture of a PNG file's content, which repeats sideways.
+  std::size_t texture(std::span<const std::byte> png) {
+    for (const char* list : {"images", "samplers", "textures"})
+      if (!tree.contains(list)) tree[list] = json::array();
+    constexpr int kRepeat = 10497, kClamp = 33071, kLinear = 9729, kTrilinear = 9987;
+    const std::size_t sampler =
+        add("samplers",
+            {{"wrapS", kRepeat}, {"wrapT", kClamp}, {"magFilter", kLinear}, {"minFilter", kTrilinear}});
+    const std::size_t image = add("images", {{"bufferView", view(png, 0)}, {"mimeType", "image/png"}});
+    return add("textures", {{"sampler", sampler}, {"source", image}});
+  }
+
   std::size_t colours(std::span<const std::array<std::uint16_t, 4>> values) {
     return add("accessors", {{"bufferView", view(values, kVertexData)},
                              {"componentType", kUnsignedShort},
@@ -123,40 +143,8 @@ class Asset {
   }
 };
 
-const char* material_name(Material material) {
-  switch (material) {
-    case Material::skin:
-      return "skin";
-    case Material::lips:
-      return "lips";
-    case Material::sclera:
-      return "sclera";
-    case Material::iris:
-      return "iris";
-    case Material::pupil:
-      return "pupil";
-    case Material::cornea:
-      return "cornea";
-    case Material::teeth:
-      return "teeth";
-    case Material::gums:
-      return "gums";
-    case Material::tongue:
-      return "tongue";
-    case Material::hair:
-      return "hair";
-    case Material::lash:
-      return "lash";
-    case Material::mouth_inside:
-      return "mouth_inside";
-    case Material::other:
-      break;
-  }
-  return "other";
-}
-
 json material_entry(Material material, float roughness) {
-  json entry = {{"name", material_name(material)},
+  json entry = {{"name", face::material_name(material)},
                 {"doubleSided", true},
                 {"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", roughness}}}};
   const double alpha = material == Material::cornea ? 0.08 : material == Material::lash ? 0.35 : 1.0;
@@ -207,13 +195,29 @@ Result<void> check(const face::Face& face) {
   }
   if (!face.colour.empty() && face.colour.size() != n)
     return bad(ErrorCode::malformed, "colours do not fit the vertices");
+  if (!face.uv.empty() && face.uv.size() != n)
+    return bad(ErrorCode::malformed, "texture coordinates do not fit the vertices");
   return {};
 }
 
+/// The material's entry, made at its first use.
+Result<std::size_t> add_material(Asset& asset, std::map<Material, std::size_t>& materials, Material material,
+                                 const face::Face& face, const SurfacePaint& paint) {
+  if (const auto known = materials.find(material); known != materials.end()) return known->second;
+  json entry = material_entry(material, paint.at(Vec3f::Zero(), material, nullptr).roughness);
+  if (material == Material::strands && !face.uv.empty()) {
+    MIEN_TRY_ASSIGN(const auto png, strands_png());
+    entry["alphaMode"] = "MASK";
+    entry["alphaCutoff"] = 0.4;
+    entry["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", asset.texture(png)}};
+  }
+  return materials[material] = asset.add("materials", std::move(entry));
+}
+
 /// Adds a mesh and gives its index.
-std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& paint,
-                     std::map<Material, std::size_t>& materials, const Piece& piece,
-                     std::span<const face::MorphTarget> morphs, std::span<const Vec3f> normals) {
+Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& paint,
+                             std::map<Material, std::size_t>& materials, const Piece& piece,
+                             std::span<const face::MorphTarget> morphs, std::span<const Vec3f> normals) {
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> place(face.neutral_m.size(), kNone);
   std::vector<Material> material_of(face.neutral_m.size(), Material::skin);
@@ -238,15 +242,21 @@ std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& p
     const Vec3f* own = face.colour.empty() ? nullptr : &face.colour[i];
     Vec3f albedo = paint.at(face.neutral_m[i], material_of[i], own).albedo;
     if (material_of[i] == Material::cornea) albedo = Vec3f::Ones();
+    if (material_of[i] == Material::strands) albedo *= kBrightestStrand;
     std::array<std::uint16_t, 4> rgba{0, 0, 0, 65535};
     for (int c = 0; c < 3; ++c)
       rgba[static_cast<std::size_t>(c)] =
           static_cast<std::uint16_t>(std::clamp(albedo[c], 0.0F, 1.0F) * 65535 + 0.5F);
     colours.push_back(rgba);
   }
-  const json attributes = {{"POSITION", asset.vectors(positions, true)},
-                           {"NORMAL", asset.vectors(unit_normals, false)},
-                           {"COLOR_0", asset.colours(colours)}};
+  json attributes = {{"POSITION", asset.vectors(positions, true)},
+                     {"NORMAL", asset.vectors(unit_normals, false)},
+                     {"COLOR_0", asset.colours(colours)}};
+  if (piece.triangles.contains(Material::strands) && !face.uv.empty()) {
+    std::vector<Eigen::Vector2f> uv;
+    for (const std::uint32_t i : used) uv.push_back(face.uv[i]);
+    attributes["TEXCOORD_0"] = asset.texture_coordinates(uv);
+  }
 
   json targets = json::array(), names = json::array();
   for (const face::MorphTarget& morph : morphs) {
@@ -265,12 +275,8 @@ std::size_t add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& p
   for (const auto& [material, triangles] : piece.triangles) {
     std::vector<TriangleIndices> local;
     for (const TriangleIndices& t : triangles) local.push_back({place[t[0]], place[t[1]], place[t[2]]});
-    if (!materials.contains(material)) {
-      const float roughness = paint.at(Vec3f::Zero(), material, nullptr).roughness;
-      materials[material] = asset.add("materials", material_entry(material, roughness));
-    }
-    json primitive = {
-        {"attributes", attributes}, {"indices", asset.indices(local)}, {"material", materials[material]}};
+    MIEN_TRY_ASSIGN(const std::size_t dressed, add_material(asset, materials, material, face, paint));
+    json primitive = {{"attributes", attributes}, {"indices", asset.indices(local)}, {"material", dressed}};
     if (!targets.empty()) primitive["targets"] = targets;
     primitives.push_back(std::move(primitive));
   }
@@ -382,10 +388,14 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
          t < std::min(face.triangles.size(), std::size_t{part.first_triangle} + part.triangle_count); ++t)
       material[t] = part.material;
 
-  std::array<Piece, 3> pieces;  // The face, left eye, right eye.
+  std::array<Piece, 4> pieces;  // The face, left eye, right eye, and hair that no shape moves.
   pieces[0] = {.name = "face", .triangles = {}, .origin_m = Vec3f::Zero()};
   for (std::size_t e = 0; e < 2; ++e)
     pieces[e + 1] = {.name = e == 0 ? "eye_L" : "eye_R", .triangles = {}, .origin_m = face.eyes[e].centre_m};
+  pieces[3] = {.name = "hair", .triangles = {}, .origin_m = Vec3f::Zero()};
+  std::vector<bool> moves(face.neutral_m.size(), false);
+  for (const face::Shape& shape : face.shapes)
+    for (const std::uint32_t i : shape.vertex) moves[i] = true;
   const std::array<bool, 2> alone = {turns_alone(face, face.eyes[0]), turns_alone(face, face.eyes[1])};
   for (std::size_t t = 0; t < face.triangles.size(); ++t) {
     std::size_t piece = 0;
@@ -394,6 +404,9 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
           alone[e] && i >= face.eyes[e].first_vertex &&
           i < face.eyes[e].first_vertex + face.eyes[e].vertex_count)
         piece = e + 1;
+    if (material[t] == Material::strands &&
+        std::ranges::none_of(face.triangles[t], [&](std::uint32_t i) { return moves[i]; }))
+      piece = 3;
     pieces[piece].triangles[material[t]].push_back(face.triangles[t]);
   }
   if (pieces[0].triangles.empty())
@@ -403,25 +416,31 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   const SurfacePaint paint(face);
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
+  round_hair(face.neutral_m, face.vertices_of(Material::strands), middle_of_head_m(face), normals);
   std::map<Material, std::size_t> materials;
   const std::vector<face::MorphTarget> morphs = face::morph_targets(face, target_names(names));
 
   NodeNames nodes;
   json children = json::array();
-  nodes.face = asset.add(
-      "nodes",
-      {{"name", "face"}, {"mesh", add_mesh(asset, face, paint, materials, pieces[0], morphs, normals)}});
-  if (origin_m != Vec3f::Zero())
-    asset.tree["nodes"][nodes.face]["translation"] = {-origin_m.x(), -origin_m.y(), -origin_m.z()};
-  children.push_back(nodes.face);
+  const auto add_still = [&](const Piece& piece,
+                             std::span<const face::MorphTarget> targets) -> Result<std::size_t> {
+    MIEN_TRY_ASSIGN(const std::size_t mesh, add_mesh(asset, face, paint, materials, piece, targets, normals));
+    const std::size_t node = asset.add("nodes", {{"name", piece.name}, {"mesh", mesh}});
+    if (origin_m != Vec3f::Zero())
+      asset.tree["nodes"][node]["translation"] = {-origin_m.x(), -origin_m.y(), -origin_m.z()};
+    children.push_back(node);
+    return node;
+  };
+  MIEN_TRY_ASSIGN(nodes.face, add_still(pieces[0], morphs));
+  if (!pieces[3].triangles.empty()) MIEN_TRY(add_still(pieces[3], {}));
   for (std::size_t e = 0; e < 2; ++e) {
     if (pieces[e + 1].triangles.empty()) continue;
     const Vec3f at = pieces[e + 1].origin_m - origin_m;
     nodes.has_eye[e] = true;
-    nodes.eye[e] =
-        asset.add("nodes", {{"name", pieces[e + 1].name},
-                            {"mesh", add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals)},
-                            {"translation", {at.x(), at.y(), at.z()}}});
+    MIEN_TRY_ASSIGN(const std::size_t mesh,
+                    add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals));
+    nodes.eye[e] = asset.add(
+        "nodes", {{"name", pieces[e + 1].name}, {"mesh", mesh}, {"translation", {at.x(), at.y(), at.z()}}});
     children.push_back(nodes.eye[e]);
   }
   nodes.head = asset.add("nodes", {{"name", "head"}, {"children", std::move(children)}});

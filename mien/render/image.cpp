@@ -23,25 +23,30 @@ void paste(Image& picture, const Image& part, int x, int y) {
               picture.pixel(x + left, y + row));
 }
 
-Result<std::vector<std::byte>> encode_png(const Image& picture) {
+Result<std::vector<std::byte>> encode_png(int width, int height, PngPixels kind,
+                                          std::span<const std::uint8_t> bytes) {
   constexpr int kMaxSide = 16384;
-  if (picture.width < 1 || picture.height < 1 || picture.width > kMaxSide || picture.height > kMaxSide ||
-      picture.rgb.size() != std::size_t(3) * picture.width * picture.height)
-    return fail(ErrorCode::out_of_range,
-                fmt::format("a picture of {} x {} cannot be written", picture.width, picture.height), "PNG",
-                fmt::format("sides are 1 to {} pixels", kMaxSide));
+  const std::size_t channels = kind == PngPixels::rgba ? 4 : 3;
+  if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide ||
+      bytes.size() != channels * static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
+    return fail(ErrorCode::out_of_range, fmt::format("a picture of {} x {} cannot be written", width, height),
+                "PNG", fmt::format("sides are 1 to {} pixels", kMaxSide));
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
-  header.width = static_cast<png_uint_32>(picture.width);
-  header.height = static_cast<png_uint_32>(picture.height);
-  header.format = PNG_FORMAT_RGB;
+  header.width = static_cast<png_uint_32>(width);
+  header.height = static_cast<png_uint_32>(height);
+  header.format = kind == PngPixels::rgba ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
   // The simplified writer may not say its size beforehand without doing the work; its bound is cheap.
   std::vector<std::byte> content(PNG_IMAGE_PNG_SIZE_MAX(header));
   png_alloc_size_t size = content.size();
-  if (png_image_write_to_memory(&header, content.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+  if (png_image_write_to_memory(&header, content.data(), &size, 0, bytes.data(), 0, nullptr) == 0)
     return fail(ErrorCode::internal, fmt::format("libpng: {}", header.message), "PNG");
   content.resize(size);
   return content;
+}
+
+Result<std::vector<std::byte>> encode_png(const Image& picture) {
+  return encode_png(picture.width, picture.height, PngPixels::rgb, picture.rgb);
 }
 
 Result<void> write_png(const std::filesystem::path& path, const Image& picture) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -32,6 +33,14 @@ struct Image {
 
 /// Copies `part` into `picture` with its top left corner at (x, y); what falls outside is left out.
 void paste(Image& picture, const Image& part, int x, int y);
+
+/// What a pixel of a PNG file is, 8 bits each, sRGB; alpha is linear and not multiplied in.
+enum class PngPixels : std::uint8_t { rgb, rgba };
+
+/// Rows from the top as a PNG file's content. Errors: out_of_range (no pixels, larger than 16384 a side, or
+/// another number of bytes than the size says).
+[[nodiscard]] Result<std::vector<std::byte>> encode_png(int width, int height, PngPixels kind,
+                                                        std::span<const std::uint8_t> bytes);
 
 /// The picture as a PNG file's content. Errors: out_of_range (a picture without pixels, or larger than 16384
 /// a side).

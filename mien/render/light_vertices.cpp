@@ -20,6 +20,11 @@ constexpr float kScatterHeight_m = 1.2e-3F;
 /// (Jensen et al. 2001, doi:10.1145/383259.383319, table 1), as the deviation of a Gaussian.
 const Vec3f kScatter_m(3.4e-3F, 1.5e-3F, 0.9e-3F);
 
+/// Of the light that meets hair, the part that comes out behind it; chosen by eye.
+constexpr float kThroughHair = 0.4F;
+/// Hair nearer than this to a place of hair belongs to the same lock.
+constexpr float kOwnLock_m = 5e-3F;
+
 }  // namespace
 
 void Renderer::State::find_neighbours() {
@@ -50,7 +55,10 @@ void Renderer::State::find_neighbours() {
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
   lit_by_vertex.assign(n, false);
+  scatters.assign(n, false);
   for (std::size_t t = 0; t < face.triangles.size(); ++t) {
+    if (material[t] == Material::skin || material[t] == Material::lips)
+      for (const std::uint32_t i : face.triangles[t]) scatters[i] = true;
     if (is_eye(material[t]) || layer[t] != Layer::solid) continue;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint32_t a = twin[face.triangles[t][c]], b = twin[face.triangles[t][(c + 1) % 3]];
@@ -60,6 +68,8 @@ void Renderer::State::find_neighbours() {
       edges.emplace_back(b, a);
     }
   }
+  for (std::size_t i = 0; i < n; ++i)
+    if (is_strand[i]) lit_by_vertex[i] = true;
   std::ranges::sort(edges);
   edges.erase(std::ranges::unique(edges).begin(), edges.end());
   neighbour_start.assign(n + 1, 0);
@@ -80,7 +90,10 @@ void Renderer::State::measure_lashes() {
   lash_length_m.assign(n, 0);
   std::vector<bool> is_lash(n, false), is_skin(n, false);
   for (std::size_t t = 0; t < face.triangles.size(); ++t)
-    for (const std::uint32_t i : face.triangles[t]) (layer[t] == Layer::fringe ? is_lash : is_skin)[i] = true;
+    for (const std::uint32_t i : face.triangles[t]) {
+      if (material[t] == Material::lash) is_lash[i] = true;
+      if (layer[t] != Layer::fringe) is_skin[i] = true;
+    }
   Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
   for (std::size_t i = 0; i < n; ++i)
     if (is_lash[i]) {
@@ -118,6 +131,7 @@ void Renderer::State::find_normals(std::span<const Vec3f> vertices_m) {
     if (twin[i] == i) normal[i] = length > 1e-20F ? Vec3f(normal[i] / length) : Vec3f::UnitZ();
   }
   for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = normal[twin[i]];
+  round_hair(position, is_strand, middle_m, normal);
 
   for (std::size_t e = 0; e < 2; ++e) {
     const face::Eyeball& ball = face.eyes[e];
@@ -137,6 +151,11 @@ void Renderer::State::light_vertices(const Studio& studio) {
   const std::size_t n = position.size();
   ambient.assign(n, Vec3f::Zero());
   for (auto& part : visible) part.assign(n, Vec3f::Zero());
+  // Of light from a direction, what hair lets through. A ribbon is no shade to itself and its neighbours.
+  const auto in_hair = [&](std::size_t i, const Vec3f& d, float reach_m) {
+    const Vec3f from = position[i] + kScatterHeight_m * normal[i];
+    return hair.blocked(from, d, is_strand[i] ? kOwnLock_m : 0, reach_m) ? kThroughHair : 1.0F;
+  };
   parallel(threads, n, 256, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       if (twin[i] != i || !lit_by_vertex[i]) continue;
@@ -148,16 +167,16 @@ void Renderer::State::light_vertices(const Studio& studio) {
         if (cosine <= 0.02F) continue;
         weights += cosine;
         if (!solid.blocked(position[i] + kClear_m * up, d, 0, kAmbientReach_m))
-          light += cosine * studio.around(d);
+          light += cosine * in_hair(i, d, kAmbientReach_m) * studio.around(d);
       }
       if (weights > 0) ambient[i] = light / weights;
       for (std::size_t l = 0; l < kLights; ++l) {
         if (studio.light[l].direction.dot(up) < -0.45F) continue;
-        int seen = 0;
+        float seen = 0;
         for (const Vec3f& d : studio.light_samples[l])
-          if (!solid.blocked(position[i] + kScatterHeight_m * up, d, 0, kFar_m)) ++seen;
-        visible[l][i].setConstant(static_cast<float>(seen) /
-                                  static_cast<float>(studio.light_samples[l].size()));
+          if (!solid.blocked(position[i] + kScatterHeight_m * up, d, 0, kFar_m))
+            seen += in_hair(i, d, kFar_m);
+        visible[l][i].setConstant(seen / static_cast<float>(studio.light_samples[l].size()));
       }
     }
   });
@@ -179,7 +198,9 @@ void Renderer::State::scatter_light() {
           for (std::uint32_t k = begin; k < end; ++k) mean += field[neighbour[k]];
           mean /= static_cast<float>(end - begin);
           const float variance = std::max(1e-12F, kSteps * spread_m[i] * spread_m[i]);
-          const Vec3f lambda = (scatter_m.cwiseProduct(scatter_m) / variance).cwiseMin(0.6F);
+          // Teeth and gums are not translucent as skin is: what spreads there has no colour.
+          const Vec3f spread = scatters[i] ? scatter_m : Vec3f(Vec3f::Constant(scatter_m.z()));
+          const Vec3f lambda = (spread.cwiseProduct(spread) / variance).cwiseMin(0.6F);
           next[i] += lambda.cwiseProduct(mean - field[i]);
         }
       });

@@ -105,6 +105,7 @@ void Renderer::light(std::span<const Vec3f> vertices_m, const Camera& camera, co
   s.solid.move(vertices_m);
   s.clear.move(vertices_m);
   s.fringe.move(vertices_m);
+  s.hair.move(vertices_m);
   s.light_vertices(studio);
   s.scatter_light();
 }

@@ -14,6 +14,7 @@
 #include "mien/render/error_colours.h"
 #include "mien/render/ray_scene.h"
 #include "mien/render/renderer.h"
+#include "mien/render/strands.h"
 #include "mien/render/surface_paint.h"
 #include "mien/render/tone.h"
 
@@ -59,11 +60,14 @@ struct Renderer::State {
         threads(thread_count > 0 ? thread_count
                                  : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
         paint(f),
+        is_strand(f.vertices_of(Material::strands)),
+        middle_m(middle_of_head_m(f)),
         material(material_of_triangles(f)),
         layer(layer_of_triangles()),
         solid(f.neutral_m, pick_triangles(Layer::solid, &solid_triangle)),
         clear(f.neutral_m, pick_triangles(Layer::clear, &clear_triangle)),
-        fringe(f.neutral_m, pick_triangles(Layer::fringe, &fringe_triangle)) {
+        fringe(f.neutral_m, pick_triangles(Layer::fringe, &fringe_triangle)),
+        hair(f.neutral_m, strand_triangles()) {
     find_neighbours();
     measure_lashes();
     lowest_m = std::numeric_limits<float>::max();
@@ -81,16 +85,23 @@ struct Renderer::State {
     return all;
   }
 
-  /// Rays meet three meshes: what is solid and shades, what is clear, and lashes, which do neither.
+  /// Rays from the camera meet three meshes: what is solid, what is clear, and hair and lashes, of which each
+  /// lets some light through. Light is kept off by what is solid, and in part by strands.
   enum class Layer : std::uint8_t { solid, clear, fringe };
 
   [[nodiscard]] std::vector<Layer> layer_of_triangles() const {
     std::vector<Layer> all;
     for (const Material m : material)
-      all.push_back(m == Material::cornea ? Layer::clear
-                    : m == Material::lash ? Layer::fringe
-                                          : Layer::solid);
+      all.push_back(m == Material::cornea                           ? Layer::clear
+                    : m == Material::lash || m == Material::strands ? Layer::fringe
+                                                                    : Layer::solid);
     return all;
+  }
+  [[nodiscard]] std::vector<Triangle> strand_triangles() const {
+    std::vector<Triangle> picked;
+    for (std::size_t t = 0; t < face.triangles.size(); ++t)
+      if (material[t] == Material::strands) picked.push_back(face.triangles[t]);
+    return picked;
   }
   [[nodiscard]] std::vector<Triangle> pick_triangles(Layer wanted, std::vector<std::uint32_t>* index) const {
     std::vector<Triangle> picked;
@@ -109,6 +120,10 @@ struct Renderer::State {
   void scatter_light();
   [[nodiscard]] Vec3f shade(const Studio& studio, const Vec3f& origin, const Vec3f& direction,
                             const ErrorColours* errors, float footprint_m, float* cover) const;
+  /// Light from the hair and lashes that stand before `distance`; `through` becomes what they let through.
+  [[nodiscard]] Vec3f shade_fringe(const Studio& studio, const Vec3f& origin, const Vec3f& direction,
+                                   float distance, bool in_error_colours, float footprint_m,
+                                   float* through) const;
   [[nodiscard]] Vec3f shade_eye(const Studio& studio, const Vec3f& p, Vec3f n, const Vec3f& to_camera,
                                 const Surface& surface, const Vec3f& neutral, bool painted) const;
   [[nodiscard]] Vec3f mirrored(const Studio& studio, const Vec3f& p, const Vec3f& n, const Vec3f& to_camera,
@@ -118,10 +133,13 @@ struct Renderer::State {
   Quality quality;
   int threads;
   SurfacePaint paint;
+  std::vector<bool> is_strand;     // A vertex of a ribbon of hair.
+  Vec3f middle_m;                  // Inside the head.
   std::vector<Material> material;  // A triangle.
   std::vector<Layer> layer;
   std::vector<std::uint32_t> solid_triangle, clear_triangle, fringe_triangle;  // Index in the face.
-  RayScene solid, clear, fringe;
+  RayScene solid, clear, fringe, hair;
+  std::vector<bool> scatters;                             // A vertex of skin or lips.
   std::vector<std::uint32_t> neighbour_start, neighbour;  // Vertices that share an edge.
   std::vector<std::uint32_t> twin;   // The first vertex at the same place with about the same normal.
   std::vector<float> spread_m;       // Mean edge length at each vertex.

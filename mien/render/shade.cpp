@@ -5,6 +5,7 @@
 
 #include "mien/render/renderer_state.h"
 #include "mien/render/solid_noise.h"
+#include "mien/render/strands.h"
 
 namespace mien::render {
 namespace {
@@ -27,6 +28,44 @@ float highlight(float n_h, float n_v, float n_l, float roughness) {
   const float k = 0.5F * a;
   const float visible = 0.25F / ((n_v * (1 - k) + k) * (n_l * (1 - k) + k));
   return a2 / (kPi * d * d) * visible;
+}
+
+/// Of hair in front of each other this many are drawn, and no more once less than this comes through.
+constexpr int kLayers = 16;
+constexpr float kOpaque = 0.03F;
+const Vec3f kLash(0.012F, 0.009F, 0.008F);
+const Vec3f kHairColour(0.055F, 0.035F, 0.025F);
+
+/// A place on a hair. Unit vectors, frame H.
+struct HairPoint {
+  Vec3f along, normal, albedo, ambient;
+  std::array<float, kLights> visible;
+};
+
+/// Light that a hair throws back: diffuse about it, a white highlight shifted to its root and one of its own
+/// colour shifted to its tip. Source: Kajiya and Kay 1989, doi:10.1145/74334.74361; the shifts after
+/// Scheuermann 2004, "Practical real-time hair rendering and shading". Strengths chosen by eye.
+Vec3f shade_hair(const Studio& studio, const HairPoint& at, const Vec3f& to_camera) {
+  const auto lobe = [](const Vec3f& along, const Vec3f& half, float exponent) {
+    const float cosine = along.dot(half);
+    return std::pow(std::sqrt(std::max(0.0F, 1 - cosine * cosine)), exponent);
+  };
+  Vec3f out = at.albedo.cwiseProduct(at.ambient);
+  const Vec3f to_root = (at.along + 0.06F * at.normal).normalized();
+  const Vec3f to_tip = (at.along - 0.12F * at.normal).normalized();
+  for (std::size_t l = 0; l < kLights; ++l) {
+    const Look::Light& light = studio.light[l];
+    if (at.visible[l] <= 0) continue;
+    const float cosine = at.along.dot(light.direction);
+    const float around = std::sqrt(std::max(0.0F, 1 - cosine * cosine));
+    const float facing = std::clamp((at.normal.dot(light.direction) + 0.35F) / 1.35F, 0.0F, 1.0F);
+    const Vec3f half = (light.direction + to_camera).normalized();
+    const Vec3f colour = at.albedo * (0.35F + 0.65F * around) +
+                         Vec3f::Constant(0.05F * lobe(to_root, half, 110)) +
+                         at.albedo.cwiseSqrt() * (0.16F * lobe(to_tip, half, 22));
+    out += at.visible[l] * facing * colour.cwiseProduct(light.radiance) / kPi;
+  }
+  return out;
 }
 
 }  // namespace
@@ -86,12 +125,73 @@ Vec3f Renderer::State::shade_eye(const Studio& studio, const Vec3f& p, Vec3f n, 
   return out;
 }
 
+Vec3f Renderer::State::shade_fringe(const Studio& studio, const Vec3f& origin, const Vec3f& direction,
+                                    float distance, bool in_error_colours, float footprint_m,
+                                    float* through) const {
+  Vec3f light = Vec3f::Zero();
+  float from = 0;
+  for (int layers = 0; layers < kLayers && *through >= kOpaque; ++layers) {
+    const RayScene::Hit hit = fringe.first_hit(origin, direction, from);
+    if (!hit.any() || hit.distance > distance) break;
+    from = hit.distance + 1e-5F;
+    const std::uint32_t triangle = fringe_triangle[hit.triangle];
+    const Triangle& corner = face.triangles[triangle];
+    const std::array<float, 3> weight = {1 - hit.u - hit.v, hit.u, hit.v};
+    const auto between = [&](const auto& field) -> Vec3f {
+      return weight[0] * field[corner[0]] + weight[1] * field[corner[1]] + weight[2] * field[corner[2]];
+    };
+    if (material[triangle] == Material::lash) {
+      float length_m = 0;
+      for (std::size_t k = 0; k < 3; ++k) length_m += weight[k] * lash_length_m[corner[k]];
+      const float cover = paint.lash_cover(between(face.neutral_m), length_m);
+      light += *through * cover * kLash;
+      *through *= 1 - cover;
+      continue;
+    }
+    if (face.uv.empty()) continue;
+    // Along a hair and across the ribbon, from how uv lies on the triangle.
+    const auto uv = [&](std::size_t k) -> const Eigen::Vector2f& { return face.uv[corner[k]]; };
+    const Eigen::Vector2f d1 = uv(1) - uv(0), d2 = uv(2) - uv(0);
+    const float det = d1.x() * d2.y() - d1.y() * d2.x();
+    if (std::abs(det) < 1e-12F) continue;
+    const Vec3f e1 = position[corner[1]] - position[corner[0]],
+                e2 = position[corner[2]] - position[corner[0]];
+    const Vec3f across = (d2.y() * e1 - d1.y() * e2) / det, along = (d1.x() * e2 - d2.x() * e1) / det;
+    const float hair_m = across.norm() / face::kStrandsPerUv;
+    const float softness = std::clamp(0.3F * footprint_m / std::max(hair_m, 1e-6F), 0.1F, 0.5F);
+    const Eigen::Vector2f at = weight[0] * uv(0) + weight[1] * uv(1) + weight[2] * uv(2);
+    const Strand strand = strand_at(at, softness);
+    if (strand.cover <= 0) continue;
+    HairPoint point{.along = along.normalized(),
+                    .normal = between(normal).normalized(),
+                    .albedo = face.colour.empty() ? Vec3f(kHairColour) : between(face.colour),
+                    .ambient = between(ambient),
+                    .visible = {}};
+    point.albedo *= strand.brightness;
+    if (in_error_colours) point.albedo = 0.4F * error_colour(0);
+    for (std::size_t l = 0; l < kLights; ++l) point.visible[l] = between(visible[l]).y();
+    light += *through * strand.cover * shade_hair(studio, point, -direction);
+    *through *= 1 - strand.cover;
+  }
+  if (*through < kOpaque) {
+    light /= 1 - *through;
+    *through = 0;
+  }
+  return light;
+}
+
 Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Vec3f& direction,
                              const ErrorColours* errors, float footprint_m, float* cover) const {
   *cover = 0;
   const RayScene::Hit hit = solid.first_hit(origin, direction);
   const RayScene::Hit glass = clear.first_hit(origin, direction);
-  if (!hit.any()) return Vec3f::Zero();
+  float through = 1;
+  const Vec3f before =
+      shade_fringe(studio, origin, direction, hit.distance, errors != nullptr, footprint_m, &through);
+  if (!hit.any() || through < kOpaque) {
+    *cover = 1 - through;
+    return through < 1 ? Vec3f(before / (1 - through)) : Vec3f(Vec3f::Zero());
+  }
 
   const std::uint32_t triangle = solid_triangle[hit.triangle];
   const auto& [a, b, c] = face.triangles[triangle];
@@ -138,12 +238,17 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
     }
     // Pores, where a pixel is small enough to show them.
     Vec3f rough_n = n;
-    const float pores = surface.bump * (1 - smoothstep(0.5e-3F, 1.1e-3F, footprint_m));
-    if (pores > 0) {
-      const Vec3f q = neutral * 900.0F;
-      const Vec3f tilt(solid_noise(q), solid_noise(q + Vec3f(31, 7, 3)), solid_noise(q + Vec3f(5, 47, 19)));
-      rough_n = (n + 0.10F * pores * tilt).normalized();
-    }
+    const auto tilt = [&](float per_m, float strength) {
+      const float seen_of_it = surface.bump * (1 - smoothstep(0.4F / per_m, 1.0F / per_m, footprint_m));
+      if (seen_of_it <= 0) return;
+      const Vec3f q = neutral * per_m;
+      rough_n += strength * seen_of_it *
+                 Vec3f(solid_noise(q), solid_noise(q + Vec3f(31, 7, 3)), solid_noise(q + Vec3f(5, 47, 19)));
+    };
+    tilt(450, 0.05F);
+    tilt(900, 0.11F);
+    tilt(2100, 0.15F);
+    rough_n.normalize();
 
     Vec3f diffuse = light_here;
     Vec3f shine = Vec3f::Zero();
@@ -169,12 +274,16 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
     }
     const Vec3f bounced = 2 * rough_n.dot(to_camera) * rough_n - to_camera;
     const float open = light_here.y() / std::max(1e-4F, studio.around(n).y());
-    shine += 0.8F * fresnel(surface.reflectance, n_v) * (1 - 0.6F * surface.roughness) * open *
-             studio.around(bounced);
+    // Of a rough surface little is mirrored even at its edge (Lagarde 2011's roughness-aware Fresnel term).
+    const float edge = std::pow(1 - n_v, 5.0F);
+    const float mirrors =
+        surface.reflectance +
+        (std::max(1 - surface.roughness, surface.reflectance) - surface.reflectance) * 0.35F * edge;
+    shine += 0.8F * mirrors * (1 - 0.6F * surface.roughness) * open * studio.around(bounced);
     out = surface.albedo.cwiseProduct(diffuse) + shine;
   }
 
-  if (errors != nullptr) return out;
+  if (errors != nullptr) return before + through * out;
   if (glazed) {
     const auto& [ga, gb, gc] = face.triangles[clear_triangle[glass.triangle]];
     const Vec3f gn =
@@ -185,22 +294,7 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
       out += strength * mirrored(studio, origin + glass.distance * direction, gn, to_camera, 0.12F);
   }
 
-  float from = 0, through = 1;
-  for (int layers = 0; layers < 3; ++layers) {
-    const RayScene::Hit lash = fringe.first_hit(origin, direction, from);
-    if (!lash.any() || lash.distance > hit.distance) break;
-    from = lash.distance + 1e-5F;
-    const auto& corner = face.triangles[fringe_triangle[lash.triangle]];
-    const std::array<float, 3> weight = {1 - lash.u - lash.v, lash.u, lash.v};
-    Vec3f place = Vec3f::Zero();
-    float length_m = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      place += weight[k] * face.neutral_m[corner[k]];
-      length_m += weight[k] * lash_length_m[corner[k]];
-    }
-    through *= 1 - paint.lash_cover(place, length_m);
-  }
-  return mix(Vec3f(0.012F, 0.009F, 0.008F), out, through);
+  return before + through * out;
 }
 
 }  // namespace mien::render

@@ -78,7 +78,7 @@ SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
   };
   const bool own_colours = !face.colour.empty();
   outlines_lips_ = face.has_landmarks;
-  paints_brows_ = face.has_landmarks && !own_colours && !has(Material::hair);
+  paints_brows_ = face.has_landmarks && !own_colours && !has(Material::hair) && !has(Material::strands);
 
   if (face.has_landmarks) {
     const auto mark = [&](std::size_t i) { return face.neutral_m[face.landmarks[i]]; };
@@ -127,16 +127,20 @@ SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
             middle += (face.neutral_m[i] - ball.centre_m).normalized();
     }
     if (middle.norm() > 1e-3F && middle.normalized().z() > 0.9F) eye_axis_[e] = middle.normalized();
-    float widest = 0;
+    float widest = 0, coloured = 0;
+    Vec3f colour = Vec3f::Zero();
     for (const face::Part& part : face.parts) {
       if (part.material != Material::iris || !own_colours) continue;
       for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
         for (const std::uint32_t i : face.triangles[t]) {
           if (i < ball.first_vertex || i >= ball.first_vertex + ball.vertex_count) continue;
+          colour += face.colour[i];
+          ++coloured;
           const Vec3f d = face.neutral_m[i] - ball.centre_m;
           widest = std::max(widest, std::acos(std::clamp(d.normalized().dot(eye_axis_[e]), -1.0F, 1.0F)));
         }
     }
+    if (coloured > 0) iris_colour_[e] = colour / coloured;
     if (widest > 0.2F && widest < 0.9F) {
       iris_angle_rad_[e] = widest;
     } else if (face.has_landmarks) {
@@ -194,7 +198,8 @@ Surface SurfacePaint::eye(const Vec3f& p, int index) const {
   // The iris: dark rim, fibres, lighter ring about the pupil.
   const float fibres = 0.6F * solid_noise(Vec3f(11 * std::cos(turn), 11 * std::sin(turn), 1.6F * radius)) +
                        0.4F * solid_noise(Vec3f(26 * std::cos(turn), 26 * std::sin(turn), 3 * radius));
-  const Vec3f outer(0.085F, 0.13F, 0.155F), inner(0.26F, 0.20F, 0.105F);
+  const Vec3f& outer = iris_colour_[static_cast<std::size_t>(index)];
+  const Vec3f inner = mix(Vec3f(2.2F * outer), Vec3f(0.26F, 0.20F, 0.105F), 0.45F).cwiseMin(0.5F);
   Vec3f iris = mix(inner, outer, smoothstep(0.36F, 0.70F, radius + 0.10F * fibres)) * (1 + 0.75F * fibres);
   iris *= 1 - 0.78F * smoothstep(0.80F, 1.0F, radius);
   iris *= smoothstep(0.30F, 0.37F, radius);
@@ -210,8 +215,8 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
     case Material::lips: {
       const float mottle = solid_noise(p * 160.0F) + 0.5F * solid_noise(p * 420.0F);
       s = {.albedo = own != nullptr ? *own : kSkin,
-           .roughness = 0.46F,
-           .reflectance = 0.028F,
+           .roughness = 0.50F,
+           .reflectance = 0.026F,
            .scatter = 1,
            .bump = 1};
       if (own == nullptr)
@@ -220,7 +225,10 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
               std::exp(-(p - spot.centre_m).squaredNorm() / (2 * spot.radius_m * spot.radius_m));
           s.albedo = s.albedo.cwiseProduct(mix(Vec3f::Ones(), spot.tint, amount));
         }
-      s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F));
+      s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F) +
+                                       solid_noise(p * 55.0F) * Vec3f(0.02F, 0.07F, 0.07F) +
+                                       solid_noise(p * 1500.0F) * Vec3f(0.03F, 0.04F, 0.04F));
+      s.roughness += 0.05F * solid_noise(p * 260.0F);
       const float lip = outlines_lips_ ? lip_amount(p) : material == Material::lips ? 1.0F : 0.0F;
       if (lip > 0) {
         if (own == nullptr) {
@@ -275,10 +283,14 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
       s = {.albedo = {0.30F, 0.085F, 0.075F}, .roughness = 0.35F, .reflectance = 0.03F, .scatter = 0.6F};
       break;
     case Material::hair:
+    case Material::strands:
       s = {.albedo = kHair, .roughness = 0.5F, .reflectance = 0.03F};
       break;
     case Material::lash:
       s = {.albedo = {0.012F, 0.009F, 0.008F}, .roughness = 0.6F, .reflectance = 0.02F};
+      break;
+    case Material::cloth:
+      s = {.albedo = {0.045F, 0.055F, 0.075F}, .roughness = 0.95F, .reflectance = 0.015F};
       break;
     case Material::other:
       s = {.albedo = {0.35F, 0.35F, 0.36F}, .roughness = 0.5F, .reflectance = 0.03F};

@@ -57,6 +57,7 @@ class SurfacePaint {
   float brows_back_m_ = 0;
   std::array<Vec3f, 2> eye_axis_ = {Vec3f::UnitZ(), Vec3f::UnitZ()};
   std::array<float, 2> iris_angle_rad_ = {0.46F, 0.46F};
+  std::array<Vec3f, 2> iris_colour_ = {Vec3f(0.085F, 0.13F, 0.155F), Vec3f(0.085F, 0.13F, 0.155F)};
 };
 
 }  // namespace mien::render

@@ -13,7 +13,8 @@ namespace mien::study {
 
 VirtualPerson draw_person(const Random& root) {
   Random identity = root.fork("identity"), style = root.fork("style");
-  return {builtin_face::make_builtin(builtin_face::random_identity(identity)), performer::draw_style(style)};
+  return {builtin_face::make_builtin(without_hair(builtin_face::random_identity(identity))),
+          performer::draw_style(style)};
 }
 
 face::Motion draw_motion(double seconds, const performer::Style& style, const Random& root) {

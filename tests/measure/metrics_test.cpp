@@ -55,6 +55,23 @@ TEST(Metrics, ErrorsAreMillimetresOnTheMesh) {
   EXPECT_FALSE(m.blink_f1.has_value());
 }
 
+TEST(Metrics, HairAndClothesAreNotPartOfTheMean) {
+  face::Face face = two_vertex_face();
+  const std::uint32_t last = 7;
+  for (std::uint32_t i = 2; i <= last; ++i)
+    face.neutral_m.emplace_back(0.0F, 0.1F, 0.01F * static_cast<float>(i));
+  face.triangles = {{0, 1, 1}, {2, 3, 4}, {5, 6, last}};
+  face.parts = {{"skin", face::Material::skin, 0, 1},
+                {"brows", face::Material::strands, 1, 1},
+                {"shirt", face::Material::cloth, 2, 1}};
+  face.shapes[shape("mouthLeft")].vertex.push_back(3);  // A brow goes along.
+  face.shapes[shape("mouthLeft")].delta_m.emplace_back(0.004F, 0, 0);
+  const Track truth = constant(20, 0.5F, 0.0F), estimate = constant(20, 0.7F, 0.5F);
+  const Stretch stretch{truth, estimate};
+  EXPECT_EQ(Meter(face).measure({&stretch, 1}).pve_mm.mean,
+            Meter(two_vertex_face()).measure({&stretch, 1}).pve_mm.mean);
+}
+
 TEST(Metrics, BothSidesAreClipped) {
   const Meter meter(two_vertex_face());
   const Track truth = constant(5, 1.4F, 0);

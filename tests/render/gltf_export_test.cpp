@@ -89,6 +89,63 @@ TEST(Gltf, ComesBackThroughTheImporter) {
   EXPECT_EQ(peak_displacement_m(head->face, "mouthPucker"), 0);
 }
 
+/// A ribbon of hair on top of the ball, which no shape moves, and one at its left, which a smile does.
+face::Face haired_ball() {
+  face::Face face = ball_face();
+  face.uv.assign(face.neutral_m.size(), Eigen::Vector2f::Zero());
+  for (const Vec3f& root : {Vec3f(0, 0.1F, 0), Vec3f(0.1F, 0, 0)}) {
+    const auto first = static_cast<std::uint32_t>(face.neutral_m.size());
+    for (int k = 0; k < 4; ++k) {
+      face.neutral_m.push_back(root + Vec3f(0, k < 2 ? 0.0F : 0.02F, k % 2 == 0 ? 0.0F : 0.005F));
+      face.uv.emplace_back(k % 2 == 0 ? 0.0F : 0.25F, k < 2 ? 0.0F : 1.0F);
+    }
+    face.parts.push_back(
+        {"ribbon", face::Material::strands, static_cast<std::uint32_t>(face.triangles.size()), 2});
+    face.triangles.push_back({first, first + 1, first + 3});
+    face.triangles.push_back({first, first + 3, first + 2});
+  }
+  face::Shape& smile = face.shapes[face::shape("mouthSmile_L")];
+  for (auto i = static_cast<std::uint32_t>(face.neutral_m.size()) - 4; i < face.neutral_m.size(); ++i) {
+    smile.vertex.push_back(i);
+    smile.delta_m.emplace_back(0.01F, 0.0F, 0.0F);
+  }
+  return face;
+}
+
+TEST(Gltf, HairHasATextureOfStrandsAndNoTargetsWhereNothingMovesIt) {
+  const face::Face face = haired_ball();
+  const auto content = encode_gltf(face, nullptr, GltfKind::binary).value();
+  const Glb glb = open(content);
+  json hair;
+  for (const json& mesh : glb.tree["meshes"])
+    if (mesh["name"] == "hair") hair = mesh;
+  ASSERT_TRUE(hair.is_object());
+  EXPECT_FALSE(hair.contains("weights"));
+  ASSERT_EQ(hair["primitives"].size(), 1U);
+  EXPECT_FALSE(hair["primitives"][0].contains("targets"));
+  EXPECT_TRUE(hair["primitives"][0]["attributes"].contains("TEXCOORD_0"));
+  const json& material = glb.tree["materials"][hair["primitives"][0]["material"].get<std::size_t>()];
+  EXPECT_EQ(material["name"], "strands");
+  EXPECT_EQ(material["alphaMode"], "MASK");
+  EXPECT_TRUE(material["pbrMetallicRoughness"].contains("baseColorTexture"));
+  ASSERT_EQ(glb.tree["images"].size(), 1U) << "one texture for all hair";
+  EXPECT_EQ(glb.tree["images"][0]["mimeType"], "image/png");
+  EXPECT_EQ(glb.tree["samplers"][0]["wrapS"], 10497) << "ribbons go on beyond one unit";
+
+  // Two triangles go with the smile and stay in the face's mesh; all come back as what they were.
+  const auto back = face::parse_gltf(content, "ball.glb").value().face;
+  EXPECT_EQ(back.triangles.size(), face.triangles.size());
+  std::uint32_t strands = 0;
+  for (const face::Part& part : back.parts)
+    if (part.material == face::Material::strands) strands += part.triangle_count;
+  EXPECT_EQ(strands, 4U);
+  ASSERT_EQ(back.uv.size(), back.neutral_m.size());
+  float widest = 0;
+  for (const auto& uv : back.uv) widest = std::max(widest, uv.x());
+  EXPECT_EQ(widest, 0.25F);
+  EXPECT_EQ(back.colour.size(), back.neutral_m.size()) << "colours of vertices are read";
+}
+
 TEST(Gltf, PlaysTheMotionAtSixtyFramesASecond) {
   const face::Face face = ball_face();
   const face::Motion motion = nod(1.0);
@@ -300,6 +357,9 @@ TEST(Gltf, RefusesWhatNoReaderCouldShow) {
   EXPECT_EQ(code(face), ErrorCode::out_of_range);
   face = good;
   face.colour.resize(3);
+  EXPECT_EQ(code(face), ErrorCode::malformed);
+  face = good;
+  face.uv.resize(3);
   EXPECT_EQ(code(face), ErrorCode::malformed);
   const face::Motion empty;
   EXPECT_EQ(code(good, &empty), ErrorCode::bad_usage);

@@ -71,23 +71,33 @@ Result<Shared> add_vertices(const tinygltf::Model& model, const tinygltf::Primit
   }
 
   const tinygltf::Material* material = at(model.materials, primitive.material);
-  if (const auto uv_at = primitive.attributes.find("TEXCOORD_0");
-      out.has_uv && uv_at != primitive.attributes.end()) {
+  if (const auto uv_at = primitive.attributes.find("TEXCOORD_0"); uv_at != primitive.attributes.end()) {
+    out.has_uv = true;
     MIEN_TRY_ASSIGN(const auto uv, arrays.read(uv_at->second, 2, vertices));
     for (std::size_t v = 0; v < vertices; ++v)
       out.uv.emplace_back(static_cast<float>(uv[2 * v]), static_cast<float>(uv[2 * v + 1]));
   } else {
-    out.has_uv = false;
+    out.uv.insert(out.uv.end(), vertices, Eigen::Vector2f::Zero());
   }
-  // The factor alone is the colour only where no picture is laid over it.
-  if (material != nullptr && material->pbrMetallicRoughness.baseColorTexture.index < 0 &&
-      material->pbrMetallicRoughness.baseColorFactor.size() == 4) {
-    Vec3f colour;
+  // Colours of vertices; without them the factor alone, where no picture is laid over it.
+  Vec3f factor = Vec3f::Ones();
+  if (material != nullptr && material->pbrMetallicRoughness.baseColorFactor.size() == 4)
     for (int c = 0; c < 3; ++c)
-      colour[c] = std::clamp(
+      factor[c] = std::clamp(
           static_cast<float>(material->pbrMetallicRoughness.baseColorFactor[static_cast<std::size_t>(c)]),
           0.0F, 1.0F);
-    out.colour.insert(out.colour.end(), vertices, colour);
+  if (const auto colour_at = primitive.attributes.find("COLOR_0"); colour_at != primitive.attributes.end()) {
+    const tinygltf::Accessor* accessor = at(model.accessors, colour_at->second);
+    const std::size_t width = accessor != nullptr && accessor->type == TINYGLTF_TYPE_VEC3 ? 3 : 4;
+    MIEN_TRY_ASSIGN(const auto rows, arrays.read(colour_at->second, width, vertices));
+    for (std::size_t v = 0; v < vertices; ++v)
+      for (int c = 0; c < 3; ++c) {
+        const double value = rows[width * v + static_cast<std::size_t>(c)];
+        if (c == 0) out.colour.emplace_back();
+        out.colour.back()[c] = factor[c] * static_cast<float>(std::clamp(value, 0.0, 1.0));
+      }
+  } else if (material != nullptr && material->pbrMetallicRoughness.baseColorTexture.index < 0) {
+    out.colour.insert(out.colour.end(), vertices, factor);
   } else {
     out.has_colour = false;
   }
@@ -139,7 +149,8 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
     Shared mine;
     if (known != shared.end()) {
       mine = *known;
-      out.has_colour = false;  // Two materials on one vertex have no one colour.
+      // Two materials on one vertex have no one colour, unless the vertex has its own.
+      if (!primitive.attributes.contains("COLOR_0")) out.has_colour = false;
     } else {
       MIEN_TRY_ASSIGN(mine, add_vertices(model, primitive, node, placed, worlds, binding, out, arrays));
       shared.push_back(mine);

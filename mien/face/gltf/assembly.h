@@ -22,9 +22,9 @@ namespace mien::face::gltf {
 /// The head in the file's unit and direction, before it is made a Face.
 struct Assembly {
   std::vector<Vec3> position;
-  std::vector<Eigen::Vector2f> uv;  ///< Beside position, while has_uv.
+  std::vector<Eigen::Vector2f> uv;  ///< Beside position; zero where the file has none.
   std::vector<Vec3f> colour;        ///< Beside position, while has_colour.
-  bool has_uv = true;
+  bool has_uv = false;
   bool has_colour = true;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Part> parts;

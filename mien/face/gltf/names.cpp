@@ -21,6 +21,7 @@ bool has_word(std::string_view text, std::initializer_list<std::string_view> wor
 }
 
 Material guess_material(const std::string& names) {
+  if (has_word(names, {"strands"})) return Material::strands;
   if (has_word(names, {"brow", "hair", "beard"})) return Material::hair;
   if (has_word(names, {"lash"})) return Material::lash;
   if (has_word(names, {"tongue"})) return Material::tongue;
@@ -32,7 +33,8 @@ Material guess_material(const std::string& names) {
   if (has_word(names, {"eyeline"})) return Material::lash;
   if (has_word(names, {"eye", "sclera"})) return Material::sclera;
   if (has_word(names, {"mouth", "oral"})) return Material::mouth_inside;
-  if (has_word(names, {"cloth", "shirt", "accessor", "glasses"})) return Material::other;
+  if (has_word(names, {"cloth", "shirt"})) return Material::cloth;
+  if (has_word(names, {"accessor", "glasses"})) return Material::other;
   return Material::skin;
 }
 

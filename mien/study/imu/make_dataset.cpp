@@ -48,7 +48,7 @@ Result<FaceSource> open_faces(const std::string& what, const Progress& progress)
 face::Face draw_face(const FaceSource& source, bool identities, Random random) {
   if (source.one) return *source.one;
   if (!source.ict)
-    return identities ? builtin_face::make_builtin(builtin_face::random_identity(random))
+    return identities ? builtin_face::make_builtin(without_hair(builtin_face::random_identity(random)))
                       : builtin_face::make_builtin();
   if (!identities) return source.ict->face;
   std::vector<float> coefficients(source.ict->identities.size());

@@ -95,8 +95,8 @@ Result<EyewearWearer> seat_eyewear(face::Face face, const sensor::Rig& rig, cons
 Result<EyewearWearer> draw_eyewear_wearer(const sensor::Rig& rig, const EyewearFaults& faults,
                                           const Random& random) {
   Random identity = random.fork("identity");
-  return seat_eyewear(builtin_face::make_builtin(builtin_face::random_identity(identity)), rig, faults,
-                      random);
+  return seat_eyewear(builtin_face::make_builtin(without_hair(builtin_face::random_identity(identity))), rig,
+                      faults, random);
 }
 
 EyewearSeat draw_seat(const EyewearFaults& faults, Random& random) {

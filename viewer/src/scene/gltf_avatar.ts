@@ -49,13 +49,13 @@ export class GltfAvatar implements Avatar {
     } else {
       const size = box.getSize(new Vector3());
       const pivot = options.own ? new Vector3(0, -0.02, 0) : box.getCenter(new Vector3()).setZ(box.min.z);
-      const top = options.own ? -0.1 : box.min.y;
-      const bottom = options.own ? -0.185 : box.min.y - 0.4 * size.y;
+      const top = options.own ? -0.085 : box.min.y;
+      const bottom = options.own ? -0.15 : box.min.y - 0.4 * size.y;
       const neck = giveNeck(scene, pivot, top, bottom);
       this.head = { node: neck.head, rest: neck.head.quaternion.clone() };
     }
     if (options.own) {
-      dress(scene, { top: -0.125, bottom: -0.186 });
+      dress(scene, { top: -0.185, bottom: -0.222 });
       this.object = new Group();
       this.object.add(scene);
     } else {

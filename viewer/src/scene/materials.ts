@@ -37,8 +37,8 @@ export function dress(root: Object3D, fade: Fade | null): void {
       return after;
     });
     mesh.material = dressed.length === 1 ? (dressed[0] as Material) : dressed;
-    const lash = dressed.length === 1 && dressed[0]?.name === "lash";
-    mesh.castShadow = !lash;
+    const thin = dressed.length === 1 && (dressed[0]?.name === "lash" || dressed[0]?.name === "strands");
+    mesh.castShadow = !thin;
     mesh.receiveShadow = true;
   });
 }
@@ -64,7 +64,7 @@ function dressOne(from: MeshStandardMaterial, fade: Fade | null): Material {
       material.sheen = 0.25;
       material.sheenRoughness = 0.5;
       material.sheenColor.set(0xd9a892);
-      finishSkin(material, fade, from.name === "skin" ? 0.11 : 0.05);
+      finishSkin(material, from.name === "skin" ? 0.11 : 0.05);
       break;
     case "sclera":
     case "iris":
@@ -76,6 +76,19 @@ function dressOne(from: MeshStandardMaterial, fade: Fade | null): Material {
     case "hair":
       material.roughness = 0.62;
       material.specularIntensity = 0.5;
+      break;
+    case "strands":
+      material.roughness = 0.58;
+      material.specularIntensity = 0.45;
+      material.side = DoubleSide;
+      material.alphaTest = 0.4;
+      material.alphaToCoverage = true;
+      finishHair(material);
+      break;
+    case "cloth":
+      material.roughness = 0.95;
+      material.specularIntensity = 0.25;
+      if (fade) fadeOut(material, fade);
       break;
     case "teeth":
       material.roughness = 0.25;
@@ -89,11 +102,40 @@ function dressOne(from: MeshStandardMaterial, fade: Fade | null): Material {
   return material;
 }
 
-function finishSkin(material: MeshPhysicalMaterial, fade: Fade | null, pores: number): void {
-  if (fade) material.transparent = true;
+/** Both sides of a ribbon of hair take light as the head's outside does: its normals say so, whichever side is seen. */
+function finishHair(material: MeshPhysicalMaterial): void {
   material.onBeforeCompile = (shader) => {
-    shader.uniforms["fadeTop"] = { value: fade ? fade.top : 1 };
-    shader.uniforms["fadeBottom"] = { value: fade ? fade.bottom : 0 };
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "#include <normal_fragment_begin>",
+      ShaderChunk.normal_fragment_begin.replace("gl_FrontFacing ? 1.0 : - 1.0", "1.0"),
+    );
+  };
+  material.customProgramCacheKey = () => "hair";
+}
+
+function fadeOut(material: MeshPhysicalMaterial, fade: Fade): void {
+  material.transparent = true;
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms["fadeTop"] = { value: fade.top };
+    shader.uniforms["fadeBottom"] = { value: fade.bottom };
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", "#include <common>\nvarying float vRestHeight;")
+      .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRestHeight = position.y;");
+    shader.fragmentShader = shader.fragmentShader
+      .replace(
+        "#include <common>",
+        "#include <common>\nvarying float vRestHeight;\nuniform float fadeTop;\nuniform float fadeBottom;",
+      )
+      .replace(
+        "#include <opaque_fragment>",
+        "diffuseColor.a *= smoothstep(fadeBottom, fadeTop, vRestHeight);\n#include <opaque_fragment>",
+      );
+  };
+  material.customProgramCacheKey = () => "cloth";
+}
+
+function finishSkin(material: MeshPhysicalMaterial, pores: number): void {
+  material.onBeforeCompile = (shader) => {
     shader.vertexShader = shader.vertexShader
       .replace("#include <common>", "#include <common>\nvarying vec3 vRest;")
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRest = position;");
@@ -102,8 +144,6 @@ function finishSkin(material: MeshPhysicalMaterial, fade: Fade | null, pores: nu
         "#include <common>",
         `#include <common>
 varying vec3 vRest;
-uniform float fadeTop;
-uniform float fadeBottom;
 float grain(vec3 p) {
   p = fract(p * vec3(0.1031, 0.1030, 0.0973));
   p += dot(p, p.yxz + 33.33);
@@ -134,12 +174,7 @@ float pores(vec3 rest) { return smoothGrain(rest * 900.0) + 0.6 * smoothGrain(re
   normal = normalize(normal - tilt * min(1.0, 0.3 / max(length(tilt), 1e-6)));
 }`,
       )
-      .replace("#include <lights_physical_pars_fragment>", LIGHTS)
-      .replace(
-        "#include <opaque_fragment>",
-        `diffuseColor.a *= smoothstep(fadeBottom, fadeTop, vRest.y);
-#include <opaque_fragment>`,
-      );
+      .replace("#include <lights_physical_pars_fragment>", LIGHTS);
   };
-  material.customProgramCacheKey = () => `skin ${pores} ${fade ? 1 : 0}`;
+  material.customProgramCacheKey = () => `skin ${pores}`;
 }
