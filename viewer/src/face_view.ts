@@ -9,7 +9,7 @@ import type { CalibrationStatus, PromptStatus, Status } from "./protocol";
 import type { Session } from "./session";
 import { shapeLabel } from "./shapes";
 import type { Avatar } from "./scene/avatar";
-import { SkinDifference } from "./scene/difference";
+import { SkinDifference, weightsApart } from "./scene/difference";
 import { SensorDots } from "./scene/dots";
 import { acceptDrops, pickFile } from "./scene/drop";
 import { Glasses } from "./scene/glasses";
@@ -216,8 +216,9 @@ export class FaceView {
 
   private refreshDots(): void {
     const status = this.session.status.value;
-    this.dots.setHealth(status?.links ?? [], this.view.sensor.value, status?.tap ?? null);
-    if (this.glasses.setHealth(status?.links ?? [])) this.stage?.wake();
+    const links = status?.replay ? null : (status?.links ?? []);
+    this.dots.setHealth(links, this.view.sensor.value, status?.tap ?? null);
+    if (this.glasses.setHealth(links ?? [])) this.stage?.wake();
   }
 
   private chooseSecond(): void {
@@ -340,18 +341,12 @@ export class FaceView {
     mesh.updateWorldMatrix(true, false);
     this.skin ??= new SkinDifference(mesh, mesh.matrixWorld.getMaxScaleOnAxis());
     const apart = this.skin.between(frame.weights, frame.truth);
-    let worst = 0;
-    let sum = 0;
-    frame.weights.forEach((weight, k) => {
-      const off = Math.abs(weight - (frame.truth?.[k] ?? 0));
-      sum += off;
-      if (off > Math.abs((frame.weights[worst] ?? 0) - (frame.truth?.[worst] ?? 0))) worst = k;
-    });
+    const { mean, furthest } = weightsApart(frame.weights, frame.truth);
     const figures: [string, string][] = [
       [fixed(apart?.meanMm ?? null, 2), "mm of skin, mean"],
       [fixed(apart?.maxMm ?? null, 1), "mm, worst place"],
-      [fixed(sum / frame.weights.length, 3), "weight, mean"],
-      [shapeLabel(worst), "furthest off"],
+      [fixed(mean, 3), "weight, mean"],
+      [furthest === null ? "No shape" : shapeLabel(furthest), furthest === null ? "off" : "furthest off"],
     ];
     if (this.difference.childElementCount !== figures.length) {
       this.difference.replaceChildren(

@@ -270,6 +270,11 @@ test("takes: recorded, replayed beside the truth, moved in time, left", { timeou
   await page.locator(".timeline").waitFor({ state: "visible" });
   await settled(page, () => document.querySelector(".face-view").dataset.second === "truth", "two faces");
   await settled(page, () => /mm of skin/.test(document.querySelector(".difference").textContent), "the error");
+  // The devices have no part in it: neither their state nor what to do about them is shown on the face.
+  await settled(page, () => [...document.querySelectorAll(".dot")].every((dot) => dot.querySelector(".dot-mark").textContent === "" && dot.dataset.state === "replayed"), "plain dots");
+  mock.session.allProvenance = "n";
+  await page.locator(".standing", { hasText: "at this time of the take" }).waitFor();
+  mock.session.allProvenance = null;
   await page.keyboard.press(" ");
   await obeyed("replay", (command) => command.paused === true);
   await page.getByRole("button", { name: "Play", exact: true }).first().waitFor();
@@ -282,6 +287,7 @@ test("takes: recorded, replayed beside the truth, moved in time, left", { timeou
   await page.keyboard.press("t");
   await button(page, "Leave replay").click();
   await page.locator(".timeline").waitFor({ state: "hidden" });
+  await settled(page, () => document.querySelector(".dot[data-state=good]") !== null, "the devices again");
 });
 
 test("output: receivers on, off, added, removed; smoothing; refusals are said", { timeout: 4 * PATIENCE }, async () => {

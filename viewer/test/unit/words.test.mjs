@@ -6,6 +6,7 @@ const { ago, clock, fixed, milliseconds, percentage } = await load("format.ts");
 const { countLetters, letterOf, standingOf } = await load("provenance.ts");
 const { healthOf, HEALTH_STATES } = await load("health.ts");
 const { sessionWord } = await load("chrome/session_word.ts");
+const { standingSentence } = await load("chrome/standing_words.ts");
 
 test("numbers read as a person says them", () => {
   assert.equal(milliseconds(4.21), "4.2 ms");
@@ -45,6 +46,28 @@ test("a session is live once there was a frame, and not before", () => {
   assert.equal(sessionWord({ kind: "stalled" }, status({ frames: 9 })).tone, "bad");
   assert.equal(sessionWord({ kind: "lost", refused: true }, null).text, "refused");
   assert.equal(sessionWord({ kind: "connecting" }, null).tone, "idle");
+});
+
+test("a neutral face says what can be done about it, and of a take nothing about devices", () => {
+  const silent = { replay: null, prompts: null, links: [{ state: "silent" }, { state: "unbound" }], calibration: { state: "none" } };
+  const say = (fields) => standingSentence("neutral", { kind: "open" }, { ...silent, ...fields });
+  assert.match(say({}), /Switch them on/);
+  assert.match(say({ links: [{ state: "good" }] }), /not calibrated yet/);
+  assert.match(say({ links: [{ state: "good" }], calibration: { state: "done" } }), /nothing is measured\.$/);
+  for (const state of ["none", "watching", "running", "done"]) {
+    const words = say({ replay: { paused: false }, calibration: { state } });
+    assert.match(words, /take/);
+    assert.doesNotMatch(words, /sensor|calibrat|Switch/);
+  }
+});
+
+test("a page without its session says why", () => {
+  const away = (connection, status = null) => standingSentence("away", connection, status);
+  assert.match(away({ kind: "lost", refused: true }), /refuses this page/);
+  assert.match(away({ kind: "lost", refused: false }), /Connection lost/);
+  assert.match(away({ kind: "lost", refused: false }, { prompts: { state: "over" } }), /session has ended/);
+  assert.equal(away({ kind: "connecting" }), "Connecting.");
+  assert.equal(standingSentence("live", { kind: "open" }, null), "");
 });
 
 test("letters that nobody knows are not taken for measured", () => {
