@@ -6,6 +6,7 @@ const { ago, clock, fixed, milliseconds, percentage } = await load("format.ts");
 const { countLetters, letterOf, standingOf } = await load("provenance.ts");
 const { healthOf, HEALTH_STATES } = await load("health.ts");
 const { sessionWord } = await load("chrome/session_word.ts");
+const { linkFigures, linkSummary } = await load("panels/link_words.ts");
 const { standingSentence } = await load("chrome/standing_words.ts");
 
 test("numbers read as a person says them", () => {
@@ -74,6 +75,24 @@ test("letters that nobody knows are not taken for measured", () => {
   assert.equal(letterOf("z", 0), "?");
   assert.equal(letterOf("", 5), "?");
   assert.deepEqual([...countLetters("mmhz")], [["m", 2], ["h", 1], ["?", 1]]);
+});
+
+test("troubles of few sensors are named, of many counted, the worst first", () => {
+  const links = (...states) => states.map((state, i) => ({ sensor: `brow_${i}`, state }));
+  assert.equal(linkSummary(links("good", "good")), "2 of 2 sensors are well.");
+  assert.equal(linkSummary(links("silent", "unbound")), "0 of 2 sensors are well.");
+  assert.equal(linkSummary(links("good", "lossy", "lost")), "1 of 3 well; brow 2 lost, brow 1 lossy.");
+  assert.equal(linkSummary(links("late", "lost", "lost", "frozen", "good", "lost")), "1 of 6 well; 3 lost, brow 3 frozen, brow 0 late.");
+  assert.equal(linkSummary(links(...new Array(12).fill("lost"))), "0 of 12 well; 12 lost.");
+});
+
+test("of a sensor that is not heard no figures are shown as if they were of now", () => {
+  const link = { state: "good", rateHz: 239.6, ageMs: 2.5, loss: 0, offsetMs: 31.4, driftPpm: -17.96, battery: 99.6 };
+  assert.deepEqual(linkFigures(link), ["240", "2.5 ms", "0 %", "31 ms", "-18.0", "100 %"]);
+  const lost = { ...link, state: "lost", rateHz: 0, ageMs: 12_900, driftPpm: -100 };
+  assert.deepEqual(linkFigures(lost), ["0", "12.9 s", "–", "–", "–", "100 %"]);
+  assert.deepEqual(linkFigures({ ...lost, state: "silent", ageMs: null, battery: null }), ["0", "–", "–", "–", "–", "–"]);
+  for (const state of ["lossy", "late", "frozen", "duplicate"]) assert.equal(linkFigures({ ...link, state })[2], "0 %", state);
 });
 
 test("every state of a link has words and a mark of its own severity", () => {
