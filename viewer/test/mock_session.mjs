@@ -133,6 +133,8 @@ class MockSession {
   /** While set, frames have this letter for all shapes: "h" or "n". */
   allProvenance = null;
   silent = false;
+  /** By how much frames are held for late packets, ms. */
+  holdMs = 0;
   /** While set, a calibration that has reached this step stays there, half way through. */
   holdAt = "";
 
@@ -283,7 +285,7 @@ class MockSession {
     const step = run ? run.steps[run.at] : null;
     return {
       type: "status", time: Math.round(1000 * t) / 1000, frames: this.frames, missed: 0,
-      latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() }, hold_ms: 0,
+      latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() }, hold_ms: this.holdMs,
       links, unbound: this.unbound.map((one) => ({ ...one, age_ms: 3 + 5 * this.random() })),
       calibration: {
         state: this.calibration.state, step: this.calibration.step, prompt: this.calibration.prompt, target: step?.target ?? null,

@@ -388,6 +388,24 @@ test("a face that nothing measures says so", { timeout: 4 * PATIENCE }, async ()
   await page.locator(".standing").waitFor({ state: "hidden" });
 });
 
+test("what is said of late packets holds: the newest takes the older's place", { timeout: 4 * PATIENCE }, async () => {
+  const page = await shared();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  const held = "holding frames 40 ms: packets arrive late";
+  mock.session.holdMs = 40;
+  mock.session.event("frames_held", held);
+  await page.locator(".notice", { hasText: held }).waitFor();
+  mock.session.event("frames_punctual", "packets arrive in time again: frames are not held any more");
+  await page.locator(".notice", { hasText: "in time again" }).waitFor();
+  assert.equal(await page.locator(".notice", { hasText: held }).count(), 0);
+  mock.session.event("frames_held", held);
+  await page.locator(".notice", { hasText: held }).waitFor();
+  assert.equal(await page.locator(".notice", { hasText: "in time again" }).count(), 0);
+  await settled(page, () => document.querySelector(".latency b.gap:not([hidden])")?.textContent === "+ 40 ms held", "the hold beside the latency");
+  await picture(page, "held_frames");
+  mock.session.holdMs = 0;
+});
+
 test("a lost connection is said, and comes back by itself", { timeout: 4 * PATIENCE }, async () => {
   const own = await startMockSession({ quick: true, token: "secret" });
   const page = await open({}, own.url);

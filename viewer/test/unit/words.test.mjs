@@ -7,6 +7,7 @@ const { countLetters, letterOf, standingOf } = await load("provenance.ts");
 const { healthOf, HEALTH_STATES } = await load("health.ts");
 const { sessionWord } = await load("chrome/session_word.ts");
 const { linkFigures, linkSummary } = await load("panels/link_words.ts");
+const { subjectOf } = await load("chrome/notices.ts");
 const { standingSentence } = await load("chrome/standing_words.ts");
 
 test("numbers read as a person says them", () => {
@@ -93,6 +94,14 @@ test("of a sensor that is not heard no figures are shown as if they were of now"
   assert.deepEqual(linkFigures(lost), ["0", "12.9 s", "–", "–", "–", "100 %"]);
   assert.deepEqual(linkFigures({ ...lost, state: "silent", ageMs: null, battery: null }), ["0", "–", "–", "–", "–", "–"]);
   for (const state of ["lossy", "late", "frozen", "duplicate"]) assert.equal(linkFigures({ ...link, state })[2], "0 %", state);
+});
+
+test("news of one thing takes the place of what was said of it before", () => {
+  assert.equal(subjectOf("frames_held", "holding frames 40 ms: packets arrive late"), subjectOf("frames_punctual", "packets arrive in time again"));
+  assert.equal(subjectOf("sensor_lost", "mentalis is lost"), subjectOf("sensor_back", "mentalis is back"));
+  assert.notEqual(subjectOf("sensor_lost", "mentalis is lost"), subjectOf("sensor_back", "mastoid_L is back"));
+  assert.notEqual(subjectOf("sensor_lost", "a is lost"), subjectOf("line_lost", "a is lost"));
+  for (const kind of ["recorded", "contested", "constructor", "__proto__", ""]) assert.equal(subjectOf(kind, "a is b"), "", kind);
 });
 
 test("every state of a link has words and a mark of its own severity", () => {
