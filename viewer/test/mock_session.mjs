@@ -432,7 +432,7 @@ class MockSession {
           firmware: `static const uint8_t kMienKey[33] = {1, ${Array.from({ length: 32 }, (_, i) => `0x${(7 * i + 3).toString(16).padStart(2, "0")}`).join(", ")}};`,
         };
       case "takes":
-        return { takes: this.takes.map(({ truth: _, ...take }) => take) };
+        return { takes: [...this.growing(), ...this.takes].map(({ truth: _, ...take }) => take) };
       case "replay":
         if (command.take !== undefined) {
           const take = this.takes.find((one) => one.name === command.take);
@@ -452,6 +452,13 @@ class MockSession {
       default:
         throw new Error(`There is no command ${command.command}.`);
     }
+  }
+
+  /** The take that is being recorded, as it is now: the session lists it too. */
+  growing() {
+    if (!this.recording.on) return [];
+    const seconds = this.now() - this.recording.since;
+    return [{ name: this.recording.path.split("/").pop(), seconds, error: null, megabytes: 0.07 * seconds, recorded: "2026-11-21T20:44:46Z" }];
   }
 
   bind(sensor, device) {

@@ -263,9 +263,17 @@ test("takes: recorded, replayed beside the truth, moved in time, left", { timeou
   await page.locator(".takes-panel .record").click();
   assert.equal((await obeyed("record", (command) => command.on)).name, "my take");
   await settled(page, () => document.querySelector(".chip").textContent === "recording", "a sign that it records");
+  await button(page, "Look again").click();
+  const growing = page.locator(".take", { hasText: "my take" });
+  await growing.waitFor();
+  assert.match(await growing.innerText(), /being recorded/);
+  assert.doesNotMatch(await growing.innerText(), /\d:\d\d|MB/);
+  assert.ok(await growing.getByRole("button").isDisabled(), "it cannot be played yet");
+  await picture(page, "growing_take");
   await page.getByRole("button", { name: "Stop recording" }).click();
   await obeyed("record", (command) => command.on === false);
-  await page.locator(".take", { hasText: "my take" }).waitFor();
+  await page.locator(".take", { hasText: /my take.*MB/ }).waitFor();
+  assert.ok(await growing.getByRole("button").isEnabled());
 
   await page.getByRole("button", { name: "Play reading_aloud.mien" }).click();
   await page.locator(".timeline").waitFor({ state: "visible" });

@@ -8,6 +8,7 @@ const { healthOf, HEALTH_STATES } = await load("health.ts");
 const { sessionWord } = await load("chrome/session_word.ts");
 const { linkFigures, linkSummary } = await load("panels/link_words.ts");
 const { subjectOf } = await load("chrome/notices.ts");
+const { growingTake, takeFacts } = await load("panels/takes.ts");
 const { standingSentence } = await load("chrome/standing_words.ts");
 
 test("numbers read as a person says them", () => {
@@ -102,6 +103,18 @@ test("news of one thing takes the place of what was said of it before", () => {
   assert.notEqual(subjectOf("sensor_lost", "mentalis is lost"), subjectOf("sensor_back", "mastoid_L is back"));
   assert.notEqual(subjectOf("sensor_lost", "a is lost"), subjectOf("line_lost", "a is lost"));
   for (const kind of ["recorded", "contested", "constructor", "__proto__", ""]) assert.equal(subjectOf(kind, "a is b"), "", kind);
+});
+
+test("of a take that is being recorded the list gives no length, and knows which one it is", () => {
+  assert.equal(growingTake({ on: true, path: "/home/you/takes/live.mien" }), "live.mien");
+  assert.equal(growingTake({ on: true, path: "C:\\takes\\live.mien" }), "live.mien");
+  assert.equal(growingTake({ on: true, path: "live.mien" }), "live.mien");
+  assert.equal(growingTake({ on: true, path: "" }), null);
+  assert.equal(growingTake({ on: false, path: "takes/live.mien" }), null, "the one before");
+  const take = { name: "live.mien", seconds: 44, megabytes: 4.6, error: "", recorded: "", growing: false };
+  assert.equal(takeFacts(take), "0:44 · 4.6 MB");
+  assert.equal(takeFacts({ ...take, growing: true }), "being recorded");
+  assert.equal(takeFacts({ ...take, error: "the file is damaged", seconds: null }), "cannot be read · 4.6 MB");
 });
 
 test("every state of a link has words and a mark of its own severity", () => {
