@@ -430,8 +430,17 @@ test("a lost connection is said, and comes back by itself", { timeout: 4 * PATIE
   await again.close();
   const refusing = await startMockSession({ quick: true, token: "another", port: own.port });
   await page.locator(".standing", { hasText: "token" }).waitFor();
-  await refusing.close();
   await page.context().close();
+  const stranger = await open({}, refusing.url.replace("another", "wrong"));
+  await stranger.locator(".standing", { hasText: "refuses this page" }).waitFor();
+  // Through its further tries too.
+  for (let i = 0; i < 20; ++i) {
+    assert.ok(await stranger.locator(".face-coming").isHidden(), "no face is promised to a page that is refused");
+    await stranger.waitForTimeout(100);
+  }
+  await picture(stranger, "refused");
+  await refusing.close();
+  await stranger.context().close();
 });
 
 test("nonsense from the session is survived", { timeout: 4 * PATIENCE }, async () => {
