@@ -221,10 +221,10 @@ test("calibration: guided to its scores, compared, undone, re-centred", { timeou
   const versions = await page.locator(".version").count();
   mock.session.holdAt = "anchor";
   await button(page, "With expressions").click();
-  await page.locator(".guide-running").waitFor({ state: "visible" });
+  await page.locator(".guide:not(.prompts) .guide-running").waitFor({ state: "visible" });
   await settled(page, () => document.querySelectorAll(".steps li").length === 8, "a dot a step");
-  await settled(page, () => document.querySelector(".guide h2").textContent === "Make this face", "an expression to make");
-  assert.ok(/\w/.test(await page.locator(".guide-words p").innerText()));
+  await settled(page, () => document.querySelector(".guide:not(.prompts) h2").textContent === "Make this face", "an expression to make");
+  assert.ok(/\w/.test(await page.locator(".guide:not(.prompts) .guide-words p").innerText()));
   await settled(page, () => document.querySelector(".face-view").dataset.second === "target", "an example beside the face");
   await picture(page, "guide");
   mock.session.holdAt = "";
@@ -249,11 +249,11 @@ test("calibration: guided to its scores, compared, undone, re-centred", { timeou
 
   mock.session.holdAt = "neutral";
   await page.keyboard.press("c");
-  await page.locator(".guide-running").waitFor({ state: "visible" });
+  await page.locator(".guide:not(.prompts) .guide-running").waitFor({ state: "visible" });
   await page.keyboard.press("Escape");
   await obeyed("cancel_calibration");
   mock.session.holdAt = "";
-  await page.locator(".guide").waitFor({ state: "hidden" });
+  await page.locator(".guide:not(.prompts)").waitFor({ state: "hidden" });
 });
 
 test("takes: recorded, replayed beside the truth, moved in time, left", { timeout: 5 * PATIENCE }, async () => {
@@ -419,7 +419,7 @@ test("a lost connection is said, and comes back by itself", { timeout: 4 * PATIE
   const page = await open({}, own.url);
   await settled(page, () => document.documentElement.dataset.standing === "live", "the token is passed on");
   own.session.silent = true;
-  await page.locator(".standing", { hasText: "Nothing heard" }).waitFor();
+  await page.locator(".standing", { hasText: "Nothing is received" }).waitFor();
   own.session.silent = false;
   await page.locator(".standing").waitFor({ state: "hidden" });
   await own.close();
