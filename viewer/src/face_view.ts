@@ -9,7 +9,7 @@ import type { CalibrationStatus, PromptStatus, Status } from "./protocol";
 import type { Session } from "./session";
 import { shapeLabel } from "./shapes";
 import type { Avatar } from "./scene/avatar";
-import { SkinDifference } from "./scene/difference";
+import { SkinDifference, weightsApart } from "./scene/difference";
 import { SensorDots } from "./scene/dots";
 import { acceptDrops, pickFile } from "./scene/drop";
 import { Glasses } from "./scene/glasses";
@@ -48,6 +48,10 @@ export class FaceView {
   );
   private readonly coming = h("div", { class: "face-coming", role: "status", text: "The face is coming …" });
 
+  /** Whether the session's face may still come: not from one that is gone or refuses this page. */
+  private awaited = true;
+  /** A face's bytes are here, and are being made into one. */
+  private reading = false;
   private bytes: { data: ArrayBuffer; name: string; own: boolean } | null = null;
   private first: Avatar | null = null;
   private second: Avatar | null = null;
@@ -74,7 +78,13 @@ export class FaceView {
     });
     const host = h("div", { class: "stage-host" });
     this.element.append(host, this.dots.element, this.left, this.right, this.nextFace, this.difference, this.coming, this.veil);
-    this.loading.listen((loading) => setHidden(this.coming, !loading));
+    this.loading.listen(() => this.showComing());
+    session.connection.listen(({ kind }) => {
+      // While it tries again nothing is known yet: a refused page would promise its face at every try.
+      if (kind === "open") this.awaited = true;
+      if (kind === "lost") this.awaited = false;
+      this.showComing();
+    });
     this.stage = this.makeStage(host);
     if (!this.stage) return;
 
@@ -169,6 +179,10 @@ export class FaceView {
     }
   }
 
+  private showComing(): void {
+    setHidden(this.coming, !this.loading.value || !(this.awaited || this.reading));
+  }
+
   private async loadOwn(path: string): Promise<void> {
     const url = withToken(path, window.location);
     if (url.origin !== window.location.origin) return;
@@ -186,6 +200,7 @@ export class FaceView {
 
   private async show(bytes: { data: ArrayBuffer; name: string; own: boolean }): Promise<boolean> {
     if (!this.stage) return false;
+    this.reading = true;
     this.loading.set(true);
     try {
       const avatar = await loadAvatar(bytes.data, bytes.name, bytes.own);
@@ -204,6 +219,7 @@ export class FaceView {
       this.view.say(error instanceof Error ? error.message : String(error), "bad");
       return false;
     } finally {
+      this.reading = false;
       this.loading.set(false);
     }
   }
@@ -216,8 +232,9 @@ export class FaceView {
 
   private refreshDots(): void {
     const status = this.session.status.value;
-    this.dots.setHealth(status?.links ?? [], this.view.sensor.value, status?.tap ?? null);
-    if (this.glasses.setHealth(status?.links ?? [])) this.stage?.wake();
+    const links = status?.replay ? null : (status?.links ?? []);
+    this.dots.setHealth(links, this.view.sensor.value, status?.tap ?? null);
+    if (this.glasses.setHealth(links ?? [])) this.stage?.wake();
   }
 
   private chooseSecond(): void {
@@ -340,18 +357,12 @@ export class FaceView {
     mesh.updateWorldMatrix(true, false);
     this.skin ??= new SkinDifference(mesh, mesh.matrixWorld.getMaxScaleOnAxis());
     const apart = this.skin.between(frame.weights, frame.truth);
-    let worst = 0;
-    let sum = 0;
-    frame.weights.forEach((weight, k) => {
-      const off = Math.abs(weight - (frame.truth?.[k] ?? 0));
-      sum += off;
-      if (off > Math.abs((frame.weights[worst] ?? 0) - (frame.truth?.[worst] ?? 0))) worst = k;
-    });
+    const { mean, furthest } = weightsApart(frame.weights, frame.truth);
     const figures: [string, string][] = [
       [fixed(apart?.meanMm ?? null, 2), "mm of skin, mean"],
       [fixed(apart?.maxMm ?? null, 1), "mm, worst place"],
-      [fixed(sum / frame.weights.length, 3), "weight, mean"],
-      [shapeLabel(worst), "furthest off"],
+      [fixed(mean, 3), "weight, mean"],
+      [furthest === null ? "No shape" : shapeLabel(furthest), furthest === null ? "off" : "furthest off"],
     ];
     if (this.difference.childElementCount !== figures.length) {
       this.difference.replaceChildren(

@@ -24,6 +24,9 @@ const HEALTH: Readonly<Record<string, Health>> = {
   unbound: { label: "unbound", severity: "idle", mark: "+", sentence: "No device is bound to this site." },
 };
 
+/** On the face while a take is played: what the devices do meanwhile is nothing of that face. */
+export const REPLAYED: Health = { label: "replayed", severity: "idle", mark: "", sentence: "A take is played; the devices have no part in it." };
+
 const UNKNOWN: Health = { label: "unknown", severity: "idle", mark: "?", sentence: "The session names a state that this page does not know." };
 
 export const HEALTH_STATES: readonly string[] = Object.keys(HEALTH);

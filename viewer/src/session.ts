@@ -77,7 +77,8 @@ export class Session {
         break;
       case "event":
         this.events.set([...this.events.value.slice(1 - KEPT_EVENTS), { ...message, atMs: performance.now() }]);
-        if (message.kind === "recorded") void this.refreshTakes();
+        // However a recording ended, the list has its take as it was before.
+        if (message.kind === "recorded" || message.kind === "recording_failed") void this.refreshTakes();
         break;
       case "takes":
         this.takes.set(message.takes);

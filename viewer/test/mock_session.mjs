@@ -133,6 +133,8 @@ class MockSession {
   /** While set, frames have this letter for all shapes: "h" or "n". */
   allProvenance = null;
   silent = false;
+  /** By how much frames are held for late packets, ms. */
+  holdMs = 0;
   /** While set, a calibration that has reached this step stays there, half way through. */
   holdAt = "";
 
@@ -283,7 +285,7 @@ class MockSession {
     const step = run ? run.steps[run.at] : null;
     return {
       type: "status", time: Math.round(1000 * t) / 1000, frames: this.frames, missed: 0,
-      latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() }, hold_ms: 0,
+      latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() }, hold_ms: this.holdMs,
       links, unbound: this.unbound.map((one) => ({ ...one, age_ms: 3 + 5 * this.random() })),
       calibration: {
         state: this.calibration.state, step: this.calibration.step, prompt: this.calibration.prompt, target: step?.target ?? null,
@@ -430,7 +432,7 @@ class MockSession {
           firmware: `static const uint8_t kMienKey[33] = {1, ${Array.from({ length: 32 }, (_, i) => `0x${(7 * i + 3).toString(16).padStart(2, "0")}`).join(", ")}};`,
         };
       case "takes":
-        return { takes: this.takes.map(({ truth: _, ...take }) => take) };
+        return { takes: [...this.growing(), ...this.takes].map(({ truth: _, ...take }) => take) };
       case "replay":
         if (command.take !== undefined) {
           const take = this.takes.find((one) => one.name === command.take);
@@ -450,6 +452,13 @@ class MockSession {
       default:
         throw new Error(`There is no command ${command.command}.`);
     }
+  }
+
+  /** The take that is being recorded, as it is now: the session lists it too. */
+  growing() {
+    if (!this.recording.on) return [];
+    const seconds = this.now() - this.recording.since;
+    return [{ name: this.recording.path.split("/").pop(), seconds, error: null, megabytes: 0.07 * seconds, recorded: "2026-11-21T20:44:46Z" }];
   }
 
   bind(sensor, device) {

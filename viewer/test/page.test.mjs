@@ -152,7 +152,8 @@ test("sensors: numbers, one picked on the face, tapped, bound", { timeout: 4 * P
   const row = page.locator(".links tr[data-sensor=zygomaticus_lower_L]");
   assert.equal(await row.getAttribute("data-severity"), "warn");
   assert.match(await row.innerText(), /lossy[\s\S]*208[\s\S]*ms[\s\S]*1[2-4] %/);
-  assert.match(await page.locator(".links tr[data-sensor=mentalis]").innerText(), /lost/);
+  const lost = await page.locator(".links tr[data-sensor=mentalis] td:not(.level-column)").allInnerTexts();
+  assert.deepEqual([lost[0], ...lost.slice(2, 5)], ["0", "–", "–", "–"], "figures of one that is lost");
   assert.match(await page.locator(".sensors-panel .summary").innerText(), /buccinator R frozen/);
   // A dot on the face opens its sensor; the keyboard does it, since a moving target is hard to click.
   await page.locator(".dot[aria-label^='frontalis L']").focus();
@@ -220,10 +221,10 @@ test("calibration: guided to its scores, compared, undone, re-centred", { timeou
   const versions = await page.locator(".version").count();
   mock.session.holdAt = "anchor";
   await button(page, "With expressions").click();
-  await page.locator(".guide-running").waitFor({ state: "visible" });
+  await page.locator(".guide:not(.prompts) .guide-running").waitFor({ state: "visible" });
   await settled(page, () => document.querySelectorAll(".steps li").length === 8, "a dot a step");
-  await settled(page, () => document.querySelector(".guide h2").textContent === "Make this face", "an expression to make");
-  assert.ok(/\w/.test(await page.locator(".guide-words p").innerText()));
+  await settled(page, () => document.querySelector(".guide:not(.prompts) h2").textContent === "Make this face", "an expression to make");
+  assert.ok(/\w/.test(await page.locator(".guide:not(.prompts) .guide-words p").innerText()));
   await settled(page, () => document.querySelector(".face-view").dataset.second === "target", "an example beside the face");
   await picture(page, "guide");
   mock.session.holdAt = "";
@@ -248,11 +249,11 @@ test("calibration: guided to its scores, compared, undone, re-centred", { timeou
 
   mock.session.holdAt = "neutral";
   await page.keyboard.press("c");
-  await page.locator(".guide-running").waitFor({ state: "visible" });
+  await page.locator(".guide:not(.prompts) .guide-running").waitFor({ state: "visible" });
   await page.keyboard.press("Escape");
   await obeyed("cancel_calibration");
   mock.session.holdAt = "";
-  await page.locator(".guide").waitFor({ state: "hidden" });
+  await page.locator(".guide:not(.prompts)").waitFor({ state: "hidden" });
 });
 
 test("takes: recorded, replayed beside the truth, moved in time, left", { timeout: 5 * PATIENCE }, async () => {
@@ -262,14 +263,27 @@ test("takes: recorded, replayed beside the truth, moved in time, left", { timeou
   await page.locator(".takes-panel .record").click();
   assert.equal((await obeyed("record", (command) => command.on)).name, "my take");
   await settled(page, () => document.querySelector(".chip").textContent === "recording", "a sign that it records");
+  await button(page, "Look again").click();
+  const growing = page.locator(".take", { hasText: "my take" });
+  await growing.waitFor();
+  assert.match(await growing.innerText(), /being recorded/);
+  assert.doesNotMatch(await growing.innerText(), /\d:\d\d|MB/);
+  assert.ok(await growing.getByRole("button").isDisabled(), "it cannot be played yet");
+  await picture(page, "growing_take");
   await page.getByRole("button", { name: "Stop recording" }).click();
   await obeyed("record", (command) => command.on === false);
-  await page.locator(".take", { hasText: "my take" }).waitFor();
+  await page.locator(".take", { hasText: /my take.*MB/ }).waitFor();
+  assert.ok(await growing.getByRole("button").isEnabled());
 
   await page.getByRole("button", { name: "Play reading_aloud.mien" }).click();
   await page.locator(".timeline").waitFor({ state: "visible" });
   await settled(page, () => document.querySelector(".face-view").dataset.second === "truth", "two faces");
   await settled(page, () => /mm of skin/.test(document.querySelector(".difference").textContent), "the error");
+  // The devices have no part in it: neither their state nor what to do about them is shown on the face.
+  await settled(page, () => [...document.querySelectorAll(".dot")].every((dot) => dot.querySelector(".dot-mark").textContent === "" && dot.dataset.state === "replayed"), "plain dots");
+  mock.session.allProvenance = "n";
+  await page.locator(".standing", { hasText: "at this time of the take" }).waitFor();
+  mock.session.allProvenance = null;
   await page.keyboard.press(" ");
   await obeyed("replay", (command) => command.paused === true);
   await page.getByRole("button", { name: "Play", exact: true }).first().waitFor();
@@ -282,6 +296,7 @@ test("takes: recorded, replayed beside the truth, moved in time, left", { timeou
   await page.keyboard.press("t");
   await button(page, "Leave replay").click();
   await page.locator(".timeline").waitFor({ state: "hidden" });
+  await settled(page, () => document.querySelector(".dot[data-state=good]") !== null, "the devices again");
 });
 
 test("output: receivers on, off, added, removed; smoothing; refusals are said", { timeout: 4 * PATIENCE }, async () => {
@@ -381,12 +396,30 @@ test("a face that nothing measures says so", { timeout: 4 * PATIENCE }, async ()
   await page.locator(".standing").waitFor({ state: "hidden" });
 });
 
+test("what is said of late packets holds: the newest takes the older's place", { timeout: 4 * PATIENCE }, async () => {
+  const page = await shared();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  const held = "holding frames 40 ms: packets arrive late";
+  mock.session.holdMs = 40;
+  mock.session.event("frames_held", held);
+  await page.locator(".notice", { hasText: held }).waitFor();
+  mock.session.event("frames_punctual", "packets arrive in time again: frames are not held any more");
+  await page.locator(".notice", { hasText: "in time again" }).waitFor();
+  assert.equal(await page.locator(".notice", { hasText: held }).count(), 0);
+  mock.session.event("frames_held", held);
+  await page.locator(".notice", { hasText: held }).waitFor();
+  assert.equal(await page.locator(".notice", { hasText: "in time again" }).count(), 0);
+  await settled(page, () => document.querySelector(".latency b.gap:not([hidden])")?.textContent === "+ 40 ms held", "the hold beside the latency");
+  await picture(page, "held_frames");
+  mock.session.holdMs = 0;
+});
+
 test("a lost connection is said, and comes back by itself", { timeout: 4 * PATIENCE }, async () => {
   const own = await startMockSession({ quick: true, token: "secret" });
   const page = await open({}, own.url);
   await settled(page, () => document.documentElement.dataset.standing === "live", "the token is passed on");
   own.session.silent = true;
-  await page.locator(".standing", { hasText: "Nothing heard" }).waitFor();
+  await page.locator(".standing", { hasText: "Nothing is received" }).waitFor();
   own.session.silent = false;
   await page.locator(".standing").waitFor({ state: "hidden" });
   await own.close();
@@ -397,8 +430,17 @@ test("a lost connection is said, and comes back by itself", { timeout: 4 * PATIE
   await again.close();
   const refusing = await startMockSession({ quick: true, token: "another", port: own.port });
   await page.locator(".standing", { hasText: "token" }).waitFor();
-  await refusing.close();
   await page.context().close();
+  const stranger = await open({}, refusing.url.replace("another", "wrong"));
+  await stranger.locator(".standing", { hasText: "refuses this page" }).waitFor();
+  // Through its further tries too.
+  for (let i = 0; i < 20; ++i) {
+    assert.ok(await stranger.locator(".face-coming").isHidden(), "no face is promised to a page that is refused");
+    await stranger.waitForTimeout(100);
+  }
+  await picture(stranger, "refused");
+  await refusing.close();
+  await stranger.context().close();
 });
 
 test("nonsense from the session is survived", { timeout: 4 * PATIENCE }, async () => {

@@ -9,6 +9,22 @@ const BAD_MS = 9000;
 const MOST = 3;
 const BAD_KINDS = /lost|fail|full|error|missing|disk|contested/;
 
+/** Kinds of events that tell of one thing, each by turns: the newest of them is what holds. */
+const SUBJECTS: Readonly<Record<string, string>> = {
+  frames_held: "hold", frames_punctual: "hold",
+  sensor_lost: "sensor", sensor_back: "sensor",
+  line_lost: "line", line_back: "line",
+};
+
+/**
+ * What an event is about, where a later one takes its place on the page: it would contradict it otherwise. "": nothing
+ * of the kind. Sensors and lines are each for itself, named by the text's first word.
+ */
+export function subjectOf(kind: string, text: string): string {
+  const subject = Object.hasOwn(SUBJECTS, kind) ? (SUBJECTS[kind] ?? "") : "";
+  return subject === "" || subject === "hold" ? subject : `${subject} ${text.split(" ", 1)[0] ?? ""}`;
+}
+
 export class Notices {
   readonly element = h("div", { class: "notices", role: "status", "aria-live": "polite" });
 
@@ -18,7 +34,7 @@ export class Notices {
       const newest = events[events.length - 1];
       if (!newest || newest.atMs <= seen) return;
       seen = newest.atMs;
-      this.show(newest.text, BAD_KINDS.test(newest.kind) ? "bad" : "plain");
+      this.show(newest.text, BAD_KINDS.test(newest.kind) ? "bad" : "plain", subjectOf(newest.kind, newest.text));
     });
     view.notices.listen((notice) => {
       if (notice) this.show(notice.text, notice.tone);
@@ -30,10 +46,13 @@ export class Notices {
     this.element.replaceChildren();
   }
 
-  private show(text: string, tone: "plain" | "good" | "bad"): void {
+  private show(text: string, tone: "plain" | "good" | "bad", subject = ""): void {
     if (text === "") return;
-    for (const child of this.element.children) if (child.textContent === text) child.remove();
-    const notice = h("div", { class: "notice", "data-tone": tone, text });
+    for (const child of [...this.element.querySelectorAll<HTMLElement>(".notice")]) {
+      const overtaken = subject !== "" && child.dataset["subject"] === subject;
+      if (overtaken || child.textContent === text) child.remove();
+    }
+    const notice = h("div", { class: "notice", "data-tone": tone, "data-subject": subject || null, text });
     this.element.append(notice);
     while (this.element.childElementCount > MOST) this.element.firstElementChild?.remove();
     window.setTimeout(() => notice.remove(), tone === "bad" ? BAD_MS : SHOWN_MS);

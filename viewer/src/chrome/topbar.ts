@@ -4,6 +4,7 @@ import { fixed } from "../format";
 import { standingOf } from "../provenance";
 import { autoIcon, helpIcon, moonIcon, sunIcon } from "../icons";
 import { sessionWord } from "./session_word";
+import { type ShownStanding, standingSentence } from "./standing_words";
 import type { Session } from "../session";
 import type { ThemeChoice, ViewState } from "../view_state";
 
@@ -69,7 +70,7 @@ export class Topbar {
   private judge(): void {
     const connection = this.session.connection.value;
     const frame = this.session.frame.value;
-    let standing: string = frame ? standingOf(frame.provenance) : "neutral";
+    let standing: ShownStanding = frame ? standingOf(frame.provenance) : "neutral";
     if (connection.kind !== "open") standing = "away";
     const now = performance.now();
     if (standing !== this.standing) {
@@ -79,32 +80,7 @@ export class Topbar {
     if (standing !== "live" && standing !== "away" && now - this.standingSince < 300) return;
     const app = document.documentElement;
     if (app.dataset["standing"] !== standing) app.dataset["standing"] = standing;
-    setText(this.badge, this.sentence(standing));
+    setText(this.badge, standingSentence(standing, connection, this.session.status.value));
     setHidden(this.badge, standing === "live");
-  }
-
-  private sentence(standing: string): string {
-    const connection = this.session.connection.value;
-    const calibration = this.session.status.value?.calibration.state;
-    switch (standing) {
-      case "away":
-        if (connection.kind === "lost" && connection.refused) return "The session refuses this page: its address lacks the right token.";
-        if (connection.kind === "lost" && this.session.status.value?.prompts?.state === "over") return "The recording is over, and the session has ended.";
-        if (connection.kind === "lost") return "Connection lost. Trying again.";
-        return connection.kind === "stalled" ? "Nothing is received from the session." : "Connecting.";
-      case "held":
-        return "Held: nothing new is measured, this is the last face.";
-      case "neutral":
-        if (calibration === "running") return "Neutral while it calibrates.";
-        if ((this.session.status.value?.links ?? []).every((link) => link.state === "silent" || link.state === "unbound"))
-          return "Neutral: no sensor has sent anything yet. Switch them on.";
-        return calibration === "none" || calibration === "watching" || calibration === "failed"
-          ? "Neutral: not calibrated yet, so nothing is measured."
-          : "Neutral: nothing is measured.";
-      case "resting":
-        return "Nothing is measured: held and neutral values only.";
-      default:
-        return "";
-    }
   }
 }

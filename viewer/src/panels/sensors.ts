@@ -1,12 +1,25 @@
 /** Every sensor with the numbers of its link; what to do about a bad one; and devices that nobody has bound yet. */
 import type { Actions } from "../actions";
 import { h, KeyedList, setAttribute, setHidden, setText } from "../dom";
-import { fixed, milliseconds, percentage, sensorLabel } from "../format";
+import { fixed, milliseconds, sensorLabel } from "../format";
 import { healthOf } from "../health";
 import type { Link, Rival, UnboundDevice } from "../protocol";
 import type { Session } from "../session";
 import type { ViewState } from "../view_state";
+import { isHeard, linkFigures, linkSummary } from "./link_words";
 import { NetworkSection } from "./network";
+
+/** Name, the unit of what has none in its cells, and what it means. */
+const COLUMNS: readonly (readonly [string, string, string])[] = [
+  ["Sensor", "", ""],
+  ["Level", "", "How much comes back of what it sends out"],
+  ["Rate", "Hz", "Samples a second"],
+  ["Age", "", "Since its last sample"],
+  ["Loss", "", "Share of packets lost over the last seconds"],
+  ["Offset", "", "Its clock against ours"],
+  ["Drift", "ppm", "How fast its clock goes wrong, parts in a million"],
+  ["Battery", "", ""],
+];
 
 export class SensorsPanel {
   readonly element = h("div", { class: "panel sensors-panel" });
@@ -32,8 +45,13 @@ export class SensorsPanel {
       h(
         "tr",
         {},
-        ...[["Sensor", ""], ["Level", "How much comes back of what it sends out"], ["Rate", "Samples a second"], ["Age", "Since its last sample"], ["Loss", "Share of packets lost over the last seconds"], ["Offset", "Its clock against ours"], ["Drift", "How fast its clock goes wrong, parts in a million"], ["Battery", ""]].map(
-          ([name, meaning]) => h("th", { scope: "col", class: `${name}-column`.toLowerCase(), text: name, title: meaning || null }),
+        ...COLUMNS.map(([name, unit, meaning]) =>
+          h(
+            "th",
+            { scope: "col", class: `${name}-column`.toLowerCase(), title: meaning || null },
+            name,
+            unit !== "" && h("span", { class: "unit", text: unit }),
+          ),
         ),
       ),
     );
@@ -65,14 +83,7 @@ export class SensorsPanel {
       setText(this.summary, "No news from the session yet.");
       return;
     }
-    const bad = status.links.filter((link) => healthOf(link.state).severity === "bad");
-    const warned = status.links.filter((link) => healthOf(link.state).severity === "warn");
-    const good = status.links.filter((link) => healthOf(link.state).severity === "good").length;
-    const troubles = [...bad, ...warned].map((link) => `${sensorLabel(link.sensor)} ${healthOf(link.state).label}`);
-    setText(
-      this.summary,
-      troubles.length === 0 ? `${good} of ${status.links.length} sensors are well.` : `${good} of ${status.links.length} well; ${troubles.join(", ")}.`,
-    );
+    setText(this.summary, linkSummary(status.links));
     this.rows.update(status.links);
     // No column for what no sensor of this rig has.
     this.table.classList.toggle("without-level", status.links.every((link) => link.level === null));
@@ -114,21 +125,18 @@ class SensorRow {
     this.element.dataset["severity"] = health.severity;
     setText(this.pip, health.mark);
     setText(this.state, link.estimated ? `${health.label}, time estimated` : health.label);
-    const texts = [
-      link.rateHz === null ? "–" : fixed(link.rateHz, 0),
-      milliseconds(link.ageMs),
-      percentage(link.loss),
-      milliseconds(link.offsetMs),
-      fixed(link.driftPpm, 1),
-      link.battery === null ? "–" : `${Math.round(link.battery)} %`,
-    ];
-    texts.forEach((text, i) => {
+    linkFigures(link).forEach((text, i) => {
       const cell = this.cells[i];
       if (cell) setText(cell, text);
     });
     this.bar.style.transform = `scaleX(${link.level ?? 0})`;
     setAttribute(this.level, "aria-label", link.level === null ? null : `${Math.round(100 * link.level)} %`);
-    this.cells[5]?.classList.toggle("low", link.battery !== null && link.battery < 15);
+    const battery = this.cells[5];
+    if (!battery) return;
+    const old = link.battery !== null && !isHeard(link);
+    battery.classList.toggle("low", link.battery !== null && link.battery < 15);
+    battery.classList.toggle("quiet", old);
+    setAttribute(battery, "title", old ? "As it last said" : null);
   }
 }
 

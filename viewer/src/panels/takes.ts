@@ -1,6 +1,6 @@
 /** Recording a take, and the takes that can be played. */
 import type { Actions } from "../actions";
-import { h, KeyedList, setHidden, setText } from "../dom";
+import { h, KeyedList, setAttribute, setHidden, setText } from "../dom";
 import { clock, fixed } from "../format";
 import type { Take } from "../protocol";
 import type { Session } from "../session";
@@ -32,14 +32,22 @@ export class TakesPanel {
       empty,
     );
     this.record.type = "submit";
-    const rows = new KeyedList<Take, TakeRow>(list, (take) => take.name, (take) => new TakeRow(take, actions));
-    session.takes.listen((takes) => {
-      rows.update(takes);
+    const rows = new KeyedList<ListedTake, TakeRow>(list, (take) => take.name, (take) => new TakeRow(take, actions));
+    let growing: string | null = null;
+    const drawTakes = () => {
+      const takes = session.takes.value;
+      rows.update(takes.map((take) => ({ ...take, growing: take.name === growing })));
       setHidden(empty, takes.length > 0);
-    });
+    };
+    session.takes.listen(drawTakes);
     session.status.listen((status) => {
       if (!status) return;
       const { recording, replay, log } = status;
+      const now = growingTake(recording);
+      if (now !== growing) {
+        growing = now;
+        drawTakes();
+      }
       setText(this.record, recording.on ? "Stop" : "Record");
       this.record.classList.toggle("on", recording.on);
       this.name.disabled = recording.on;
@@ -59,26 +67,49 @@ export class TakesPanel {
   }
 }
 
+/** The name, in the list of takes, of the one that is being recorded; null while none is. */
+export function growingTake(recording: { on: boolean; path: string }): string | null {
+  if (!recording.on) return null;
+  return recording.path.split(/[/\\]/).pop() || null;
+}
+
+/** What the list says of a take; not how long one that grows was when the list was made: the line above knows better. */
+export function takeFacts(take: ListedTake): string {
+  if (take.growing) return "being recorded";
+  const parts = [
+    take.error !== "" ? "cannot be read" : take.seconds === null ? "" : clock(take.seconds),
+    take.megabytes === null ? "" : `${fixed(take.megabytes, 1)} MB`,
+    recordedAt(take.recorded),
+  ];
+  return parts.filter((part) => part !== "").join(" · ");
+}
+
+interface ListedTake extends Take {
+  growing: boolean;
+}
+
 class TakeRow {
   readonly element: HTMLElement;
   private readonly about = h("span", { class: "quiet" });
+  private readonly play: HTMLButtonElement;
 
   constructor(take: Take, actions: Actions) {
+    this.play = h("button", {
+      type: "button", class: "button small", "aria-label": `Play ${take.name}`, text: "Play",
+      onclick: () => void actions.send({ command: "replay", take: take.name }),
+    });
     this.element = h(
       "li",
       { class: "take", "data-take": take.name },
       h("div", {}, h("strong", { text: take.name.replace(/\.mien$/, "") }), this.about),
-      h("button", { type: "button", class: "button small", "aria-label": `Play ${take.name}`, text: "Play", onclick: () => void actions.send({ command: "replay", take: take.name }) }),
+      this.play,
     );
   }
 
-  update(take: Take): void {
-    const parts = [
-      take.error !== "" ? "cannot be read" : take.seconds === null ? "" : clock(take.seconds),
-      take.megabytes === null ? "" : `${fixed(take.megabytes, 1)} MB`,
-      recordedAt(take.recorded),
-    ];
-    setText(this.about, parts.filter((part) => part !== "").join(" · "));
+  update(take: ListedTake): void {
+    setText(this.about, takeFacts(take));
+    this.play.disabled = take.growing;
+    setAttribute(this.play, "title", take.growing ? "It can be played once it is written." : null);
     this.about.title = take.error;
   }
 }

@@ -7,6 +7,9 @@ const LEAST_M = 0.0005;
 /** This many vertices are enough for a mean. */
 const SAMPLES = 3000;
 
+/** A shape off by less shows as 0.000: it is named as off no more than the others are. */
+const LEAST_WEIGHT = 0.0005;
+
 export interface Difference {
   meanMm: number;
   maxMm: number;
@@ -80,4 +83,19 @@ export class SkinDifference {
     }
     return { meanMm: (1000 * sum) / this.count, maxMm: 1000 * max };
   }
+}
+
+/** How far two sets of weights are apart on average, and in which shape most; null where none is visibly apart. */
+export function weightsApart(a: Float32Array, b: Float32Array): { mean: number; furthest: number | null } {
+  let furthest: number | null = null;
+  let most = LEAST_WEIGHT;
+  let sum = 0;
+  a.forEach((weight, shape) => {
+    const off = Math.abs(weight - (b[shape] ?? 0));
+    sum += off;
+    if (off <= most) return;
+    most = off;
+    furthest = shape;
+  });
+  return { mean: sum / Math.max(1, a.length), furthest };
 }

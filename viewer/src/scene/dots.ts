@@ -2,7 +2,7 @@
 import { Quaternion, Vector3, type Mesh } from "three";
 import { h, setAttribute, setText } from "../dom";
 import { sensorLabel } from "../format";
-import { healthOf } from "../health";
+import { healthOf, REPLAYED } from "../health";
 import type { Link, RigSensor } from "../protocol";
 import type { Avatar } from "./avatar";
 import { isWorn, type Glasses } from "./glasses";
@@ -51,12 +51,13 @@ export class SensorDots {
     this.place();
   }
 
-  setHealth(links: readonly Link[], chosen: string | null, tapped: string | null): void {
+  /** `links` null: the face comes from no device, so the dots only show where its sensors sit. */
+  setHealth(links: readonly Link[] | null, chosen: string | null, tapped: string | null): void {
     for (const dot of this.dots) {
-      const link = links.find((one) => one.sensor === dot.sensor.name);
-      const health = healthOf(link?.state ?? "unbound");
+      const state = links?.find((one) => one.sensor === dot.sensor.name)?.state ?? "unbound";
+      const health = links ? healthOf(state) : REPLAYED;
       setAttribute(dot.element, "data-severity", health.severity);
-      setAttribute(dot.element, "data-state", link?.state ?? "unbound");
+      setAttribute(dot.element, "data-state", links ? state : REPLAYED.label);
       setAttribute(dot.element, "aria-label", `${sensorLabel(dot.sensor.name)}: ${health.label}`);
       setAttribute(dot.element, "aria-pressed", String(chosen === dot.sensor.name));
       dot.element.classList.toggle("tapped", tapped === dot.sensor.name);

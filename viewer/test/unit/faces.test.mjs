@@ -12,7 +12,7 @@ const { loadAvatar, refusal, MOST_BYTES } = await load("scene/load_avatar.ts");
 const { FACE_BOX } = await load("scene/avatar.ts");
 const { movingBoxIn } = await load("scene/moving_skin.ts");
 const { nearestVertices, vertexAt } = await load("scene/skin_points.ts");
-const { SkinDifference } = await load("scene/difference.ts");
+const { SkinDifference, weightsApart } = await load("scene/difference.ts");
 const { restingPose } = await load("playout.ts");
 const { shapeIndex } = await load("shapes.ts");
 const { Quaternion, Vector3 } = await load("../node_modules/three/build/three.module.js");
@@ -117,4 +117,18 @@ test("what cannot be shown is refused with a sentence", async () => {
     const { SHAPES } = await load("shapes.ts");
     return open({ without: [...SHAPES] });
   }), /ARKit name/);
+});
+
+test("of weights the furthest off is named, and none where all agree", () => {
+  const truth = new Float32Array(53).fill(0.25);
+  assert.deepEqual(weightsApart(truth, truth), { mean: 0, furthest: null });
+  const near = truth.map((weight) => weight + 0.0003);
+  assert.equal(weightsApart(near, truth).furthest, null, "what shows as 0.000 is not blamed on a shape");
+  const off = Float32Array.from(truth);
+  off[7] = 0.5;
+  off[9] = 0;
+  off[20] = 0.78;
+  const apart = weightsApart(off, truth);
+  assert.equal(apart.furthest, 20);
+  assert.ok(Math.abs(apart.mean - 1.03 / 53) < 1e-6);
 });
