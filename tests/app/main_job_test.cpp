@@ -161,6 +161,10 @@ TEST_F(MainJob, TheLiveModelStandsWithTheProgram) {
   // It was trained for this rig, so it beats not looking.
   EXPECT_LT(evaluated["model"]["mse"].get<double>(),
             evaluated["baselines"]["mean_pose"]["mse"].get<double>());
+  // What is measured is what the model file's table of confidence says of this rig, on every frame.
+  EXPECT_EQ(evaluated["provenance"]["jawOpen"], (nlohmann::json{{"measured", 1.0}}));
+  for (const char* shape : {"eyeBlink_L", "jawLeft", "mouthFunnel", "eyeLookUp_L"})
+    EXPECT_EQ(evaluated["provenance"][shape], (nlohmann::json{{"predicted", 1.0}})) << shape;
   const auto solved = json_of({"solve", take});
   EXPECT_THAT(solved["model"].get<std::string>(), ::testing::EndsWith("models/live.safetensors"));
   EXPECT_EQ(json_of({"solve", take})["hash"], solved["hash"]);
