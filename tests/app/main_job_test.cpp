@@ -121,6 +121,23 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
   EXPECT_TRUE(content(folder_ / "talking.glb").starts_with("glTF"));
 }
 
+TEST_F(MainJob, WhatIsWrongInAMotionIsSaidWhereverItIsPerformed) {
+  std::string motion = content(folder_ / "talking.csv");
+  motion.replace(motion.find("JawOpen"), 7, "JawOpne");
+  motion.resize(motion.size() - 30);
+  write(folder_ / "talking.csv", motion);
+  for (const auto& arguments :
+       {perform("a.mien"), std::vector<std::string>{"export", "--motion", folder_ / "talking.csv", "--out",
+                                                    folder_ / "b.csv"}}) {
+    const Outcome done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    for (const char* said : {"talking.csv: the blendshape jawOpen has no column and is taken as 0\n",
+                             "talking.csv: the unknown column 'JawOpne' is left out\n",
+                             "talking.csv: the last row, line 91, is cut short and left out\n"})
+      EXPECT_THAT(done.err, HasSubstr(said));
+  }
+}
+
 TEST_F(MainJob, PeopleReadItToo) {
   Outcome done = run(perform("a.mien"));
   EXPECT_EQ(done.status, 0) << done.err;
