@@ -1,7 +1,11 @@
 #include "app/performance.h"
 
-#include <cmath>
+#include <fmt/format.h>
 
+#include <cmath>
+#include <cstdio>
+
+#include "mien/core/excerpt.h"
 #include "mien/face/load_motion.h"
 #include "mien/take/take.h"
 
@@ -25,7 +29,10 @@ std::optional<Sound> sound_from(const take::Audio& audio, DeviceTime start, Devi
 Result<Performance> load_performance(const std::filesystem::path& path) {
   Performance performance;
   if (path.extension() != ".mien") {
-    MIEN_TRY_ASSIGN(performance.motion, face::load_motion(path));
+    std::vector<std::string> warnings;
+    MIEN_TRY_ASSIGN(performance.motion, face::load_motion(path, &warnings));
+    for (const std::string& warning : warnings)
+      fmt::print(stderr, "mien: {}: {}\n", without_controls(path.string()), without_controls(warning));
     return performance;
   }
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(path));

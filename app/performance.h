@@ -17,8 +17,8 @@ struct Performance {
   std::string face;            ///< What it was performed on; empty when unknown.
 };
 
-/// Reads a Live Link CSV, or the truth in a take (.mien). Errors: the readers', and not_found for a take
-/// without truth.
+/// Reads a Live Link CSV, saying on stderr what was survived in it, or the truth in a take (.mien). Errors:
+/// the readers', and not_found for a take without truth.
 [[nodiscard]] Result<Performance> load_performance(const std::filesystem::path& path);
 
 }  // namespace mien::app

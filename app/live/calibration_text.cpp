@@ -14,8 +14,8 @@ namespace {
 using sensor::Score;
 using session::CalibrationVersion;
 
-constexpr std::size_t kNameBytes = 40;
-constexpr std::size_t kSentenceBytes = 200;
+constexpr std::size_t kNameLetters = 40;
+constexpr std::size_t kSentenceLetters = 200;
 
 std::string value_text(const Score& score) {
   return score.unit.empty() ? fmt::format("{:.2f}", score.value)
@@ -33,7 +33,7 @@ std::string worst_text(const CalibrationVersion& version) {
   if (failed == 0) return fmt::format("all {} passed", version.scores.size());
   const auto worst = std::ranges::find(version.scores, false, &Score::pass);
   return fmt::format("{} of {} failed: {} {}", failed, version.scores.size(),
-                     one_line(worst->name, kNameBytes), value_text(*worst));
+                     one_line(worst->name, kNameLetters), value_text(*worst));
 }
 
 std::string ago(double seconds) {
@@ -60,30 +60,32 @@ std::vector<std::string> names_of(const CalibrationVersion& a, const Calibration
 }  // namespace
 
 void print_scores(const CalibrationVersion& version) {
-  fmt::print("Calibration {}, {}: {} of {} scores passed\n", version.id, one_line(version.origin, kNameBytes),
-             version.scores.size() - failed_count(version), version.scores.size());
+  fmt::print("Calibration {}, {}: {} of {} scores passed\n", version.id,
+             one_line(version.origin, kNameLetters), version.scores.size() - failed_count(version),
+             version.scores.size());
   for (const Score& score : version.scores)
     fmt::print("  {:<6}  {:<28} {:>10}  {}\n", score.pass ? "passed" : "FAILED",
-               one_line(score.name, kNameBytes), value_text(score), one_line(score.sentence, kSentenceBytes));
+               one_line(score.name, kNameLetters), value_text(score),
+               one_line(score.sentence, kSentenceLetters));
 }
 
 void print_versions(const SessionStatus& status) {
   const session::Report::Calibration& calibration = status.calibration;
   if (calibration.versions.empty()) {
-    fmt::print("There is no calibration yet. {}\n", one_line(calibration.prompt, kSentenceBytes));
+    fmt::print("There is no calibration yet. {}\n", one_line(calibration.prompt, kSentenceLetters));
     return;
   }
   fmt::print("  {:>4}  {:<16}  {:<10}  {:<8}  {}\n", "id", "made", "origin", "in force", "worst score");
   for (const CalibrationVersion& version : calibration.versions)
     fmt::print("  {:>4}  {:<16}  {:<10}  {:<8}  {}\n", version.id,
                ago(status.time_s - to_seconds(version.made.time_since_epoch())),
-               one_line(version.origin, kNameBytes), version.id == calibration.in_force ? "yes" : "",
+               one_line(version.origin, kNameLetters), version.id == calibration.in_force ? "yes" : "",
                worst_text(version));
 }
 
 void print_comparison(const CalibrationVersion& a, const CalibrationVersion& b) {
   const auto title = [](const CalibrationVersion& version) {
-    return fmt::format("{} ({})", version.id, one_line(version.origin, kNameBytes));
+    return fmt::format("{} ({})", version.id, one_line(version.origin, kNameLetters));
   };
   const auto cell = [](const Score* score) {
     if (score == nullptr) return std::string("-");
@@ -91,7 +93,7 @@ void print_comparison(const CalibrationVersion& a, const CalibrationVersion& b) 
   };
   fmt::print("  {:<28}  {:>18}  {:>18}\n", "score", title(a), title(b));
   for (const std::string& name : names_of(a, b))
-    fmt::print("  {:<28}  {:>18}  {:>18}\n", one_line(name, kNameBytes), cell(find_score(a, name)),
+    fmt::print("  {:<28}  {:>18}  {:>18}\n", one_line(name, kNameLetters), cell(find_score(a, name)),
                cell(find_score(b, name)));
 }
 

@@ -11,6 +11,7 @@
 #include "app/json_output.h"
 #include "app/live/page_address.h"
 #include "mien/live/network_interfaces.h"
+#include "mien/live/unheard.h"
 #include "mien/model/linear.h"
 #include "mien/tracker/causal_tracker.h"
 
@@ -116,6 +117,33 @@ std::string latency_text(const live::Latencies& latency) {
                      ms(latency.percentile(0.99)), ms(latency.largest()));
 }
 
+Result<void> no_frame_came(live::Unheard why) {
+  const auto failed = [](const char* what, const char* fix) {
+    return fail(ErrorCode::io, what, "no frame came", fix);
+  };
+  switch (why) {
+    case live::Unheard::silence:
+      return failed("nothing was received",
+                    "see that the devices are on, and send to where the session listened");
+    case live::Unheard::elsewhere:
+      return failed("packets came, but by an interface or address that the page had excluded",
+                    "let the page listen on every interface, or on the one that the devices send to");
+    case live::Unheard::not_sealed:
+      return failed("packets did that were not sealed with the session's key",
+                    "pair the devices with it, or leave --key out");
+    case live::Unheard::not_opened:
+      return failed("packets did that are sealed with a key, or newer than this program",
+                    "give the devices' key with --key, or update the program");
+    case live::Unheard::unreadable:
+      return failed("packets did, but none that could be read",
+                    "see that what sends there is a device that docs/guide/devices.md names");
+    case live::Unheard::no_reference:
+      break;
+  }
+  return failed("packets did, but none of the rig's reference sensor",
+                "docs/reference/links.md says why that may be");
+}
+
 }  // namespace
 
 std::string log_text(const live::Spool::Usage& log) {
@@ -208,18 +236,8 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
   if (!summary.recording_error.empty())
     return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");
   if (summary.frames > 0) return {};
-  if (summary.datagrams == 0)
-    return fail(ErrorCode::io, "nothing was received", "no frame came",
-                "see that the devices are on, and send to where the session listened");
-  if (2 * summary.network.elsewhere > summary.datagrams)
-    return fail(ErrorCode::io, "packets came, but by an interface or address that the page had excluded",
-                "no frame came",
-                "let the page listen on every interface, or on the one that the devices send to");
-  if (summary.network.sealed && summary.report.refused > 0)
-    return fail(ErrorCode::io, "packets did that were not sealed with the session's key", "no frame came",
-                "pair the devices with it, or leave --key out");
-  return fail(ErrorCode::io, "packets did, but none of the rig's reference sensor", "no frame came",
-              "docs/reference/links.md says why that may be");
+  return no_frame_came(live::why_unheard(
+      {summary.datagrams, summary.network.elsewhere, summary.network.sealed}, summary.report));
 }
 
 }  // namespace mien::app

@@ -68,6 +68,9 @@ Result<void> run_network(const PerformOptions& options) {
                    ? std::string()
                    : fmt::format(", {} of {} nodes answered", summary.answered, summary.listening),
                summary.latest_ms);
+  if (!summary.stopped && summary.nobody_listened())
+    return fail(ErrorCode::io, "nobody listened there: every packet was refused", options.network.to,
+                "start mien live first, and see that it listens on this port");
   return {};
 }
 

@@ -47,11 +47,18 @@ struct NetworkSummary {
   std::uint64_t refused = 0;  ///< Packets of which the receiver's machine said that nobody listens.
   double latest_ms = 0;       ///< How late the latest packet went out.
   bool stopped = false;       ///< By its user, before the end.
+
+  /// Whether every packet was refused. The system tells it of a packet when the next one is sent, so it says
+  /// nothing of each node's last.
+  [[nodiscard]] bool nobody_listened() const {
+    return answered == 0 && refused > 0 && refused + nodes >= packets;
+  }
 };
 
 /// Performs in real time, each node through a socket of its own. A receiver that is not there yet is waited
-/// for, and told of once; a stop by Ctrl-C is no error. Errors: those of the stage and the simulation;
-/// bad_usage (a target that is none, the profile *lab*); not_found (no such host); io.
+/// for, and told of once; neither that nobody listened nor a stop by Ctrl-C is an error. Errors: those of the
+/// stage and the simulation; bad_usage (a target that is none, the profile *lab*); not_found (no such host);
+/// io.
 [[nodiscard]] Result<NetworkSummary> perform_to_network(const virt::StageRequest& request,
                                                         const NetworkOptions& options);
 /// The same of a stage that is set.

@@ -82,7 +82,7 @@ std::string performed_by(const StudyLossOptions& options) {
 
 void print_loss_table(const study::LossStudy& study) {
   fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
-             "given up", "MSE observed", "PVE mm", "observed", "rotation", "step", "truth's", "unsound",
+             "given up", "MSE of 42", "PVE mm", "observed", "rotation", "step", "truth's", "unsound",
              "mistold");
   for (const study::LossRow& row : study.rows)
     fmt::print(

@@ -81,6 +81,11 @@ std::optional<double> number(std::string_view text) {
   return std::nullopt;
 }
 
+/// Whether a file that ends here may have been cut in the middle of a number: with a further digit it is one.
+bool begins_number(std::string_view text) {
+  return !number(text) && number(std::string(text) + '0').has_value();
+}
+
 /// Columns in the order in which they are written.
 const std::array<std::size_t, kLiveLinkValueCount>& written_order() {
   static const auto order = [] {
@@ -105,12 +110,12 @@ Result<Header> parse_header(std::string_view line, std::string_view name,
   if (cells.size() > kMaxColumns)
     return fail(ErrorCode::out_of_range, fmt::format("more than {} columns", kMaxColumns), std::string(name));
   std::array<std::size_t, kCount + 1> column{};  // 0: not seen; else its place + 1.
-  std::size_t unknown = 0;
+  std::vector<std::string_view> unknown;
   for (const std::string_view cell : cells) {
     const std::size_t meaning = column_meaning(cell);
     header.meaning.push_back(meaning);
     if (meaning == kUnknown) {
-      ++unknown;
+      unknown.push_back(cell);
       continue;
     }
     if (column[meaning] != 0)
@@ -127,10 +132,16 @@ Result<Header> parse_header(std::string_view line, std::string_view name,
   if (missing.size() == kShapeColumns)
     return fail(ErrorCode::malformed, "the first line names no blendshape", fmt::format("{}, line 1", name),
                 "is this a Live Link Face recording?");
-  if (!missing.empty())
+  if (missing.size() == 1)
+    warnings.push_back(fmt::format("the blendshape {} has no column and is taken as 0", missing.front()));
+  else if (!missing.empty())
     warnings.push_back(fmt::format("{} blendshapes have no column and are taken as 0, {} first",
                                    missing.size(), missing.front()));
-  if (unknown > 0) warnings.push_back(fmt::format("{} unknown columns are left out", unknown));
+  if (unknown.size() == 1)
+    warnings.push_back(fmt::format("the unknown column '{}' is left out", excerpt(unknown.front())));
+  else if (!unknown.empty())
+    warnings.push_back(
+        fmt::format("{} unknown columns are left out, '{}' first", unknown.size(), excerpt(unknown.front())));
   const std::size_t left = column[arkit_index("eyeBlinkLeft")];
   const std::size_t right = column[arkit_index("eyeBlinkRight")];
   header.right_first = left != 0 && right != 0 && right < left;
@@ -215,7 +226,6 @@ Result<LiveLinkCsv> parse_livelink_csv(std::string_view text, std::string_view n
     const auto cells = cells_of(cut(text, '\n'));
     if (cells.size() == 1 && cells[0].empty()) continue;
     const auto where = [&] { return fmt::format("{}, line {}", name, line_number); };
-    const bool may_be_cut = !ends;
 
     LiveLinkRow row;
     bool lost = cells.size() == 2 && width > 2;
@@ -240,24 +250,28 @@ Result<LiveLinkCsv> parse_livelink_csv(std::string_view text, std::string_view n
                     fmt::format("the row has {} cells, the header {}", cells.size(), width),
                     where(),
                     {}};
+    // A recorder that was stopped in the middle of a row leaves a file that is good up to there: of that row
+    // cells are missing, or the end of its last number. A row of two cells is whole only if it says that it
+    // counts none.
+    bool cut_short = !ends && cells.size() < width && !(cells.size() == 2 && counts_none);
     if (!error && !lost) {
       row.values.assign(kLiveLinkValueCount, 0.0);
       for (std::size_t c = 0; c < width && !error; ++c) {
         if (header.meaning[c] >= kLiveLinkValueCount) continue;
         if (const auto value = number(cells[c]))
           row.values[header.meaning[c]] = *value;
-        else
+        else {
+          cut_short = cut_short || (!ends && c + 1 == width && begins_number(cells[c]));
           error = Error{ErrorCode::out_of_range,
                         fmt::format("'{}' is no number within {}", excerpt(cells[c]), kMaxValue),
                         fmt::format("{}, column {}", where(), c + 1),
                         {}};
+        }
       }
     }
     if (!error && row.timecode_text.empty())
       error = Error{ErrorCode::malformed, "the row has no time code", where(), {}};
-    // A recorder that was stopped in the middle of a row leaves a file that is good up to there. A row of two
-    // cells is whole only if it says that it counts none.
-    if (may_be_cut && (error || (cells.size() == 2 && !counts_none))) {
+    if (cut_short) {
       csv.warnings.push_back(fmt::format("the last row, line {}, is cut short and left out", line_number));
       break;
     }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace mien::measure {
 namespace {
 
@@ -19,11 +21,33 @@ std::vector<std::string> errors_ahead(const Metrics& baseline, const Metrics& mo
   if (baseline.lmk_mm && model.lmk_mm)
     compare("landmarks", baseline.lmk_mm->mean, model.lmk_mm->mean, 3, " mm");
   compare("MSE", baseline.mse, model.mse, 4, "");
-  compare("MSE observed", baseline.mse_observed, model.mse_observed, 4, "");
+  compare("MSE of 42", baseline.mse_observed, model.mse_observed, 4, "");
   return errors;
 }
 
+/// Over the evaluated frames of all takes; absent where a take does not say it of every tick.
+std::optional<ProvenanceShares> provenance_shares(const std::vector<TakeEstimates>& takes) {
+  ProvenanceShares shares{};
+  double frames = 0;
+  for (const TakeEstimates& take : takes) {
+    if (take.provenance.size() != take.truth.size()) return std::nullopt;
+    for (const auto& [begin, end] : evaluated_runs(take.truth))
+      for (std::size_t i = begin; i < end; ++i, ++frames)
+        for (std::size_t k = 0; k < face::kShapeCount; ++k)
+          ++shares[k][static_cast<std::size_t>(take.provenance[i][k])];
+  }
+  for (auto& shape : shares)
+    for (double& share : shape) share /= std::max(1.0, frames);
+  return shares;
+}
+
 }  // namespace
+
+std::string_view provenance_name(face::Provenance provenance) {
+  static constexpr std::array<std::string_view, kProvenanceCount> kNames = {
+      "measured", "interpolated", "predicted", "held", "audio", "neutral"};
+  return kNames[static_cast<std::size_t>(provenance)];
+}
 
 std::vector<std::string> baselines_ahead(const Evaluation& evaluation) {
   std::vector<std::string> sentences;
@@ -114,6 +138,7 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   out.mean_pose = measure([&](std::size_t t) -> const Track& { return means[t]; });
   out.hold_last = measure([&](std::size_t t) -> const Track& { return held[t]; });
   if (has_ridge) out.ridge = measure([&](std::size_t t) -> const Track& { return takes[t].ridge; });
+  out.provenance = provenance_shares(takes);
   out.frames = out.model.frames;
   return out;
 }

@@ -1,15 +1,27 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "mien/core/progress.h"
+#include "mien/face/output_frame.h"
 #include "mien/measure/metrics.h"
 #include "mien/take/take.h"
 
 namespace mien::measure {
+
+inline constexpr std::size_t kProvenanceCount = static_cast<std::size_t>(face::Provenance::neutral) + 1;
+
+/// "measured", "predicted", ...
+[[nodiscard]] std::string_view provenance_name(face::Provenance provenance);
+
+/// Of each shape, the share of the frames in which the answer came about in each way; its sum is 1.
+using ProvenanceShares = std::array<std::array<double, kProvenanceCount>, face::kShapeCount>;
 
 /// An estimate of the whole of one take, beside its truth; both at the take's ticks.
 struct TakeEstimates {
@@ -17,6 +29,8 @@ struct TakeEstimates {
   std::vector<take::TruthFrame> truth;         ///< One a tick.
   std::vector<face::BlendshapeWeights> model;  ///< One a tick.
   std::vector<face::BlendshapeWeights> ridge;  ///< One a tick; empty when the model file has none.
+  /// How the model's weights came about, one a tick; empty where that is not known.
+  std::vector<std::array<face::Provenance, face::kShapeCount>> provenance = {};
 };
 
 /// The model beside its baselines on the same frames.
@@ -27,6 +41,9 @@ struct Evaluation {
   Metrics mean_pose;
   Metrics hold_last;
   std::optional<Metrics> ridge;
+  /// What the answer itself said of its shapes: measured is what the model's table calls so for the sensors
+  /// that sent. Absent where an estimate does not say.
+  std::optional<ProvenanceShares> provenance;
 };
 
 /// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).
@@ -42,7 +59,7 @@ struct Evaluation {
                                     std::span<const face::BlendshapeWeights> estimate);
 
 /// One sentence for each baseline that is closer to the truth than the model in any error, which names the
-/// errors with both values; empty where the model is ahead of all. Errors: PVE, landmarks, MSE, MSE observed.
+/// errors with both values; empty where the model is ahead of all. Errors: PVE, landmarks, MSE, MSE of 42.
 [[nodiscard]] std::vector<std::string> baselines_ahead(const Evaluation& evaluation);
 
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.

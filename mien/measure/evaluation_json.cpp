@@ -39,6 +39,18 @@ OrderedJson to_json(const Metrics& metrics) {
   return out;
 }
 
+/// Of each shape the ways in which it came about at all, by name, with their shares of the frames.
+OrderedJson to_json(const ProvenanceShares& shares) {
+  OrderedJson out = OrderedJson::object();
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    OrderedJson& shape = out[std::string(face::kShapeNames[k])] = OrderedJson::object();
+    for (std::size_t p = 0; p < kProvenanceCount; ++p)
+      if (shares[k][p] > 0)
+        shape[std::string(provenance_name(static_cast<face::Provenance>(p)))] = shares[k][p];
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string asked_how(const EvaluationContext& context) {
@@ -57,6 +69,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["adapted"] = context.adapted;
   out["adapt_s"] = context.adapt_s;
   out["model"] = to_json(evaluation.model);
+  out["provenance"] = evaluation.provenance ? to_json(*evaluation.provenance) : OrderedJson(nullptr);
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
   out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : OrderedJson(nullptr);

@@ -50,7 +50,7 @@ std::vector<std::size_t> upward_crossings(std::span<const face::BlendshapeWeight
 
 }  // namespace
 
-bool is_observable(std::size_t shape) {
+bool counts_in_mse_observed(std::size_t shape) {
   const std::string_view name = face::kShapeNames[shape];
   return !name.starts_with("eyeLook") && !name.starts_with("eyeWide") && name != "mouthShrugUpper";
 }
@@ -125,8 +125,8 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
   double truth_jitter = 0;
   double estimate_jitter = 0;
   std::size_t jitter_frames = 0;
-  std::size_t felt_count = 0;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) felt_count += is_observable(k) ? 1 : 0;
+  std::size_t counted_shapes = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) counted_shapes += counts_in_mse_observed(k) ? 1 : 0;
 
   const std::size_t vertices = in_skin_.size();
   for (const Stretch& stretch : stretches) {
@@ -143,7 +143,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
           error[k][f] = e;
           const double square = static_cast<double>(e) * e;
           frame_squares += square;
-          if (is_observable(k)) observed_squares += square;
+          if (counts_in_mse_observed(k)) observed_squares += square;
           out.per_shape[k].mae += std::abs(e);
         }
         squares += frame_squares;
@@ -207,7 +207,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
 
   const auto count = static_cast<double>(out.frames);
   out.mse = squares / (count * face::kShapeCount);
-  out.mse_observed = observed_squares / (count * static_cast<double>(felt_count));
+  out.mse_observed = observed_squares / (count * static_cast<double>(counted_shapes));
   out.pve_mm = mean_std(out.pve_mm_curve);
   if (skin_count_ > 0) out.pve_face_mm = mean_std(pve_face_mm);
   if (!landmarks_.empty()) out.lmk_mm = mean_std(out.lmk_mm_curve);

@@ -24,9 +24,9 @@ struct ShapeScore {
 /// What `mien evaluate` prints for one estimate (docs/reference/metrics.md has every definition).
 struct Metrics {
   std::size_t frames = 0;
-  double mse = 0;           ///< All 53 shapes, both sides clipped to [0, 1].
-  double mse_observed = 0;  ///< Without gaze, eyeWide and mouthShrugUpper, which skin hardly feels.
-  MeanStd pve_mm;           ///< All vertices.
+  double mse = 0;                      ///< All 53 shapes, both sides clipped to [0, 1].
+  double mse_observed = 0;             ///< A fixed 42 of them: without gaze, eyeWide and mouthShrugUpper.
+  MeanStd pve_mm;                      ///< All vertices.
   std::optional<MeanStd> pve_face_mm;  ///< Vertices of the region "skin".
   std::optional<MeanStd> lmk_mm;       ///< The 68 landmarks.
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
@@ -44,8 +44,9 @@ struct Stretch {
   std::span<const face::BlendshapeWeights> estimate;
 };
 
-/// Shapes that `mse_observed` counts.
-[[nodiscard]] bool is_observable(std::size_t shape);
+/// Whether `mse_observed` counts a shape: a fixed list, whatever the sensors. Which shapes sensors *measure*
+/// is what an answer's provenance says.
+[[nodiscard]] bool counts_in_mse_observed(std::size_t shape);
 
 /// Measures vertex errors on one face; prepared once, used for many estimates. Thread-safe after
 /// construction.

@@ -122,6 +122,7 @@ Result<measure::TakeEstimates> with_truth(const take::Take& take, const Solution
     frame.evaluated = false;
     out.truth.push_back(found == by_time.end() ? frame : *found->second);
     out.model.push_back(solution.frames[i].weights);
+    out.provenance.push_back(solution.frames[i].provenance);
   }
   out.ridge = solution.ridge;
   return out;

@@ -144,12 +144,7 @@ Result<void> check_tables(const Database& database, std::int64_t version) {
 /// ancestor would read for ever.
 Result<void> check_pages(const Database& database) {
   MIEN_TRY_ASSIGN(const std::string verdict, database.read_text("PRAGMA quick_check(1)"));
-  if (verdict != "ok")
-    return fail(ErrorCode::malformed,
-                fmt::format("the file is damaged ({})",
-                            excerpt(verdict.substr(0, verdict.find('\n')), kComplaintLetters)),
-                database.where(), kUseBackup);
-  return {};
+  return judge_pages(verdict, database.where());
 }
 
 /// Opens without checking more than that the file can be read, which is when SQLite rolls a journal back.
@@ -214,6 +209,16 @@ Result<OpenTake> open_or_recover(const fs::path& path, const std::string& where)
 }
 
 }  // namespace
+
+Result<void> judge_pages(std::string_view verdict, const std::string& where) {
+  if (verdict == "ok") return {};
+  // "*** in database main ***" stands above what is wrong, and says nothing.
+  if (verdict.starts_with("***")) verdict.remove_prefix(std::min(verdict.find('\n'), verdict.size() - 1) + 1);
+  const std::string why = excerpt(verdict.substr(0, verdict.find('\n')), kComplaintLetters);
+  return fail(ErrorCode::malformed,
+              why.empty() ? "the file is damaged" : fmt::format("the file is damaged ({})", why), where,
+              kUseBackup);
+}
 
 Result<TemporaryFolder> TemporaryFolder::make() {
   std::error_code code;

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include "mien/core/error.h"
 #include "mien/take/database.h"
@@ -38,5 +40,9 @@ struct OpenTake {
 /// its pages are sound; limits are lowered and the defensive settings on. A commit that was cut off is rolled
 /// back, here or on a copy. Errors: as Take::open.
 [[nodiscard]] Result<OpenTake> open_untrusted(const std::filesystem::path& path);
+
+/// What SQLite's quick_check or integrity_check says of a file's pages, as a result: "ok", or what is wrong.
+/// Errors: malformed.
+[[nodiscard]] Result<void> judge_pages(std::string_view verdict, const std::string& where);
 
 }  // namespace mien::take

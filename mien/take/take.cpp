@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mien/core/excerpt.h"
 #include "mien/take/layout.h"
 #include "mien/take/opening.h"
 
@@ -382,11 +381,7 @@ Result<std::string> Take::note(std::string_view key) const {
 Result<void> Take::check() const {
   const State& s = *state_;
   MIEN_TRY_ASSIGN(const std::string verdict, s.open.database.read_text("PRAGMA integrity_check(1)"));
-  if (verdict != "ok")
-    return fail(ErrorCode::malformed,
-                fmt::format("the file is damaged ({})",
-                            excerpt(verdict.substr(0, verdict.find('\n')), kComplaintLetters)),
-                s.where(), kUseBackup);
+  MIEN_TRY(judge_pages(verdict, s.where()));
   MIEN_TRY(entries());
   {
     MIEN_TRY_ASSIGN(PayloadReader reader, payloads());

@@ -1,7 +1,7 @@
 // `mien live` from outside: packets into its port, a take and a hash out; killed, and with a full disk.
 
 #include <arpa/inet.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -13,10 +13,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <thread>
 
+#include "mien/core/bytes.h"
 #include "mien/core/random.h"
 #include "mien/performer/prologue.h"
+#include "mien/sensor/seal.h"
 #include "mien/take/take.h"
 #include "mien/virtual/imu/imu_session.h"
 #include "tests/app/program.h"
@@ -28,6 +31,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
+using testing::HasSubstr;
 
 /// What three sensors say of a performer who calibrates them and then talks for two seconds: 14 s.
 const virt::VirtualSession& performance() {
@@ -79,6 +83,16 @@ class Sender {
   std::atomic<int> sent_ = 0;
   std::thread thread_;
 };
+
+void send_once(std::uint16_t port, std::span<const std::byte> datagram) {
+  const int out = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(port);
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ::sendto(out, datagram.data(), datagram.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof(to));
+  ::close(out);
+}
 
 /// A session that runs, and the port that it listens on.
 struct Live {
@@ -283,6 +297,24 @@ TEST_F(LiveProgram, AFullDiskIsSaidAndTheCaptureGoesOn) {
   EXPECT_FALSE(summary["recording_error"].get<std::string>().empty());
   // What was written until then is whole.
   EXPECT_EQ(run({"take", "check", take}).status, 0);
+}
+
+TEST_F(LiveProgram, ASessionThatHearsWhatItCannotReadSaysWhy) {
+  const auto ending_after = [this](const char* name, std::span<const std::byte> datagram) {
+    const Live live = start_live(name, {"--json", "--for", "2"});
+    send_once(live.port, datagram);
+    EXPECT_EQ(finish(live.process), 1) << name;
+    return content(folder / (std::string(name) + ".err"));
+  };
+  EXPECT_THAT(ending_after("garbage", std::as_bytes(std::span("hello world"))),
+              HasSubstr("mien: no frame came: packets did, but none that could be read; "));
+  ByteWriter sealed;
+  ASSERT_TRUE(sensor::seal_packet({.id = 7}, {.key_id = 7, .device = 1, .counter = 1, .session = 1},
+                                  performance().entries.front().bytes, sealed));
+  EXPECT_THAT(
+      ending_after("sealed", sealed.bytes()),
+      HasSubstr("mien: no frame came: packets did that are sealed with a key, or newer than this program; "
+                "give the devices' key with --key, or update the program\n"));
 }
 
 TEST_F(LiveProgram, ASessionThatHearsNothingSaysSo) {

@@ -121,6 +121,23 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
   EXPECT_TRUE(content(folder_ / "talking.glb").starts_with("glTF"));
 }
 
+TEST_F(MainJob, WhatIsWrongInAMotionIsSaidWhereverItIsPerformed) {
+  std::string motion = content(folder_ / "talking.csv");
+  motion.replace(motion.find("JawOpen"), 7, "JawOpne");
+  motion.resize(motion.size() - 30);
+  write(folder_ / "talking.csv", motion);
+  for (const auto& arguments :
+       {perform("a.mien"), std::vector<std::string>{"export", "--motion", folder_ / "talking.csv", "--out",
+                                                    folder_ / "b.csv"}}) {
+    const Outcome done = run(arguments);
+    EXPECT_EQ(done.status, 0) << done.err;
+    for (const char* said : {"talking.csv: the blendshape jawOpen has no column and is taken as 0\n",
+                             "talking.csv: the unknown column 'JawOpne' is left out\n",
+                             "talking.csv: the last row, line 91, is cut short and left out\n"})
+      EXPECT_THAT(done.err, HasSubstr(said));
+  }
+}
+
 TEST_F(MainJob, PeopleReadItToo) {
   Outcome done = run(perform("a.mien"));
   EXPECT_EQ(done.status, 0) << done.err;
@@ -161,6 +178,10 @@ TEST_F(MainJob, TheLiveModelStandsWithTheProgram) {
   // It was trained for this rig, so it beats not looking.
   EXPECT_LT(evaluated["model"]["mse"].get<double>(),
             evaluated["baselines"]["mean_pose"]["mse"].get<double>());
+  // What is measured is what the model file's table of confidence says of this rig, on every frame.
+  EXPECT_EQ(evaluated["provenance"]["jawOpen"], (nlohmann::json{{"measured", 1.0}}));
+  for (const char* shape : {"eyeBlink_L", "jawLeft", "mouthFunnel", "eyeLookUp_L"})
+    EXPECT_EQ(evaluated["provenance"][shape], (nlohmann::json{{"predicted", 1.0}})) << shape;
   const auto solved = json_of({"solve", take});
   EXPECT_THAT(solved["model"].get<std::string>(), ::testing::EndsWith("models/live.safetensors"));
   EXPECT_EQ(json_of({"solve", take})["hash"], solved["hash"]);

@@ -133,6 +133,34 @@ TEST(LiveLinkCsv, MissingAndUnknownColumnsAreTold) {
   EXPECT_EQ(csv.rows[0].values[arkit_index("mouthClose")], 0);
   ASSERT_EQ(csv.warnings.size(), 2U);
   EXPECT_THAT(csv.warnings[0], HasSubstr("51 blendshapes"));
+  EXPECT_EQ(csv.warnings[1], "the unknown column 'Mood' is left out");
+}
+
+TEST(LiveLinkCsv, AMisspeltColumnIsNamedAndSoIsWhatItLacks) {
+  std::string text = take({"00:00:00:00.000"});
+  text.replace(text.find("JawOpen"), 7, "Jaw\x1bpne");
+  EXPECT_THAT(parsed(text).warnings,
+              ::testing::ElementsAre("the blendshape jawOpen has no column and is taken as 0",
+                                     "the unknown column 'Jaw?pne' is left out"));
+}
+
+TEST(LiveLinkCsv, ALastRowThatIsWholeIsHeldToWhatEveryRowIs) {
+  const std::string begin = "Timecode,BlendShapeCount,JawOpen,MouthClose\n00:00:00:00.000,2,0.5,0\n";
+  for (const char* last :
+       {"00:00:00:02.000,2,0.5,nan", "00:00:00:02.000,2,0.5,inf", "00:00:00:02.000,2,0.5,1e30",
+        "00:00:00:02.000,2,0.5,\x1b[31m", "00:00:00:02.000,2,nan,0.5", "00:00:00,2,0.5,0.5",
+        "00:00:00:02.000,2,nan,-", "00:00:00:02.000,2,0.5,0.5,0.5"}) {
+    const auto csv = parse_livelink_csv(begin + last, "bad.csv");
+    ASSERT_FALSE(csv) << last;
+    EXPECT_THAT(csv.error().where, HasSubstr("bad.csv, line 3")) << last;
+  }
+  for (const char* last : {"00:00:00:02.000,2,0.5,-", "00:00:00:02.000,2,0.5,1e", "00:00:00:02.000,2,0.5,1e-",
+                           "00:00:00:02.000,2,0.5,", "00:00:00:02.000,2,0.5", "00:00:00:02.000,2", "00:0"}) {
+    const LiveLinkCsv csv = parsed(begin + last);
+    EXPECT_EQ(csv.rows.size(), 1U) << last;
+    EXPECT_THAT(csv.warnings, ::testing::Contains("the last row, line 3, is cut short and left out")) << last;
+  }
+  EXPECT_EQ(parsed(begin + "00:00:00:02.000,2,0.5,0.5").rows.size(), 2U);
 }
 
 struct BadCsv {

@@ -23,6 +23,7 @@ Evaluation some_evaluation() {
   evaluation.hold_last.mse = 2;
   evaluation.ridge = Metrics{};
   evaluation.ridge->mse = 3;
+  evaluation.provenance.emplace()[face::shape("jawOpen")] = {0.75, 0, 0.25, 0, 0, 0};
   return evaluation;
 }
 
@@ -48,6 +49,8 @@ TEST(EvaluationJson, HasWhatTheContractNames) {
   EXPECT_EQ(model["blink_f1"], 0.875);
   EXPECT_EQ(model["per_shape"].size(), face::kShapeCount);
   EXPECT_EQ(model["per_shape"]["jawOpen"], (nlohmann::json{{"mae", 0.0625}, {"pearson", 0.5}}));
+  EXPECT_EQ(json["provenance"].size(), face::kShapeCount);
+  EXPECT_EQ(json["provenance"]["jawOpen"], (nlohmann::json{{"measured", 0.75}, {"predicted", 0.25}}));
   EXPECT_EQ(json["baselines"]["mean_pose"]["mse"], 1);
   EXPECT_EQ(json["baselines"]["hold_last"]["mse"], 2);
   EXPECT_EQ(json["baselines"]["ridge"]["mse"], 3);
@@ -56,12 +59,14 @@ TEST(EvaluationJson, HasWhatTheContractNames) {
 TEST(EvaluationJson, WhatTheDataLackIsNull) {
   Evaluation evaluation = some_evaluation();
   evaluation.ridge.reset();
+  evaluation.provenance.reset();
   evaluation.model.lmk_mm.reset();
   evaluation.model.pve_face_mm.reset();
   evaluation.model.jitter_ratio.reset();
   evaluation.model.blink_f1.reset();
   const auto json = nlohmann::json::parse(evaluation_json(evaluation, some_context()));
   EXPECT_TRUE(json["baselines"]["ridge"].is_null());
+  EXPECT_TRUE(json["provenance"].is_null());
   for (const char* key : {"lmk_mm", "pve_face_mm", "jitter_ratio", "blink_f1"}) {
     ASSERT_TRUE(json["model"].contains(key)) << key;
     EXPECT_TRUE(json["model"][key].is_null()) << key;

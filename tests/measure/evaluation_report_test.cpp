@@ -52,6 +52,35 @@ TEST(EvaluationReport, NamesRidgeOnlyWhereThereIsOne) {
   EXPECT_THAT(html, HasSubstr("0.50 of ridge"));
 }
 
+TEST(EvaluationReport, SaysNothingOfWhatIsNotThere) {
+  Evaluation evaluation = some_evaluation();
+  std::string html = evaluation_report(evaluation, some_context()).html();
+  for (const char* absent :
+       {"Ridge", "ridge", "blink F1", "Blink F1", "PVE face", "provenance", "Provenance"})
+    EXPECT_THAT(html, Not(HasSubstr(absent)));
+  evaluation.ridge = Metrics{};
+  evaluation.hold_last.blink_f1 = 0;
+  html = evaluation_report(evaluation, some_context()).html();
+  for (const char* present : {"Ridge is linear", "ridge's error", "blink F1"})
+    EXPECT_THAT(html, HasSubstr(present));
+}
+
+TEST(EvaluationReport, ShapesAreCalledWhatTheAnswerCalledThem) {
+  Evaluation evaluation = some_evaluation();
+  ProvenanceShares& shares = evaluation.provenance.emplace();
+  for (auto& shape : shares) shape[static_cast<std::size_t>(face::Provenance::predicted)] = 1;
+  shares[face::shape("jawOpen")] = {0.625, 0, 0, 0.25, 0, 0.125};
+  const std::string html = evaluation_report(evaluation, some_context()).html();
+  const auto cells_of = [&](const std::string& shape) {
+    const std::size_t at = html.find(shape);
+    return html.substr(at, html.find("</tr>", at) - at);
+  };
+  EXPECT_THAT(cells_of("jawOpen"), HasSubstr("measured 62 %, held 25 %, neutral 12 %"));
+  for (const char* shape : {"eyeBlink_L", "jawLeft", "mouthFunnel", "eyeLookUp_L"})
+    EXPECT_THAT(cells_of(shape), HasSubstr(">predicted<"));
+  EXPECT_THAT(html, Not(HasSubstr("observed")));
+}
+
 TEST(EvaluationReport, BaselinesThatWinAreNamedBeforeAnyFigure) {
   Evaluation evaluation = some_evaluation();
   for (Metrics* baseline : {&evaluation.mean_pose, &evaluation.hold_last}) {

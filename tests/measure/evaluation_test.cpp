@@ -46,5 +46,22 @@ TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
   EXPECT_EQ(measure_track(meter, take.truth, hold_last(take.truth)).mse, whole->hold_last.mse);
 }
 
+TEST(Evaluate, CountsHowShapesCameAboutInTheEvaluatedFrames) {
+  const Meter meter(builtin_face::make_builtin());
+  TakeEstimates take{.take = "one", .truth = opening(110, 10, 200), .model = {}, .ridge = {}};
+  take.model.resize(110);
+  EXPECT_FALSE(evaluate(meter, {take}, {})->provenance) << "nothing says it";
+  take.provenance.resize(110);
+  const std::size_t jaw = face::shape("jawOpen");
+  for (std::size_t i = 0; i < 110; ++i) {
+    take.provenance[i].fill(face::Provenance::predicted);
+    if (i >= 35) take.provenance[i][jaw] = face::Provenance::measured;
+  }
+  const auto shares = evaluate(meter, {take}, {})->provenance;
+  ASSERT_TRUE(shares);
+  EXPECT_EQ((*shares)[jaw], (std::array{0.75, 0., 0.25, 0., 0., 0.}));
+  EXPECT_EQ((*shares)[face::shape("eyeBlink_L")], (std::array{0., 0., 1., 0., 0., 0.}));
+}
+
 }  // namespace
 }  // namespace mien::measure::evaluation_test

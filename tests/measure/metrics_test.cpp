@@ -82,10 +82,10 @@ TEST(Metrics, BothSidesAreClipped) {
   EXPECT_EQ(m.pve_mm.mean, 0);
 }
 
-TEST(Metrics, UnobservableShapesAreEleven) {
-  int unobservable = 0;
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) unobservable += is_observable(k) ? 0 : 1;
-  EXPECT_EQ(unobservable, 11);
+TEST(Metrics, MseObservedLeavesElevenOut) {
+  int left_out = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) left_out += counts_in_mse_observed(k) ? 0 : 1;
+  EXPECT_EQ(left_out, 11);
   Track truth(3);
   Track estimate(3);
   for (auto& w : estimate) w[shape("eyeWide_L")] = w[shape("eyeLookUp_R")] = w[shape("mouthShrugUpper")] = 1;

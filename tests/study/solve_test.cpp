@@ -172,13 +172,15 @@ TEST(Solve, TruthThatWasCutOffLeavesFramesOut) {
   virt::VirtualSession session = test::lab_session();
   session.truth.resize(session.truth.size() - 20);
   const take::Take take = test::stored(session, folder / "cut.mien", "lab");
-  const measure::TakeEstimates estimates = with_truth(take, solve(take).value()).value();
+  const Solution solution = solve(take).value();
+  const measure::TakeEstimates estimates = with_truth(take, solution).value();
   ASSERT_EQ(estimates.truth.size(), session.ticks.size());
   ASSERT_EQ(estimates.model.size(), session.ticks.size());
   std::size_t counted = 0;
   for (std::size_t i = 0; i < estimates.truth.size(); ++i) {
     EXPECT_EQ(estimates.truth[i].time, session.ticks[i].frame);
     counted += estimates.truth[i].evaluated ? 1 : 0;
+    EXPECT_EQ(estimates.provenance.at(i), solution.frames[i].provenance);
   }
   EXPECT_EQ(counted, 40U);
 }

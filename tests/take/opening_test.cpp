@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "mien/core/random.h"
+#include "mien/take/opening.h"
 #include "mien/take/take.h"
 #include "tests/take/example_take.h"
 
@@ -107,7 +108,17 @@ TEST_F(Opening, RefusesRowsWithOneNumber) {
   bytes[row] = 1;
   test::write_raw(path_, bytes);
   EXPECT_EQ(open_error().code, ErrorCode::malformed);
-  EXPECT_THAT(open_error().message(), HasSubstr("damaged"));
+  EXPECT_THAT(open_error().message(), HasSubstr("Rowid 1 out of order)"));
+  EXPECT_THAT(open_error().message(), Not(HasSubstr("***")));
+}
+
+TEST(JudgePages, SaysWhatIsWrongAndNotWhere) {
+  EXPECT_TRUE(judge_pages("ok", "a.mien"));
+  const auto said = [](const char* verdict) { return judge_pages(verdict, "a.mien").error().what; };
+  EXPECT_EQ(said("*** in database main ***\nTree 5 page 3: Rowid 1 out of order\nmore"),
+            "the file is damaged (Tree 5 page 3: Rowid 1 out of order)");
+  EXPECT_EQ(said("row 2 missing from index"), "the file is damaged (row 2 missing from index)");
+  EXPECT_EQ(said("*** in database main ***"), "the file is damaged");
 }
 
 TEST_F(Opening, SurvivesEveryTruncation) {

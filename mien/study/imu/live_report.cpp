@@ -36,7 +36,7 @@ constexpr std::array<Column, kMeasureCount> kColumns = {{{Measure::pve, "PVE, mm
                                                          {Measure::pve_face, "PVE face, mm", 3},
                                                          {Measure::landmarks, "landmarks, mm", 3},
                                                          {Measure::mse, "MSE", 4},
-                                                         {Measure::mse_observed, "MSE observed", 4},
+                                                         {Measure::mse_observed, "MSE of 42", 4},
                                                          {Measure::jitter, "jitter", 2},
                                                          {Measure::blinks, "blink F1", 2}}};
 

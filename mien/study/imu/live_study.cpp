@@ -205,7 +205,7 @@ Figures figures_of(const SensorBound& bound, double prior) {
   double observed_variance = 0;
   double observed = 0;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    if (!measure::is_observable(k)) continue;
+    if (!measure::counts_in_mse_observed(k)) continue;
     observed_variance += std::pow(prior * bound.left[k], 2);
     ++observed;
   }

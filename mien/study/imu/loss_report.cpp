@@ -56,7 +56,7 @@ measure::BarPlot sensors(const LossStudy& study) {
 measure::Table conditions(const LossStudy& study) {
   measure::Table table;
   table.caption = "Every condition, on the same performances";
-  table.columns = {"",        "MSE",         "rise, %",     "given up, %",  "MSE observed",
+  table.columns = {"",        "MSE",         "rise, %",     "given up, %",  "MSE of 42",
                    "PVE, mm", "observed, %", "rotation, °", "largest step", "truth's",
                    "unsound", "mistold"};
   for (const LossRow& row : study.rows)

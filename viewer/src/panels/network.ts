@@ -18,10 +18,11 @@ export class NetworkSection {
     this.element.append(h("h3", { text: "Who can send" }), this.reach, h("div", { class: "button-row" }, this.choice, this.pair), this.pairing.element);
   }
 
-  update(network: NetworkStatus | null): void {
+  /** `listening`: the addresses that the session opened. */
+  update(network: NetworkStatus | null, listening: readonly string[]): void {
     setHidden(this.element, network === null);
     if (!network) return;
-    setText(this.reach, reachText(network));
+    setText(this.reach, reachText(network, listening));
     setHidden(this.choice, network.open.length === 0);
     this.fill(network);
   }
@@ -131,14 +132,22 @@ export function entrances(network: NetworkStatus): [name: string, label: string]
 }
 
 /** Who can send, in a sentence or two. */
-export function reachText(network: NetworkStatus): string {
+export function reachText(network: NetworkStatus, listening: readonly string[]): string {
   const who = network.sealed ? "only boards with the key are received" : "anybody there can send";
   const refused = network.sealed && network.refused > 0 ? ` ${count(network.refused)} packets without it were refused.` : "";
-  if (network.open.length === 0) return `${network.sealed ? "Only boards with the key are received." : "Whoever reaches an address that it listens on can send."}${refused}`;
+  if (network.open.length === 0) {
+    if (network.sealed) return `Only boards with the key are received.${refused}`;
+    return listening.length > 0 && listening.every(onThisMachine) ? "Only what is on this machine, or plugged into it, can send." : "Whoever reaches an address that it listens on can send.";
+  }
   const elsewhere = network.elsewhere > 0 ? ` ${count(network.elsewhere)} packets from elsewhere were refused.` : "";
   if (network.only !== "") return `Listening on ${network.only} only; ${who}.${elsewhere}${refused}`;
   const names = network.interfaces.map((one) => `${one.name} ${one.address}`).join(", ");
   return `Listening on every interface: ${names}; ${who}.${elsewhere}${refused}`;
+}
+
+/** A serial line, or a port of the loopback interface. */
+function onThisMachine(address: string): boolean {
+  return !address.startsWith("udp://") || /^udp:\/\/(127\.\d+\.\d+\.\d+|\[::1\]|localhost):/.test(address);
 }
 
 function count(number: number): string {

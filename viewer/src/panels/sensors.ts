@@ -93,7 +93,7 @@ export class SensorsPanel {
     }
     setHidden(this.unboundSection, status.unbound.length === 0);
     this.unbound.update(status.unbound);
-    this.network.update(status.network);
+    this.network.update(status.network, this.session.hello.value?.listening ?? []);
     this.detail.update();
   }
 }
