@@ -1,6 +1,7 @@
 // What does each shape of the built-in face look like? Draws them all on one sheet:
 //   face_shapes docs/images/face_shapes.png        every shape at weight 1
 //   face_shapes docs/images/face_people.png people some of the family's faces
+//   face_shapes docs/images/face_cuts.png cuts     the cuts of hair
 
 #include <fmt/format.h>
 
@@ -32,7 +33,7 @@ render::Image portrait(const face::Face& face, const face::BlendshapeWeights& we
 
 /// Every shape, the two sides of a pair together, and two poses that need several.
 render::Image all_shapes() {
-  const face::Face face = builtin_face::make_builtin();
+  const face::Face face = builtin_face::make_builtin({.hair = builtin_face::HairStyle::crop});
   std::vector<std::string> names = {"neutral"};
   for (const std::string_view name : face::kShapeNames)
     if (!name.ends_with("_R") && name != "mouthClose") names.emplace_back(name.substr(0, name.find('_')));
@@ -59,10 +60,24 @@ render::Image some_people() {
   render::Image sheet(kColumns * kTile, kRows * kTile);
   for (int i = 0; i < kColumns * kRows; ++i) {
     Random random(static_cast<std::uint64_t>(i));
-    const face::Face face = builtin_face::make_builtin(i == 0 ? builtin_face::BuiltinParameters{}
-                                                              : builtin_face::random_identity(random));
+    const face::Face face = builtin_face::make_builtin(builtin_face::random_identity(random));
     const auto view = i % 2 == 0 ? render::View::front : render::View::three_quarter;
     render::paste(sheet, portrait(face, {}, 0, view), i % kColumns * kTile, i / kColumns * kTile);
+  }
+  return sheet;
+}
+
+/// The cuts of hair, from the front and from the side.
+render::Image cuts() {
+  constexpr int kColumns = static_cast<int>(builtin_face::kHairStyleCount);
+  render::Image sheet(kColumns * kTile, 2 * kTile);
+  for (int i = 0; i < kColumns; ++i) {
+    builtin_face::BuiltinParameters who;
+    who.hair = static_cast<builtin_face::HairStyle>(i);
+    who.hair_tone = 0.2 + 0.15 * i;
+    const face::Face face = builtin_face::make_builtin(who);
+    render::paste(sheet, portrait(face, {}, 0, render::View::front), i * kTile, 0);
+    render::paste(sheet, portrait(face, {}, 0, render::View::side), i * kTile, kTile);
   }
   return sheet;
 }
@@ -71,11 +86,12 @@ render::Image some_people() {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: face_shapes OUT.png [people]\n");
+    fmt::print(stderr, "usage: face_shapes OUT.png [people | cuts]\n");
     return 2;
   }
-  const bool people = argc > 2 && std::string_view(argv[2]) == "people";
-  if (const auto written = render::write_png(argv[1], people ? some_people() : all_shapes()); !written) {
+  const std::string_view what = argc > 2 ? argv[2] : "shapes";
+  const render::Image sheet = what == "people" ? some_people() : what == "cuts" ? cuts() : all_shapes();
+  if (const auto written = render::write_png(argv[1], sheet); !written) {
     fmt::print(stderr, "{}\n", written.error().message());
     return 1;
   }

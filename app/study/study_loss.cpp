@@ -81,12 +81,12 @@ std::string performed_by(const StudyLossOptions& options) {
 }
 
 void print_loss_table(const study::LossStudy& study) {
-  fmt::print("{:<28} {:>8} {:>8} {:>8} {:>8} {:>7} {:>7} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
+  fmt::print("{:<28} {:>8} {:>8} {:>8} {:>9} {:>7} {:>8} {:>8} {:>6} {:>7} {:>7} {:>7}\n", "", "MSE", "rise",
              "given up", "MSE of 42", "PVE mm", "observed", "rotation", "step", "truth's", "unsound",
              "mistold");
   for (const study::LossRow& row : study.rows)
     fmt::print(
-        "{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:8.5f} {:7.3f} {:5.1f} % {:7.1f}° {:6.3f} {:7.3f} {:7} {:7}\n",
+        "{:<28} {:8.5f} {:+6.1f} % {:+6.1f} % {:9.5f} {:7.3f} {:6.1f} % {:7.1f}° {:6.3f} {:7.3f} {:7} {:7}\n",
         row.condition.name(), row.mse, 100 * row.rise, 100 * row.given_up, row.mse_observed, row.pve_mm,
         100 * row.observed, row.rotation_rms_deg, row.largest_step, row.truth_step, row.unsound, row.mistold);
   fmt::print("\nmean pose {:.5f}\n", study.mean_pose_mse);

@@ -45,6 +45,16 @@ void add_ribbon(Sculpt& half, const Ribbon& ribbon, std::span<const Vec3> spine,
   }
 }
 
+/// From the eyeball's centre to the lid's margin at (x, y), unit. The margin lies on the lids' sphere, but
+/// for the corners, where it meets the skin around.
+Vec3 out_of_eye(double x, double y) {
+  const double dx = x - kEyeCentre.x(), dy = y - kEyeCentre.y(), off2 = dx * dx + dy * dy;
+  constexpr double kOnSphere = 0.9 * kLidRadius;
+  if (off2 < kOnSphere * kOnSphere)
+    return Vec3(dx, dy, std::sqrt(kLidRadius * kLidRadius - off2)).normalized();
+  return (Vec3(x, y, head_point_at(x, y).z()) - kEyeCentre).normalized();
+}
+
 void add_lashes(Sculpt& half, Random random) {
   constexpr int kUpper = 44, kLower = 24;
   for (int i = 0; i < kUpper + kLower; ++i) {
@@ -53,7 +63,7 @@ void add_lashes(Sculpt& half, Random random) {
         upper ? (i + 0.5 + 0.3 * random.normal()) / kUpper : 0.16 + 0.82 * (i - kUpper + 0.5) / kLower;
     const double x = mix(kInnerCanthusX + 2.5, kOuterCanthusX - 0.3, std::clamp(s, 0.0, 1.0));
     const double y = upper ? upper_lid_y(x) : lower_lid_y(x);
-    const Vec3 out = (Vec3(x, y, head_point_at(x, y).z()) - kEyeCentre).normalized();
+    const Vec3 out = out_of_eye(x, y);
     const Vec3 root = kEyeCentre + out * (kLidRadius - 0.5);
     // Longest a little outside the middle; every third leans to its neighbour, as wet lashes do.
     const double lean = 0.16 * (i % 3 - 1) + 0.06 * random.normal();

@@ -30,10 +30,16 @@ constexpr PieceInfo kPieces[kPieceCount] = {
     {"shirt", face::Material::cloth},
 };
 
+/// The vertices that a shape moves on the default head, and where to at weight 1, mm.
+struct Moved {
+  std::vector<std::uint32_t> vertex;
+  std::vector<Vec3> to;
+};
+
 /// The default head, sculpted once.
 struct DefaultHead {
   Sculpt sculpt;
-  std::vector<std::vector<Vec3>> displacements;  // mm, by shape and vertex
+  std::vector<Moved> moved;  // By shape; tongueOut last.
   std::array<std::uint32_t, 68> landmarks{};
   std::vector<face::Region> regions;
 };
@@ -49,8 +55,16 @@ const DefaultHead& default_head() {
     add_shirt(half);
     h.sculpt = mirrored(half);
     add_eyeballs(h.sculpt);
-    h.displacements = shape_displacements(h.sculpt);
-    tune_kinematics(h.sculpt, h.displacements);
+    std::vector<std::vector<Vec3>> displacements = shape_displacements(h.sculpt);
+    tune_kinematics(h.sculpt, displacements);
+    for (const std::vector<Vec3>& of_shape : displacements) {
+      Moved& moved = h.moved.emplace_back();
+      for (std::uint32_t i = 0; i < of_shape.size(); ++i) {
+        if (of_shape[i].squaredNorm() < 1e-6) continue;  // under a micrometre
+        moved.vertex.push_back(i);
+        moved.to.push_back(h.sculpt.vertices[i].p + of_shape[i]);
+      }
+    }
     h.landmarks = find_landmarks(h.sculpt);
     h.regions = find_regions(h.sculpt);
     return h;
@@ -132,12 +146,11 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
   for (std::size_t k = 0; k <= face::kShapeCount; ++k) {
     face::Shape shape;
     shape.name = k < face::kShapeCount ? std::string(face::kShapeNames[k]) : "tongueOut";
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const Vec3& d = head.displacements[k][i];
-      if (d.squaredNorm() < 1e-6) continue;  // under a micrometre
-      shape.vertex.push_back(i);
-      shape.delta_m.push_back(((warp(sculpt.vertices[i].p + d) - neutral_mm[i]) / 1000).cast<float>());
-    }
+    const Moved& moved = head.moved[k];
+    shape.vertex = moved.vertex;
+    shape.delta_m.reserve(moved.to.size());
+    for (std::size_t i = 0; i < moved.to.size(); ++i)
+      shape.delta_m.push_back(((warp(moved.to[i]) - neutral_mm[moved.vertex[i]]) / 1000).cast<float>());
     face.shapes.push_back(std::move(shape));
   }
   face.landmarks = head.landmarks;

@@ -208,9 +208,13 @@ Vec3 displacement(std::string_view name, const V& v) {
            push(v, {0, -32, 112}, {32, 18, 40}, {0, 5.4, 3.4});
   if (is("mouthShrugUpper")) return push(v, {0, -30, 112}, {30, 21, 40}, {0, 5.7, 2.4});
   if (is("mouthSmile"))
-    return push(v, kCorner, {35, 31, 55}, {9.6, 9.2, -4.0}) +
-           push(v, {42, -1, 90}, {28, 26, 40}, {1.0, 3.6, 3.6}) +
-           push(v, {0, -31, 112}, {22, 14, 40}, {0, 0.3, -0.9}) + lids(v, 0, 0.25);
+    // The corner goes up and back along the cheek, the lips thin over the teeth, the cheek rises into the
+    // lower lid and leaves a fold beside the nose.
+    return push(v, kCorner, {35, 31, 55}, {8.4, 10.2, -4.6}) +
+           push(v, {12, -27, 111}, {24, 15, 40}, {1.2, 2.4, -1.0}, Lips::upper) +
+           push(v, {0, -39, 111}, {26, 14, 40}, {0, -0.5, -1.2}, Lips::lower) +
+           push(v, {41, 1, 90}, {28, 26, 40}, {1.2, 4.6, 4.4}) +
+           push(v, {27, -13, 103}, {9, 20, 26}, {0.6, 1.2, -1.8}) + lids(v, 0.04, 0.5);
   if (is("mouthStretch"))
     return push(v, kCorner, {30, 28, 50}, {9.0, -3.6, -5.0}) +
            push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});

@@ -53,11 +53,13 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters) {
                     1.25 * spot(p, 7.2, -7.8, 2.8, 2.6) * smoothstep(100, 104, p.z()));
           const double x = std::abs(p.x());
           // The border of the lips' red is soft.
-          const double from_lip =
-              p.y() > lip_line_y(x) ? p.y() - upper_lip_border_y(x) : lower_lip_border_y(x) - p.y();
-          c = blend(c, red,
-                    0.55 * gauss(std::max(from_lip, 0.0) / 1.3) *
-                        smoothstep(kMouthCornerX + 3, kMouthCornerX - 2, x));
+          if (x < kMouthCornerX + 3 && std::abs(p.y() - kMouthCornerY) < 20) {
+            const double from_lip =
+                p.y() > lip_line_y(x) ? p.y() - upper_lip_border_y(x) : lower_lip_border_y(x) - p.y();
+            c = blend(c, red,
+                      0.55 * gauss(std::max(from_lip, 0.0) / 1.3) *
+                          smoothstep(kMouthCornerX + 3, kMouthCornerX - 2, x));
+          }
           c = blend(c, hair,
                     0.45 * gauss((p.y() - brow_y(x)) / 4.2) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
         }

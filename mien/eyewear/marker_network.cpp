@@ -51,8 +51,10 @@ Result<void> check_network_file(const MarkerNetworkFile& file, const std::string
         face.shapes_m.rows() != face.neutral_m.size() ||
         face.shapes_m.cols() != static_cast<Eigen::Index>(face::kShapeCount))
       return differ("its markers are not placed on its face");
-    if (!face.neutral_m.allFinite() || !face.shapes_m.allFinite())
-      return fail(ErrorCode::out_of_range, "a marker's place is not finite", where);
+    constexpr double kHeadM = 1;
+    const auto on_a_head = [](const auto& m) { return m.allFinite() && m.cwiseAbs().maxCoeff() <= kHeadM; };
+    if (!on_a_head(face.neutral_m) || !on_a_head(face.shapes_m))
+      return fail(ErrorCode::out_of_range, "a marker's place or displacement is not within a metre", where);
   }
   if (file.confidence) MIEN_TRY(model::check(*file.confidence, face::kShapeCount, where));
   return {};
@@ -77,18 +79,18 @@ MarkedShapes parse_face(const std::string& text) {
   out.neutral_m =
       Eigen::Map<const Eigen::VectorXd>(neutral.data(), static_cast<Eigen::Index>(neutral.size()));
   out.shapes_m.setZero(out.neutral_m.size(), static_cast<Eigen::Index>(face::kShapeCount));
-  const Json& shapes = face.at("shapes_m");
+  const auto& shapes = face.at("shapes_m").get_ref<const Json::object_t&>();
+  std::size_t known = 0;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     const auto found = shapes.find(std::string(face::kShapeNames[k]));
     if (found == shapes.end()) continue;
-    const auto moved = found->get<std::vector<double>>();
-    if (moved.size() != neutral.size()) {
-      out.shapes_m.resize(0, 0);  // Refused by the check.
-      break;
-    }
+    const auto moved = found->second.get<std::vector<double>>();
+    if (moved.size() != neutral.size()) return MarkedShapes{};  // Refused by the check.
+    ++known;
     out.shapes_m.col(static_cast<Eigen::Index>(k)) =
         Eigen::Map<const Eigen::VectorXd>(moved.data(), static_cast<Eigen::Index>(moved.size()));
   }
+  if (known != shapes.size()) return MarkedShapes{};  // A shape that is none.
   return out;
 }
 

@@ -44,6 +44,9 @@ enum class Material : std::uint8_t {
 
 /// Hairs of Material::strands that lie beside each other in one unit of uv.x.
 inline constexpr float kStrandsPerUv = 64;
+/// A file's picture of strands is white where a hair is this many times its ribbon's colour, the brightest of
+/// all.
+inline constexpr float kBrightestStrand = 1.25F;
 
 /// A part of the mesh with one material.
 struct Part {

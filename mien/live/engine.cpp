@@ -49,8 +49,7 @@ std::string unheard_text(Unheard why) {
       return "nothing is received yet: are the devices on, and do they send here?";
     case Unheard::elsewhere:
       return "packets come, but by an interface or address that is excluded: listen on every interface, or "
-             "on "
-             "the one that the devices send to";
+             "on the one that the devices send to";
     case Unheard::not_sealed:
       return "packets come that are not sealed with this session's key: pair the devices, or leave --key out";
     case Unheard::not_opened:

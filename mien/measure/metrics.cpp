@@ -99,13 +99,14 @@ Meter::Meter(const face::Face& face) {
       shapes_.shape[slot] = static_cast<std::uint16_t>(k);
       shapes_.delta_mm[slot] = 1000.0F * face.shapes[k].delta_m[i];
     }
-  // Hair and clothes are nobody's face, and how much of them there is says nothing about an estimate.
+  // How many ribbons a head of hair, a brow or a lash is drawn with, and how much of a shirt, says nothing
+  // about an estimate.
   const std::vector<bool> hair = face.vertices_of(face::Material::strands);
   const std::vector<bool> cloth = face.vertices_of(face::Material::cloth);
-  counts_.assign(vertices, 1);
+  in_pve_.assign(vertices, 1);
   for (std::size_t v = 0; v < vertices; ++v)
-    if (hair[v] || cloth[v]) counts_[v] = 0;
-  counted_ = static_cast<std::size_t>(std::ranges::count(counts_, 1));
+    if (hair[v] || cloth[v]) in_pve_[v] = 0;
+  in_pve_count_ = static_cast<std::size_t>(std::max<std::ptrdiff_t>(1, std::ranges::count(in_pve_, 1)));
   in_skin_.assign(vertices, 0);
   if (const face::Region* skin = face.region("skin"))
     for (const std::uint32_t v : skin->vertex) in_skin_[v] = 1;
@@ -154,7 +155,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
       for (std::size_t v = 0; v < vertices; ++v) {
         const std::uint32_t begin = shapes_.first[v];
         const std::uint32_t end = shapes_.first[v + 1];
-        if (begin == end || counts_[v] == 0) continue;
+        if (begin == end || in_pve_[v] == 0) continue;
         Lanes x{};
         Lanes y{};
         Lanes z{};
@@ -174,7 +175,7 @@ Metrics Meter::measure(std::span<const Stretch> stretches) const {
         }
       }
       for (std::size_t f = 0; f < n; ++f) {
-        out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(counted_)));
+        out.pve_mm_curve.push_back(static_cast<float>(all_mm[f] / static_cast<double>(in_pve_count_)));
         if (skin_count_ > 0)
           pve_face_mm.push_back(static_cast<float>(skin_mm[f] / static_cast<double>(skin_count_)));
       }

@@ -26,7 +26,7 @@ struct Metrics {
   std::size_t frames = 0;
   double mse = 0;                      ///< All 53 shapes, both sides clipped to [0, 1].
   double mse_observed = 0;             ///< A fixed 42 of them: without gaze, eyeWide and mouthShrugUpper.
-  MeanStd pve_mm;                      ///< All vertices.
+  MeanStd pve_mm;                      ///< All vertices but hair and clothes.
   std::optional<MeanStd> pve_face_mm;  ///< Vertices of the region "skin".
   std::optional<MeanStd> lmk_mm;       ///< The 68 landmarks.
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
@@ -64,8 +64,8 @@ class Meter {
     std::vector<Vec3f> delta_mm;
   };
   VertexShapes shapes_;
-  std::vector<std::uint8_t> counts_;  // Vertices of pve_mm.
-  std::size_t counted_ = 0;
+  std::vector<std::uint8_t> in_pve_;  // Vertices that pve_mm averages over.
+  std::size_t in_pve_count_ = 0;
   std::vector<std::uint8_t> in_skin_;
   std::size_t skin_count_ = 0;
   std::vector<std::uint32_t> landmarks_;

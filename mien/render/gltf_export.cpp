@@ -242,7 +242,7 @@ Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const Surface
     const Vec3f* own = face.colour.empty() ? nullptr : &face.colour[i];
     Vec3f albedo = paint.at(face.neutral_m[i], material_of[i], own).albedo;
     if (material_of[i] == Material::cornea) albedo = Vec3f::Ones();
-    if (material_of[i] == Material::strands) albedo *= kBrightestStrand;
+    if (material_of[i] == Material::strands) albedo *= face::kBrightestStrand;
     std::array<std::uint16_t, 4> rgba{0, 0, 0, 65535};
     for (int c = 0; c < 3; ++c)
       rgba[static_cast<std::size_t>(c)] =
@@ -410,7 +410,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
     pieces[piece].triangles[material[t]].push_back(face.triangles[t]);
   }
   if (pieces[0].triangles.empty())
-    return fail(ErrorCode::bad_usage, "a face of eyes alone cannot be exported", face.name);
+    return fail(ErrorCode::bad_usage, "a face of eyes and still hair alone cannot be exported", face.name);
 
   Asset asset;
   const SurfacePaint paint(face);

@@ -68,8 +68,9 @@ void Renderer::State::find_neighbours() {
       edges.emplace_back(b, a);
     }
   }
+  has_hair = std::ranges::find(material, Material::strands) != material.end();
   for (std::size_t i = 0; i < n; ++i)
-    if (is_strand[i]) lit_by_vertex[i] = true;
+    if (is_strand[i]) lit_by_vertex[twin[i]] = true;
   std::ranges::sort(edges);
   edges.erase(std::ranges::unique(edges).begin(), edges.end());
   neighbour_start.assign(n + 1, 0);
@@ -153,6 +154,7 @@ void Renderer::State::light_vertices(const Studio& studio) {
   for (auto& part : visible) part.assign(n, Vec3f::Zero());
   // Of light from a direction, what hair lets through. A ribbon is no shade to itself and its neighbours.
   const auto in_hair = [&](std::size_t i, const Vec3f& d, float reach_m) {
+    if (!has_hair) return 1.0F;
     const Vec3f from = position[i] + kScatterHeight_m * normal[i];
     return hair.blocked(from, d, is_strand[i] ? kOwnLock_m : 0, reach_m) ? kThroughHair : 1.0F;
   };

@@ -81,7 +81,10 @@ struct Renderer::State {
     for (const face::Part& part : f.parts)
       for (std::size_t t = part.first_triangle; t < std::size_t{part.first_triangle} + part.triangle_count;
            ++t)
-        if (t < all.size()) all[t] = part.material;
+        if (t < all.size())
+          // Without texture coordinates nobody knows where on a ribbon hairs are: then it is hair as one
+          // piece.
+          all[t] = part.material == Material::strands && f.uv.empty() ? Material::hair : part.material;
     return all;
   }
 
@@ -139,6 +142,7 @@ struct Renderer::State {
   std::vector<Layer> layer;
   std::vector<std::uint32_t> solid_triangle, clear_triangle, fringe_triangle;  // Index in the face.
   RayScene solid, clear, fringe, hair;
+  bool has_hair = false;                                  // That keeps light off.
   std::vector<bool> scatters;                             // A vertex of skin or lips.
   std::vector<std::uint32_t> neighbour_start, neighbour;  // Vertices that share an edge.
   std::vector<std::uint32_t> twin;   // The first vertex at the same place with about the same normal.

@@ -41,7 +41,7 @@ Result<std::vector<std::byte>> strands_png() {
       const Eigen::Vector2f uv((static_cast<float>(x) + 0.5F) / kWidth,
                                (static_cast<float>(y) + 0.5F) / kHeight);
       const Strand strand = strand_at(uv, 1.0F / kPixelsPerStrand);
-      const Rgb grey = to_srgb(Vec3f::Constant(strand.brightness / kBrightestStrand));
+      const Rgb grey = to_srgb(Vec3f::Constant(strand.brightness / face::kBrightestStrand));
       rgba.insert(rgba.end(), grey.begin(), grey.end());
       rgba.push_back(static_cast<std::uint8_t>(255 * strand.cover + 0.5F));
     }

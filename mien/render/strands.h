@@ -22,9 +22,8 @@ struct Strand {
 [[nodiscard]] Strand strand_at(const Eigen::Vector2f& uv, float softness);
 
 /// One unit of uv.x of them as a picture with alpha, a PNG file's content; rows from uv.y 0 to 1. White is
-/// the brightest hair: kBrightestStrand times the hair's colour.
+/// face::kBrightestStrand times the hair's colour.
 [[nodiscard]] Result<std::vector<std::byte>> strands_png();
-inline constexpr float kBrightestStrand = 1.25F;
 
 /// Hair takes light as the shape does that all of it has together, and a ribbon's two sides are alike: turns
 /// the normals of strands (unit, beside `vertices_m`) towards the outside of the head.

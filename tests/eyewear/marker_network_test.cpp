@@ -74,6 +74,8 @@ TEST(MarkerNetwork, ItsFaceRoundTripsToTheBitAndIsChecked) {
   file.face = face;
   file.face->shapes_m(2, 7) = std::numeric_limits<double>::infinity();
   EXPECT_EQ(refusal(file), ErrorCode::out_of_range);
+  file.face->shapes_m(2, 7) = 1e200;
+  EXPECT_EQ(refusal(file), ErrorCode::out_of_range);
 }
 
 TEST(MarkerNetwork, AModelAnswersOnTheFaceThatItWasTrainedFor) {

@@ -93,6 +93,7 @@ TEST(Gltf, ComesBackThroughTheImporter) {
 face::Face haired_ball() {
   face::Face face = ball_face();
   face.uv.assign(face.neutral_m.size(), Eigen::Vector2f::Zero());
+  face.colour.assign(face.neutral_m.size() + 8, Vec3f(0.4F, 0.3F, 0.2F));
   for (const Vec3f& root : {Vec3f(0, 0.1F, 0), Vec3f(0.1F, 0, 0)}) {
     const auto first = static_cast<std::uint32_t>(face.neutral_m.size());
     for (int k = 0; k < 4; ++k) {
@@ -143,7 +144,12 @@ TEST(Gltf, HairHasATextureOfStrandsAndNoTargetsWhereNothingMovesIt) {
   float widest = 0;
   for (const auto& uv : back.uv) widest = std::max(widest, uv.x());
   EXPECT_EQ(widest, 0.25F);
-  EXPECT_EQ(back.colour.size(), back.neutral_m.size()) << "colours of vertices are read";
+  ASSERT_EQ(back.colour.size(), back.neutral_m.size()) << "colours of vertices are read";
+  for (const face::Part& part : back.parts) {
+    if (part.material != face::Material::strands) continue;
+    const std::uint32_t vertex = back.triangles[part.first_triangle][0];
+    EXPECT_LT((back.colour[vertex] - face.colour.back()).norm(), 1e-4F) << "hair is as dark as it was";
+  }
 }
 
 TEST(Gltf, PlaysTheMotionAtSixtyFramesASecond) {

@@ -106,6 +106,50 @@ TEST(Renderer, ErrorColoursPaintTheFaceAndLeaveTheBackground) {
   for (int c = 0; c < 3; ++c) EXPECT_EQ(pale.pixel(1, 1)[c], dark.pixel(1, 1)[c]);
 }
 
+/// A ribbon of dark hair before the middle of the ball, two centimetres across.
+face::Face face_with_a_ribbon(float hairs) {
+  face::Face face = ball_face();
+  face.uv.assign(face.neutral_m.size(), Eigen::Vector2f::Zero());
+  face.colour.assign(face.neutral_m.size(), Vec3f(0.6F, 0.4F, 0.3F));
+  const auto first = static_cast<std::uint32_t>(face.neutral_m.size());
+  for (int k = 0; k < 4; ++k) {
+    face.neutral_m.emplace_back(k % 2 == 0 ? -0.01F : 0.01F, k < 2 ? 0.01F : -0.03F, 0.12F);
+    face.uv.emplace_back(k % 2 == 0 ? 0.0F : hairs / face::kStrandsPerUv, k < 2 ? 0.0F : 1.0F);
+    face.colour.emplace_back(0.01F, 0.01F, 0.01F);
+  }
+  face.parts.push_back(
+      {"hair", face::Material::strands, static_cast<std::uint32_t>(face.triangles.size()), 2});
+  face.triangles.push_back({first, first + 1, first + 3});
+  face.triangles.push_back({first, first + 3, first + 2});
+  return face;
+}
+
+TEST(Renderer, HairCoversWhereItsHairsAreAndSkinIsSeenBetweenThem) {
+  const face::Face bald = ball_face(), haired = face_with_a_ribbon(4);
+  const Camera camera = camera_of(bald, 128);
+  const Image without = Renderer(bald, Quality::still, 2).still(bald.neutral_m, camera, Look::light());
+  const Image with = Renderer(haired, Quality::still, 2).still(haired.neutral_m, camera, Look::light());
+  // Along a line across the ribbon's middle, dark hairs and lit skin take turns.
+  const int middle = 64, row = 64 + 6;
+  int dark = 0, lit = 0;
+  for (int x = middle - 8; x < middle + 8; ++x) {
+    const int drop = without.pixel(x, row)[0] - with.pixel(x, row)[0];
+    dark += drop > 60 ? 1 : 0;
+    lit += drop < 45 ? 1 : 0;
+  }
+  EXPECT_GE(dark, 3);
+  EXPECT_GE(lit, 2);
+  EXPECT_EQ(with.pixel(2, 2)[0], without.pixel(2, 2)[0]) << "nothing but the ribbon changed";
+}
+
+TEST(Renderer, StrandsWithoutTextureCoordinatesAreDrawnAsOnePiece) {
+  face::Face face = face_with_a_ribbon(4);
+  face.uv.clear();
+  const Image picture =
+      Renderer(face, Quality::still, 2).still(face.neutral_m, camera_of(ball_face(), 128), Look::light());
+  for (int x = 60; x < 68; ++x) EXPECT_LT(picture.pixel(x, 70)[0], 90) << x;
+}
+
 TEST(Renderer, TakesFacesWithoutPartsColoursOrLandmarks) {
   face::Face face;
   add_ball(face, "all", face::Material::skin, Vec3f::Zero(), 0.1F, 6);

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "mien/core/excerpt.h"
@@ -12,6 +13,13 @@
 
 namespace mien::face::gltf {
 namespace {
+
+/// Ribbons of hairs as our own exports have them. Of others' hair nobody knows what its texture coordinates
+/// mean.
+bool is_strands(const tinygltf::Material* material, const tinygltf::Primitive& primitive) {
+  return material != nullptr && material->name == material_name(Material::strands) &&
+         primitive.attributes.contains("TEXCOORD_0");
+}
 
 using Mat4 = Eigen::Matrix4d;
 
@@ -79,24 +87,30 @@ Result<Shared> add_vertices(const tinygltf::Model& model, const tinygltf::Primit
   } else {
     out.uv.insert(out.uv.end(), vertices, Eigen::Vector2f::Zero());
   }
-  // Colours of vertices; without them the factor alone, where no picture is laid over it.
+  // Colours: the vertices' own and the factor where no picture is laid over them, as one is over strands,
+  // whose picture says only which places are hair.
+  const bool pictured = material != nullptr && material->pbrMetallicRoughness.baseColorTexture.index >= 0;
+  const bool strands = is_strands(material, primitive);
   Vec3f factor = Vec3f::Ones();
   if (material != nullptr && material->pbrMetallicRoughness.baseColorFactor.size() == 4)
     for (int c = 0; c < 3; ++c)
       factor[c] = std::clamp(
           static_cast<float>(material->pbrMetallicRoughness.baseColorFactor[static_cast<std::size_t>(c)]),
           0.0F, 1.0F);
-  if (const auto colour_at = primitive.attributes.find("COLOR_0"); colour_at != primitive.attributes.end()) {
+  const auto colour_at = primitive.attributes.find("COLOR_0");
+  const bool own = colour_at != primitive.attributes.end() && (!pictured || strands);
+  if (own) {
     const tinygltf::Accessor* accessor = at(model.accessors, colour_at->second);
     const std::size_t width = accessor != nullptr && accessor->type == TINYGLTF_TYPE_VEC3 ? 3 : 4;
     MIEN_TRY_ASSIGN(const auto rows, arrays.read(colour_at->second, width, vertices));
-    for (std::size_t v = 0; v < vertices; ++v)
-      for (int c = 0; c < 3; ++c) {
-        const double value = rows[width * v + static_cast<std::size_t>(c)];
-        if (c == 0) out.colour.emplace_back();
-        out.colour.back()[c] = factor[c] * static_cast<float>(std::clamp(value, 0.0, 1.0));
-      }
-  } else if (material != nullptr && material->pbrMetallicRoughness.baseColorTexture.index < 0) {
+    for (std::size_t v = 0; v < vertices; ++v) {
+      Vec3f colour;
+      for (int c = 0; c < 3; ++c)
+        colour[c] = factor[c] *
+                    static_cast<float>(std::clamp(rows[width * v + static_cast<std::size_t>(c)], 0.0, 1.0));
+      out.colour.push_back(colour);
+    }
+  } else if (material != nullptr && !pictured) {
     out.colour.insert(out.colour.end(), vertices, factor);
   } else {
     out.has_colour = false;
@@ -168,10 +182,18 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
     const tinygltf::Material* material = at(model.materials, primitive.material);
     const std::string material_name = material != nullptr ? material->name : std::string();
     const std::string part_name = printable(!mesh->name.empty() ? mesh->name : node.name);
-    const Material kind = guess_material(plain(part_name + " " + material_name));
+    const Material kind = is_strands(material, primitive)
+                              ? Material::strands
+                              : guess_material(plain(part_name + " " + material_name));
     out.parts.push_back({part_name.empty() ? fmt::format("part_{}", out.parts.size()) : part_name, kind,
                          first_triangle, static_cast<std::uint32_t>(out.triangles.size()) - first_triangle});
 
+    if (kind == Material::strands && out.has_colour) {
+      // Once a vertex: its colour stands for the brightest of the ribbon's hairs.
+      const std::set<double> of_ribbons(index.begin(), index.end());
+      for (const double i : of_ribbons)
+        out.colour[mine.first + static_cast<std::size_t>(i)] /= kBrightestStrand;
+    }
     if (mine.bound && kind == Material::skin)
       for (const double i : index) out.skin[mine.first + static_cast<std::size_t>(i)] = true;
     moves = moves || mine.bound;

@@ -21,7 +21,6 @@ bool has_word(std::string_view text, std::initializer_list<std::string_view> wor
 }
 
 Material guess_material(const std::string& names) {
-  if (has_word(names, {"strands"})) return Material::strands;
   if (has_word(names, {"brow", "hair", "beard"})) return Material::hair;
   if (has_word(names, {"lash"})) return Material::lash;
   if (has_word(names, {"tongue"})) return Material::tongue;

@@ -34,7 +34,7 @@ TEST(MarkerPoses, SixComponentsHoldMostOfTheMotion) {
   float moved = 0;
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     moved = std::max(moved, std::abs(poses->pose(most)[k] - poses->pose(origin)[k]));
-  EXPECT_GT(moved, 0.3F);
+  EXPECT_GT(moved, 0.2F) << "the extremes of a component are expressions, not twitches";
 }
 
 TEST(MarkerPoses, NeedsSomethingToMeasure) {

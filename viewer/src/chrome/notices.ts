@@ -22,7 +22,18 @@ const SUBJECTS: Readonly<Record<string, string>> = {
  */
 export function subjectOf(kind: string, text: string): string {
   const subject = Object.hasOwn(SUBJECTS, kind) ? (SUBJECTS[kind] ?? "") : "";
-  return subject === "" || subject === "hold" ? subject : `${subject} ${text.split(" ", 1)[0] ?? ""}`;
+  if (subject === "" || subject === "hold") return subject;
+  const first = text.split(" ", 1)[0] ?? "";
+  // News of several at once, "6 sensors are lost", is about no one of them.
+  return /^\d+$/.test(first) ? `${subject}s` : `${subject} ${first}`;
+}
+
+/** Whether news of `newer` takes the place of news of `older`: of the same, or of several among which it may be. */
+export function sameSubject(older: string, newer: string): boolean {
+  if (older === newer) return true;
+  const several = (subject: string) => subject.endsWith("s") && !subject.includes(" ");
+  const kind = (subject: string) => (several(subject) ? subject.slice(0, -1) : subject.split(" ", 1)[0]);
+  return (several(older) || several(newer)) && kind(older) === kind(newer);
 }
 
 export class Notices {
@@ -49,7 +60,7 @@ export class Notices {
   private show(text: string, tone: "plain" | "good" | "bad", subject = ""): void {
     if (text === "") return;
     for (const child of [...this.element.querySelectorAll<HTMLElement>(".notice")]) {
-      const overtaken = subject !== "" && child.dataset["subject"] === subject;
+      const overtaken = subject !== "" && sameSubject(child.dataset["subject"] ?? "", subject);
       if (overtaken || child.textContent === text) child.remove();
     }
     const notice = h("div", { class: "notice", "data-tone": tone, "data-subject": subject || null, text });

@@ -55,7 +55,7 @@ export class GltfAvatar implements Avatar {
       this.head = { node: neck.head, rest: neck.head.quaternion.clone() };
     }
     if (options.own) {
-      dress(scene, { top: -0.185, bottom: -0.222 });
+      dress(scene, { cloth: { top: -0.185, bottom: -0.222 }, skin: { top: -0.125, bottom: -0.186 } });
       this.object = new Group();
       this.object.add(scene);
     } else {

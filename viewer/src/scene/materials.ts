@@ -3,7 +3,8 @@
  * and warm; and it has pores. Both are added to three.js' own physical material.
  */
 import {
-  DoubleSide, FrontSide, MeshPhysicalMaterial, ShaderChunk, type Material, type Mesh, type MeshStandardMaterial, type Object3D,
+  DoubleSide, FrontSide, LinearFilter, MeshPhysicalMaterial, ShaderChunk, type Material, type Mesh, type MeshStandardMaterial, type Object3D,
+  type WebGLProgramParametersWithUniforms,
 } from "three";
 import { materialsOf } from "./avatar";
 
@@ -17,14 +18,26 @@ const LIGHTS = ShaderChunk.lights_physical_pars_fragment.replace(
 	reflectedLight.directDiffuse += crept * diffuseBRDF`,
 );
 
-/** Fades the bust out towards its cut, which nobody wants to see. Heights in the mesh's own coordinates at rest. */
+/** Fades out towards a cut that nobody wants to see. Heights in the mesh's own coordinates at rest. */
 export interface Fade {
   top: number;
   bottom: number;
 }
 
+/** Where a bust ends: in a shirt, or, of a head without one, in its neck. */
+interface Fades {
+  cloth: Fade;
+  skin: Fade | null;
+}
+
 /** Dresses a face of the program's own making, whose materials' names say what they are. */
-export function dress(root: Object3D, fade: Fade | null): void {
+export function dress(root: Object3D, ends: { cloth: Fade; skin: Fade }): void {
+  let clothed = false;
+  root.traverse((node) => {
+    const mesh = node as Mesh;
+    if (mesh.isMesh) clothed = clothed || materialsOf(mesh).some((material) => material.name === "cloth");
+  });
+  const fades: Fades = { cloth: ends.cloth, skin: clothed ? null : ends.skin };
   const made = new Map<Material, Material>();
   root.traverse((node) => {
     const mesh = node as Mesh;
@@ -32,7 +45,7 @@ export function dress(root: Object3D, fade: Fade | null): void {
     const dressed = materialsOf(mesh).map((material) => {
       const before = made.get(material);
       if (before) return before;
-      const after = dressOne(material as MeshStandardMaterial, fade);
+      const after = dressOne(material as MeshStandardMaterial, fades);
       made.set(material, after);
       return after;
     });
@@ -43,7 +56,7 @@ export function dress(root: Object3D, fade: Fade | null): void {
   });
 }
 
-function dressOne(from: MeshStandardMaterial, fade: Fade | null): Material {
+function dressOne(from: MeshStandardMaterial, fades: Fades): Material {
   const material = new MeshPhysicalMaterial({
     name: from.name,
     color: from.color,
@@ -64,7 +77,7 @@ function dressOne(from: MeshStandardMaterial, fade: Fade | null): Material {
       material.sheen = 0.25;
       material.sheenRoughness = 0.5;
       material.sheenColor.set(0xd9a892);
-      finishSkin(material, from.name === "skin" ? 0.11 : 0.05);
+      finishSkin(material, fades.skin, from.name === "skin" ? 0.11 : 0.05);
       break;
     case "sclera":
     case "iris":
@@ -81,14 +94,19 @@ function dressOne(from: MeshStandardMaterial, fade: Fade | null): Material {
       material.roughness = 0.58;
       material.specularIntensity = 0.45;
       material.side = DoubleSide;
-      material.alphaTest = 0.4;
+      material.alphaTest = 0.3;
       material.alphaToCoverage = true;
+      // Averaged over several hairs, a smaller picture of them would be a solid patch.
+      if (material.map) {
+        material.map.generateMipmaps = false;
+        material.map.minFilter = LinearFilter;
+      }
       finishHair(material);
       break;
     case "cloth":
       material.roughness = 0.95;
       material.specularIntensity = 0.25;
-      if (fade) fadeOut(material, fade);
+      finishCloth(material, fades.cloth);
       break;
     case "teeth":
       material.roughness = 0.25;
@@ -113,28 +131,32 @@ function finishHair(material: MeshPhysicalMaterial): void {
   material.customProgramCacheKey = () => "hair";
 }
 
-function fadeOut(material: MeshPhysicalMaterial, fade: Fade): void {
+/** What fades a material by its height at rest: to be called while its shader is made. */
+function addFade(shader: WebGLProgramParametersWithUniforms, fade: Fade): void {
+  shader.uniforms["fadeTop"] = { value: fade.top };
+  shader.uniforms["fadeBottom"] = { value: fade.bottom };
+  shader.vertexShader = shader.vertexShader
+    .replace("#include <common>", "#include <common>\nvarying float vRestHeight;")
+    .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRestHeight = position.y;");
+  shader.fragmentShader = shader.fragmentShader
+    .replace(
+      "#include <common>",
+      "#include <common>\nvarying float vRestHeight;\nuniform float fadeTop;\nuniform float fadeBottom;",
+    )
+    .replace(
+      "#include <opaque_fragment>",
+      "diffuseColor.a *= smoothstep(fadeBottom, fadeTop, vRestHeight);\n#include <opaque_fragment>",
+    );
+}
+
+function finishCloth(material: MeshPhysicalMaterial, fade: Fade): void {
   material.transparent = true;
-  material.onBeforeCompile = (shader) => {
-    shader.uniforms["fadeTop"] = { value: fade.top };
-    shader.uniforms["fadeBottom"] = { value: fade.bottom };
-    shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", "#include <common>\nvarying float vRestHeight;")
-      .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRestHeight = position.y;");
-    shader.fragmentShader = shader.fragmentShader
-      .replace(
-        "#include <common>",
-        "#include <common>\nvarying float vRestHeight;\nuniform float fadeTop;\nuniform float fadeBottom;",
-      )
-      .replace(
-        "#include <opaque_fragment>",
-        "diffuseColor.a *= smoothstep(fadeBottom, fadeTop, vRestHeight);\n#include <opaque_fragment>",
-      );
-  };
+  material.onBeforeCompile = (shader) => addFade(shader, fade);
   material.customProgramCacheKey = () => "cloth";
 }
 
-function finishSkin(material: MeshPhysicalMaterial, pores: number): void {
+function finishSkin(material: MeshPhysicalMaterial, fade: Fade | null, pores: number): void {
+  if (fade) material.transparent = true;
   material.onBeforeCompile = (shader) => {
     shader.vertexShader = shader.vertexShader
       .replace("#include <common>", "#include <common>\nvarying vec3 vRest;")
@@ -175,6 +197,7 @@ float pores(vec3 rest) { return smoothGrain(rest * 900.0) + 0.6 * smoothGrain(re
 }`,
       )
       .replace("#include <lights_physical_pars_fragment>", LIGHTS);
+    if (fade) addFade(shader, fade);
   };
-  material.customProgramCacheKey = () => `skin ${pores}`;
+  material.customProgramCacheKey = () => `skin ${pores} ${fade ? 1 : 0}`;
 }

@@ -7,7 +7,7 @@ const { countLetters, letterOf, standingOf } = await load("provenance.ts");
 const { healthOf, HEALTH_STATES } = await load("health.ts");
 const { sessionWord } = await load("chrome/session_word.ts");
 const { linkFigures, linkSummary } = await load("panels/link_words.ts");
-const { subjectOf } = await load("chrome/notices.ts");
+const { sameSubject, subjectOf } = await load("chrome/notices.ts");
 const { growingTake, takeFacts } = await load("panels/takes.ts");
 const { standingSentence } = await load("chrome/standing_words.ts");
 
@@ -103,6 +103,15 @@ test("news of one thing takes the place of what was said of it before", () => {
   assert.notEqual(subjectOf("sensor_lost", "mentalis is lost"), subjectOf("sensor_back", "mastoid_L is back"));
   assert.notEqual(subjectOf("sensor_lost", "a is lost"), subjectOf("line_lost", "a is lost"));
   for (const kind of ["recorded", "contested", "constructor", "__proto__", ""]) assert.equal(subjectOf(kind, "a is b"), "", kind);
+});
+
+test("news of several sensors takes the place of news of any, and is taken its place by it", () => {
+  const several = subjectOf("sensor_lost", "6 sensors are lost"), one = subjectOf("sensor_back", "mentalis is back");
+  assert.ok(sameSubject(several, subjectOf("sensor_back", "5 sensors are back")));
+  assert.ok(sameSubject(several, one) && sameSubject(one, several));
+  assert.ok(!sameSubject(one, subjectOf("sensor_lost", "mastoid_L is lost")));
+  assert.ok(!sameSubject(several, subjectOf("line_lost", "/dev/ttyUSB0 is lost")));
+  assert.ok(!sameSubject(several, "hold"));
 });
 
 test("of a take that is being recorded the list gives no length, and knows which one it is", () => {
