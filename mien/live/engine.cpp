@@ -42,28 +42,6 @@ constexpr int kLastBeats = 10;
 /// A device that is on has been heard by then.
 constexpr auto kSilence = std::chrono::seconds(10);
 
-/// Told once, of a session that ought to have heard something by then.
-std::string unheard_text(Unheard why) {
-  switch (why) {
-    case Unheard::silence:
-      return "nothing is received yet: are the devices on, and do they send here?";
-    case Unheard::elsewhere:
-      return "packets come, but by an interface or address that is excluded: listen on every interface, or "
-             "on the one that the devices send to";
-    case Unheard::not_sealed:
-      return "packets come that are not sealed with this session's key: pair the devices, or leave --key out";
-    case Unheard::not_opened:
-      return "packets come that are sealed with a key which this session was not given, or newer than this "
-             "program: give the key with --key, or update the program";
-    case Unheard::unreadable:
-      return "packets come, but none that can be read: see that what sends here is a device that "
-             "docs/guide/devices.md names";
-    case Unheard::no_reference:
-      break;
-  }
-  return "packets come, but no frame of the rig's reference sensor yet; the page's sensors and "
-         "docs/reference/links.md say why";
-}
 /// A session that calibrates itself has done so by then: half a minute.
 constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "mien/session/report.h"
 
@@ -24,5 +25,8 @@ struct Arrivals {
 
 /// `report`: of a session without a frame.
 [[nodiscard]] Unheard why_unheard(const Arrivals& arrivals, const session::Report& report);
+
+/// What a session that ought to have heard something by then says of it: one line with the way out.
+[[nodiscard]] std::string unheard_text(Unheard why);
 
 }  // namespace mien::live

@@ -162,23 +162,30 @@ void Renderer::State::light_vertices(const Studio& studio) {
     for (std::size_t i = first; i < last; ++i) {
       if (twin[i] != i || !lit_by_vertex[i]) continue;
       const Vec3f& up = normal[i];
+      // Of hair, which has most vertices and blurs its own light, a film takes fewer directions.
+      const bool fewer = is_strand[i] && quality == Quality::video;
+      const std::size_t every = fewer ? 4 : 1, every_of_lamp = fewer ? 3 : 1;
       float weights = 0;
       Vec3f light = Vec3f::Zero();
-      for (const Vec3f& d : ambient_directions) {
+      for (std::size_t k = 0; k < ambient_directions.size(); k += every) {
+        const Vec3f& d = ambient_directions[k];
         const float cosine = d.dot(up);
         if (cosine <= 0.02F) continue;
         weights += cosine;
         if (!solid.blocked(position[i] + kClear_m * up, d, 0, kAmbientReach_m))
-          light += cosine * in_hair(i, d, kAmbientReach_m) * studio.around(d);
+          light += cosine * (fewer ? 1.0F : in_hair(i, d, kAmbientReach_m)) * studio.around(d);
       }
       if (weights > 0) ambient[i] = light / weights;
       for (std::size_t l = 0; l < kLights; ++l) {
         if (studio.light[l].direction.dot(up) < -0.45F) continue;
-        float seen = 0;
-        for (const Vec3f& d : studio.light_samples[l])
+        float seen = 0, asked = 0;
+        for (std::size_t k = 0; k < studio.light_samples[l].size(); k += every_of_lamp) {
+          const Vec3f& d = studio.light_samples[l][k];
+          ++asked;
           if (!solid.blocked(position[i] + kScatterHeight_m * up, d, 0, kFar_m))
             seen += in_hair(i, d, kFar_m);
-        visible[l][i].setConstant(seen / static_cast<float>(studio.light_samples[l].size()));
+        }
+        visible[l][i].setConstant(seen / asked);
       }
     }
   });

@@ -120,7 +120,7 @@ Image Renderer::draw(const ErrorColours* errors) const {
   const float pixel = 2 * half_height / static_cast<float>(camera.height);
   const float footprint_m = pixel * (camera.target_m - camera.position_m).norm();
   const int grid = s.quality == Quality::still ? 3 : 2;
-  const int edge_grid = grid + 2;
+  const int edge_grid = s.quality == Quality::still ? grid + 2 : grid + 1;
 
   const auto background = [&](float x, float y) {
     const float u = x / static_cast<float>(camera.width) - 0.5F, v = y / static_cast<float>(camera.height);

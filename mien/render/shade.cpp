@@ -130,7 +130,8 @@ Vec3f Renderer::State::shade_fringe(const Studio& studio, const Vec3f& origin, c
                                     float* through) const {
   Vec3f light = Vec3f::Zero();
   float from = 0;
-  for (int layers = 0; layers < kLayers && *through >= kOpaque; ++layers) {
+  const int most = quality == Quality::still ? kLayers : kLayers / 2;
+  for (int layers = 0; layers < most && *through >= kOpaque; ++layers) {
     const RayScene::Hit hit = fringe.first_hit(origin, direction, from);
     if (!hit.any() || hit.distance > distance) break;
     from = hit.distance + 1e-5F;

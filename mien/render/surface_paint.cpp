@@ -226,9 +226,7 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
           s.albedo = s.albedo.cwiseProduct(mix(Vec3f::Ones(), spot.tint, amount));
         }
       s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F) +
-                                       solid_noise(p * 55.0F) * Vec3f(0.02F, 0.07F, 0.07F) +
-                                       solid_noise(p * 1500.0F) * Vec3f(0.03F, 0.04F, 0.04F));
-      s.roughness += 0.05F * solid_noise(p * 260.0F);
+                                       solid_noise(p * 55.0F) * Vec3f(0.02F, 0.07F, 0.07F));
       const float lip = outlines_lips_ ? lip_amount(p) : material == Material::lips ? 1.0F : 0.0F;
       if (lip > 0) {
         if (own == nullptr) {
