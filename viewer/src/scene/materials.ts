@@ -3,7 +3,7 @@
  * and warm; and it has pores. Both are added to three.js' own physical material.
  */
 import {
-  DoubleSide, FrontSide, LinearFilter, MeshPhysicalMaterial, ShaderChunk, type Material, type Mesh, type MeshStandardMaterial, type Object3D,
+  DoubleSide, FrontSide, MeshPhysicalMaterial, ShaderChunk, type Material, type Mesh, type MeshStandardMaterial, type Object3D,
   type WebGLProgramParametersWithUniforms,
 } from "three";
 import { materialsOf } from "./avatar";
@@ -94,13 +94,9 @@ function dressOne(from: MeshStandardMaterial, fades: Fades): Material {
       material.roughness = 0.58;
       material.specularIntensity = 0.45;
       material.side = DoubleSide;
-      material.alphaTest = 0.3;
+      // Low: from afar a texel stands for several hairs and the skin between them, and a head of hair must stay full.
+      material.alphaTest = 0.2;
       material.alphaToCoverage = true;
-      // Averaged over several hairs, a smaller picture of them would be a solid patch.
-      if (material.map) {
-        material.map.generateMipmaps = false;
-        material.map.minFilter = LinearFilter;
-      }
       finishHair(material);
       break;
     case "cloth":
