@@ -86,13 +86,8 @@ void add_lashes(Sculpt& half, Random random) {
 
 /// Where the ray from the front at (x, y) meets the brow.
 Vec3 brow_point(double x, double y) {
-  Vec3 p(x, y, 150);
-  for (int i = 0; i < 40; ++i) {
-    const double d = head_distance(p);
-    if (d < 0.02) break;
-    p.z() -= 0.8 * d;
-  }
-  return p;
+  return surface_along({x, y, 0}, Vec3::UnitZ(), {.from = 150, .most = 40, .share = 0.8, .near = 0.02},
+                       head_distance);
 }
 
 void add_brow(Sculpt& half, Random random) {

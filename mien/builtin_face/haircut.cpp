@@ -144,13 +144,8 @@ Vec3 outward(const Vec3& p, const Distance& distance) {
 
 /// Where the ray from the head's centre along `direction` leaves the skin.
 Vec3 scalp_point(const Vec3& direction) {
-  double r = 150;
-  for (int i = 0; i < 40; ++i) {
-    const double d = head_distance(kHeadCentre + r * direction);
-    if (d < 0.05) break;
-    r -= std::max(0.8 * d, 0.05);
-  }
-  return kHeadCentre + r * direction;
+  return surface_along(kHeadCentre, direction,
+                       {.from = 150, .most = 40, .share = 0.8, .near = 0.05, .least = 0.05}, head_distance);
 }
 
 /// Height of the hairline as a row of the sculptor, over the azimuth (degrees).

@@ -26,13 +26,8 @@ double body_distance(const Vec3& p) {
 Vec3 shirt_point(const Vec3& origin, double azimuth_rad, double elevation_rad) {
   const Vec3 direction(std::sin(azimuth_rad) * std::cos(elevation_rad), std::sin(elevation_rad),
                        std::cos(azimuth_rad) * std::cos(elevation_rad));
-  double r = 240;
-  for (int i = 0; i < 80; ++i) {
-    const double d = body_distance(origin + r * direction);
-    if (d < 0.05) break;
-    r -= std::max(0.7 * d, 0.05);
-  }
-  return origin + r * direction;
+  return surface_along(origin, direction,
+                       {.from = 240, .most = 80, .share = 0.7, .near = 0.05, .least = 0.05}, body_distance);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "mien/core/rotation.h"
 
 namespace mien::builtin_face {
@@ -10,6 +12,26 @@ namespace mien::builtin_face {
 [[nodiscard]] double capsule(const Vec3& p, const Vec3& a, double ra, const Vec3& b, double rb);
 /// Union with a fillet of about k.
 [[nodiscard]] double join(double a, double b, double k);
+
+/// How a ray is followed from outside to where it meets a solid (sphere tracing).
+struct RaySteps {
+  double from;       ///< Where it begins along its direction, mm: outside.
+  int most;          ///< Steps. More: farther along a grazing ray.
+  double share;      ///< Of the distance that a step goes, below 1 where it is only about right.
+  double near;       ///< On the surface is who is nearer than this, mm.
+  double least = 0;  ///< Shortest step, mm.
+};
+template <class Distance>
+[[nodiscard]] Vec3 surface_along(const Vec3& origin, const Vec3& direction, const RaySteps& steps,
+                                 const Distance& distance) {
+  double r = steps.from;
+  for (int i = 0; i < steps.most; ++i) {
+    const double d = distance(origin + r * direction);
+    if (d < steps.near) break;
+    r -= std::max(steps.share * d, steps.least);
+  }
+  return origin + r * direction;
+}
 
 /// The signed distance (mm, about) to the smooth union of skull, flesh and neck; negative inside.
 [[nodiscard]] double head_distance(const Vec3& p);

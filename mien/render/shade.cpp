@@ -185,7 +185,6 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
                              const ErrorColours* errors, float footprint_m, float* cover) const {
   *cover = 0;
   const RayScene::Hit hit = solid.first_hit(origin, direction);
-  const RayScene::Hit glass = clear.first_hit(origin, direction);
   float through = 1;
   const Vec3f before =
       shade_fringe(studio, origin, direction, hit.distance, errors != nullptr, footprint_m, &through);
@@ -194,6 +193,7 @@ Vec3f Renderer::State::shade(const Studio& studio, const Vec3f& origin, const Ve
     return through < 1 ? Vec3f(before / (1 - through)) : Vec3f(Vec3f::Zero());
   }
 
+  const RayScene::Hit glass = clear.first_hit(origin, direction);
   const std::uint32_t triangle = solid_triangle[hit.triangle];
   const auto& [a, b, c] = face.triangles[triangle];
   const float wa = 1 - hit.u - hit.v;

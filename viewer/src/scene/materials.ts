@@ -127,41 +127,43 @@ function finishHair(material: MeshPhysicalMaterial): void {
   material.customProgramCacheKey = () => "hair";
 }
 
-/** What fades a material by its height at rest: to be called while its shader is made. */
+/** Gives the fragments of a shader that is being made their place at rest, `vRest`, in the mesh's own coordinates. */
+function addRest(shader: WebGLProgramParametersWithUniforms): void {
+  shader.vertexShader = shader.vertexShader
+    .replace("#include <common>", "#include <common>\nvarying vec3 vRest;")
+    .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRest = position;");
+  shader.fragmentShader = shader.fragmentShader.replace("#include <common>", "#include <common>\nvarying vec3 vRest;");
+}
+
+/** What fades a material by its height at rest: to be called while its shader is made, after addRest. */
 function addFade(shader: WebGLProgramParametersWithUniforms, fade: Fade): void {
   shader.uniforms["fadeTop"] = { value: fade.top };
   shader.uniforms["fadeBottom"] = { value: fade.bottom };
-  shader.vertexShader = shader.vertexShader
-    .replace("#include <common>", "#include <common>\nvarying float vRestHeight;")
-    .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRestHeight = position.y;");
   shader.fragmentShader = shader.fragmentShader
-    .replace(
-      "#include <common>",
-      "#include <common>\nvarying float vRestHeight;\nuniform float fadeTop;\nuniform float fadeBottom;",
-    )
+    .replace("#include <common>", "#include <common>\nuniform float fadeTop;\nuniform float fadeBottom;")
     .replace(
       "#include <opaque_fragment>",
-      "diffuseColor.a *= smoothstep(fadeBottom, fadeTop, vRestHeight);\n#include <opaque_fragment>",
+      "diffuseColor.a *= smoothstep(fadeBottom, fadeTop, vRest.y);\n#include <opaque_fragment>",
     );
 }
 
 function finishCloth(material: MeshPhysicalMaterial, fade: Fade): void {
   material.transparent = true;
-  material.onBeforeCompile = (shader) => addFade(shader, fade);
+  material.onBeforeCompile = (shader) => {
+    addRest(shader);
+    addFade(shader, fade);
+  };
   material.customProgramCacheKey = () => "cloth";
 }
 
 function finishSkin(material: MeshPhysicalMaterial, fade: Fade | null, pores: number): void {
   if (fade) material.transparent = true;
   material.onBeforeCompile = (shader) => {
-    shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", "#include <common>\nvarying vec3 vRest;")
-      .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRest = position;");
+    addRest(shader);
     shader.fragmentShader = shader.fragmentShader
       .replace(
         "#include <common>",
         `#include <common>
-varying vec3 vRest;
 float grain(vec3 p) {
   p = fract(p * vec3(0.1031, 0.1030, 0.0973));
   p += dot(p, p.yxz + 33.33);
