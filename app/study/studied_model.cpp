@@ -20,6 +20,9 @@ namespace {
 std::string virtual_people_are(int people) {
   return fmt::format("{} virtual people", people);
 }
+std::string shifted_people_are(int people) {
+  return fmt::format("{} of other kinds", people);
+}
 
 class StudiedImuModel final : public StudiedModel {
  public:
@@ -37,6 +40,12 @@ class StudiedImuModel final : public StudiedModel {
     MIEN_TRY_ASSIGN(std::vector<study::ImuPerson> all,
                     study::watch_virtual(people, seconds, seed, rig_, terminal_progress(title), 0));
     return group(virtual_people_are(people), std::move(all));
+  }
+  [[nodiscard]] Result<study::WatchedGroup> shifted_people(int people, double seconds, std::uint64_t seed,
+                                                           const std::string& title) const override {
+    MIEN_TRY_ASSIGN(std::vector<study::ImuPerson> all,
+                    study::watch_shifted(people, seconds, seed, rig_, terminal_progress(title), 0));
+    return group(shifted_people_are(people), std::move(all));
   }
   [[nodiscard]] Result<study::WatchedGroup> recorded(std::string who, const face::Motion& motion,
                                                      const Random& random) const override {
@@ -73,6 +82,12 @@ class StudiedEyewearModel final : public StudiedModel {
     MIEN_TRY_ASSIGN(std::vector<study::LightPerson> all,
                     study::watch_wearers(people, seconds, seed, rig_, terminal_progress(title), 0));
     return group(virtual_people_are(people), std::move(all));
+  }
+  [[nodiscard]] Result<study::WatchedGroup> shifted_people(int people, double seconds, std::uint64_t seed,
+                                                           const std::string& title) const override {
+    MIEN_TRY_ASSIGN(std::vector<study::LightPerson> all,
+                    study::watch_shifted_wearers(people, seconds, seed, rig_, terminal_progress(title), 0));
+    return group(shifted_people_are(people), std::move(all));
   }
   [[nodiscard]] Result<study::WatchedGroup> recorded(std::string who, const face::Motion& motion,
                                                      const Random& random) const override {

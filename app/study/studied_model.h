@@ -28,6 +28,10 @@ class StudiedModel {
   [[nodiscard]] virtual Result<study::WatchedGroup> virtual_people(int people, double seconds,
                                                                    std::uint64_t seed,
                                                                    const std::string& title) const = 0;
+  /// People unlike those of training (study::draw_shifted_person), likewise.
+  [[nodiscard]] virtual Result<study::WatchedGroup> shifted_people(int people, double seconds,
+                                                                   std::uint64_t seed,
+                                                                   const std::string& title) const = 0;
   /// A recorded performance on the built-in face. Errors: the devices'.
   [[nodiscard]] virtual Result<study::WatchedGroup> recorded(std::string who, const face::Motion& motion,
                                                              const Random& random) const = 0;

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -70,11 +72,14 @@ Json shapes_json(const model::ConfidenceTable& table) {
   return out;
 }
 
-/// Measures the model's table anew and writes the model with it.
+/// Measures the model's table anew and writes the model with it. Half of the people are unlike those of
+/// training: of a tracker's error on people like those alone, strangers are promised too much.
 Result<void> write_table(const StudyConfidenceOptions& options, StudiedModel& model) {
-  MIEN_TRY_ASSIGN(
-      const study::WatchedGroup people,
-      model.virtual_people(options.performers, options.seconds, kMeasuredOn, "people to measure on"));
+  MIEN_TRY_ASSIGN(study::WatchedGroup people, model.virtual_people(options.performers, options.seconds,
+                                                                   kMeasuredOn, "people to measure on"));
+  MIEN_TRY_ASSIGN(study::WatchedGroup others, model.shifted_people(options.performers, options.seconds,
+                                                                   kMeasuredOn, "people of other kinds"));
+  std::ranges::move(others.people, std::back_inserter(people.people));
   MIEN_TRY_ASSIGN(model::ConfidenceTable table,
                   study::measure_confidence(people, kMeasuredOn, terminal_progress("confidence"), 0));
   model.use(std::move(table));
@@ -86,6 +91,8 @@ Result<std::vector<study::WatchedGroup>> watch(const StudyConfidenceOptions& opt
   std::vector<study::WatchedGroup> groups;
   MIEN_TRY_ASSIGN(groups.emplace_back(), model.virtual_people(options.performers, options.seconds,
                                                               options.seed + kMeasuredOn + 1, "people"));
+  MIEN_TRY_ASSIGN(groups.emplace_back(), model.shifted_people(options.performers, options.seconds,
+                                                              options.seed + kMeasuredOn + 1, "others"));
   for (std::size_t m = 0; m < options.motions.size(); ++m) {
     MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motions[m]));
     MIEN_TRY_ASSIGN(groups.emplace_back(),
@@ -143,7 +150,11 @@ void add_study_confidence(Commands& commands, Command study) {
       "Model of facial IMUs, live or not, or of smart eyewear (default: models/live.safetensors)");
   command.add_option("--rig", options->rig,
                      "Rig file (default: rigs/default.toml, of a model of smart eyewear rigs/eyewear.toml)");
-  command.add_option("--performers", options->performers, "Virtual people").in_range(1, 10000).show_default();
+  command
+      .add_option("--performers", options->performers,
+                  "Virtual people of each kind: like those of training, and unlike them")
+      .in_range(1, 10000)
+      .show_default();
   command.add_option("--seconds", options->seconds, "Length of each one's performance")
       .number_between(1.0, 3600.0)
       .show_default();

@@ -15,7 +15,8 @@ TEST(StudyConfidence, ChoosesPeopleAndSensorsByTheModelFile) {
   ASSERT_EQ(done.status, 0) << done.err;
   const auto json = nlohmann::json::parse(done.out);
   EXPECT_EQ(json.at("rig"), "eyewear");
-  ASSERT_EQ(json.at("rows").size(), 4U);
+  ASSERT_EQ(json.at("rows").size(), 8U) << "people like those of training, and of other kinds";
+  EXPECT_EQ(json.at("rows").at(4).at("who"), "2 of other kinds");
   for (const auto& row : json.at("rows")) {
     EXPECT_EQ(row.at("gaze_measured"), 0);
     EXPECT_EQ(row.at("measured"), 0) << "glasses explain too little of a wearer whom their model never saw";

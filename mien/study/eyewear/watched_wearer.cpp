@@ -10,6 +10,7 @@
 #include "mien/study/eyewear/worn_glasses.h"
 #include "mien/study/performance.h"
 #include "mien/study/performers.h"
+#include "mien/study/shifted_person.h"
 #include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
@@ -94,6 +95,20 @@ Result<std::vector<LightPerson>> watch_wearers(int people, double seconds, std::
     const VirtualPerson person = draw_person(root);
     MIEN_TRY_ASSIGN(out[p],
                     wear_glasses(draw_motion(seconds, person.style, root), person.face, rig, faults, root));
+    return {};
+  }));
+  return out;
+}
+
+Result<std::vector<LightPerson>> watch_shifted_wearers(int people, double seconds, std::uint64_t seed,
+                                                       const sensor::Rig& rig, const Progress& progress,
+                                                       unsigned threads) {
+  MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
+  std::vector<LightPerson> out(static_cast<std::size_t>(people));
+  MIEN_TRY(for_each_performer(out.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+    const Random root = Random(seed).fork("shifted wearer", p);
+    const ShiftedPerson person = draw_shifted_person(p, seconds, root);
+    MIEN_TRY_ASSIGN(out[p], wear_glasses(person.motion, person.face, rig, faults, root.fork("devices")));
     return {};
   }));
   return out;

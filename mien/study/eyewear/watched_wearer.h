@@ -31,6 +31,13 @@ struct LightPerson {
                                                              const sensor::Rig& rig, const Progress& progress,
                                                              unsigned threads);
 
+/// People unlike those of training (draw_shifted_person), likewise.
+[[nodiscard]] Result<std::vector<LightPerson>> watch_shifted_wearers(int people, double seconds,
+                                                                     std::uint64_t seed,
+                                                                     const sensor::Rig& rig,
+                                                                     const Progress& progress,
+                                                                     unsigned threads);
+
 /// A recorded performance on a face that wears the rig's glasses. Errors: seat_eyewear's, the faults'.
 [[nodiscard]] Result<LightPerson> watch_wearer(const face::Motion& motion, const face::Face& face,
                                                const sensor::Rig& rig, const Random& random);

@@ -9,6 +9,8 @@
 #include "mien/study/draw_first.h"
 #include "mien/study/imu/make_dataset.h"
 #include "mien/study/imu/trace_features.h"
+#include "mien/study/performers.h"
+#include "mien/study/shifted_person.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/frame_writer.h"
 #include "mien/tracker/window_solver.h"
@@ -108,6 +110,19 @@ Result<std::vector<ImuPerson>> watch_virtual(int people, double seconds, std::ui
   recipe.device_seconds = seconds;
   MIEN_TRY_ASSIGN(const TrainingData data, make_dataset(recipe, "builtin", rig, progress, threads));
   return watched(data.train);
+}
+
+Result<std::vector<ImuPerson>> watch_shifted(int people, double seconds, std::uint64_t seed,
+                                             const sensor::Rig& rig, const Progress& progress,
+                                             unsigned threads) {
+  std::vector<ImuPerson> out(static_cast<std::size_t>(people));
+  MIEN_TRY(for_each_performer(out.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+    const Random root = Random(seed).fork("shifted", p);
+    const ShiftedPerson person = draw_shifted_person(p, seconds, root);
+    MIEN_TRY_ASSIGN(out[p], watch_recorded(person.motion, person.face, rig, root.fork("devices")));
+    return {};
+  }));
+  return out;
 }
 
 Result<ImuPerson> watch_recorded(const face::Motion& motion, const face::Face& face, const sensor::Rig& rig,

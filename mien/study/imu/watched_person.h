@@ -34,6 +34,11 @@ struct ImuPerson {
                                                            const sensor::Rig& rig, const Progress& progress,
                                                            unsigned threads);
 
+/// People unlike those of training (draw_shifted_person), likewise. Errors: perform_with's; cancelled.
+[[nodiscard]] Result<std::vector<ImuPerson>> watch_shifted(int people, double seconds, std::uint64_t seed,
+                                                           const sensor::Rig& rig, const Progress& progress,
+                                                           unsigned threads);
+
 /// A recorded performance on a face, in the rig's *device* profile. Errors: perform_with's.
 [[nodiscard]] Result<ImuPerson> watch_recorded(const face::Motion& motion, const face::Face& face,
                                                const sensor::Rig& rig, const Random& random);
