@@ -63,8 +63,8 @@ ShiftedPerson draw_shifted_person(std::size_t index, double seconds, const Rando
   const std::size_t kind = index % kShiftKinds;
   if (kind == 0) {
     const Block block = index / kShiftKinds % 2 == 0 ? Block::eating : Block::rapid;
-    return {std::move(person.face), performer::perform(performer::default_script(block, seconds),
-                                                       person.style, root.fork("motion"))};
+    return {std::move(person.face),
+            performer::perform(performer::default_script(block, seconds), person.style, root.fork("motion"))};
   }
   return {std::move(person.face), reported(draw_motion(seconds, person.style, root),
                                            draw_responses(kind == 2, root.fork("response")))};
