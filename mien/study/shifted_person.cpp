@@ -23,7 +23,7 @@ struct Response {
 };
 using Responses = std::array<Response, face::kShapeCount>;
 
-/// Anchored in every system: closed lids and teeth that meet are the same to all.
+/// The same in every system: where the eyes look, closed lids, teeth that meet, lips over an open jaw.
 bool is_anchored(std::size_t shape) {
   const std::string_view name = face::kShapeNames[shape];
   return name.starts_with("eyeLook") || name.starts_with("eyeBlink") || name == "jawOpen" ||

@@ -37,6 +37,19 @@ Result<LightPerson> wear_glasses(const face::Motion& motion, const face::Face& f
   return out;
 }
 
+/// As many wearers as `people`, each as `watch` (of the index and the rig's faults) has them seen.
+template <typename Watch>
+Result<std::vector<LightPerson>> watch_each(int people, const sensor::Rig& rig, const Progress& progress,
+                                            unsigned threads, const Watch& watch) {
+  MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
+  std::vector<LightPerson> out(static_cast<std::size_t>(people));
+  MIEN_TRY(for_each_performer(out.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+    MIEN_TRY_ASSIGN(out[p], watch(p, faults));
+    return {};
+  }));
+  return out;
+}
+
 /// `lost` of so many sensors, drawn: a flag each.
 std::vector<std::uint8_t> draw_lost(std::size_t sensors, std::size_t lost, Random random) {
   std::vector<std::uint8_t> out(sensors);
@@ -88,30 +101,21 @@ class WatchedByGlasses final : public WatchedPerson {
 Result<std::vector<LightPerson>> watch_wearers(int people, double seconds, std::uint64_t seed,
                                                const sensor::Rig& rig, const Progress& progress,
                                                unsigned threads) {
-  MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
-  std::vector<LightPerson> out(static_cast<std::size_t>(people));
-  MIEN_TRY(for_each_performer(out.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+  return watch_each(people, rig, progress, threads, [&](std::size_t p, const virt::EyewearFaults& faults) {
     const Random root = Random(seed).fork("wearer", p);
     const VirtualPerson person = draw_person(root);
-    MIEN_TRY_ASSIGN(out[p],
-                    wear_glasses(draw_motion(seconds, person.style, root), person.face, rig, faults, root));
-    return {};
-  }));
-  return out;
+    return wear_glasses(draw_motion(seconds, person.style, root), person.face, rig, faults, root);
+  });
 }
 
 Result<std::vector<LightPerson>> watch_shifted_wearers(int people, double seconds, std::uint64_t seed,
                                                        const sensor::Rig& rig, const Progress& progress,
                                                        unsigned threads) {
-  MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
-  std::vector<LightPerson> out(static_cast<std::size_t>(people));
-  MIEN_TRY(for_each_performer(out.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+  return watch_each(people, rig, progress, threads, [&](std::size_t p, const virt::EyewearFaults& faults) {
     const Random root = Random(seed).fork("shifted wearer", p);
     const ShiftedPerson person = draw_shifted_person(p, seconds, root);
-    MIEN_TRY_ASSIGN(out[p], wear_glasses(person.motion, person.face, rig, faults, root.fork("devices")));
-    return {};
-  }));
-  return out;
+    return wear_glasses(person.motion, person.face, rig, faults, root.fork("devices"));
+  });
 }
 
 Result<LightPerson> watch_wearer(const face::Motion& motion, const face::Face& face, const sensor::Rig& rig,
