@@ -90,7 +90,9 @@ Result<render::Look> chosen_look(const RenderOptions& options) {
 
 Result<void> draw_still(const RenderOptions& options, const FilmOptions& how, const face::Face& face) {
   performer::StillPose pose;
-  if (!options.pose.empty()) MIEN_TRY_ASSIGN(pose, performer::named_pose(options.pose));
+  if (!options.pose.empty()) {
+    MIEN_TRY_ASSIGN(pose, performer::named_pose(options.pose));
+  }
   MIEN_TRY(set_weights(options.weights, pose));
   std::vector<Vec3f> vertices_m(face.neutral_m.size());
   face::evaluate(face, pose.weights, pose.tongue_out, vertices_m);

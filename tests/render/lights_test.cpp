@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/render/ball_face.h"
 #include "mien/render/camera.h"
+#include "tests/render/ball_face.h"
 
 namespace mien::render::lights_test {
 namespace {
@@ -11,7 +11,8 @@ namespace {
 Image drawn(std::string_view light, int side) {
   const face::Face face = ball_face();
   Renderer renderer(face, Quality::video);
-  return renderer.still(face.neutral_m, portrait_camera(face, kFrontView_rad, side, side), find_light(light)->look);
+  return renderer.still(face.neutral_m, portrait_camera(face, kFrontView_rad, side, side),
+                        find_light(light)->look);
 }
 
 TEST(Lights, HaveNamesAndLightAFaceEachInItsWay) {
@@ -20,7 +21,9 @@ TEST(Lights, HaveNamesAndLightAFaceEachInItsWay) {
     const Image a = drawn(one.name, 32);
     EXPECT_NEAR(one.look.key.direction.norm(), 1, 1e-5);
     for (const NamedLight& other : named_lights())
-      if (&other != &one) EXPECT_NE(a, drawn(other.name, 32)) << one.name << " and " << other.name;
+      if (&other != &one) {
+        EXPECT_NE(a, drawn(other.name, 32)) << one.name << " and " << other.name;
+      }
   }
   EXPECT_EQ(find_light("moon"), nullptr);
 }
