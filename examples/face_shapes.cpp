@@ -29,6 +29,7 @@ struct Shot {
   std::string_view light = "soft";
   float view_rad = render::kFrontView_rad;
   std::string caption;
+  float closeness = 1.05F;
 };
 
 render::Image draw(const Shot& shot, int side) {
@@ -39,8 +40,8 @@ render::Image draw(const Shot& shot, int side) {
   face::evaluate(face, shot.pose.weights, shot.pose.tongue_out, vertices);
   face::turn_eyes(face, shot.pose.weights, vertices);
   render::Renderer renderer(face);
-  render::Image tile =
-      renderer.still(vertices, render::portrait_camera(face, shot.view_rad, side, side, 1.2F), look);
+  render::Image tile = renderer.still(
+      vertices, render::portrait_camera(face, shot.view_rad, side, side, shot.closeness), look);
   const auto ink = look.background_bottom[1] > 127 ? render::Rgb{40, 42, 48} : render::Rgb{225, 227, 232};
   const auto middle = static_cast<float>(side) / 2, bottom = static_cast<float>(side) - 5;
   render::draw_text(tile, shot.caption, middle, bottom, side < 160 ? 10 : 13, ink, render::Align::centre);
@@ -51,7 +52,8 @@ render::Image sheet(const std::vector<Shot>& shots, int columns, int side) {
   const auto count = static_cast<int>(shots.size());
   render::Image all(columns * side, (count + columns - 1) / columns * side, {255, 255, 255});
   for (int i = 0; i < count; ++i)
-    render::paste(all, draw(shots[static_cast<std::size_t>(i)], side), i % columns * side, i / columns * side);
+    render::paste(all, draw(shots[static_cast<std::size_t>(i)], side), i % columns * side,
+                  i / columns * side);
   return all;
 }
 
@@ -61,13 +63,14 @@ builtin_face::BuiltinParameters someone(std::string_view name) {
 
 /// Neutral, and each of ARKit's 52 at weight 1; mouthClose closes what jawOpen opens.
 render::Image shapes() {
-  std::vector<Shot> shots = {{.who = someone("builtin"), .pose = {}, .caption = "neutral"}};
+  std::vector<Shot> shots = {
+      {.who = someone("builtin"), .pose = {}, .caption = "neutral", .closeness = 1.3F}};
   for (const std::string& name : face::arkit52().shapes) {
     StillPose pose;
     for (const std::size_t k : face::shapes_of_name(name))
       (k < face::kShapeCount ? pose.weights[k] : pose.tongue_out) = 1;
     if (name == "mouthClose") pose.weights[face::shape("jawOpen")] = 1;
-    shots.push_back({.who = shots[0].who, .pose = pose, .caption = name});
+    shots.push_back({.who = shots[0].who, .pose = pose, .caption = name, .closeness = 1.3F});
   }
   return sheet(shots, 9, 132);
 }
@@ -101,7 +104,8 @@ render::Image cuts() {
       shots.push_back({.who = someone(fmt::format("builtin,hair={}", cut)),
                        .pose = {},
                        .view_rad = view_rad,
-                       .caption = std::string(cut)});
+                       .caption = std::string(cut),
+                       .closeness = 0.9F});
   return sheet(shots, 6, 180);
 }
 
@@ -122,7 +126,8 @@ render::Image turntable() {
                      .pose = {},
                      .light = "studio",
                      .view_rad = static_cast<float>(degrees * M_PI / 180),
-                     .caption = fmt::format("{}", degrees)});
+                     .caption = fmt::format("{}", degrees),
+                     .closeness = 0.9F});
   return sheet(shots, 8, 150);
 }
 
@@ -130,7 +135,8 @@ render::Image turntable() {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: face_shapes FOLDER [shapes | people | performers | cuts | infrared | turntable]\n");
+    fmt::print(stderr,
+               "usage: face_shapes FOLDER [shapes | people | performers | cuts | infrared | turntable]\n");
     return 2;
   }
   const std::pair<std::string_view, render::Image (*)()> pictures[] = {

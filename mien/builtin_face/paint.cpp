@@ -56,7 +56,8 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
               c, a.brow,
               0.45 * gauss((p.y() - brow_y(x)) / brow_height) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
         }
-        if (beard > 0) c = blend(c, a.hair * 0.6F, 0.4 * beard * beard_amount(p));
+        // Roots under the skin are darker than it, grey ones too.
+        if (beard > 0) c = blend(c, (0.6F * a.hair).cwiseMin(0.5F * a.skin), 0.4 * beard * beard_amount(p));
         v.colour = blend(c, a.hair * 0.7F, roots * smoothstep(-4, 9, within_hairline(p)));
         break;
       }

@@ -21,8 +21,8 @@ constexpr std::array<std::string_view, kHairStyleCount> kCuts = {"none", "crop",
 std::unexpected<Error> unknown(std::string_view kind, std::string_view word,
                                std::span<const std::string> known) {
   const std::string near = did_you_mean(word, known);
-  return fail(ErrorCode::bad_usage, fmt::format("there is no {} '{}'{}", kind, word.substr(0, 40), near),
-              std::string(kFamily), near.empty() ? fmt::format("there are {}", fmt::join(known, ", ")) : "");
+  return fail(ErrorCode::bad_usage, fmt::format("there is no {} '{}'{}", kind, word.substr(0, 40), near), {},
+              near.empty() ? fmt::format("there are {}", fmt::join(known, ", ")) : "");
 }
 
 template <class Number>
@@ -63,21 +63,15 @@ Result<void> set_value(BuiltinParameters& parameters, std::string_view entry) {
     if (range.name != name) continue;
     double value = 0;
     if (!read_whole(text, value) || !std::isfinite(value))
-      return fail(ErrorCode::bad_usage, fmt::format("'{}' has no number", entry.substr(0, 40)),
-                  std::string(kFamily), fmt::format("write it like {}={:g}", name, range.most));
+      return fail(ErrorCode::bad_usage, fmt::format("'{}' has no number", entry.substr(0, 40)), {},
+                  fmt::format("write it like {}={:g}", name, range.most));
     parameters.*range.value = value;
     return {};
   }
   return unknown("value", name, known);
 }
 
-}  // namespace
-
-bool names_person(std::string_view what) {
-  return what == kFamily || (what.starts_with(kFamily) && what.substr(kFamily.size()).starts_with(':'));
-}
-
-Result<Person> find_person(std::string_view what) {
+Result<Person> read_person(std::string_view what) {
   Person person{.parameters = {.hair = HairStyle::crop}, .said = {}};
   if (what == kFamily) return person;
   what.remove_prefix(std::min(what.size(), kFamily.size() + 1));
@@ -94,6 +88,18 @@ Result<Person> find_person(std::string_view what) {
     first = false;
   }
   person.parameters = held(person.parameters, &person.said);
+  return person;
+}
+
+}  // namespace
+
+bool names_person(std::string_view what) {
+  return what == kFamily || (what.starts_with(kFamily) && what.substr(kFamily.size()).starts_with(':'));
+}
+
+Result<Person> find_person(std::string_view what) {
+  Result<Person> person = read_person(what);
+  if (!person) person.error().where = std::string(what);
   return person;
 }
 

@@ -45,7 +45,7 @@ Result<StillPose> named_pose(std::string_view name) {
     for (const Expression& expression : library) known.emplace_back(expression.name);
     const std::string near = did_you_mean(name, known);
     return fail(ErrorCode::bad_usage, fmt::format("there is no pose '{}'{}", name.substr(0, 40), near),
-                "poses", near.empty() ? some : "");
+                {}, near.empty() ? some : "");
   }
   for (const PosePart& part : found->pose) pose.weights[part.shape] = part.weight;
   pose.tongue_out = found->tongue_out;

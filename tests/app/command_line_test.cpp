@@ -292,7 +292,7 @@ TEST_F(WrongInput, ADemoThatCannotEndDoesNotBegin) {
 }
 
 TEST_F(WrongInput, ValuesBeyondWhatPeopleHaveAreHeldAndSaid) {
-  const std::string out = (folder_ / "one.png").string();
+  const std::string out = folder_ / "one.png";
   const Outcome outcome = run({"render", "--face", "builtin:emil,nose_width=9", "--pose", "grin", "--weights",
                                "jawopen=1,mouthSmileLeft=0.5", "--light", "infrared", "--size", "1x1", "--out", out});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
