@@ -44,8 +44,8 @@ Result<StillPose> named_pose(std::string_view name) {
     const std::string some = fmt::format("such as {}", fmt::join(known, ", "));
     for (const Expression& expression : library) known.emplace_back(expression.name);
     const std::string near = did_you_mean(name, known);
-    return fail(ErrorCode::bad_usage, fmt::format("there is no pose '{}'{}", name.substr(0, 40), near),
-                {}, near.empty() ? some : "");
+    return fail(ErrorCode::bad_usage, fmt::format("there is no pose '{}'{}", name.substr(0, 40), near), {},
+                near.empty() ? some : "");
   }
   for (const PosePart& part : found->pose) pose.weights[part.shape] = part.weight;
   pose.tongue_out = found->tongue_out;
