@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/child_program.h"
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
@@ -21,7 +22,6 @@
 #include "app/read_aloud.h"
 #include "app/seed_option.h"
 #include "app/write_motion.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/measure/evaluation_report.h"
@@ -158,7 +158,7 @@ Result<void> run_demo(DemoOptions options) {
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const measure::TakeEstimates estimates, study::with_truth(truth_take, solution));
-  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(request.face));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(model.mean_pose, mean_pose.values.begin());
   const Progress writing = terminal_progress("4/5 measuring and writing");

@@ -88,6 +88,7 @@ void Renderer::light(std::span<const Vec3f> vertices_m, const Camera& camera, co
   s.setting.camera = camera;
   s.setting.background_top = from_srgb(look.background_top);
   s.setting.background_bottom = from_srgb(look.background_bottom);
+  s.setting.infrared = look.infrared;
 
   const PictureAxes axes(camera);
   Studio& studio = s.setting.studio;
@@ -134,7 +135,8 @@ Image Renderer::draw(const ErrorColours* errors) const {
                                                 pixel)
                                 .normalized();
     float cover = 0;
-    const Vec3f light = s.shade(s.setting.studio, camera.position_m, direction, errors, footprint_m, &cover);
+    Vec3f light = s.shade(s.setting.studio, camera.position_m, direction, errors, footprint_m, &cover);
+    if (s.setting.infrared) light.setConstant(light.x());
     const Vec3f behind = background(x, y);
     return cover > 0 ? mix(behind, tone_map(light), cover) : behind;
   };

@@ -31,6 +31,9 @@ struct Look {
   Vec3f ground = Vec3f::Zero();  ///< The same from below.
   Rgb background_top = {0, 0, 0};
   Rgb background_bottom = {0, 0, 0};
+  /// Infrared light: the picture is grey, the red channel's light, whose way under the skin is nearest to it.
+  /// The face's colours are to be those that it has there (builtin_face::paint_infrared).
+  bool infrared = false;
 
   [[nodiscard]] static Look dark();
   [[nodiscard]] static Look light();

@@ -157,6 +157,7 @@ struct Renderer::State {
     Camera camera;
     Studio studio;
     Vec3f background_top = Vec3f::Zero(), background_bottom = Vec3f::Zero();  // Linear.
+    bool infrared = false;
   };
   Setting setting;
   std::vector<Vec3f> position, normal;

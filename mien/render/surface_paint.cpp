@@ -199,7 +199,9 @@ Surface SurfacePaint::eye(const Vec3f& p, int index) const {
   const float fibres = 0.6F * solid_noise(Vec3f(11 * std::cos(turn), 11 * std::sin(turn), 1.6F * radius)) +
                        0.4F * solid_noise(Vec3f(26 * std::cos(turn), 26 * std::sin(turn), 3 * radius));
   const Vec3f& outer = iris_colour_[static_cast<std::size_t>(index)];
-  const Vec3f inner = mix(Vec3f(2.2F * outer), Vec3f(0.26F, 0.20F, 0.105F), 0.45F).cwiseMin(0.5F);
+  // A dark iris has less of the golden ring.
+  const Vec3f ring = std::min(1.0F, 9.0F * outer.mean()) * Vec3f(0.26F, 0.20F, 0.105F);
+  const Vec3f inner = mix(Vec3f(2.2F * outer), ring, 0.45F).cwiseMin(0.5F);
   Vec3f iris = mix(inner, outer, smoothstep(0.36F, 0.70F, radius + 0.10F * fibres)) * (1 + 0.75F * fibres);
   iris *= 1 - 0.78F * smoothstep(0.80F, 1.0F, radius);
   iris *= smoothstep(0.30F, 0.37F, radius);

@@ -21,7 +21,7 @@ std::vector<Vec3f> posed(const face::Face& face, std::size_t shape, float weight
 }
 
 Camera camera_of(const face::Face& face, int side = 96) {
-  return portrait_camera(face, View::front, side, side);
+  return portrait_camera(face, kFrontView_rad, side, side);
 }
 
 /// Mean of the red bytes in columns [from, until).
@@ -175,7 +175,7 @@ TEST(Comparison, IsThreeViewsAndSaysZeroWhereThereIsNoError) {
 TEST(Camera, HoldsTheFaceFromEverySide) {
   const face::Face face = ball_face();
   for (const char* name : {"front", "three-quarter", "side"}) {
-    const auto view = view_from_name(name);
+    const auto view = view_rad_from_name(name);
     ASSERT_TRUE(view.has_value());
     const Camera camera = portrait_camera(face, *view, 64, 64);
     const float half = std::tan(0.5F * camera.field_of_view_rad);
@@ -186,7 +186,9 @@ TEST(Camera, HoldsTheFaceFromEverySide) {
       EXPECT_LT((d - depth * forward).norm(), 1.42F * half * depth);
     }
   }
-  EXPECT_FALSE(view_from_name("behind").has_value());
+  EXPECT_NEAR(view_rad_from_name("-90").value(), -1.5708F, 1e-4F);
+  for (const char* wrong : {"behind", "", "45 ", "361", "nan", "inf"})
+    EXPECT_FALSE(view_rad_from_name(wrong).has_value()) << wrong;
 }
 
 }  // namespace

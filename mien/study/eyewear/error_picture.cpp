@@ -47,7 +47,7 @@ Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
                   builtin_face::PlacedMarkers::place(face, markers));
   const render::Look look = render::Look::light();
   const render::Camera camera =
-      render::portrait_camera(face, render::View::three_quarter, height, height, 1.3F);
+      render::portrait_camera(face, render::kThreeQuarterView_rad, height, height, 1.3F);
   render::Renderer renderer(face);
   render::Image picture(static_cast<int>(methods.size()) * height, height);
   const float size = 0.04F * static_cast<float>(height);
