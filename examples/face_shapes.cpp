@@ -32,7 +32,7 @@ render::Image portrait(const face::Face& face, const face::BlendshapeWeights& we
 }
 
 /// Every shape, the two sides of a pair together, and two poses that need several.
-render::Image all_shapes() {
+render::Image all_shapes(const render::Lettering& lettering) {
   const face::Face face = builtin_face::make_builtin({.hair = builtin_face::HairStyle::crop});
   std::vector<std::string> names = {"neutral"};
   for (const std::string_view name : face::kShapeNames)
@@ -48,7 +48,7 @@ render::Image all_shapes() {
       if (names[i].find(name.substr(0, name.find('_'))) != std::string::npos) weights[k] = 1;
     }
     render::Image tile = portrait(face, weights, names[i] == "tongueOut" ? 1.0F : 0.0F, render::View::front);
-    render::draw_text(tile, names[i], kTile / 2.0F, kTile - 5.0F, 12, {40, 40, 40}, render::Align::centre);
+    lettering.draw(tile, names[i], kTile / 2.0F, kTile - 5.0F, 12, {40, 40, 40}, render::Align::centre);
     const int at = static_cast<int>(i);
     render::paste(sheet, tile, at % kColumns * kTile, at / kColumns * kTile);
   }
@@ -90,7 +90,14 @@ int main(int argc, char** argv) {
     return 2;
   }
   const std::string_view what = argc > 2 ? argv[2] : "shapes";
-  const render::Image sheet = what == "people" ? some_people() : what == "cuts" ? cuts() : all_shapes();
+  const auto lettering = render::Lettering::load();
+  if (!lettering) {
+    fmt::print(stderr, "{}\n", lettering.error().message());
+    return 1;
+  }
+  const render::Image sheet = what == "people" ? some_people()
+                              : what == "cuts" ? cuts()
+                                               : all_shapes(*lettering);
   if (const auto written = render::write_png(argv[1], sheet); !written) {
     fmt::print(stderr, "{}\n", written.error().message());
     return 1;
