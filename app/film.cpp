@@ -112,6 +112,7 @@ Result<FilmMade> film_comparison(const face::Face& face, const face::Motion& tru
     return fail(ErrorCode::bad_usage, "the motion has no frames",
                 truth.frames.empty() ? truth.name : capture.name);
   const face::MotionCurve true_curve(truth), capture_curve(capture);
+  MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
   render::Renderer renderer(face, options.quality);
   const render::Camera camera =
       render::portrait_camera(face, options.view_rad, options.width, options.height, options.closeness);
@@ -123,7 +124,7 @@ Result<FilmMade> film_comparison(const face::Face& face, const face::Motion& tru
     pose(face, capture_curve.at(time_s - capture_delay_s), captured_m);
     render::ComparisonCaptions captions;
     captions.footer = fmt::format("{:.2f} s", time_s);
-    return render::comparison(renderer, true_m, captured_m, camera, options.look, captions,
+    return render::comparison(renderer, lettering, true_m, captured_m, camera, options.look, captions,
                               options.full_scale_m);
   });
 }

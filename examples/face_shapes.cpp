@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "mien/builtin_face/person.h"
@@ -32,7 +33,7 @@ struct Shot {
   float closeness = 1.05F;
 };
 
-render::Image draw(const Shot& shot, int side) {
+render::Image draw(const Shot& shot, int side, const render::Lettering& lettering) {
   const render::Look look = render::find_light(shot.light)->look;
   face::Face face = builtin_face::make_builtin(shot.who);
   if (look.infrared) builtin_face::paint_infrared(face, shot.who);
@@ -44,15 +45,22 @@ render::Image draw(const Shot& shot, int side) {
       vertices, render::portrait_camera(face, shot.view_rad, side, side, shot.closeness), look);
   const auto ink = look.background_bottom[1] > 127 ? render::Rgb{40, 42, 48} : render::Rgb{225, 227, 232};
   const auto middle = static_cast<float>(side) / 2, bottom = static_cast<float>(side) - 5;
-  render::draw_text(tile, shot.caption, middle, bottom, side < 160 ? 10 : 13, ink, render::Align::centre);
+  lettering.draw(tile, shot.caption, middle, bottom, side < 160 ? 10 : 13, ink, render::Align::centre);
   return tile;
 }
 
-render::Image sheet(const std::vector<Shot>& shots, int columns, int side) {
-  const auto count = static_cast<int>(shots.size());
+struct Sheet {
+  std::vector<Shot> shots;
+  int columns = 1;
+  int side = 100;  ///< Of each picture, pixels.
+};
+
+render::Image draw(const Sheet& sheet, const render::Lettering& lettering) {
+  const auto count = static_cast<int>(sheet.shots.size());
+  const int columns = sheet.columns, side = sheet.side;
   render::Image all(columns * side, (count + columns - 1) / columns * side, {255, 255, 255});
   for (int i = 0; i < count; ++i)
-    render::paste(all, draw(shots[static_cast<std::size_t>(i)], side), i % columns * side,
+    render::paste(all, draw(sheet.shots[static_cast<std::size_t>(i)], side, lettering), i % columns * side,
                   i / columns * side);
   return all;
 }
@@ -62,7 +70,7 @@ builtin_face::BuiltinParameters someone(std::string_view name) {
 }
 
 /// Neutral, and each of ARKit's 52 at weight 1; mouthClose closes what jawOpen opens.
-render::Image shapes() {
+Sheet shapes() {
   std::vector<Shot> shots = {
       {.who = someone("builtin"), .pose = {}, .caption = "neutral", .closeness = 1.3F}};
   for (const std::string& name : face::arkit52().shapes) {
@@ -72,20 +80,20 @@ render::Image shapes() {
     if (name == "mouthClose") pose.weights[face::shape("jawOpen")] = 1;
     shots.push_back({.who = shots[0].who, .pose = pose, .caption = name, .closeness = 1.3F});
   }
-  return sheet(shots, 9, 132);
+  return {std::move(shots), 9, 132};
 }
 
-render::Image people() {
+Sheet people() {
   std::vector<Shot> shots;
   for (int seed = 1; seed <= 12; ++seed)
     shots.push_back({.who = someone(fmt::format("builtin:{}", seed)),
                      .pose = {},
                      .view_rad = seed % 2 == 1 ? render::kFrontView_rad : 0.5F,
                      .caption = fmt::format("{}", seed)});
-  return sheet(shots, 6, 210);
+  return {std::move(shots), 6, 210};
 }
 
-render::Image performers() {
+Sheet performers() {
   std::vector<Shot> shots;
   for (const auto& performer : builtin_face::named_performers())
     shots.push_back({.who = performer.parameters,
@@ -93,11 +101,11 @@ render::Image performers() {
                      .light = "studio",
                      .view_rad = 0.35F,
                      .caption = std::string(performer.name)});
-  return sheet(shots, 5, 240);
+  return {std::move(shots), 5, 240};
 }
 
 /// The cuts of hair, from the front and from the side.
-render::Image cuts() {
+Sheet cuts() {
   std::vector<Shot> shots;
   for (const float view_rad : {render::kFrontView_rad, render::kSideView_rad})
     for (const std::string_view cut : {"none", "crop", "swept", "bob", "curls", "tied"})
@@ -106,20 +114,20 @@ render::Image cuts() {
                        .view_rad = view_rad,
                        .caption = std::string(cut),
                        .closeness = 0.9F});
-  return sheet(shots, 6, 180);
+  return {std::move(shots), 6, 180};
 }
 
 /// Performers at 850 nm below themselves in visible light.
-render::Image infrared() {
+Sheet infrared() {
   std::vector<Shot> shots;
   for (const std::string_view light : {"soft", "infrared"})
     for (const std::string_view name : {"ada", "chidi", "emil", "farah", "hana"})
       shots.push_back(
           {.who = someone(fmt::format("builtin:{}", name)), .pose = {}, .light = light, .caption = ""});
-  return sheet(shots, 5, 210);
+  return {std::move(shots), 5, 210};
 }
 
-render::Image turntable() {
+Sheet turntable() {
   std::vector<Shot> shots;
   for (int degrees = 0; degrees < 360; degrees += 45)
     shots.push_back({.who = someone("builtin:dana"),
@@ -128,7 +136,7 @@ render::Image turntable() {
                      .view_rad = static_cast<float>(degrees * M_PI / 180),
                      .caption = fmt::format("{}", degrees),
                      .closeness = 0.9F});
-  return sheet(shots, 8, 150);
+  return {std::move(shots), 8, 150};
 }
 
 }  // namespace
@@ -139,13 +147,18 @@ int main(int argc, char** argv) {
                "usage: face_shapes FOLDER [shapes | people | performers | cuts | infrared | turntable]\n");
     return 2;
   }
-  const std::pair<std::string_view, render::Image (*)()> pictures[] = {
+  const auto lettering = render::Lettering::load();
+  if (!lettering) {
+    fmt::print(stderr, "{}\n", lettering.error().message());
+    return 1;
+  }
+  const std::pair<std::string_view, Sheet (*)()> pictures[] = {
       {"shapes", shapes}, {"people", people},     {"performers", performers},
       {"cuts", cuts},     {"infrared", infrared}, {"turntable", turntable}};
   for (const auto& [name, make] : pictures) {
     if (argc > 2 && name != argv[2]) continue;
     const std::filesystem::path path = std::filesystem::path(argv[1]) / fmt::format("face_{}.png", name);
-    if (const auto written = render::write_png(path, make()); !written) {
+    if (const auto written = render::write_png(path, draw(make(), *lettering)); !written) {
       fmt::print(stderr, "{}\n", written.error().message());
       return 1;
     }

@@ -28,6 +28,7 @@
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
+#include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
 #include "mien/study/solve.h"
@@ -120,6 +121,7 @@ Result<void> run_demo(DemoOptions options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path model_path, modalities::live_model(sensors, options.model));
   MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(model_path));
   MIEN_TRY(find_helper("mien-media"));
+  MIEN_TRY(render::Lettering::load());
   MIEN_TRY(make_private_folders(options.out));
 
   // A person whom the model has never met: identity, style and placement come from a seed that training did
@@ -173,9 +175,9 @@ Result<void> run_demo(DemoOptions options) {
   writing(1, "capture.csv, capture.glb");
 
   FilmOptions film;
-  film.width = 272;
-  film.height = 304;
-  film.rate_hz = 15;
+  film.width = 428;
+  film.height = 480;
+  film.rate_hz = 30;
   film.sound = request.sound;
   const std::filesystem::path film_path = options.out / "capture.mp4";
   MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, motions.truth, motions.capture, 0, film,

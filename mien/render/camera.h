@@ -17,6 +17,7 @@ struct Camera {
   Vec3f target_m = Vec3f::Zero();   ///< In the middle of the picture.
   Vec3f up = Vec3f::UnitY();        ///< Not along the line of sight.
   float field_of_view_rad = 0.35F;  ///< Vertical, whole angle.
+  bool operator==(const Camera&) const = default;
 };
 
 /// From where a face is looked at: radians about the vertical, 0 from the front, positive from the
