@@ -22,7 +22,8 @@ struct PieceInfo {
 constexpr PieceInfo kPieces[kPieceCount] = {
     {"skin", face::Material::skin},       {"ears", face::Material::skin},
     {"lips", face::Material::lips},       {"mouth", face::Material::mouth_inside},
-    {"lids", face::Material::skin},       {"sclera_L", face::Material::sclera},
+    {"lids", face::Material::skin},       {"tears", face::Material::cornea},
+    {"caruncles", face::Material::gums},  {"sclera_L", face::Material::sclera},
     {"iris_L", face::Material::iris},     {"pupil_L", face::Material::pupil},
     {"sclera_R", face::Material::sclera}, {"iris_R", face::Material::iris},
     {"pupil_R", face::Material::pupil},   {"teeth_upper", face::Material::teeth},
@@ -59,10 +60,11 @@ const DefaultHead& default_head() {
     add_eyeballs(h.sculpt);
     std::vector<std::vector<Vec3>> displacements = shape_displacements(h.sculpt);
     tune_kinematics(h.sculpt, displacements);
+    keep_off_teeth(h.sculpt, displacements);
     for (const std::vector<Vec3>& of_shape : displacements) {
       Moved& moved = h.moved.emplace_back();
       for (std::uint32_t i = 0; i < of_shape.size(); ++i) {
-        if (of_shape[i].squaredNorm() < 1e-6) continue;  // under a micrometre
+        if (of_shape[i].squaredNorm() < 2.5e-5) continue;  // under 5 micrometres
         moved.vertex.push_back(i);
         moved.to.push_back(h.sculpt.vertices[i].p + of_shape[i]);
       }
@@ -190,7 +192,7 @@ std::array<BuiltinSite, 12> builtin_sites() {
   constexpr double kMm = 1e-3;
   const Vec3 frontalis(34.6, 71.5, 93.4), orbicularis(50.9, 23.5, 86.9), upper(43, 7, 96.5),
       lower(34.3, -19, 96.3), buccinator(39.3, -36.3, 90.2), mentalis(0, -68.4, 108.7),
-      mastoid(60, -7.6, -16.4);
+      mastoid(57.7, -8, -15.6);
   const auto right = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
   return {{{"frontalis_R", right(frontalis) * kMm},
            {"frontalis_L", frontalis * kMm},

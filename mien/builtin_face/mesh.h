@@ -18,6 +18,8 @@ enum class Tissue : std::uint8_t {
   lip,         ///< The red of the lips.
   mouth,       ///< Inside of lips and cheeks.
   lid_inside,  ///< Margin and inside of a lid.
+  tear,        ///< The film of tears on the lower lid's edge.
+  caruncle,    ///< In the inner corner of the eye.
   ear,
   eyeball,
   teeth_upper,
@@ -47,6 +49,8 @@ enum class Piece : std::uint8_t {
   lips,
   mouth,
   lids,
+  tears,
+  caruncles,
   sclera_l,
   iris_l,
   pupil_l,

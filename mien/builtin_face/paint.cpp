@@ -74,6 +74,12 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
         v.colour = blend(blend(a.skin, a.wet, 0.55), a.lash * 1.7F,
                          v.lid > 0 ? 0.75 * smoothstep(0.3, 0.9, v.lid) : 0.15);
         break;
+      case Tissue::tear:
+        v.colour = Vec3f::Ones();
+        break;
+      case Tissue::caruncle:
+        v.colour = Vec3f(0.58F, 0.25F, 0.22F);
+        break;
       case Tissue::eyeball: {
         const int band = static_cast<int>(v.lid);
         const double t = v.lid - band;

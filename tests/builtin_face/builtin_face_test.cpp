@@ -244,7 +244,7 @@ TEST(BuiltinFace, IsACompleteFace) {
   const std::size_t n = face.neutral_m.size();
   EXPECT_EQ(face.name, "builtin");
   EXPECT_GE(n, 6000U);
-  EXPECT_LE(n, 18000U);
+  EXPECT_LE(n, 20000U);
   ASSERT_EQ(face.colour.size(), n);
   for (std::size_t i = 0; i < n; ++i) {
     EXPECT_TRUE(face.neutral_m[i].allFinite()) << i;
