@@ -141,8 +141,8 @@ Vec3f Renderer::State::background(float x, float y) const {
   return mix(studio.background_top, studio.background_bottom, smoothstep(0, 1, v)) * (1 - 0.5F * u * u);
 }
 
-Vec3f Renderer::State::developed(const Vec3f& light) const {
-  return tone_map(look.infrared ? Vec3f(Vec3f::Constant(light.x())) : light);
+Vec3f Renderer::State::developed(const Vec3f& arriving) const {
+  return tone_map(look.infrared ? Vec3f(Vec3f::Constant(arriving.x())) : arriving);
 }
 
 void Renderer::State::draw(std::span<const ErrorColours* const> errors, std::span<Image> pictures) {

@@ -130,7 +130,7 @@ struct Renderer::State {
   /// x, y: pixels of the picture; linear.
   [[nodiscard]] Vec3f background(float x, float y) const;
   /// Light as the picture shows it, linear: its tone, grey where the look is infrared.
-  [[nodiscard]] Vec3f developed(const Vec3f& light) const;
+  [[nodiscard]] Vec3f developed(const Vec3f& arriving) const;
   /// What hair sends to the camera, in its own colour or, in a picture of errors, that of no error.
   struct HairLight {
     std::vector<Vec3f> tint, gloss;  // Beside the vertices: with a hair's brightness, and without.

@@ -293,8 +293,9 @@ TEST_F(WrongInput, ADemoThatCannotEndDoesNotBegin) {
 
 TEST_F(WrongInput, ValuesBeyondWhatPeopleHaveAreHeldAndSaid) {
   const std::string out = folder_ / "one.png";
-  const Outcome outcome = run({"render", "--face", "builtin:emil,nose_width=9", "--pose", "grin", "--weights",
-                               "jawopen=1,mouthSmileLeft=0.5", "--light", "infrared", "--size", "1x1", "--out", out});
+  const Outcome outcome =
+      run({"render", "--face", "builtin:emil,nose_width=9", "--pose", "grin", "--weights",
+           "jawopen=1,mouthSmileLeft=0.5", "--light", "infrared", "--size", "1x1", "--out", out});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "builtin:emil,nose_width=9: nose_width 9 is beyond what people have, held to 3\n");
   EXPECT_TRUE(std::filesystem::exists(out));
