@@ -4,12 +4,12 @@
 #include <memory>
 #include <system_error>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/names_option.h"
 #include "app/performance.h"
 #include "app/write_motion.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/mocap/load_marker_track.h"
 #include "mien/mocap/marker_retarget.h"
@@ -34,7 +34,7 @@ Result<void> write_markers(const face::Motion& motion, const ExportOptions& opti
   MIEN_TRY(check_output(options.out, {".csv", ".trc"}));
   MIEN_TRY_ASSIGN(const std::filesystem::path path, path_or(options.markers, "rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(path));
-  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face));
   MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed, builtin_face::PlacedMarkers::place(face, set));
   return mocap::write_marker_track(options.out, mocap::markers_of_motion(motion, placed, set));
 }

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/names_option.h"
 #include "app/one_line.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/obj.h"
 #include "mien/render/gltf_export.h"
@@ -92,8 +92,7 @@ struct FaceArguments {
 };
 
 Result<void> show(const FaceArguments& arguments) {
-  MIEN_TRY_ASSIGN(const face::Face face,
-                  builtin_face::load_face(arguments.face, terminal_progress("reading the face")));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(arguments.face, terminal_progress("reading the face")));
   if (arguments.json)
     print_json(describe(face));
   else
@@ -109,8 +108,7 @@ Result<void> export_face(const FaceArguments& arguments) {
   if (obj && !arguments.names.empty())
     return fail(ErrorCode::bad_usage, "an .obj holds the neutral face alone, without morph targets",
                 "--names", "write a .glb or .gltf");
-  MIEN_TRY_ASSIGN(const face::Face face,
-                  builtin_face::load_face(arguments.face, terminal_progress("reading the face")));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(arguments.face, terminal_progress("reading the face")));
   if (obj)
     MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
   else
@@ -123,8 +121,6 @@ Result<void> export_face(const FaceArguments& arguments) {
 
 void add_face_command(Commands& commands) {
   const auto arguments = std::make_shared<FaceArguments>();
-  constexpr const char* kFaceHelp =
-      "builtin, a folder with generic_neutral_mesh.obj, or a .glb, .gltf or .vrm file";
   const Command face = commands.add("face", "Shows what a face model is made of", "mien face --face builtin",
                                     [arguments] { return show(*arguments); });
   face.add_option("--face", arguments->face, kFaceHelp).show_default();

@@ -94,7 +94,7 @@ Result<FilmMade> film_motion(const face::Face& face, const face::Motion& motion,
   const face::MotionCurve curve(motion);
   render::Renderer renderer(face, options.quality);
   const render::Camera camera =
-      portrait_camera(face, options.view, options.width, options.height, options.closeness);
+      render::portrait_camera(face, options.view_rad, options.width, options.height, options.closeness);
   std::vector<Vec3f> vertices_m(face.neutral_m.size());
   return film(0, motion.duration_s(), 1, options, out, progress, [&](double time_s) {
     const face::MotionFrame frame = curve.at(time_s);
@@ -112,9 +112,10 @@ Result<FilmMade> film_comparison(const face::Face& face, const face::Motion& tru
     return fail(ErrorCode::bad_usage, "the motion has no frames",
                 truth.frames.empty() ? truth.name : capture.name);
   const face::MotionCurve true_curve(truth), capture_curve(capture);
+  MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
   render::Renderer renderer(face, options.quality);
   const render::Camera camera =
-      portrait_camera(face, options.view, options.width, options.height, options.closeness);
+      render::portrait_camera(face, options.view_rad, options.width, options.height, options.closeness);
   std::vector<Vec3f> true_m(face.neutral_m.size()), captured_m(face.neutral_m.size());
   const double from_s = std::max(0.0, capture_delay_s);
   const double until_s = std::min(truth.duration_s(), capture.duration_s() + capture_delay_s);
@@ -123,7 +124,7 @@ Result<FilmMade> film_comparison(const face::Face& face, const face::Motion& tru
     pose(face, capture_curve.at(time_s - capture_delay_s), captured_m);
     render::ComparisonCaptions captions;
     captions.footer = fmt::format("{:.2f} s", time_s);
-    return render::comparison(renderer, true_m, captured_m, camera, options.look, captions,
+    return render::comparison(renderer, lettering, true_m, captured_m, camera, options.look, captions,
                               options.full_scale_m);
   });
 }

@@ -20,7 +20,7 @@ struct FilmOptions {
   double rate_hz = 30;
   double from_s = 0;
   double until_s = std::numeric_limits<double>::infinity();  ///< The motion's end at the latest.
-  render::View view = render::View::front;
+  float view_rad = render::kFrontView_rad;
   float closeness = 1;
   render::Look look = render::Look::dark();
   render::Quality quality = render::Quality::video;

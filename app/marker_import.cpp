@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
-#include "mien/builtin_face/load_face.h"
 
 namespace mien::app {
 namespace {
@@ -50,7 +50,7 @@ Result<ImportedMarkers> import_markers(const mocap::MarkerTrack& track, const Ma
   imported.missing = std::move(matched.missing);
   imported.unlabelled = matched.unlabelled;
 
-  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face));
   MIEN_TRY_ASSIGN(const builtin_face::PlacedMarkers placed,
                   builtin_face::PlacedMarkers::place(face, imported.set));
   mocap::CleaningSettings settings;

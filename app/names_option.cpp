@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/nearest_word.h"
 #include "app/one_line.h"
+#include "mien/core/nearest_word.h"
 
 namespace mien::app {
 
@@ -15,10 +15,9 @@ Option add_names_option(Command command, std::string& names) {
   const auto check = [](const std::string& word) -> std::string {
     static const std::vector<std::string> known = {"ict", "arkit", "unified", "vrm"};
     if (std::ranges::find(known, word) != known.end()) return {};
-    const std::string near = nearest_word(word, known);
-    return fmt::format(
-        "there are no names '{}'{}", one_line(word, 40),
-        near.empty() ? "; there are ict, arkit, unified and vrm" : fmt::format("; did you mean {}?", near));
+    const std::string near = did_you_mean(word, known);
+    return fmt::format("there are no names '{}'{}", one_line(word, 40),
+                       near.empty() ? "; there are ict, arkit, unified and vrm" : near);
   };
   return command
       .add_option("--names", names,

@@ -1,22 +1,27 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
-#include "app/nearest_word.h"
 #include "app/one_line.h"
 #include "app/performance.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
+#include "mien/core/nearest_word.h"
 #include "mien/face/load_motion.h"
 #include "mien/face/shapes_named.h"
 #include "mien/face/target_names.h"
+#include "mien/performer/named_pose.h"
 #include "mien/render/comparison.h"
+#include "mien/render/lights.h"
 
 namespace mien::app {
 namespace {
@@ -24,7 +29,7 @@ namespace {
 struct RenderOptions {
   std::string face;
   std::vector<std::string> weights;
-  std::string view = "front", size, look = "dark", quality, out;
+  std::string pose, light, view = "front", size, look = "dark", quality, out;
   std::string motion, truth, capture, audio;
   double rate_hz = 30, from_s = 0, until_s = 0, delay_s = 0, full_scale_mm = 5;
   float closeness = 1;
@@ -34,14 +39,12 @@ struct RenderOptions {
 std::string unknown_shape(const std::string& name) {
   std::vector<std::string> known(face::kShapeNames.begin(), face::kShapeNames.end());
   known.insert(known.end(), face::arkit52().shapes.begin(), face::arkit52().shapes.end());
-  const std::string near = nearest_word(name, known);
-  return fmt::format("there is no shape '{}'{}", one_line(name, 40),
-                     near.empty() ? "" : fmt::format("; did you mean {}?", near));
+  return fmt::format("there is no shape '{}'{}", one_line(name, 40), did_you_mean(name, known));
 }
 
 /// Shapes by ICT's names or ARKit's, in either case; without its side a name is both sides.
-Result<face::BlendshapeWeights> parse_weights(const std::vector<std::string>& entries, float* tongue_out) {
-  face::BlendshapeWeights weights;
+/// They replace those of `pose`.
+Result<void> set_weights(const std::vector<std::string>& entries, performer::StillPose& pose) {
   for (const std::string& entry : entries) {
     const auto bad = [&](std::string what) {
       return fail(ErrorCode::bad_usage, std::move(what), "--weights",
@@ -58,18 +61,46 @@ Result<face::BlendshapeWeights> parse_weights(const std::vector<std::string>& en
     std::vector<std::size_t> shapes = face::shapes_of_name(name);
     if (shapes.empty()) shapes = face::shapes_named(name);
     if (shapes.empty()) return bad(unknown_shape(name));
-    for (const std::size_t k : shapes) (k < face::kShapeCount ? weights[k] : *tongue_out) = value;
+    for (const std::size_t k : shapes) (k < face::kShapeCount ? pose.weights[k] : pose.tongue_out) = value;
   }
-  return weights;
+  return {};
 }
 
-Result<void> parse_size(const std::string& text, int* width, int* height) {
+Result<void> parse_size(const std::string& text, bool film, int* width, int* height) {
+  // A film's codec has a least size; a picture of the largest takes 0.5 GB while it is written.
+  const int least = film ? 16 : 1, most = 8192;
   char rest = 0;
-  if (std::sscanf(text.c_str(), "%5dx%5d%c", width, height, &rest) != 2 || *width < 16 || *height < 16 ||
-      *width > 8192 || *height > 8192)
-    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", text), "--size",
-                "write it like 640x480, 16 to 8192 a side");
+  if (std::sscanf(text.c_str(), "%5dx%5d%c", width, height, &rest) != 2 || *width < least ||
+      *height < least || *width > most || *height > most)
+    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", one_line(text, 40)), "--size",
+                fmt::format("write it like 640x480, {} to {} a side", least, most));
   return {};
+}
+
+Result<render::Look> chosen_look(const RenderOptions& options) {
+  if (options.light.empty()) return options.look == "light" ? render::Look::light() : render::Look::dark();
+  if (const render::NamedLight* light = render::find_light(options.light)) return light->look;
+  std::vector<std::string> known;
+  for (const render::NamedLight& light : render::named_lights()) known.emplace_back(light.name);
+  const std::string near = did_you_mean(options.light, known);
+  return fail(ErrorCode::bad_usage,
+              fmt::format("there is no light '{}'{}", one_line(options.light, 40), near), "--light",
+              near.empty() ? fmt::format("there are {}", fmt::join(known, ", ")) : "");
+}
+
+Result<void> draw_still(const RenderOptions& options, const FilmOptions& how, const face::Face& face) {
+  performer::StillPose pose;
+  if (!options.pose.empty()) {
+    MIEN_TRY_ASSIGN(pose, performer::named_pose(options.pose));
+  }
+  MIEN_TRY(set_weights(options.weights, pose));
+  std::vector<Vec3f> vertices_m(face.neutral_m.size());
+  face::evaluate(face, pose.weights, pose.tongue_out, vertices_m);
+  face::turn_eyes(face, pose.weights, vertices_m);
+  render::Renderer renderer(face, how.quality);
+  const render::Camera camera =
+      render::portrait_camera(face, how.view_rad, how.width, how.height, how.closeness);
+  return render::write_png(options.out, renderer.still(vertices_m, camera, how.look));
 }
 
 Result<void> run_render(RenderOptions options) {
@@ -84,16 +115,20 @@ Result<void> run_render(RenderOptions options) {
   if (!film && ending != ".png")
     return fail(ErrorCode::bad_usage, "a still is written as .png", options.out,
                 "change the ending, or give a --motion");
-  if (film && !options.weights.empty())
-    return fail(ErrorCode::bad_usage, "--weights makes a still, --motion a film", "mien render",
+  if (film && !(options.weights.empty() && options.pose.empty()))
+    return fail(ErrorCode::bad_usage, "--weights and --pose make a still, --motion a film", "mien render",
                 "choose one");
 
   FilmOptions how;
   if (options.size.empty()) options.size = film ? "480x480" : "640x640";
-  MIEN_TRY(parse_size(options.size, &how.width, &how.height));
-  how.view = *render::view_from_name(options.view);
+  MIEN_TRY(parse_size(options.size, film, &how.width, &how.height));
+  const std::optional<float> view_rad = render::view_rad_from_name(options.view);
+  if (!view_rad)
+    return fail(ErrorCode::bad_usage, fmt::format("there is no view '{}'", one_line(options.view, 40)),
+                "--view", "it is front, three-quarter, side or degrees such as 45");
+  how.view_rad = *view_rad;
   how.closeness = options.closeness;
-  how.look = options.look == "light" ? render::Look::light() : render::Look::dark();
+  MIEN_TRY_ASSIGN(how.look, chosen_look(options));
   how.quality = options.quality == "still" || (options.quality.empty() && !film) ? render::Quality::still
                                                                                  : render::Quality::video;
   how.rate_hz = options.rate_hz;
@@ -111,18 +146,12 @@ Result<void> run_render(RenderOptions options) {
     MIEN_TRY_ASSIGN(how.sound, parse_wav(bytes, options.audio));
   }
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
-  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const face::Face face,
+                  how.look.infrared ? chosen_infrared_face(options.face) : chosen_face(options.face));
 
   FilmMade made{.frames = 1, .duration_s = 0, .seconds = 0};
   if (!film) {
-    float tongue_out = 0;
-    MIEN_TRY_ASSIGN(const auto weights, parse_weights(options.weights, &tongue_out));
-    std::vector<Vec3f> vertices_m(face.neutral_m.size());
-    face::evaluate(face, weights, tongue_out, vertices_m);
-    face::turn_eyes(face, weights, vertices_m);
-    render::Renderer renderer(face, how.quality);
-    const render::Camera camera = portrait_camera(face, how.view, how.width, how.height, how.closeness);
-    MIEN_TRY(render::write_png(options.out, renderer.still(vertices_m, camera, how.look)));
+    MIEN_TRY(draw_still(options, how, face));
   } else if (comparison) {
     MIEN_TRY_ASSIGN(const Performance capture, load_performance(options.capture));
     MIEN_TRY_ASSIGN(made, film_comparison(face, performance.motion, capture.motion, options.delay_s, how,
@@ -148,20 +177,23 @@ void add_render_command(Commands& commands) {
   auto options = std::make_shared<RenderOptions>();
   const Command command =
       commands.add("render", "Draws a face: a still, a film of a motion, or truth beside capture",
-                   "mien render --weights jawOpen=0.4,mouthSmile_L=1 --view three-quarter --out smile.png\n"
+                   "mien render --face builtin:ada --pose smile --light studio --out smile.png\n"
+                   "  mien render --weights jawOpen=0.4,mouthSmile_L=1 --view three-quarter --out smile.png\n"
                    "  mien render --truth take.mien --capture capture.csv --out compare.mp4",
                    [options] { return run_render(*options); });
-  command.add_option(
-      "--face", options->face,
-      "builtin, a folder with generic_neutral_mesh.obj, or a .glb or .vrm; the take's own unless told");
+  command.add_option("--face", options->face, fmt::format("{}; the take's own unless told", kFaceHelp));
+  command.add_option("--pose", options->pose,
+                     fmt::format("A still's expression: {}, or any of the expressions that performers show",
+                                 fmt::join(performer::plain_pose_names(), ", ")));
   command
       .add_option(
           "--weights", options->weights,
           "Shapes of a still, by ICT's names or ARKit's: jawOpen=1,mouthSmileLeft=0.5; without its side a "
-          "name is both; beyond 0 to 1 is drawn too, up to 10")
+          "name is both; beyond 0 to 1 is drawn too, up to 10; they replace the --pose's")
       .delimiter(',');
-  command.add_option("--view", options->view, "front, three-quarter or side")
-      .one_of({"front", "three-quarter", "side"})
+  command
+      .add_option("--view", options->view,
+                  "front, three-quarter, side, or degrees about the head, positive at the performer's left")
       .show_default();
   command.add_option("--closeness", options->closeness, "1 the head, 2 half of that")
       .number_between(0.2, 20.0)
@@ -169,6 +201,11 @@ void add_render_command(Commands& commands) {
   command.add_option("--size", options->size,
                      "Pixels, of one view: 640x640 for a still, 480x480 for a film unless told");
   command.add_option("--look", options->look, "dark or light").one_of({"dark", "light"}).show_default();
+  std::vector<std::string> lights;
+  for (const render::NamedLight& light : render::named_lights())
+    lights.push_back(fmt::format("{} ({})", light.name, light.description));
+  command.add_option("--light", options->light,
+                     fmt::format("Light and background in place of the --look: {}", fmt::join(lights, ", ")));
   command.add_option("--quality", options->quality, "still (slow, fine) or video (fast)")
       .one_of({"still", "video"});
   command.add_option("--motion", options->motion, "A Live Link CSV, or a take, whose truth it is");

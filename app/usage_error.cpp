@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "app/command.h"
-#include "app/nearest_word.h"
 #include "app/one_line.h"
+#include "mien/core/nearest_word.h"
 
 namespace mien::app {
 namespace {
@@ -19,8 +19,7 @@ std::string unknown_word(const Command& command, const std::string& word) {
   const std::string shown = one_line(word, 60);
   const bool option = word.size() > 1 && word.starts_with('-');
   const std::string plain = word.substr(0, word.find('='));
-  std::string near = nearest_word(plain, option ? command.option_names() : command_names(command));
-  if (!near.empty()) near = fmt::format("; did you mean {}?", near);
+  const std::string near = did_you_mean(plain, option ? command.option_names() : command_names(command));
   if (option) return fmt::format("there is no option {}{}", shown, near);
   const std::vector<std::string> parts = command_names(command);
   if (parts.empty()) return fmt::format("'{}' is a word too many", shown);

@@ -1,7 +1,7 @@
 #include "app/write_motion.h"
 
+#include "app/chosen_face.h"
 #include "app/names_option.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 
@@ -31,7 +31,7 @@ Result<void> write_motion(const face::Motion& motion, const std::string& face,
   MIEN_TRY(check_gltf_output(path, names, ".csv"));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
-  MIEN_TRY_ASSIGN(const face::Face model, builtin_face::load_face(face));
+  MIEN_TRY_ASSIGN(const face::Face model, chosen_face(face));
   return render::write_gltf(path, model, &motion, names);
 }
 

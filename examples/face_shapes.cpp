@@ -1,99 +1,167 @@
-// What does each shape of the built-in face look like? Draws them all on one sheet:
-//   face_shapes docs/images/face_shapes.png        every shape at weight 1
-//   face_shapes docs/images/face_people.png people some of the family's faces
-//   face_shapes docs/images/face_cuts.png cuts     the cuts of hair
+// What does the built-in face look like? Draws the pictures of the documents into a folder:
+//   face_shapes docs/images            all of them
+//   face_shapes docs/images people     face_people.png alone
 
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "mien/builtin_face/builtin_face.h"
+#include "mien/builtin_face/person.h"
+#include "mien/face/target_names.h"
+#include "mien/performer/named_pose.h"
 #include "mien/render/camera.h"
 #include "mien/render/lettering.h"
-#include "mien/render/renderer.h"
+#include "mien/render/lights.h"
 
 namespace {
 
 using namespace mien;
+using performer::StillPose;
 
-constexpr int kTile = 180;
+/// One picture of a sheet.
+struct Shot {
+  builtin_face::BuiltinParameters who;
+  StillPose pose;
+  std::string_view light = "soft";
+  float view_rad = render::kFrontView_rad;
+  std::string caption;
+  float closeness = 1.05F;
+};
 
-render::Image portrait(const face::Face& face, const face::BlendshapeWeights& weights, float tongue_out,
-                       render::View view) {
+render::Image draw(const Shot& shot, int side, const render::Lettering& lettering) {
+  const render::Look look = render::find_light(shot.light)->look;
+  face::Face face = builtin_face::make_builtin(shot.who);
+  if (look.infrared) builtin_face::paint_infrared(face, shot.who);
   std::vector<Vec3f> vertices(face.neutral_m.size());
-  face::evaluate(face, weights, tongue_out, vertices);
-  face::turn_eyes(face, weights, vertices);
+  face::evaluate(face, shot.pose.weights, shot.pose.tongue_out, vertices);
+  face::turn_eyes(face, shot.pose.weights, vertices);
   render::Renderer renderer(face);
-  return renderer.still(vertices, render::portrait_camera(face, view, kTile, kTile, 1.25F),
-                        render::Look::light());
+  render::Image tile = renderer.still(
+      vertices, render::portrait_camera(face, shot.view_rad, side, side, shot.closeness), look);
+  const auto ink = look.background_bottom[1] > 127 ? render::Rgb{40, 42, 48} : render::Rgb{225, 227, 232};
+  const auto middle = static_cast<float>(side) / 2, bottom = static_cast<float>(side) - 5;
+  lettering.draw(tile, shot.caption, middle, bottom, side < 160 ? 10 : 13, ink, render::Align::centre);
+  return tile;
 }
 
-/// Every shape, the two sides of a pair together, and two poses that need several.
-render::Image all_shapes() {
-  const face::Face face = builtin_face::make_builtin({.hair = builtin_face::HairStyle::crop});
-  std::vector<std::string> names = {"neutral"};
-  for (const std::string_view name : face::kShapeNames)
-    if (!name.ends_with("_R") && name != "mouthClose") names.emplace_back(name.substr(0, name.find('_')));
-  names.insert(names.end(), {"tongueOut", "jawOpen + mouthClose", "mouthSmile + eyeBlink"});
-  constexpr int kColumns = 6;
-  const int rows = (static_cast<int>(names.size()) + kColumns - 1) / kColumns;
-  render::Image sheet(kColumns * kTile, rows * kTile, {255, 255, 255});
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    face::BlendshapeWeights weights;
-    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-      const std::string_view name = face::kShapeNames[k];
-      if (names[i].find(name.substr(0, name.find('_'))) != std::string::npos) weights[k] = 1;
-    }
-    render::Image tile = portrait(face, weights, names[i] == "tongueOut" ? 1.0F : 0.0F, render::View::front);
-    render::draw_text(tile, names[i], kTile / 2.0F, kTile - 5.0F, 12, {40, 40, 40}, render::Align::centre);
-    const int at = static_cast<int>(i);
-    render::paste(sheet, tile, at % kColumns * kTile, at / kColumns * kTile);
-  }
-  return sheet;
+struct Sheet {
+  std::vector<Shot> shots;
+  int columns = 1;
+  int side = 100;  ///< Of each picture, pixels.
+};
+
+render::Image draw(const Sheet& sheet, const render::Lettering& lettering) {
+  const auto count = static_cast<int>(sheet.shots.size());
+  const int columns = sheet.columns, side = sheet.side;
+  render::Image all(columns * side, (count + columns - 1) / columns * side, {255, 255, 255});
+  for (int i = 0; i < count; ++i)
+    render::paste(all, draw(sheet.shots[static_cast<std::size_t>(i)], side, lettering), i % columns * side,
+                  i / columns * side);
+  return all;
 }
 
-render::Image some_people() {
-  constexpr int kColumns = 6, kRows = 3;
-  render::Image sheet(kColumns * kTile, kRows * kTile);
-  for (int i = 0; i < kColumns * kRows; ++i) {
-    Random random(static_cast<std::uint64_t>(i));
-    const face::Face face = builtin_face::make_builtin(builtin_face::random_identity(random));
-    const auto view = i % 2 == 0 ? render::View::front : render::View::three_quarter;
-    render::paste(sheet, portrait(face, {}, 0, view), i % kColumns * kTile, i / kColumns * kTile);
+builtin_face::BuiltinParameters someone(std::string_view name) {
+  return builtin_face::find_person(name).value().parameters;
+}
+
+/// Neutral, and each of ARKit's 52 at weight 1; mouthClose closes what jawOpen opens.
+Sheet shapes() {
+  std::vector<Shot> shots = {
+      {.who = someone("builtin"), .pose = {}, .caption = "neutral", .closeness = 1.3F}};
+  for (const std::string& name : face::arkit52().shapes) {
+    StillPose pose;
+    for (const std::size_t k : face::shapes_of_name(name))
+      (k < face::kShapeCount ? pose.weights[k] : pose.tongue_out) = 1;
+    if (name == "mouthClose") pose.weights[face::shape("jawOpen")] = 1;
+    shots.push_back({.who = shots[0].who, .pose = pose, .caption = name, .closeness = 1.3F});
   }
-  return sheet;
+  return {std::move(shots), 9, 132};
+}
+
+Sheet people() {
+  std::vector<Shot> shots;
+  for (int seed = 1; seed <= 12; ++seed)
+    shots.push_back({.who = someone(fmt::format("builtin:{}", seed)),
+                     .pose = {},
+                     .view_rad = seed % 2 == 1 ? render::kFrontView_rad : 0.5F,
+                     .caption = fmt::format("{}", seed)});
+  return {std::move(shots), 6, 210};
+}
+
+Sheet performers() {
+  std::vector<Shot> shots;
+  for (const auto& performer : builtin_face::named_performers())
+    shots.push_back({.who = performer.parameters,
+                     .pose = performer::named_pose("smile").value(),
+                     .light = "studio",
+                     .view_rad = 0.35F,
+                     .caption = std::string(performer.name)});
+  return {std::move(shots), 5, 240};
 }
 
 /// The cuts of hair, from the front and from the side.
-render::Image cuts() {
-  constexpr int kColumns = static_cast<int>(builtin_face::kHairStyleCount);
-  render::Image sheet(kColumns * kTile, 2 * kTile);
-  for (int i = 0; i < kColumns; ++i) {
-    builtin_face::BuiltinParameters who;
-    who.hair = static_cast<builtin_face::HairStyle>(i);
-    who.hair_tone = 0.2 + 0.15 * i;
-    const face::Face face = builtin_face::make_builtin(who);
-    render::paste(sheet, portrait(face, {}, 0, render::View::front), i * kTile, 0);
-    render::paste(sheet, portrait(face, {}, 0, render::View::side), i * kTile, kTile);
-  }
-  return sheet;
+Sheet cuts() {
+  std::vector<Shot> shots;
+  for (const float view_rad : {render::kFrontView_rad, render::kSideView_rad})
+    for (const std::string_view cut : {"none", "crop", "swept", "bob", "curls", "tied"})
+      shots.push_back({.who = someone(fmt::format("builtin,hair={}", cut)),
+                       .pose = {},
+                       .view_rad = view_rad,
+                       .caption = std::string(cut),
+                       .closeness = 0.9F});
+  return {std::move(shots), 6, 180};
+}
+
+/// Performers at 850 nm below themselves in visible light.
+Sheet infrared() {
+  std::vector<Shot> shots;
+  for (const std::string_view light : {"soft", "infrared"})
+    for (const std::string_view name : {"ada", "chidi", "emil", "farah", "hana"})
+      shots.push_back(
+          {.who = someone(fmt::format("builtin:{}", name)), .pose = {}, .light = light, .caption = ""});
+  return {std::move(shots), 5, 210};
+}
+
+Sheet turntable() {
+  std::vector<Shot> shots;
+  for (int degrees = 0; degrees < 360; degrees += 45)
+    shots.push_back({.who = someone("builtin:dana"),
+                     .pose = {},
+                     .light = "studio",
+                     .view_rad = static_cast<float>(degrees * M_PI / 180),
+                     .caption = fmt::format("{}", degrees),
+                     .closeness = 0.9F});
+  return {std::move(shots), 8, 150};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: face_shapes OUT.png [people | cuts]\n");
+    fmt::print(stderr,
+               "usage: face_shapes FOLDER [shapes | people | performers | cuts | infrared | turntable]\n");
     return 2;
   }
-  const std::string_view what = argc > 2 ? argv[2] : "shapes";
-  const render::Image sheet = what == "people" ? some_people() : what == "cuts" ? cuts() : all_shapes();
-  if (const auto written = render::write_png(argv[1], sheet); !written) {
-    fmt::print(stderr, "{}\n", written.error().message());
+  const auto lettering = render::Lettering::load();
+  if (!lettering) {
+    fmt::print(stderr, "{}\n", lettering.error().message());
     return 1;
+  }
+  const std::pair<std::string_view, Sheet (*)()> pictures[] = {
+      {"shapes", shapes}, {"people", people},     {"performers", performers},
+      {"cuts", cuts},     {"infrared", infrared}, {"turntable", turntable}};
+  for (const auto& [name, make] : pictures) {
+    if (argc > 2 && name != argv[2]) continue;
+    const std::filesystem::path path = std::filesystem::path(argv[1]) / fmt::format("face_{}.png", name);
+    if (const auto written = render::write_png(path, draw(make(), *lettering)); !written) {
+      fmt::print(stderr, "{}\n", written.error().message());
+      return 1;
+    }
   }
   return 0;
 }

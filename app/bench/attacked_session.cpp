@@ -18,10 +18,10 @@
 #include "app/bench/clock.h"
 #include "app/bench/loopback.h"
 #include "app/child_program.h"
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/live/perform_network.h"
 #include "app/private_folder.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
@@ -270,7 +270,7 @@ Result<AttackScene> set_attack_scene(const SceneRequest& request) {
   scene.rig = rig.string();
   scene.model = model.string();
   if (request.calibrated) {
-    MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(performance.face));
+    MIEN_TRY_ASSIGN(const face::Face face, chosen_face(performance.face));
     scene.meter = std::make_unique<measure::Meter>(face);
   }
   return scene;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "app/child_program.h"
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
@@ -21,13 +22,13 @@
 #include "app/read_aloud.h"
 #include "app/seed_option.h"
 #include "app/write_motion.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
+#include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
 #include "mien/study/solve.h"
@@ -120,6 +121,7 @@ Result<void> run_demo(DemoOptions options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path model_path, modalities::live_model(sensors, options.model));
   MIEN_TRY_ASSIGN(const model::ModelFile model, model::read_model(model_path));
   MIEN_TRY(find_helper("mien-media"));
+  MIEN_TRY(render::Lettering::load());
   MIEN_TRY(make_private_folders(options.out));
 
   // A person whom the model has never met: identity, style and placement come from a seed that training did
@@ -158,7 +160,7 @@ Result<void> run_demo(DemoOptions options) {
 
   MIEN_TRY_ASSIGN(const take::Take truth_take, take::Take::open(request.take));
   MIEN_TRY_ASSIGN(const measure::TakeEstimates estimates, study::with_truth(truth_take, solution));
-  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(request.face));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(request.face));
   face::BlendshapeWeights mean_pose;
   std::ranges::copy(model.mean_pose, mean_pose.values.begin());
   const Progress writing = terminal_progress("4/5 measuring and writing");
@@ -173,9 +175,9 @@ Result<void> run_demo(DemoOptions options) {
   writing(1, "capture.csv, capture.glb");
 
   FilmOptions film;
-  film.width = 272;
-  film.height = 304;
-  film.rate_hz = 15;
+  film.width = 428;
+  film.height = 480;
+  film.rate_hz = 30;
   film.sound = request.sound;
   const std::filesystem::path film_path = options.out / "capture.mp4";
   MIEN_TRY_ASSIGN(const FilmMade made, film_comparison(face, motions.truth, motions.capture, 0, film,

@@ -14,10 +14,10 @@
 #include <future>
 #include <optional>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
 #include "mien/core/host_port.h"
@@ -52,7 +52,7 @@ Result<live::Pairing> pairing_of(const std::string& given) {
 /// cannot fail: it is made when somebody looks. What is wrong with others is known before the session begins.
 Result<live::Asset> face_file(const std::string& name) {
   const auto make = [name]() -> Result<std::vector<std::byte>> {
-    MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(name));
+    MIEN_TRY_ASSIGN(const face::Face face, chosen_face(name));
     return render::encode_gltf(face, nullptr, render::GltfKind::binary);
   };
   std::shared_future<Result<std::vector<std::byte>>> made;

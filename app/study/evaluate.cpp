@@ -4,11 +4,11 @@
 #include <optional>
 #include <set>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/one_line.h"
 #include "app/study/model_option.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/measure/evaluation_json.h"
@@ -43,7 +43,7 @@ void print_row(const char* name, const measure::Metrics& m) {
 /// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
 /// the built-in one where that is not on this machine. `name` becomes the one that it is.
 Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on, std::string& name) {
-  if (!name.empty()) return builtin_face::load_face(name);
+  if (!name.empty()) return chosen_face(name);
   std::vector<std::string> shown;
   for (const std::string& one : performed_on) shown.push_back(excerpt(one));
   if (performed_on.size() > 1)
@@ -51,13 +51,13 @@ Result<face::Face> face_to_measure_on(const std::set<std::string>& performed_on,
                 fmt::format("the takes were performed on different faces ({})", fmt::join(shown, ", ")),
                 "evaluate", "evaluate them apart, or name one face for all with --face");
   name = *performed_on.begin();
-  auto face = builtin_face::load_face(name);
+  auto face = chosen_face(name);
   if (face || face.error().code != ErrorCode::not_found) return face;
   fmt::print(stderr,
              "mien: the take's face {} is not here: measured on the built-in one; --face names another\n",
              one_line(name));
   name = "builtin";
-  return builtin_face::load_face(name);
+  return chosen_face(name);
 }
 
 Result<void> run_evaluate(EvaluateOptions options) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <numbers>
 
+#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/seed_option.h"
@@ -14,7 +15,6 @@
 #include "app/study/study_motion.h"
 #include "app/study/study_sensors.h"
 #include "app/study/study_settings.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/drift.h"
 #include "mien/study/imu/sensor_bound.h"
@@ -47,7 +47,7 @@ Json mean_or_null(const std::optional<measure::MeanStd>& value) {
 
 Result<void> run_bound(const BoundOptions& options) {
   MIEN_TRY_ASSIGN(const sensor::Rig rig, read_rig_or_default(options.rig));
-  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(options.face));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(options.face));
   MIEN_TRY_ASSIGN(const std::vector<virt::SkinSite> all, virt::skin_sites(face, rig));
   std::vector<virt::SkinSite> sites;
   for (const std::uint16_t s : rig.face_sensors()) sites.push_back(all[s]);

@@ -8,11 +8,11 @@
 #include <optional>
 #include <utility>
 
+#include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/private_folder.h"
 #include "app/seed_option.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
 #include "mien/model/model_file.h"
 #include "mien/study/imu/live_report.h"
@@ -55,8 +55,7 @@ Result<void> load_takes(StudyLiveOptions& options) {
     names.push_back(std::filesystem::path(path).stem().string());
   }
   if (names.empty()) return {};
-  MIEN_TRY_ASSIGN(options.request.faces.emplace_back(),
-                  builtin_face::load_face(options.face, terminal_progress("face")));
+  MIEN_TRY_ASSIGN(options.request.faces.emplace_back(), chosen_face(options.face, terminal_progress("face")));
   const std::filesystem::path face = options.face;
   const std::string face_name = (face.has_filename() ? face : face.parent_path()).filename().string();
   options.request.motions_are = fmt::format("{} on the face {}", fmt::join(names, ", "), face_name);

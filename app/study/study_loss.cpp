@@ -8,11 +8,11 @@
 #include <memory>
 #include <utility>
 
+#include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/one_line.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/loss_report.h"
@@ -44,7 +44,7 @@ Result<void> load_motions(StudyLossOptions& options) {
     const auto known = std::ranges::find(read, face);
     const auto place = static_cast<std::size_t>(known - read.begin());
     if (known == read.end()) {
-      MIEN_TRY_ASSIGN(options.request.faces.emplace_back(), builtin_face::load_face(face));
+      MIEN_TRY_ASSIGN(options.request.faces.emplace_back(), chosen_face(face));
       read.push_back(face);
     }
     MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motions[m]));

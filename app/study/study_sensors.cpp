@@ -7,10 +7,10 @@
 #include <memory>
 #include <utility>
 
+#include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "app/performance.h"
 #include "app/seed_option.h"
-#include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/markers.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/marker_network.h"
@@ -122,7 +122,7 @@ Result<void> run_scene(const StudySensorsOptions& options, const sensor::Rig& ri
                        const builtin_face::MarkerSet& markers, const eyewear::MarkerNetworkFile& model) {
   study::MinuteScene scene;
   if (!options.face.empty()) {
-    MIEN_TRY_ASSIGN(scene.face, builtin_face::load_face(options.face, terminal_progress("face")));
+    MIEN_TRY_ASSIGN(scene.face, chosen_face(options.face, terminal_progress("face")));
   }
   for (const std::string& path : options.motions) {
     MIEN_TRY_ASSIGN(Performance performance, load_performance(path));

@@ -16,7 +16,7 @@ inline constexpr double kEyeRadius = 12.5;
 inline constexpr double kLidRadius = 14.0;  ///< Outside of the lids, about the eyeball's centre.
 
 /// Corners of the eye, in x and y.
-inline constexpr double kInnerCanthusX = 18.0, kInnerCanthusY = 33.4;
+inline constexpr double kInnerCanthusX = 17.2, kInnerCanthusY = 33.0;
 inline constexpr double kOuterCanthusX = 46.0, kOuterCanthusY = 35.6;
 
 inline constexpr double kMouthCornerX = 25.0, kMouthCornerY = -33.6;
@@ -34,14 +34,29 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 [[nodiscard]] inline double lid_fraction(double x) {
   return std::clamp((x - kInnerCanthusX) / (kOuterCanthusX - kInnerCanthusX), 0.0, 1.0);
 }
+/// Toward the inner corner the lids run close together, about the caruncle.
+[[nodiscard]] inline double lacrimal_narrowing(double lid_fraction) {
+  return mix(0.5, 1.0, smoothstep(0.0, 0.24, lid_fraction));
+}
 /// Height of the lids' margins at x, eyes open.
 [[nodiscard]] inline double upper_lid_y(double x) {
   const double s = lid_fraction(x);
-  return mix(kInnerCanthusY, kOuterCanthusY, s) + 6.7 * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.75);
+  return mix(kInnerCanthusY, kOuterCanthusY, s) +
+         6.7 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.75);
 }
 [[nodiscard]] inline double lower_lid_y(double x) {
   const double s = lid_fraction(x);
-  return mix(kInnerCanthusY, kOuterCanthusY, s) - 4.0 * std::pow(std::sin(M_PI * std::pow(s, 1.2)), 0.85);
+  return mix(kInnerCanthusY, kOuterCanthusY, s) -
+         4.0 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 1.2)), 0.85);
+}
+
+/// How freely skin at a place of the face moves under muscles' pull: 0 at the corners of the eye, which
+/// ligaments hold to the bone, to 1 away from the eye.
+[[nodiscard]] inline double off_canthi(const Vec3& p) {
+  if (p.z() < 60) return 1;
+  const double across = (std::abs(p.x()) - 0.5 * (kInnerCanthusX + kOuterCanthusX)) / 17,
+               up = (p.y() - 35.5) / 9;
+  return smoothstep(0.72, 1.7, across * across + up * up);
 }
 
 /// The line where the lips meet, and the borders of their red, at |x|.
@@ -52,13 +67,19 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 [[nodiscard]] inline double upper_lip_border_y(double x) {
   const double s = std::min(std::abs(x) / kMouthCornerX, 1.0);
   const double height =
-      7.6 * std::pow(1 - s, 0.8) * (1 + 0.55 * s) + 0.9 * gauss((s - 0.22) / 0.16) - 0.7 * gauss(s / 0.12);
+      7.6 * std::pow(1 - s, 0.8) * (1 + 0.55 * s) + 1.2 * gauss((s - 0.2) / 0.15) - 0.8 * gauss(s / 0.11);
   return lip_line_y(x) + std::max(height, 0.0);
 }
 [[nodiscard]] inline double lower_lip_border_y(double x) {
   const double s = std::min(std::abs(x) / kMouthCornerX, 1.0);
   return lip_line_y(x) - 9.3 * std::pow(1 - s * s, 0.72);
 }
+
+/// A dental arch: in the horizontal plane half an ellipse through the teeth's outer faces, mm.
+struct DentalArch {
+  double half_width, front_z, depth, gum_y;
+};
+inline constexpr DentalArch kUpperArch{27, 100.5, 40, -25.4}, kLowerArch{25.5, 98, 38.5, -43.6};
 
 /// Height of the brow's middle at x.
 [[nodiscard]] inline double brow_y(double x) {

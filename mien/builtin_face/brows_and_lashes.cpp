@@ -64,7 +64,7 @@ void add_lashes(Sculpt& half, Random random) {
     const double x = mix(kInnerCanthusX + 2.5, kOuterCanthusX - 0.3, std::clamp(s, 0.0, 1.0));
     const double y = upper ? upper_lid_y(x) : lower_lid_y(x);
     const Vec3 out = out_of_eye(x, y);
-    const Vec3 root = kEyeCentre + out * (kLidRadius - 0.5);
+    const Vec3 root = kEyeCentre + out * (kLidRadius - 0.2);
     // Longest a little outside the middle; every third leans to its neighbour, as wet lashes do.
     const double lean = 0.16 * (i % 3 - 1) + 0.06 * random.normal();
     const double fan = mix(-0.55, 0.95, s) + lean;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/builtin_face/albedo.h"
 #include "mien/builtin_face/anatomy.h"
 #include "mien/builtin_face/expression.h"
 #include "mien/builtin_face/haircut.h"
+#include "mien/builtin_face/held.h"
 #include "mien/builtin_face/identity.h"
 #include "mien/builtin_face/landmarks.h"
 #include "mien/builtin_face/mesh.h"
@@ -20,7 +22,8 @@ struct PieceInfo {
 constexpr PieceInfo kPieces[kPieceCount] = {
     {"skin", face::Material::skin},       {"ears", face::Material::skin},
     {"lips", face::Material::lips},       {"mouth", face::Material::mouth_inside},
-    {"lids", face::Material::skin},       {"sclera_L", face::Material::sclera},
+    {"lids", face::Material::skin},       {"tears", face::Material::cornea},
+    {"caruncles", face::Material::gums},  {"sclera_L", face::Material::sclera},
     {"iris_L", face::Material::iris},     {"pupil_L", face::Material::pupil},
     {"sclera_R", face::Material::sclera}, {"iris_R", face::Material::iris},
     {"pupil_R", face::Material::pupil},   {"teeth_upper", face::Material::teeth},
@@ -57,10 +60,11 @@ const DefaultHead& default_head() {
     add_eyeballs(h.sculpt);
     std::vector<std::vector<Vec3>> displacements = shape_displacements(h.sculpt);
     tune_kinematics(h.sculpt, displacements);
+    keep_off_teeth(h.sculpt, displacements);
     for (const std::vector<Vec3>& of_shape : displacements) {
       Moved& moved = h.moved.emplace_back();
       for (std::uint32_t i = 0; i < of_shape.size(); ++i) {
-        if (of_shape[i].squaredNorm() < 1e-6) continue;  // under a micrometre
+        if (of_shape[i].squaredNorm() < 2.5e-5) continue;  // under 5 micrometres
         moved.vertex.push_back(i);
         moved.to.push_back(h.sculpt.vertices[i].p + of_shape[i]);
       }
@@ -73,41 +77,54 @@ const DefaultHead& default_head() {
 }
 
 /// Hair comes last: all other vertices keep their numbers whatever the style.
-void add_hair(face::Face& face, const Haircut& hair, const IdentityWarp& warp, const Vec3f& colour) {
+void add_hair(face::Face& face, const Haircut& hair, const IdentityWarp& warp) {
   if (hair.triangles.empty()) return;
   const auto first = static_cast<std::uint32_t>(face.neutral_m.size());
-  for (std::size_t i = 0; i < hair.p.size(); ++i) {
-    face.neutral_m.push_back((warp(hair.p[i]) / 1000).cast<float>());
-    face.colour.push_back((colour * hair.shade[i]).cwiseMin(1.0F));
-    face.uv.push_back(hair.uv[i]);
-  }
+  for (const Vec3& p : hair.p) face.neutral_m.push_back((warp(p) / 1000).cast<float>());
+  face.uv.insert(face.uv.end(), hair.uv.begin(), hair.uv.end());
   face.parts.push_back({"hair", face::Material::strands, static_cast<std::uint32_t>(face.triangles.size()),
                         static_cast<std::uint32_t>(hair.triangles.size())});
   for (const auto& [a, b, c] : hair.triangles) face.triangles.push_back({first + a, first + b, first + c});
 }
 
+/// Colours of every vertex, hair last.
+std::vector<Vec3f> colours_of(const BuiltinParameters& parameters, const Albedos& albedos) {
+  Sculpt sculpt = default_head().sculpt;
+  paint(sculpt, leaning(parameters), albedos);
+  std::vector<Vec3f> colours;
+  for (const SculptVertex& v : sculpt.vertices) colours.push_back(v.colour);
+  for (const float shade : haircut(parameters.hair).shade)
+    colours.push_back((albedos.hair * shade).cwiseMin(1.0F));
+  return colours;
+}
+
+/// Lids at rest are a part of the way to closing: how much of it, and where that puts each vertex (mm).
+struct RestingLids {
+  double share = 0;
+  std::vector<Vec3> shift;
+};
+RestingLids resting_lids(const DefaultHead& head, double lid_opening) {
+  RestingLids lids{.share = std::clamp(-0.05 * lid_opening, -0.06, 0.15),
+                   .shift = std::vector<Vec3>(head.sculpt.vertices.size(), Vec3::Zero())};
+  for (const std::size_t shape : {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")}) {
+    const Moved& moved = head.moved[shape];
+    for (std::size_t i = 0; i < moved.to.size(); ++i)
+      lids.shift[moved.vertex[i]] += lids.share * (moved.to[i] - head.sculpt.vertices[moved.vertex[i]].p);
+  }
+  return lids;
+}
+
+/// Where fuller brows put a hair that grows at `anchor`, mm.
+Vec3 brow_shift(const SculptVertex& v, double brow_fullness) {
+  if (v.tissue != Tissue::brow) return Vec3::Zero();
+  const double from_middle = v.anchor.y() - brow_y(std::abs(v.anchor.x()));
+  return {0, (brow_spread(brow_fullness) - 1) * from_middle, 0};
+}
+
 }  // namespace
 
-BuiltinParameters random_identity(Random& random) {
-  BuiltinParameters p;
-  for (double* value :
-       {&p.head_width, &p.face_length, &p.jaw_width, &p.chin_size, &p.nose_length, &p.nose_width,
-        &p.nose_bridge, &p.eye_spacing, &p.eye_size, &p.mouth_width, &p.lip_fullness, &p.cheekbones,
-        &p.cheek_fullness, &p.brow_ridge, &p.brow_height, &p.forehead_height, &p.ear_size, &p.neck_width})
-    *value = std::clamp(random.normal(), -2.5, 2.5);
-  p.asymmetry = random.uniform(0.4, 1.6);
-  p.asymmetry_seed = random.bits() | 1U;
-  p.skin_tone = random.uniform(0, 1);
-  // Deep skin seldom goes with fair hair.
-  p.hair_tone = mix(0.85, 1.0, smoothstep(0.15, 0.6, p.skin_tone)) *
-                std::pow(random.uniform(), 1 - 0.9 * smoothstep(0.1, 0.7, p.skin_tone));
-  p.hair = HairStyle::none;
-  if (random.chance(0.85)) {
-    // From a stream of its own: a seed keeps the numbers that it gave before there were styles.
-    Random cut = Random(p.asymmetry_seed).fork("hair");
-    p.hair = static_cast<HairStyle>(1 + cut.below(kHairStyleCount - 1));
-  }
-  return p;
+void paint_infrared(face::Face& face, const BuiltinParameters& parameters) {
+  face.colour = colours_of(parameters, infrared_albedos(held(parameters)));
 }
 
 BuiltinParameters without_hair(BuiltinParameters parameters) {
@@ -117,23 +134,25 @@ BuiltinParameters without_hair(BuiltinParameters parameters) {
 
 face::Face make_builtin(const BuiltinParameters& parameters) {
   const DefaultHead& head = default_head();
-  Sculpt sculpt = head.sculpt;
-  paint(sculpt, parameters);
+  const Sculpt& sculpt = head.sculpt;
   const Haircut& hair = haircut(parameters.hair);
   face::Face face;
   face.name = "builtin";
   face.origin = face::Origin::builtin;
   const std::size_t n = sculpt.vertices.size();
   face.neutral_m.reserve(n + hair.p.size());
-  face.colour.reserve(n + hair.p.size());
   face.uv.reserve(n + hair.p.size());
   const IdentityWarp warp(parameters);
+  const RestingLids lids = resting_lids(head, warp.numbers().lid_opening);
+  const auto shift = [&](std::size_t i) {
+    return Vec3(lids.shift[i] + brow_shift(sculpt.vertices[i], warp.numbers().brow_fullness));
+  };
   std::vector<Vec3> neutral_mm;
   neutral_mm.reserve(n);
-  for (const SculptVertex& v : sculpt.vertices) {
-    neutral_mm.push_back(v.tissue == Tissue::ear ? warp.ear(v.p) : warp(v.p));
+  for (std::size_t i = 0; i < n; ++i) {
+    const SculptVertex& v = sculpt.vertices[i];
+    neutral_mm.push_back(v.tissue == Tissue::ear ? warp.ear(v.p) : warp(v.p + shift(i)));
     face.neutral_m.push_back((neutral_mm.back() / 1000).cast<float>());
-    face.colour.push_back(v.colour);
     face.uv.push_back(v.uv);
   }
   for (std::size_t k = 0; k < kPieceCount; ++k) {
@@ -142,15 +161,21 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
                           static_cast<std::uint32_t>(sculpt.triangles[k].size())});
     face.triangles.insert(face.triangles.end(), sculpt.triangles[k].begin(), sculpt.triangles[k].end());
   }
-  add_hair(face, hair, warp, hair_colour(parameters.hair_tone));
+  add_hair(face, hair, warp);
+  face.colour = colours_of(parameters, visible_albedos(held(parameters)));
   for (std::size_t k = 0; k <= face::kShapeCount; ++k) {
     face::Shape shape;
     shape.name = k < face::kShapeCount ? std::string(face::kShapeNames[k]) : "tongueOut";
     const Moved& moved = head.moved[k];
     shape.vertex = moved.vertex;
     shape.delta_m.reserve(moved.to.size());
-    for (std::size_t i = 0; i < moved.to.size(); ++i)
-      shape.delta_m.push_back(((warp(moved.to[i]) - neutral_mm[moved.vertex[i]]) / 1000).cast<float>());
+    // What closes lids has less way to go from where they rest.
+    const double done = shape.name.starts_with("eyeBlink") ? lids.share : 0;
+    for (std::size_t i = 0; i < moved.to.size(); ++i) {
+      const std::size_t v = moved.vertex[i];
+      const Vec3 to = moved.to[i] + shift(v) - done * (moved.to[i] - sculpt.vertices[v].p);
+      shape.delta_m.push_back(((warp(to) - neutral_mm[v]) / 1000).cast<float>());
+    }
     face.shapes.push_back(std::move(shape));
   }
   face.landmarks = head.landmarks;
@@ -167,7 +192,7 @@ std::array<BuiltinSite, 12> builtin_sites() {
   constexpr double kMm = 1e-3;
   const Vec3 frontalis(34.6, 71.5, 93.4), orbicularis(50.9, 23.5, 86.9), upper(43, 7, 96.5),
       lower(34.3, -19, 96.3), buccinator(39.3, -36.3, 90.2), mentalis(0, -68.4, 108.7),
-      mastoid(60, -7.6, -16.4);
+      mastoid(57.7, -8, -15.6);
   const auto right = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
   return {{{"frontalis_R", right(frontalis) * kMm},
            {"frontalis_L", frontalis * kMm},

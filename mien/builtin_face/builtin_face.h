@@ -42,14 +42,38 @@ struct BuiltinParameters {
   double forehead_height = 0;
   double ear_size = 0;
   double neck_width = 0;
-  double asymmetry = 1;              ///< Strength of the left-right differences, 0 none, 1 ordinary; 0 to 3.
+  double face_fullness = 0;  ///< Soft tissue of cheeks, jowls and below the chin.
+  double jaw_angle = 0;      ///< How far the jaw's corners (gonia) stand out below the ears.
+  double chin_width = 0;
+  double nose_tip = 0;         ///< Turned up.
+  double nose_root = 0;        ///< Height of the bridge between the eyes.
+  double alar_width = 0;       ///< The wings of the nose; the tip flattens.
+  double lip_projection = 0;   ///< The lips forward.
+  double philtrum_length = 0;  ///< From nose to mouth; the mouth sinks.
+  double eye_slant = 0;        ///< Outer corners of the eyes up: 2 degrees a unit.
+  double eye_fold = 0;         ///< Of the upper lid, over its crease and over the eye's inner corner.
+  double lid_opening = 0;      ///< How far the upper lids are raised at rest.
+  double ear_protrusion = 0;   ///< Away from the head: 6 degrees a unit.
+  double forehead_slope = 0;   ///< Its top backwards.
+  double temple_width = 0;
+  double brow_fullness = 0;  ///< Height of the brows' hair.
+
+  double age_years = 30;  ///< 18 to 90. Leans the numbers above: ears, nose, lips and lids of age.
+  double sex = 0;         ///< -1 an ordinary woman, 1 an ordinary man; leans the numbers too. -2 to 2.
+  double asymmetry = 1;   ///< Strength of the left-right differences, 0 none, 1 ordinary; 0 to 3.
   std::uint64_t asymmetry_seed = 0;  ///< Which differences. 0 is a perfectly symmetric face.
   double skin_tone = 0.25;           ///< 0 fair to 1 deep.
-  double hair_tone = 0.6;            ///< 0 fair to 1 black.
+  double skin_undertone = 0;         ///< -1 olive to 1 rosy.
+  double hair_tone = 0.6;            ///< 0 fair to 1 black: the pigment that hair is born with.
+  double hair_red = 0;               ///< 0 to 1, seen in hair that is not dark.
+  double hair_grey = 0;              ///< Share of hairs without pigment, 0 to 1. Brows follow by half.
+  double eye_tone = 0.9;             ///< 0 blue, 0.5 hazel, 1 dark brown.
+  double beard = 0;                  ///< Shadow of a shaved beard, 0 to 1.
   HairStyle hair = HairStyle::none;  ///< Costs pictures and files; measurements need none.
 };
 
-/// Draws every identity number from N(0, 1), held to [-2.5, 2.5], with its own asymmetry and colours.
+/// A stranger: the first eighteen identity numbers from N(0, 1), held to [-2.5, 2.5]; the others, age, sex
+/// and colours as people of several descents have them. How: people.cpp.
 [[nodiscard]] BuiltinParameters random_identity(Random& random);
 
 /// The same person without hair of the head, for who measures skin.
@@ -61,6 +85,10 @@ struct BuiltinParameters {
 /// head (about 0.5 s), which later calls only warp to the identity (under 0.1 s). How it is made:
 /// docs/method/builtin_face.md.
 [[nodiscard]] face::Face make_builtin(const BuiltinParameters& parameters = {});
+/// Replaces the face's colours, which make_builtin gave these same parameters, by its reflectances at 850 nm:
+/// grey, all channels equal.
+void paint_infrared(face::Face& face, const BuiltinParameters& parameters);
+
 /// The default one, made at the first call and kept. Thread-safe.
 [[nodiscard]] const face::Face& default_builtin();
 

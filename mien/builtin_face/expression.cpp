@@ -1,6 +1,8 @@
 #include "mien/builtin_face/expression.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mien/builtin_face/anatomy.h"
 #include "mien/core/units.h"
@@ -26,6 +28,7 @@ bool is_fixed(const V& v) {
   switch (v.tissue) {
     case Tissue::ear:
     case Tissue::eyeball:
+    case Tissue::caruncle:
     case Tissue::teeth_upper:
     case Tissue::gums_upper:
     case Tissue::cloth:
@@ -41,9 +44,9 @@ bool follows_jaw_rigidly(const V& v) {
 bool is_soft(const V& v) {
   return !is_fixed(v) && !follows_jaw_rigidly(v);
 }
-/// Lids keep to the eyeball: other muscles' pull fades out on them.
+/// Lids keep to the eyeball and their corners to the bone: other muscles' pull fades out on them.
 double off_lids(const V& v) {
-  return 1 - smoothstep(0.15, 0.85, std::abs(v.lid));
+  return (1 - smoothstep(0.1, 0.72, std::abs(v.lid))) * off_canthi(v.anchor);
 }
 
 /// How far a vertex goes with the lower jaw: 1 on chin and lower lip, 0 above the mouth and at the neck's
@@ -65,12 +68,19 @@ Vec3 jaw_turn(const V& v, double angle) {
   return Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm - arm;
 }
 
+/// The mouth's lining goes with the lips, but is held by the bone where it turns over onto the gums.
+double off_bone(const V& v) {
+  if (v.tissue != Tissue::mouth) return 1;
+  const double from_line = std::abs(v.anchor.y() - lip_line_y(v.anchor.x()));
+  return smoothstep(12, 4, from_line) * smoothstep(76, 90, v.anchor.z());
+}
+
 enum class Lips { both, upper, lower };
 
 /// Skin about `centre` goes by `d`.
 Vec3 push(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lips lips = Lips::both) {
   if (!is_soft(v)) return Vec3::Zero();
-  double w = bell(v.anchor, centre, r);
+  double w = bell(v.anchor, centre, r) * off_bone(v);
   if (w == 0) return Vec3::Zero();
   if (lips == Lips::upper) w *= upper(v);
   if (lips == Lips::lower) w *= lower(v);
@@ -83,44 +93,93 @@ Vec3 push_both(const V& v, const Vec3& centre, const Vec3& r, const Vec3& d, Lip
   return push(v, centre, r, d, which) + push(v, flip(centre), r, flip(d), which);
 }
 
-/// Elevation of a point about the left eye's lateral axis.
-double lid_elevation(double x, double y) {
-  const double dx = x - kEyeCentre.x(), dy = y - kEyeCentre.y();
-  return std::atan2(dy, std::sqrt(std::max(4.0, kLidRadius * kLidRadius - dx * dx - dy * dy)));
+/// How high lies a place of the left eye, about its lateral axis: rad.
+double elevation(const Vec3& p) {
+  return std::atan2(p.y() - kEyeCentre.y(), p.z() - kEyeCentre.z());
 }
 
-/// Lids of the left eye turn about the eyeball: by the share `up_close` of the way from open to closed for
-/// the upper lid, `low_close` for the lower (negative opens); `sideways` turns both about the vertical, rad.
-Vec3 lids(const V& v, double up_close, double low_close, double sideways = 0) {
-  if (v.lid == 0 || v.anchor.x() < 0 || !(is_soft(v))) return Vec3::Zero();
-  const double x = std::clamp(v.anchor.x(), kInnerCanthusX, kOuterCanthusX);
-  const double open_u = lid_elevation(x, upper_lid_y(x)), open_l = lid_elevation(x, lower_lid_y(x));
-  const double meet = mix(open_l, open_u, 0.16);
-  const double share = smoothstep(0.04, 0.94, std::abs(v.lid));
-  // Away from the margin the fold of the lid unrolls less toward its corners.
-  const double s = lid_fraction(v.anchor.x());
-  const double middle = mix(smoothstep(-0.02, 0.42, s) * smoothstep(1.04, 0.7, s), 1.0,
-                            smoothstep(0.55, 0.95, std::abs(v.lid)));
-  const double angle = middle * (v.lid > 0 ? (open_u - meet) * up_close : (open_l - meet) * low_close);
-  const Vec3 arm = v.p - kEyeCentre;
-  const double side = sideways * smoothstep(0.3, 1.0, std::abs(v.lid)) *
-                      smoothstep(0, 6, std::min(x - kInnerCanthusX, kOuterCanthusX - x));
-  Vec3 turned =
-      Eigen::AngleAxisd(side, Vec3::UnitY()) * (Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm);
-  return turned - arm;
+/// The margins of the left eye's lids, as the mesh has them, and how lids turn about the eyeball.
+class Lids {
+ public:
+  explicit Lids(const Sculpt& whole) {
+    // Where a lid's skin ends its inside begins.
+    for (const auto& t : whole.triangles[static_cast<std::size_t>(Piece::lids)])
+      for (const std::uint32_t i : t) {
+        const V& v = whole.vertices[i];
+        if (v.tissue == Tissue::skin && v.p.x() > 0)
+          (v.lid > 0 ? upper_ : lower_).emplace_back(v.p.x(), elevation(v.p));
+      }
+    std::ranges::sort(upper_);
+    std::ranges::sort(lower_);
+  }
+
+  /// By the share `up_close` of the way from open to closed for the upper lid, `low_close` for the lower
+  /// (negative opens); `sideways` turns both about the vertical, rad.
+  [[nodiscard]] Vec3 operator()(const V& v, double up_close, double low_close, double sideways = 0) const {
+    if (v.lid == 0 || v.anchor.x() < 0 || !is_soft(v)) return Vec3::Zero();
+    const double x = v.anchor.x();
+    const double open_u = margin(upper_, x), open_l = std::min(margin(lower_, x), open_u);
+    const double meet = mix(open_l, open_u, 0.16);
+    const double share = smoothstep(0.04, 0.94, std::abs(v.lid));
+    // Away from the margin the fold of the lid unrolls less toward its corners.
+    const double s = lid_fraction(x);
+    const double middle = mix(smoothstep(-0.02, 0.42, s) * smoothstep(1.04, 0.7, s), 1.0,
+                              smoothstep(0.55, 0.95, std::abs(v.lid)));
+    const double angle = middle * (v.lid > 0 ? (open_u - meet) * up_close : (open_l - meet) * low_close);
+    const Vec3 arm = v.p - kEyeCentre;
+    const double side = sideways * smoothstep(0.3, 1.0, std::abs(v.lid)) *
+                        smoothstep(0, 6, std::min(x - kInnerCanthusX, kOuterCanthusX - x));
+    const Vec3 turned =
+        Eigen::AngleAxisd(side, Vec3::UnitY()) * (Eigen::AngleAxisd(angle * share, Vec3::UnitX()) * arm);
+    // Half a weight moves along the chord: what closes goes a little out, so that half closed clears the
+    // cornea.
+    const double closes = std::clamp(v.lid > 0 ? up_close : low_close, 0.0, 1.0);
+    return (1 + 0.03 * closes * share) * turned - arm;
+  }
+
+ private:
+  using Margin = std::vector<std::pair<double, double>>;  ///< x (mm) and elevation (rad), ascending.
+
+  static double margin(const Margin& margin, double x) {
+    const auto after = std::ranges::lower_bound(margin, x, {}, &std::pair<double, double>::first);
+    if (after == margin.begin()) return margin.front().second;
+    if (after == margin.end()) return margin.back().second;
+    const auto& [x0, e0] = *(after - 1);
+    return mix(e0, after->second, (x - x0) / std::max(after->first - x0, 1e-9));
+  }
+
+  Margin upper_, lower_;
+};
+
+/// How far up (mm) a lower lip goes that slides `way` (mm) along the upper one.
+double along_lips(const V& v, double way) {
+  const double x = v.anchor.x();
+  return lip_line_y(x + way) - lip_line_y(x);
+}
+
+/// 0 where the lips meet, 1 from `mm` away: what presses lips together moves not where they touch.
+double off_seal(const V& v, double mm) {
+  return smoothstep(0, mm, std::abs(v.anchor.y() - lip_line_y(v.anchor.x())));
 }
 
 const Vec3 kCorner{kMouthCornerX, kMouthCornerY, 103};
 constexpr double kJawOpen = 21.5 * kRadPerDeg;
+
+/// How far the mouth rises when its corners are drawn up, as a share of theirs: little in its middle.
+double bow(const V& v) {
+  const double s = std::min(1.0, std::abs(v.anchor.x()) / kMouthCornerX);
+  return mix(0.18, 1.0, s * s);
+}
 
 Vec3 close_lips(const V& v) {
   if (!is_soft(v)) return Vec3::Zero();
   const Vec3 open = jaw_turn(v, kJawOpen);
   // The lips come back all the way, the skin below less and less down to the chin.
   double keep = smoothstep(-76, -42, v.anchor.y());
-  if (v.tissue == Tissue::lip || v.tissue == Tissue::mouth) keep = 1;
+  if (v.tissue == Tissue::lip) keep = 1;
+  if (v.tissue == Tissue::mouth) keep = off_bone(v);
   keep *= smoothstep(70, 30, std::abs(v.anchor.x()));
-  const Vec3 down = Vec3(0, -4.0, -1.0) * bell(v.anchor, {0, -33, 108}, {34, 30, 45});
+  const Vec3 down = Vec3(0, -4.0, 0.6) * bell(v.anchor, {0, -33, 108}, {34, 30, 45});
   return -keep * open + down;
 }
 
@@ -134,18 +193,18 @@ Vec3 roll(const V& v, bool up) {
   const double line = lip_line_y(x);
   const double border = up ? upper_lip_border_y(x) : lower_lip_border_y(x);
   const double from_line = std::abs(p.y() - line), red = std::abs(border - line);
-  const double across = side * (1 - s * s) * (1 - smoothstep(red + 1, red + 13, from_line));
+  const double across = off_bone(v) * side * (1 - s * s) * (1 - smoothstep(red + 1, red + 13, from_line));
   if (across <= 0) return Vec3::Zero();
   const double inward = 1 - smoothstep(0.6 * red, red + 6, from_line);
   const double deep = smoothstep(92, 104, p.z());  // the gums' side of the lip stays
   // Everything on the red comes to the line; beyond it the skin is drawn after it by as much as the border
   // moves.
   const double slide = -(up ? 1 : -1) * std::min(from_line, red) * (up ? 0.85 : 0.95);
-  return deep * across * Vec3(0, slide + (up ? -0.8 : 0.9), -(up ? 8.5 : 9.0) * inward);
+  return deep * across * Vec3(0, slide + (up ? -0.8 : 1.3), -(up ? 8.5 : 9.6) * inward);
 }
 
 /// Left shapes and shapes of the midline, by name without side.
-Vec3 displacement(std::string_view name, const V& v) {
+Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
   const auto is = [&](std::string_view n) { return name == n; };
   // Brow.
   if (is("browDown"))
@@ -159,14 +218,14 @@ Vec3 displacement(std::string_view name, const V& v) {
   if (is("eyeLookUp")) return lids(v, -0.29, 0.62);
   if (is("eyeLookIn")) return lids(v, 0.03, 0.0, -0.13);
   if (is("eyeLookOut")) return lids(v, 0.03, 0.0, 0.13);
-  if (is("eyeSquint")) return lids(v, 0.14, 1.5) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.6, 2.2, 0.8});
+  if (is("eyeSquint")) return lids(v, 0.14, 1.25) + push(v, {36, 20, 92}, {26, 20, 36}, {-0.7, 2.8, 1.0});
   if (is("eyeWide")) return lids(v, -0.24, -0.40) + push(v, {30, 52, 96}, {24, 16, 30}, {0, 0.7, 0});
   // Cheeks.
   if (is("cheekPuff"))
     return push(v, {42, -26, 88}, {36, 38, 60}, {10.5, -0.5, 9.5}) +
            push(v, {14, -20, 110}, {22, 14, 30}, {0.5, 0, 3.0}) +
            push(v, {14, -46, 106}, {22, 14, 30}, {0.5, 0, 2.5});
-  if (is("cheekSquint")) return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 6.0, 2.4}) + lids(v, 0.0, 0.55);
+  if (is("cheekSquint")) return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 6.0, 2.4}) + lids(v, 0.0, 0.4);
   if (is("noseSneer"))
     return push(v, {29, -9, 101}, {30, 38, 50}, {1.8, 10.0, 1.0}) +
            push(v, {12, 24, 104}, {16, 22, 30}, {-0.5, 2.2, 1.0}) +
@@ -175,7 +234,7 @@ Vec3 displacement(std::string_view name, const V& v) {
   if (is("jawForward"))
     return jaw_share(v) * Vec3(0, 0.3, 11.2) + push(v, {0, -27, 112}, {28, 13, 40}, {0, 0, 1.6}, Lips::upper);
   if (is("jawLeft"))
-    return jaw_share(v) * Vec3(9.0, 0.5, 0.0) +
+    return jaw_share(v) * Vec3(9.0, along_lips(v, 6.6), 0.0) +
            push(v, {0, -28, 112}, {30, 16, 40}, {2.4, 0, 0}, Lips::upper);
   if (is("jawOpen")) return jaw_turn(v, kJawOpen);
   if (is("mouthClose")) return close_lips(v);
@@ -195,8 +254,8 @@ Vec3 displacement(std::string_view name, const V& v) {
            push(v, kCorner, {26, 24, 45}, {1.5, 2.5, -6.0});
   if (is("mouthLowerDown")) return push(v, {11, -40, 110}, {24, 22, 40}, {0.6, -4.9, -0.4}, Lips::lower);
   if (is("mouthPress"))
-    return push(v, {13, -28, 111}, {20, 9, 40}, {0.3, -1.5, -3.4}, Lips::upper) +
-           push(v, {13, -39, 110}, {20, 10, 40}, {0.3, 1.8, -3.4}, Lips::lower) +
+    return push(v, {13, -28, 111}, {20, 9, 40}, {0.3, -2.0 * off_seal(v, 4), -3.4}, Lips::upper) +
+           push(v, {13, -39, 110}, {20, 10, 40}, {0.3, 2.4 * off_seal(v, 4), -3.4}, Lips::lower) +
            push(v, kCorner, {18, 18, 40}, {1.4, -0.3, -2.0});
   if (is("mouthPucker"))
     return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 7.5}) +
@@ -204,15 +263,15 @@ Vec3 displacement(std::string_view name, const V& v) {
   if (is("mouthRollLower")) return roll(v, false);
   if (is("mouthRollUpper")) return roll(v, true);
   if (is("mouthShrugLower"))
-    return push(v, {0, -60, 106}, {32, 30, 50}, {0, 10.6, 1.5}, Lips::lower) +
+    return push(v, {0, -60, 106}, {32, 30, 50}, {0, 10.6 * off_seal(v, 9), 1.5}, Lips::lower) +
            push(v, {0, -32, 112}, {32, 18, 40}, {0, 5.4, 3.4});
   if (is("mouthShrugUpper")) return push(v, {0, -30, 112}, {30, 21, 40}, {0, 5.7, 2.4});
   if (is("mouthSmile"))
     // The corner goes up and back along the cheek, the lips thin over the teeth, the cheek rises into the
     // lower lid and leaves a fold beside the nose.
-    return push(v, kCorner, {35, 31, 55}, {8.4, 10.2, -4.6}) +
-           push(v, {12, -27, 111}, {24, 15, 40}, {1.2, 2.4, -1.0}, Lips::upper) +
-           push(v, {0, -39, 111}, {26, 14, 40}, {0, -0.5, -1.2}, Lips::lower) +
+    return push(v, kCorner, {35, 31, 55}, {8.4, 10.2 * bow(v), -4.6}) +
+           push(v, {12, -27, 111}, {24, 15, 40}, {1.2, 1.6 * off_seal(v, 5), -1.2}, Lips::upper) +
+           push(v, {0, -39, 111}, {26, 14, 40}, {0, -0.5 * off_seal(v, 5), -1.2}, Lips::lower) +
            push(v, {41, 1, 90}, {28, 26, 40}, {1.2, 4.6, 4.4}) +
            push(v, {27, -13, 103}, {9, 20, 26}, {0.6, 1.2, -1.8}) + lids(v, 0.04, 0.5);
   if (is("mouthStretch"))
@@ -251,11 +310,40 @@ void keep_off_eyeballs(const Sculpt& whole, std::vector<Vec3>& d) {
   }
 }
 
+/// Where `p` stands about an arch: below 1 inside of it.
+double across_arch(const DentalArch& arch, const Vec3& p) {
+  return std::hypot(p.x() / arch.half_width, (p.z() - arch.front_z + arch.depth) / arch.depth);
+}
+
+/// The same for one shape.
+void keep_off_teeth(const Sculpt& whole, std::vector<Vec3>& d) {
+  constexpr double kTooth = 11, kClear = 0.4;  // mm
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    const V& v = whole.vertices[i];
+    const bool beside_lips =
+        v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
+    if ((v.tissue != Tissue::lip && v.tissue != Tissue::mouth && !beside_lips) || d[i].squaredNorm() == 0)
+      continue;
+    for (const bool up : {true, false}) {
+      const DentalArch& arch = up ? kUpperArch : kLowerArch;
+      const Vec3 to = v.p + d[i];
+      const double past_gum = up ? arch.gum_y - to.y() : to.y() - arch.gum_y;
+      const double near = smoothstep(-4, -1, past_gum) * smoothstep(kTooth + 3, kTooth, past_gum);
+      if (near == 0 || to.z() < arch.front_z - arch.depth || across_arch(arch, v.p) < 0.96) continue;
+      const double r = across_arch(arch, to), least = 1 + kClear / arch.half_width;
+      if (r >= least) continue;
+      const Vec3 out(to.x(), 0, to.z() - arch.front_z + arch.depth);
+      d[i] += near * (least / r - 1) * out;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole) {
   const std::size_t n = whole.vertices.size();
   std::vector<std::vector<Vec3>> all(face::kShapeCount + 1, std::vector<Vec3>(n, Vec3::Zero()));
+  const Lids lids(whole);
   const auto mirror_into = [&](std::size_t from, std::size_t to) {
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3& d = all[from][i];
@@ -266,7 +354,7 @@ std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole) {
     std::string_view name = face::kShapeNames[k];
     if (name.ends_with("_R") || name == "jawRight" || name == "mouthRight") continue;
     if (name.ends_with("_L")) name.remove_suffix(2);
-    for (std::size_t i = 0; i < n; ++i) all[k][i] = displacement(name, whole.vertices[i]);
+    for (std::size_t i = 0; i < n; ++i) all[k][i] = displacement(name, whole.vertices[i], lids);
     keep_off_eyeballs(whole, all[k]);
   }
   for (std::size_t i = 0; i < n; ++i) all[face::kShapeCount][i] = tongue_out(whole.vertices[i]);
@@ -277,6 +365,12 @@ std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole) {
   mirror_into(face::shape("jawLeft"), face::shape("jawRight"));
   mirror_into(face::shape("mouthLeft"), face::shape("mouthRight"));
   return all;
+}
+
+void keep_off_teeth(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements) {
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    if (!face::kShapeNames[k].starts_with("jaw") && face::kShapeNames[k] != "mouthClose")
+      keep_off_teeth(whole, displacements[k]);
 }
 
 }  // namespace mien::builtin_face

@@ -15,4 +15,7 @@ namespace mien::builtin_face {
 /// does (docs/method/builtin_face.md). `displacements` as from shape_displacements.
 void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements);
 
+/// Lips and the mouth's lining are never pressed into the teeth when a shape that leaves the jaw is full on.
+void keep_off_teeth(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements);
+
 }  // namespace mien::builtin_face

@@ -2,8 +2,24 @@
 
 #include "mien/builtin_face/anatomy.h"
 #include "mien/builtin_face/mesh.h"
+#include "mien/builtin_face/surface.h"
 
 namespace mien::builtin_face {
+
+namespace {
+
+/// From the eyeball's centre to its surface (mm), by the angle from its axis: the cornea is a cap of a
+/// smaller sphere (radius 8.2, apex 0.9 in front of the ball; real ones 7.8 and some 1.3, which no lid of one
+/// sphere would clear).
+double eye_radius(double angle_rad) {
+  constexpr double kCorneaRadius = 8.2, kApex = kEyeRadius + 0.9, kCorneaCentre = kApex - kCorneaRadius;
+  const double across = kCorneaCentre * std::sin(angle_rad);
+  const double cornea =
+      kCorneaCentre * std::cos(angle_rad) + std::sqrt(kCorneaRadius * kCorneaRadius - across * across);
+  return -join(-cornea, -kEyeRadius, 0.2);
+}
+
+}  // namespace
 
 void add_eyeballs(Sculpt& whole) {
   constexpr int kAround = 20;
@@ -12,8 +28,8 @@ void add_eyeballs(Sculpt& whole) {
     double angle;
     int band;  // 0 pupil, 1 iris, 2 sclera
   };
-  std::vector<Circle> circles = {{kPupil, 0}, {kPupil, 1}, {0.27, 1}, {0.42, 1},
-                                 {kIris, 1},  {kIris, 2},  {0.56, 2}};
+  std::vector<Circle> circles = {{kPupil, 0}, {kPupil, 1}, {0.27, 1},  {0.34, 1},
+                                 {0.42, 1},   {kIris, 1},  {kIris, 2}, {0.56, 2}};
   for (int i = 1; i <= 8; ++i) circles.push_back({mix(0.56, M_PI - 0.15, i / 8.0), 2});
   for (int e = 0; e < 2; ++e) {
     const double sign = e == 0 ? 1 : -1;
@@ -22,9 +38,8 @@ void add_eyeballs(Sculpt& whole) {
     eye.first_vertex = static_cast<std::uint32_t>(whole.vertices.size());
     eye.centre_m = centre.cast<float>();
     const auto place = [&](double angle, double phi) {
-      const double bulge = 0.55 * (1 - smoothstep(0.2, 0.62, angle));
-      return Vec3(centre + (kEyeRadius + bulge) * Vec3(std::sin(angle) * std::cos(phi),
-                                                       std::sin(angle) * std::sin(phi), std::cos(angle)));
+      return Vec3(centre + eye_radius(angle) * Vec3(std::sin(angle) * std::cos(phi),
+                                                    std::sin(angle) * std::sin(phi), std::cos(angle)));
     };
     const auto add = [&](const Vec3& p, int band, double angle) {
       SculptVertex v = vertex(p, Tissue::eyeball);

@@ -199,8 +199,10 @@ SkinPatch skin_patch(const Sculpt& whole, const Vec3& site_mm, double radius_mm 
 struct Place {
   SkinPatch patch;
   Vec3 centre, normal;
-  Tangents tangents;  ///< Across the face and up, unit.
+  Tangents tangents;                  ///< Across the face and up, unit.
+  std::vector<std::uint32_t> around;  ///< Soft vertices within kFarthest_mm.
 };
+constexpr double kFarthest_mm = 20;  ///< No reach_mm is more.
 
 Vec3 patch_normal(const Sculpt& whole, const SkinPatch& patch) {
   Vec3 sum = Vec3::Zero();
@@ -213,11 +215,18 @@ Vec3 patch_normal(const Sculpt& whole, const SkinPatch& patch) {
 }
 
 Place place_at(const Sculpt& whole, const Vec3& centre) {
-  Place place{.patch = skin_patch(whole, centre), .centre = centre, .normal = {}, .tangents = {}};
+  Place place{
+      .patch = skin_patch(whole, centre), .centre = centre, .normal = {}, .tangents = {}, .around = {}};
   place.normal = patch_normal(whole, place.patch);
   const Vec3 across = (Vec3::UnitX() - place.normal.x() * place.normal).normalized();
   const Vec3 up = place.normal.cross(across);
   place.tangents << across, (up.y() < 0 ? -up : up);
+  for (std::uint32_t i = 0; i < whole.vertices.size(); ++i) {
+    const SculptVertex& v = whole.vertices[i];
+    const bool soft = v.tissue == Tissue::skin || v.tissue == Tissue::lip || v.tissue == Tissue::mouth ||
+                      v.tissue == Tissue::brow;
+    if (soft && (v.anchor - centre).norm() < kFarthest_mm) place.around.push_back(i);
+  }
   return place;
 }
 
@@ -271,14 +280,12 @@ void add_gradient(const Sculpt& whole, const Place& place, const Tangents& gradi
   const Vec3 swell = turn.norm() > 0
                          ? Vec3(change.swell_mm * turn.cross(place.normal.cross(turn.normalized())))
                          : Vec3::Zero();
-  for (std::size_t i = 0; i < d.size(); ++i) {
+  for (const std::uint32_t i : place.around) {
     const SculptVertex& v = whole.vertices[i];
-    const bool soft = v.tissue == Tissue::skin || v.tissue == Tissue::lip || v.tissue == Tissue::mouth ||
-                      v.tissue == Tissue::brow;
-    if (!soft) continue;
     const double q = (v.anchor - place.centre).squaredNorm() / (change.reach_mm * change.reach_mm);
     if (q >= 1) continue;
-    const double w = (1 - q) * (1 - q) * (1 + 2 * q) * (1 - smoothstep(0.3, 0.8, std::abs(v.lid)));
+    const double w =
+        (1 - q) * (1 - q) * (1 + 2 * q) * (1 - smoothstep(0.3, 0.8, std::abs(v.lid))) * off_canthi(v.anchor);
     d[i] += w * (field * (v.p - place.centre) - swell);
   }
 }

@@ -1,10 +1,9 @@
 #include "mien/builtin_face/load_face.h"
 
-#include <charconv>
 #include <filesystem>
-#include <string_view>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/builtin_face/person.h"
 #include "mien/face/gltf_import.h"
 #include "mien/face/ict_import.h"
 
@@ -12,17 +11,9 @@ namespace mien::builtin_face {
 namespace fs = std::filesystem;
 
 Result<face::Face> load_face(const std::string& what, const Progress& progress) {
-  if (what == "builtin") return make_builtin({.hair = HairStyle::crop});
-  constexpr std::string_view kPerson = "builtin:";
-  if (what.starts_with(kPerson)) {
-    std::uint64_t seed = 0;
-    const char* end = what.data() + what.size();
-    const auto [stop, problem] = std::from_chars(what.data() + kPerson.size(), end, seed);
-    if (problem != std::errc() || stop != end)
-      return fail(ErrorCode::bad_usage, "a person of the built-in family is named by a number", what,
-                  "such as builtin:7");
-    Random random(seed);
-    return make_builtin(random_identity(random));
+  if (names_person(what)) {
+    MIEN_TRY_ASSIGN(const Person person, find_person(what));
+    return make_builtin(person.parameters);
   }
   std::error_code code;
   const fs::path path = what;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
+#include "mien/builtin_face/albedo.h"
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
@@ -16,6 +18,8 @@ enum class Tissue : std::uint8_t {
   lip,         ///< The red of the lips.
   mouth,       ///< Inside of lips and cheeks.
   lid_inside,  ///< Margin and inside of a lid.
+  tear,        ///< The film of tears on the lower lid's edge.
+  caruncle,    ///< In the inner corner of the eye.
   ear,
   eyeball,
   teeth_upper,
@@ -45,6 +49,8 @@ enum class Piece : std::uint8_t {
   lips,
   mouth,
   lids,
+  tears,
+  caruncles,
   sclera_l,
   iris_l,
   pupil_l,
@@ -134,10 +140,12 @@ void add_shirt(Sculpt& half);
 /// Two eyeballs at their places, each a contiguous run of vertices.
 void add_eyeballs(Sculpt& whole);
 
-/// Colours of the head's hair at a tone of BuiltinParameters, linear.
-[[nodiscard]] Vec3f hair_colour(double hair_tone);
+/// How far brows of this fullness (BuiltinParameters) reach above and below their middle; 1 the default's.
+[[nodiscard]] inline double brow_spread(double brow_fullness) {
+  return 1 + 0.22 * std::clamp(brow_fullness, -3.0, 3.0);
+}
 
-/// Colours by place and tissue, skin tone, hair tone and style as in BuiltinParameters.
-void paint(Sculpt& whole, const BuiltinParameters& parameters);
+/// Colours by place and tissue, of these reflectances.
+void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& albedos);
 
 }  // namespace mien::builtin_face

@@ -11,7 +11,8 @@ namespace {
 struct ArchPoint {
   Vec3 p, out;
 };
-ArchPoint arch(double way, double half_width, double front_z, double depth, double y) {
+ArchPoint arch_point(const DentalArch& arch, double way) {
+  const auto& [half_width, front_z, depth, y] = arch;
   // A half ellipse walked in small steps; the arch is short and this is done once.
   double phi = 0, walked = 0;
   constexpr double kStep = 0.002;
@@ -32,14 +33,13 @@ void add_teeth(Sculpt& half, bool upper) {
   const double width_lower[] = {5.6, 6.0, 6.9, 7.0, 7.0, 10.5};
   const double height_upper[] = {10.0, 9.0, 9.8, 8.4, 7.8, 7.2};
   const double height_lower[] = {8.6, 8.8, 9.6, 8.4, 7.8, 7.2};
-  const double gum_y = upper ? -25.4 : -43.6;
-  const double half_width = upper ? 27 : 25.5, front = upper ? 100.5 : 98.0, depth = upper ? 40 : 38.5;
+  const DentalArch& arch = upper ? kUpperArch : kLowerArch;
   double way = 0;
   constexpr int kAround = 8;
   for (int t = 0; t < 6; ++t) {
     const double width = upper ? width_upper[t] : width_lower[t];
     const double height = upper ? height_upper[t] : height_lower[t];
-    const ArchPoint at = arch(way + 0.5 * width, half_width, front, depth, gum_y);
+    const ArchPoint at = arch_point(arch, way + 0.5 * width);
     way += width;
     const Vec3 along = Vec3::UnitY().cross(at.out);
     const double thick = t < 3 ? 6.0 : 8.5;
@@ -78,15 +78,14 @@ void add_teeth(Sculpt& half, bool upper) {
 void add_gums(Sculpt& half, bool upper) {
   const Tissue tissue = upper ? Tissue::gums_upper : Tissue::gums_lower;
   const Piece piece = upper ? Piece::gums_upper : Piece::gums_lower;
-  const double gum_y = upper ? -25.4 : -43.6;
-  const double half_width = upper ? 27 : 25.5, front = upper ? 100.5 : 98.0, depth = upper ? 40 : 38.5;
+  const DentalArch& arch = upper ? kUpperArch : kLowerArch;
   const double grow = upper ? 1 : -1;  // away from the biting edge
   // Outward and upward over the cross-section, front edge of the teeth to the palate.
   const double section[][2] = {{0.0, -1.2}, {1.0, 0.6}, {1.2, 4.0}, {-2.0, 8.0}, {-8.0, 6.5}, {-9.0, -0.5}};
   Ring ring;
   constexpr int kSteps = 14;
   for (int k = 0; k <= kSteps; ++k) {
-    const ArchPoint at = arch(46.0 * k / kSteps, half_width, front, depth, gum_y);
+    const ArchPoint at = arch_point(arch, 46.0 * k / kSteps);
     Ring next;
     for (const auto& s : section) {
       Vec3 p = at.p + at.out * s[0] + Vec3(0, grow * s[1], 0);
@@ -104,8 +103,8 @@ void add_tongue(Sculpt& half) {
   Ring ring;
   for (int k = 0; k <= kAlong; ++k) {
     const double s = static_cast<double>(k) / kAlong;
-    const double z = mix(44, 92, s);
-    const double width = 18 * std::pow(1 - std::pow(s, 3.2), 0.5) * mix(0.85, 1.0, std::min(1.0, 3 * s));
+    const double z = mix(44, 90.5, s);
+    const double width = 15.5 * std::pow(1 - std::pow(s, 2.2), 0.5);  // between the teeth
     const double thick = mix(9.0, 2.4, s) * std::pow(1 - std::pow(s, 6), 0.5);
     const double middle_y = mix(-47.5, -40.5, s);
     Ring next;

@@ -10,15 +10,15 @@ namespace {
 
 std::vector<double> column_azimuths() {
   std::vector<double> columns;
-  for (int i = 0; i <= 6; ++i) columns.push_back(1.3 * i * kRadPerDeg);
-  for (int i = 1; i <= 19; ++i) columns.push_back((7.8 + 1.8 * i) * kRadPerDeg);
+  for (int i = 0; i <= 10; ++i) columns.push_back(0.95 * i * kRadPerDeg);
+  for (int i = 1; i <= 18; ++i) columns.push_back((9.5 + 1.8 * i) * kRadPerDeg);
   double step = 1.75;
   while (columns.back() < 180 * kRadPerDeg) {
     step = std::min(step * 1.16, columns.back() < 100 * kRadPerDeg ? 4.8 : 11.0);
     columns.push_back(columns.back() + step * kRadPerDeg);
   }
   // Stretch what lies behind the face so that the last column ends at the back exactly.
-  const double front = columns[25];
+  const double front = columns[28];
   const double scale = (M_PI - front) / (columns.back() - front);
   for (double& c : columns)
     if (c > front) c = front + (c - front) * scale;
@@ -29,10 +29,11 @@ std::vector<double> column_azimuths() {
 std::vector<double> row_coordinates() {
   std::vector<double> rows;
   for (int i = 0; i < 8; ++i) rows.push_back(mix(kNeckRow, kThroatRow, i / 8.0));
-  for (int i = 0; i < 10; ++i) rows.push_back(mix(kThroatRow, kChinRow, i / 10.0));
+  for (int i = 0; i < 12; ++i)  // closer together under the chin
+    rows.push_back(mix(kChinRow, kThroatRow, std::pow(1 - i / 12.0, 1.4)));
   for (int i = 0; i < 15; ++i) rows.push_back(kChinRow + 3.0 * i);
-  for (int i = 0; i < 10; ++i) rows.push_back(-15 + 2.1 * i);  // the nose's underside is steep
-  for (int i = 0; i < 18; ++i) rows.push_back(6 + 3.0 * i);
+  for (int i = 0; i < 22; ++i) rows.push_back(-15 + 1.5 * i);  // the nose
+  for (int i = 0; i < 14; ++i) rows.push_back(18 + 3.0 * i);
   double step = 3.0;
   for (double row = kCrownRow; row < kTopRow - 8; row += step) {
     rows.push_back(row);
@@ -41,7 +42,7 @@ std::vector<double> row_coordinates() {
   return rows;
 }
 
-constexpr std::size_t kFaceRow = 18;  ///< Index of the row at kChinRow; the next ones are 3 mm apart.
+constexpr std::size_t kFaceRow = 20;  ///< Index of the row at kChinRow; the next ones are 3 mm apart.
 
 /// A block of the grid that a hole replaces: first and last row and column, as vertices.
 struct Block {
@@ -53,8 +54,8 @@ struct Block {
     return row > row0 && row < row1 && (column > column0 || column0 == 0) && column < column1;
   }
 };
-constexpr Block kEyeBlock{kFaceRow + 29, kFaceRow + 40, 5, 25};   // y 18 to 51
-constexpr Block kMouthBlock{kFaceRow + 1, kFaceRow + 15, 0, 14};  // y -57 to -15
+constexpr Block kEyeBlock{kFaceRow + 37, kFaceRow + 48, 7, 28};   // y 18 to 51
+constexpr Block kMouthBlock{kFaceRow + 1, kFaceRow + 15, 0, 17};  // y -57 to -15
 
 double lip_side_at(double x, double y) {
   const double width = 4.0 + 2.7 * std::max(0.0, x - kMouthCornerX + 1);
@@ -65,7 +66,62 @@ std::uint32_t add_skin_vertex(Sculpt& half, const Vec3& p, Tissue tissue = Tissu
   return half.add(vertex(p, tissue, lip_side_at(p.x(), p.y())));
 }
 
+/// The tears that stand on the lower lid's edge: a clear strip, hollow towards the eyeball.
+void add_tear_film(Sculpt& half, const Ring& margin) {
+  struct Step {
+    double radius, rise;  // mm; from the margin along the ball
+  };
+  Ring ring;
+  for (const Step step :
+       {Step{kLidRadius - 0.75, 0.0}, Step{kEyeRadius + 0.55, 0.35}, Step{kEyeRadius + 0.1, 1.0}}) {
+    Ring next;
+    for (const std::uint32_t i : margin) {
+      const Vec3 out = half.vertices[i].p - kEyeCentre;
+      const Vec3 up = (Vec3::UnitY() - out * out.y() / out.squaredNorm()).normalized();
+      SculptVertex v =
+          vertex(kEyeCentre + (out + step.rise * up).normalized() * step.radius, Tissue::tear, 1);
+      v.lid = half.vertices[i].lid;
+      next.push_back(half.add(v));
+    }
+    if (!ring.empty()) sew(half, Piece::tears, ring, next, false);
+    ring = std::move(next);
+  }
+}
+
+/// The pink flesh in the inner corner of the eye.
+void add_caruncle(Sculpt& half) {
+  constexpr int kAround = 10, kRings = 4;
+  const Vec3 middle(kInnerCanthusX + 2.3, kInnerCanthusY - 0.1, kEyeCentre.z() + 4.0);
+  const Vec3 radii(2.5, 1.6, 1.9);
+  const std::uint32_t front = half.add(vertex(middle + Vec3(0, 0, radii.z()), Tissue::caruncle));
+  Ring ring;
+  for (int k = 1; k <= kRings; ++k) {
+    const double polar = 0.5 * M_PI * k / kRings;
+    Ring next;
+    for (int i = 0; i < kAround; ++i) {
+      const double phi = 2 * M_PI * i / kAround;
+      next.push_back(
+          half.add(vertex(middle + radii.cwiseProduct(Vec3(std::sin(polar) * std::cos(phi),
+                                                           std::sin(polar) * std::sin(phi), std::cos(polar))),
+                          Tissue::caruncle)));
+    }
+    if (ring.empty())
+      for (int i = 0; i < kAround; ++i)
+        half.triangle(Piece::caruncles, front, next[i], next[(i + 1) % kAround]);
+    else
+      sew(half, Piece::caruncles, next, ring, true);
+    ring = std::move(next);
+  }
+}
+
 using Grid = std::vector<std::vector<std::uint32_t>>;
+
+/// How far the upper lid's skin stands out (mm) by rings from its crease: the fold above hangs over it.
+double fold_mm(int rings_below_crease) {
+  constexpr double kFold[] = {0.45, 0.9, 1.0, -0.9, -0.2};  // from three rings above
+  const int i = rings_below_crease + 3;
+  return i < 0 || i >= static_cast<int>(std::size(kFold)) ? 0 : kFold[i];
+}
 
 void add_eye(Sculpt& half, const Grid& grid) {
   // The block's border, counter-clockwise from the middle of its nasal side.
@@ -95,17 +151,31 @@ void add_eye(Sculpt& half, const Grid& grid) {
     margin[i] = {x, lower ? lower_lid_y(x) : upper_lid_y(x)};
     side[i] = (lower ? -1 : 1) * std::pow(std::sin(M_PI * s), 0.5);
   }
-  constexpr int kRings = 9;
+  // The upper lid's crease, and what answers to it on the lower.
+  std::vector<Eigen::Vector2d> crease(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double s = std::abs(side[i]);
+    const Eigen::Vector2d out = (border[i] - margin[i]).normalized();
+    const Eigen::Vector2d up(0.12, side[i] > 0 ? 1 : -1);
+    crease[i] = margin[i] + mix(1.3, side[i] > 0 ? 3.0 : 4.2, s * s) * ((1 - s) * out + s * up).normalized();
+  }
+  constexpr int kRings = 9, kCrease = 6;
   for (int k = 1; k <= kRings; ++k) {
     const double f = 1 - std::pow(1 - static_cast<double>(k) / kRings, 1.45);
+    const double to_crease = 1 - std::pow(1 - std::min(1.0, static_cast<double>(k) / kCrease), 1.45);
+    const double to_margin = std::max(0.0, static_cast<double>(k - kCrease) / (kRings - kCrease));
     Ring next(n);
     for (std::size_t i = 0; i < n; ++i) {
-      const Eigen::Vector2d at = (1 - f) * border[i] + f * margin[i];
+      const Eigen::Vector2d at =
+          (1 - to_margin) * ((1 - to_crease) * border[i] + to_crease * crease[i]) + to_margin * margin[i];
       Vec3 p = head_point_at(at.x(), at.y());
+      p += (p - kEyeCentre).normalized() * fold_mm(k - kCrease) * smoothstep(0.55, 1.0, side[i]) *
+           smoothstep(21, 30, p.x());
       if (k == kRings) {
         // The margin stands on the lids' own sphere; at the corners it meets the surrounding skin.
         const Vec3 out = (p - kEyeCentre).normalized();
-        p = kEyeCentre + out * std::clamp((p - kEyeCentre).norm(), kLidRadius - 0.2, kLidRadius);
+        const double beyond = 2.6 * smoothstep(0.16, 0.0, lid_fraction(margin[i].x()));  // about the caruncle
+        p = kEyeCentre + out * std::clamp((p - kEyeCentre).norm(), kLidRadius - 0.2, kLidRadius + beyond);
       }
       next[i] = add_skin_vertex(half, p);
       half.vertices[next[i]].lid = side[i] >= 0 ? f * std::min(1.0, std::abs(side[i]) * 1.6 + 0.02)
@@ -114,6 +184,8 @@ void add_eye(Sculpt& half, const Grid& grid) {
     sew(half, Piece::skin, ring, next, true);
     ring = std::move(next);
   }
+  Ring tear_edge;  // The lower lid's margin, nasal to temporal.
+  for (std::size_t i = 1; i < outer_corner; ++i) tear_edge.push_back(ring[i]);
   // The lid's edge, and its inside, which hugs the eyeball and ends deep beside it.
   struct Inner {
     double radius, back;
@@ -130,6 +202,8 @@ void add_eye(Sculpt& half, const Grid& grid) {
     sew(half, Piece::lids, ring, next, true);
     ring = std::move(next);
   }
+  add_tear_film(half, tear_edge);
+  add_caruncle(half);
 }
 
 void add_mouth(Sculpt& half, const Grid& grid) {
@@ -189,9 +263,9 @@ void add_mouth(Sculpt& half, const Grid& grid) {
   struct Step {
     double back, away, widen;
   };
-  constexpr Step kSteps[] = {{2.2, -0.1, 1.0}, {4.6, 1.2, 1.02}, {6.6, 4.5, 1.06},
-                             {8.4, 9.0, 1.12}, {13, 13, 1.17},   {22, 14, 1.2},
-                             {38, 14, 1.16},   {58, 12, 0.95},   {70, 8, 0.6}};
+  constexpr Step kSteps[] = {{2.2, -0.1, 1.0}, {4.6, 1.2, 1.02}, {5.8, 4.5, 1.06},
+                             {7.2, 9.0, 1.14}, {12, 13, 1.25},   {22, 14, 1.38},
+                             {36, 14, 1.52},   {50, 13, 1.4},    {62, 9, 1.0}};
   for (const Step step : kSteps) {
     Ring next(n);
     for (std::size_t i = 0; i < n; ++i) {

@@ -31,6 +31,7 @@ double carve(double a, double b, double k) {
 }
 
 constexpr double kAxisZ = 10, kNeckAxisZ = -20;
+constexpr double kNoseRows[] = {-15, 18};
 
 /// Forms finer than bones: how far (mm) the skin stands out from head_distance's surface at a place of the
 /// face.
@@ -46,7 +47,7 @@ double relief(const Vec3& p) {
   if (y > line) {
     const double top = upper_lip_border_y(x) - line + 0.4;
     const double u = (y - line) / top;
-    if (u < 1) h += body * 2.7 * std::pow(std::sin(M_PI * std::pow(u, 0.75)), 0.8);
+    if (u < 1) h += body * 3.3 * std::pow(std::sin(M_PI * std::pow(u, 0.75)), 0.8);
     h += body * 0.9 * gauss((y - line - top) / 3.5);
   } else {
     const double bottom = line - lower_lip_border_y(x) + 0.4;
@@ -57,13 +58,28 @@ double relief(const Vec3& p) {
        smoothstep(33, 26, x);
   // Philtrum between its two ridges.
   const double philtrum = smoothstep(-28, -23, y) * smoothstep(-10, -15, y);
-  h += philtrum * (0.7 * gauss((x - 5.0) / 2.4) - 1.0 * gauss(x / 2.6));
+  h += philtrum * (0.9 * gauss((x - 4.6) / 2.0) - 1.1 * gauss(x / 2.6));
   // Furrow between lip and chin, and the fold from nose to mouth corner.
   h -= 2.6 * gauss((y + 50 - 0.006 * x * x) / 5.0) * gauss(x / 19);
   const double along = std::clamp((-6 - y) / 28, 0.0, 1.0);
   const double fold_x = mix(18.5, 33.5, along);
   h -= 1.0 * gauss((x - fold_x) / 4.2) * smoothstep(-4, -12, y) * smoothstep(-42, -30, y);
   return h;
+}
+
+/// The nose on the face `d`; `q` is p on the left side, smooth across the midline.
+double nose_joined(double d, const Vec3& p, const Vec3& q) {
+  if (p.z() < 70) return d;
+  // Bridge, its side walls, and the tip's two domes.
+  double dorsum = capsule(p, {0, 41, 98.5}, 5.6, {0, 9, 117}, 5.2);
+  dorsum = join(dorsum, ellipsoid(p, {0, 14, 100}, {11.5, 27, 12}), 9);
+  dorsum = join(dorsum, ellipsoid(q, {3.6, 3.6, 117.6}, {5.4, 7.6, 11.6}), 7);
+  dorsum = join(dorsum, ellipsoid(p, {0, 4, 112}, {11, 9, 11}), 6);
+  d = join(d, dorsum, 8);
+  // Wings, each in a groove of its own, and the columella between the nostrils.
+  d = join(d, ellipsoid(q, {12.6, -3.6, 108.2}, {4.9, 6.7, 9.2}), 2.4);
+  d = join(d, capsule(p, {0, -1, 119}, 4.6, {0, -11.5, 107.5}, 3.2), 4);
+  return carve(d, ellipsoid(q, {8.2, -11.0, 112.2}, {3.2, 8.4, 6.6}), 1.4);
 }
 
 }  // namespace
@@ -75,20 +91,20 @@ double head_distance(const Vec3& p) {
   double d = ellipsoid(p, {0, 58, 0}, {75, 86, 93});
   d = join(d, ellipsoid(p, {0, 66, 40}, {62, 50, 62}), 14);
   // Middle face, cheekbones, flesh of the cheeks, upper jaw.
-  d = join(d, ellipsoid(p, {0, 8, 36}, {65, 64, 66}), 22);
+  d = join(d, ellipsoid(p, {0, 8, 36}, {63, 64, 66}), 22);
   d = join(d, capsule(q, {37, 9, 83}, 11, {56, 17, 52}, 11), 22);
-  d = join(d, ellipsoid(q, {36, -22, 66}, {21, 30, 27}), 18);
+  d = join(d, ellipsoid(q, {35.6, -21.8, 66}, {20.8, 29.8, 27}), 18);
   d = join(d, ellipsoid(p, {0, -26, 72}, {30, 34, 36}), 18);
   // Lower jaw and chin.
-  d = join(d, capsule(q, {48, 6, 18}, 14, {41, -36, 26}, 13), 30);
+  d = join(d, capsule(q, {47, 6, 18}, 13, {35, -32, 24}, 11), 28);
   const Vec3 other(-p.x(), p.y(), p.z());
-  const double mandible = join(capsule(p, {41, -37, 28}, 13, {9, -66, 86}, 11.5),
-                               capsule(other, {41, -37, 28}, 13, {9, -66, 86}, 11.5), 12);
-  d = join(d, mandible, 28);
-  d = join(d, ellipsoid(p, {0, -66, 93}, {18, 14.5, 14.5}), 16);
-  d = join(d, ellipsoid(p, {0, -58, 56}, {34, 22, 36}), 18);
+  const double mandible = join(capsule(p, {34, -35, 28}, 11, {8, -66, 87}, 11),
+                               capsule(other, {34, -35, 28}, 11, {8, -66, 87}, 11), 12);
+  d = join(d, mandible, 26);
+  d = join(d, ellipsoid(p, {0, -66, 93.5}, {16, 14, 14.3}), 15);
+  d = join(d, ellipsoid(p, {0, -58, 56}, {30, 21, 36}), 18);
   // Neck, widening to the shoulders.
-  double neck = capsule(p, {0, -10, -22}, 51, {0, -240, -30}, 54);
+  double neck = capsule(p, {0, -10, -22}, 45.5, {0, -240, -30}, 54);
   neck = join(neck, capsule(q, {24, -150, -42}, 40, {84, -240, -46}, 38), 40);
   neck = join(neck, capsule(q, {50, -20, -14}, 7, {12, -190, 20}, 8), 28);
   d = join(d, neck, 14);
@@ -97,20 +113,20 @@ double head_distance(const Vec3& p) {
   brow = join(brow, capsule(q, {40, 55, 86}, 9.5, {55, 44, 66}, 7), 6);
   d = join(d, brow, 16);
   d = carve(d, ellipsoid(q, {31, 35, 106}, {20, 12, 17}), 10);
-  d = join(d, (q - kEyeCentre).norm() - kLidRadius, 3.5);
+  d = join(d, (q - kEyeCentre).norm() - kLidRadius, 5.0);
   d = join(d, ellipsoid(q, {33, 29, 84}, {16, 11, 11}), 8);
-  // Nose.
-  double nose = capsule(p, {0, 40, 98}, 7.2, {0, 8, 116}, 7.6);
-  nose = join(nose, ellipsoid(p, {0, 3.5, 117}, {9.6, 9.0, 12.5}), 8);
-  nose = join(nose, ellipsoid(p, {0, 14, 100}, {12.5, 26, 12}), 10);
-  nose = join(nose, ellipsoid(q, {12.2, -2.0, 107.5}, {6.2, 7.4, 9.5}), 4);
-  nose = join(nose, capsule(p, {0, -2, 118}, 5, {0, -11, 108}, 3.6), 5);
-  nose = carve(nose, ellipsoid(q, {7.6, -11.0, 114.5}, {3.9, 8.5, 7.5}), 2.0);
-  return join(d, nose, 7);
+  return nose_joined(d, p, q);
 }
 
 Vec3 head_point(double azimuth_rad, double row) {
   double elevation = 0, origin_y = row, origin_z = kAxisZ;
+  if (row > kNoseRows[0] && row < kNoseRows[1]) {
+    // Downward through the nose's underside, which level rays would graze; the lines cross the face in the
+    // order of their rows.
+    const double under = smoothstep(kNoseRows[0], -9, row) * smoothstep(kNoseRows[1], 4, row);
+    elevation = -0.48 * under * gauss(azimuth_rad / 0.21);
+    origin_y = row - 94 * std::tan(elevation);
+  }
   if (row > kCrownRow) {
     elevation = (row - kCrownRow) / 85;
     origin_y = kCrownRow;

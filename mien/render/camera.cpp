@@ -1,18 +1,26 @@
 #include "mien/render/camera.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <limits>
+#include <numbers>
+#include <system_error>
 
 namespace mien::render {
 
-std::optional<View> view_from_name(std::string_view name) {
-  if (name == "front") return View::front;
-  if (name == "three-quarter") return View::three_quarter;
-  if (name == "side") return View::side;
-  return std::nullopt;
+std::optional<float> view_rad_from_name(std::string_view name) {
+  if (name == "front") return kFrontView_rad;
+  if (name == "three-quarter") return kThreeQuarterView_rad;
+  if (name == "side") return kSideView_rad;
+  float degrees = 0;
+  const auto [stop, problem] = std::from_chars(name.data(), name.data() + name.size(), degrees);
+  if (problem != std::errc() || stop != name.data() + name.size() || !(std::abs(degrees) <= 360))
+    return std::nullopt;
+  return degrees * std::numbers::pi_v<float> / 180;
 }
 
-Camera portrait_camera(const face::Face& face, View view, int width, int height, float closeness) {
+Camera portrait_camera(const face::Face& face, float view_rad, int width, int height, float closeness) {
   Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max());
   Vec3f high = -low;
   const auto include = [&](const Vec3f& p) {
@@ -31,7 +39,8 @@ Camera portrait_camera(const face::Face& face, View view, int width, int height,
   if (face.has_landmarks) {
     shown_m = 2.05F * size.y();
     target.y() += 0.14F * size.y();
-    if (view != View::front) target.z() -= 0.35F * size.z();
+    // Turned, a head is about its ears, not about its face.
+    target.z() -= 0.35F * size.z() * std::min(1.0F, std::abs(view_rad) / kThreeQuarterView_rad);
   }
   shown_m = std::max(shown_m, 1e-3F) / closeness;
 
@@ -40,11 +49,10 @@ Camera portrait_camera(const face::Face& face, View view, int width, int height,
   camera.height = height;
   camera.target_m = target;
   camera.field_of_view_rad = 0.32F;
-  const float yaw_rad = view == View::front ? 0.0F : view == View::three_quarter ? 0.68F : 1.5F;
   // A picture narrower than high must still hold the width of the head.
   const float fit = std::max(1.0F, 0.85F * static_cast<float>(height) / static_cast<float>(width));
   const float distance_m = 0.5F * shown_m * fit / std::tan(0.5F * camera.field_of_view_rad);
-  camera.position_m = target + distance_m * Vec3f(std::sin(yaw_rad), 0.03F, std::cos(yaw_rad));
+  camera.position_m = target + distance_m * Vec3f(std::sin(view_rad), 0.03F, std::cos(view_rad));
   return camera;
 }
 

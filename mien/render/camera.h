@@ -17,15 +17,19 @@ struct Camera {
   Vec3f target_m = Vec3f::Zero();   ///< In the middle of the picture.
   Vec3f up = Vec3f::UnitY();        ///< Not along the line of sight.
   float field_of_view_rad = 0.35F;  ///< Vertical, whole angle.
+  bool operator==(const Camera&) const = default;
 };
 
-/// From where a face is looked at. Three-quarter and side look at the performer's left.
-enum class View { front, three_quarter, side };
-[[nodiscard]] std::optional<View> view_from_name(std::string_view name);
+/// From where a face is looked at: radians about the vertical, 0 from the front, positive from the
+/// performer's left.
+inline constexpr float kFrontView_rad = 0, kThreeQuarterView_rad = 0.68F, kSideView_rad = 1.5F;
+
+/// "front", "three-quarter", "side", or degrees between -360 and 360: "45".
+[[nodiscard]] std::optional<float> view_rad_from_name(std::string_view name);
 
 /// A camera that has the whole neutral face in the picture, as a portrait photographer would: from about half
 /// a metre with a long lens. `closeness` 1 shows the head, 2 half of that.
-[[nodiscard]] Camera portrait_camera(const face::Face& face, View view, int width, int height,
+[[nodiscard]] Camera portrait_camera(const face::Face& face, float view_rad, int width, int height,
                                      float closeness = 1);
 
 }  // namespace mien::render

@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 
+#include "mien/render/lettering.h"
 #include "mien/render/renderer.h"
 
 namespace mien::render {
@@ -20,8 +21,9 @@ struct ComparisonCaptions {
 };
 
 /// One picture of three: the truth, the capture, and the capture painted with its error in millimetres.
-/// `camera` is that of each; the result is three times as wide. Cost: three stills.
-[[nodiscard]] Image comparison(Renderer& renderer, std::span<const Vec3f> truth_m,
+/// `camera` is that of each; the result is three times as wide. Cost: less than three stills, since the last
+/// two show one pose.
+[[nodiscard]] Image comparison(Renderer& renderer, const Lettering& lettering, std::span<const Vec3f> truth_m,
                                std::span<const Vec3f> capture_m, const Camera& camera, const Look& look,
                                const ComparisonCaptions& captions, float full_scale_m = 5e-3F);
 

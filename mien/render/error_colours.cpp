@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "mien/render/lettering.h"
 #include "mien/render/tone.h"
 
 namespace mien::render {
@@ -44,7 +43,7 @@ Vec3f error_colour(float fraction) {
   return linear_from_oklab({lch[0], lch[1] * std::cos(hue_rad), lch[1] * std::sin(hue_rad)});
 }
 
-void draw_error_legend(Image& picture, float full_scale_m, Rgb ink) {
+void draw_error_legend(Image& picture, const Lettering& lettering, float full_scale_m, Rgb ink) {
   const float text = std::max(11.0F, 0.026F * static_cast<float>(picture.height));
   const int bar_height = std::max(5, static_cast<int>(0.55F * text));
   const int width = std::min(picture.width * 6 / 10, 420);
@@ -66,8 +65,8 @@ void draw_error_legend(Image& picture, float full_scale_m, Rgb ink) {
   const float baseline = static_cast<float>(top + bar_height) + 1.35F * text;
   const float full_mm = 1000 * full_scale_m;
   const auto label = [&](float part, const std::string& words) {
-    draw_text(picture, words, static_cast<float>(left) + part * static_cast<float>(width), baseline, text,
-              ink, Align::centre);
+    lettering.draw(picture, words, static_cast<float>(left) + part * static_cast<float>(width), baseline,
+                   text, ink, Align::centre);
   };
   label(0, "0");
   label(0.5F, fmt::format("{:.3g}", 0.5F * full_mm));

@@ -2,6 +2,7 @@
 
 #include "mien/core/rotation.h"
 #include "mien/render/image.h"
+#include "mien/render/lettering.h"
 
 namespace mien::render {
 
@@ -10,6 +11,6 @@ namespace mien::render {
 [[nodiscard]] Vec3f error_colour(float fraction);
 
 /// Draws the ramp with its scale in millimetres along the bottom of a picture.
-void draw_error_legend(Image& picture, float full_scale_m, Rgb ink);
+void draw_error_legend(Image& picture, const Lettering& lettering, float full_scale_m, Rgb ink);
 
 }  // namespace mien::render

@@ -11,6 +11,7 @@ namespace mien::render {
 
 Image::Image(int width_px, int height_px, Rgb fill)
     : width(width_px), height(height_px), rgb(std::size_t(3) * width_px * height_px) {
+  if (fill == Rgb{0, 0, 0}) return;
   for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = fill[i % 3];
 }
 

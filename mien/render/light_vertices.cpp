@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,123 +16,83 @@ constexpr float kClear_m = 2e-4F;
 /// Rays to lights start higher above the skin: light enters some way from where it leaves, and the border of
 /// shadow on a curved cheek is soft.
 constexpr float kScatterHeight_m = 1.2e-3F;
-/// How far light spreads in skin, red, green, blue: mean free paths of some millimetres and less
-/// (Jensen et al. 2001, doi:10.1145/383259.383319, table 1), as the deviation of a Gaussian.
-const Vec3f kScatter_m(3.4e-3F, 1.5e-3F, 0.9e-3F);
 
 /// Of the light that meets hair, the part that comes out behind it; chosen by eye.
 constexpr float kThroughHair = 0.4F;
 /// Hair nearer than this to a place of hair belongs to the same lock.
 constexpr float kOwnLock_m = 5e-3F;
+/// How far from what shapes move light is found anew for each pose.
+constexpr float kNearMotion_m = 0.03F;
+/// A light further round the vertex than this (cosine) does not reach it.
+constexpr float kBehind = -0.45F;
+
+/// Some of the directions from one vertex, and what came of asking for them.
+struct Asked {
+  std::array<Vec3f, kMostDirections> direction;
+  std::array<std::uint8_t, kMostDirections> index, blocked;
+  std::size_t count = 0;
+
+  void clear() { count = 0; }
+  void add(const Vec3f& d, std::size_t k) {
+    direction[count] = d;
+    index[count++] = static_cast<std::uint8_t>(k);
+  }
+  void ask(const RayScene& scene, const Vec3f& from, float near_m, float far_m) {
+    scene.blocked(from, std::span(direction).first(count), near_m, far_m, std::span(blocked).first(count));
+  }
+};
 
 }  // namespace
 
-void Renderer::State::find_neighbours() {
-  const std::size_t n = face.neutral_m.size();
-  position = face.neutral_m;
-
-  // Importers split vertices where texture coordinates break; skin does not break there.
-  normal.resize(n);
-  face::vertex_normals(face, position, normal);
-  std::vector<std::uint32_t> order(n);
-  for (std::size_t i = 0; i < n; ++i) order[i] = static_cast<std::uint32_t>(i);
-  const auto key = [&](std::uint32_t i) {
-    const Vec3f& p = face.neutral_m[i];
-    return std::array<float, 3>{p.x(), p.y(), p.z()};
-  };
-  std::ranges::sort(
-      order, [&](std::uint32_t a, std::uint32_t b) { return std::pair(key(a), a) < std::pair(key(b), b); });
-  twin.resize(n);
-  for (std::size_t i = 0, first = 0; i < n; ++i) {
-    if (key(order[i]) != key(order[first])) first = i;
-    twin[order[i]] = order[i];
-    for (std::size_t j = first; j < i; ++j)
-      if (twin[order[j]] == order[j] && normal[order[i]].dot(normal[order[j]]) > 0.3F) {
-        twin[order[i]] = order[j];
-        break;
-      }
-  }
-
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  lit_by_vertex.assign(n, false);
-  scatters.assign(n, false);
-  for (std::size_t t = 0; t < face.triangles.size(); ++t) {
-    if (material[t] == Material::skin || material[t] == Material::lips)
-      for (const std::uint32_t i : face.triangles[t]) scatters[i] = true;
-    if (is_eye(material[t]) || layer[t] != Layer::solid) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint32_t a = twin[face.triangles[t][c]], b = twin[face.triangles[t][(c + 1) % 3]];
-      lit_by_vertex[a] = true;
-      if (a == b) continue;
-      edges.emplace_back(a, b);
-      edges.emplace_back(b, a);
-    }
-  }
-  has_hair = std::ranges::find(material, Material::strands) != material.end();
-  for (std::size_t i = 0; i < n; ++i)
-    if (is_strand[i]) lit_by_vertex[twin[i]] = true;
-  std::ranges::sort(edges);
-  edges.erase(std::ranges::unique(edges).begin(), edges.end());
-  neighbour_start.assign(n + 1, 0);
-  for (const auto& [a, b] : edges) ++neighbour_start[a + 1];
-  for (std::size_t i = 0; i < n; ++i) neighbour_start[i + 1] += neighbour_start[i];
-  spread_m.assign(n, 0);
-  for (const auto& [a, b] : edges) {
-    neighbour.push_back(b);
-    spread_m[a] += (face.neutral_m[a] - face.neutral_m[b]).norm();
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    if (const auto count = neighbour_start[i + 1] - neighbour_start[i]; count > 0)
-      spread_m[i] /= static_cast<float>(count);
+bool Renderer::State::hair_rests(std::span<const Vec3f> vertices_m) const {
+  return std::ranges::all_of(still_vertex,
+                             [&](std::uint32_t i) { return vertices_m[i] == face.neutral_m[i]; });
 }
 
-void Renderer::State::measure_lashes() {
-  const std::size_t n = face.neutral_m.size();
-  lash_length_m.assign(n, 0);
-  std::vector<bool> is_lash(n, false), is_skin(n, false);
-  for (std::size_t t = 0; t < face.triangles.size(); ++t)
-    for (const std::uint32_t i : face.triangles[t]) {
-      if (material[t] == Material::lash) is_lash[i] = true;
-      if (layer[t] != Layer::fringe) is_skin[i] = true;
-    }
-  Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
-  for (std::size_t i = 0; i < n; ++i)
-    if (is_lash[i]) {
-      low = low.cwiseMin(face.neutral_m[i]);
-      high = high.cwiseMax(face.neutral_m[i]);
-    }
-  constexpr float kReach_m = 0.015F;
-  std::vector<Vec3f> near;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3f& p = face.neutral_m[i];
-    if (is_skin[i] && (p - low).minCoeff() > -kReach_m && (high - p).minCoeff() > -kReach_m)
-      near.push_back(p);
-  }
-  parallel(threads, n, 512, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      if (!is_lash[i]) continue;
-      float nearest2 = kReach_m * kReach_m;
-      for (const Vec3f& p : near) nearest2 = std::min(nearest2, (p - face.neutral_m[i]).squaredNorm());
-      lash_length_m[i] = std::sqrt(nearest2);
-    }
-  });
-}
-
-void Renderer::State::find_normals(std::span<const Vec3f> vertices_m) {
+void Renderer::State::pose(std::span<const Vec3f> vertices_m, bool all) {
   std::ranges::copy(vertices_m, position.begin());
-  std::ranges::fill(normal, Vec3f::Zero());
-  for (const auto& [a, b, c] : face.triangles) {
-    const Vec3f across = (position[b] - position[a]).cross(position[c] - position[a]);
-    normal[twin[a]] += across;
-    normal[twin[b]] += across;
-    normal[twin[c]] += across;
+  find_normals(all);
+  solid.move(vertices_m);
+  if (all) hair.move(vertices_m);
+  parallel(workers, position.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      if (all || !is_still[i]) on_screen[i] = view.project(position[i]);
+  });
+  solid_bins.sort(solid_triangle, face.triangles, on_screen, view.width, view.height);
+  clear_bins.sort(clear_triangle, face.triangles, on_screen, view.width, view.height);
+  moving_hair_bins.sort(moving_hair_triangle, face.triangles, on_screen, view.width, view.height);
+  if (all) still_hair_bins.sort(still_hair_triangle, face.triangles, on_screen, view.width, view.height);
+  for (HairLight& colours : hair_light) {
+    colours.moving_known = false;
+    if (all) colours.still_known = false;
   }
+}
+
+void Renderer::State::find_normals(bool all) {
+  for (std::size_t i = 0; i < normal.size(); ++i)
+    if (all || !is_still[i]) normal[i].setZero();
+  const auto add = [&](const std::vector<std::uint32_t>& triangles) {
+    for (const std::uint32_t t : triangles) {
+      const auto& [a, b, c] = face.triangles[t];
+      const Vec3f across = (position[b] - position[a]).cross(position[c] - position[a]);
+      normal[twin[a]] += across;
+      normal[twin[b]] += across;
+      normal[twin[c]] += across;
+    }
+  };
+  add(solid_triangle);
+  add(clear_triangle);
+  add(moving_hair_triangle);
+  if (all) add(still_hair_triangle);
   for (std::size_t i = 0; i < normal.size(); ++i) {
+    if (twin[i] != i || (is_still[i] && !all)) continue;
     const float length = normal[i].norm();
-    if (twin[i] == i) normal[i] = length > 1e-20F ? Vec3f(normal[i] / length) : Vec3f::UnitZ();
+    normal[i] = length > 1e-20F ? Vec3f(normal[i] / length) : Vec3f::UnitZ();
+    if (is_strand[i]) normal[i] = rounded_hair(position[i], normal[i], middle_m);
   }
-  for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = normal[twin[i]];
-  round_hair(position, is_strand, middle_m, normal);
+  for (const std::uint32_t i : copied_vertex) normal[i] = normal[twin[i]];
+  if (all)
+    for (const std::uint32_t i : still_vertex) normal[i] = normal[twin[i]];
 
   for (std::size_t e = 0; e < 2; ++e) {
     const face::Eyeball& ball = face.eyes[e];
@@ -148,81 +108,222 @@ void Renderer::State::find_normals(std::span<const Vec3f> vertices_m) {
   }
 }
 
-void Renderer::State::light_vertices(const Studio& studio) {
-  const std::size_t n = position.size();
-  ambient.assign(n, Vec3f::Zero());
-  for (auto& part : visible) part.assign(n, Vec3f::Zero());
-  // Of light from a direction, what hair lets through. A ribbon is no shade to itself and its neighbours.
-  const auto in_hair = [&](std::size_t i, const Vec3f& d, float reach_m) {
-    if (!has_hair) return 1.0F;
-    const Vec3f from = position[i] + kScatterHeight_m * normal[i];
-    return hair.blocked(from, d, is_strand[i] ? kOwnLock_m : 0, reach_m) ? kThroughHair : 1.0F;
-  };
-  parallel(threads, n, 256, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
-      if (twin[i] != i || !lit_by_vertex[i]) continue;
-      const Vec3f& up = normal[i];
-      // Of hair, which has most vertices and blurs its own light, a film takes fewer directions.
-      const bool fewer = is_strand[i] && quality == Quality::video;
-      const std::size_t every = fewer ? 4 : 1, every_of_lamp = fewer ? 3 : 1;
-      float weights = 0;
-      Vec3f light = Vec3f::Zero();
-      for (std::size_t k = 0; k < ambient_directions.size(); k += every) {
-        const Vec3f& d = ambient_directions[k];
-        const float cosine = d.dot(up);
-        if (cosine <= 0.02F) continue;
-        weights += cosine;
-        if (!solid.blocked(position[i] + kClear_m * up, d, 0, kAmbientReach_m))
-          light += cosine * (fewer ? 1.0F : in_hair(i, d, kAmbientReach_m)) * studio.around(d);
-      }
-      if (weights > 0) ambient[i] = light / weights;
-      for (std::size_t l = 0; l < kLights; ++l) {
-        if (studio.light[l].direction.dot(up) < -0.45F) continue;
-        float seen = 0, asked = 0;
-        for (std::size_t k = 0; k < studio.light_samples[l].size(); k += every_of_lamp) {
-          const Vec3f& d = studio.light_samples[l][k];
-          ++asked;
-          if (!solid.blocked(position[i] + kScatterHeight_m * up, d, 0, kFar_m))
-            seen += in_hair(i, d, kFar_m);
+void Renderer::State::shade_by_hair() {
+  if (hair_triangle.empty()) return;
+  for (const std::vector<std::uint32_t>* list : {&lit_vertex, &moving_hair_vertex, &still_hair_vertex})
+    parallel(workers, list->size(), 128, [&](std::size_t first, std::size_t last) {
+      Asked asked;
+      for (std::size_t at = first; at < last; ++at) {
+        const std::uint32_t i = (*list)[at];
+        const Vec3f from = position[i] + kScatterHeight_m * normal[i];
+        // A ribbon is no shade to itself and its neighbours.
+        const float near_m = is_strand[i] ? kOwnLock_m : 0;
+        HairShade& shade = hair_shade[i];
+        shade = {};
+        if (!is_strand[i] || quality == Quality::still) {
+          asked.clear();
+          for (std::size_t k = 0; k < ambient_directions.size(); ++k)
+            if (ambient_directions[k].dot(normal[i]) > kGrazing) asked.add(ambient_directions[k], k);
+          asked.ask(hair, from, near_m, kAmbientReach_m);
+          for (std::size_t k = 0; k < asked.count; ++k)
+            shade.ambient[asked.index[k] / 32U] |= std::uint32_t{asked.blocked[k]} << asked.index[k] % 32U;
         }
-        visible[l][i].setConstant(seen / asked);
+        asked.clear();
+        for (std::size_t l = 0; l < kLights; ++l)
+          if (studio.light[l].direction.dot(normal[i]) >= kBehind)
+            for (std::size_t k = 0; k < studio.light_samples[l].size(); ++k)
+              asked.add(studio.light_samples[l][k], l * kMostLightSamples + k);
+        asked.ask(hair, from, near_m, kFar_m);
+        for (std::size_t a = 0; a < asked.count; ++a) {
+          std::uint16_t& bits = shade.light[asked.index[a] / kMostLightSamples];
+          bits = static_cast<std::uint16_t>(bits | asked.blocked[a] << asked.index[a] % kMostLightSamples);
+        }
+      }
+    });
+}
+
+VertexLight Renderer::State::light_at(std::uint32_t i) const {
+  const Vec3f& up = normal[i];
+  const HairShade& shade = hair_shade[i];
+  // Of hair, which has most vertices and blurs its own light, a film takes fewer directions.
+  const bool fewer = is_strand[i] && quality == Quality::video;
+  const std::size_t every = fewer ? 4 : 1, every_of_light = fewer ? 3 : 1;
+  VertexLight arrives = VertexLight::Zero();
+  Asked asked;
+  float weights = 0;
+  for (std::size_t k = 0; k < ambient_directions.size(); k += every)
+    if (ambient_directions[k].dot(up) > kGrazing) asked.add(ambient_directions[k], k);
+  asked.ask(solid, position[i] + kClear_m * up, 0, kAmbientReach_m);
+  Vec3f light_sum = Vec3f::Zero();
+  for (std::size_t a = 0; a < asked.count; ++a) {
+    const std::size_t k = asked.index[a];
+    const float cosine = asked.direction[a].dot(up);
+    weights += cosine;
+    if (asked.blocked[a] != 0) continue;
+    const bool in_hair = (shade.ambient[k / 32] >> k % 32 & 1U) != 0;
+    light_sum += cosine * (in_hair ? kThroughHair : 1.0F) * around_direction[k];
+  }
+  if (weights > 0) arrives.head<3>() = (light_sum / weights).array();
+  // All lights at once: one question of many directions is cheaper than several of few.
+  asked.clear();
+  for (std::size_t l = 0; l < kLights; ++l)
+    if (studio.light[l].direction.dot(up) >= kBehind)
+      for (std::size_t k = 0; k < studio.light_samples[l].size(); k += every_of_light)
+        asked.add(studio.light_samples[l][k], l * kMostLightSamples + k);
+  asked.ask(solid, position[i] + kScatterHeight_m * up, 0, kFar_m);
+  std::array<float, kLights> seen{}, of{};
+  for (std::size_t a = 0; a < asked.count; ++a) {
+    const std::size_t l = asked.index[a] / kMostLightSamples, k = asked.index[a] % kMostLightSamples;
+    ++of[l];
+    if (asked.blocked[a] == 0) seen[l] += (shade.light[l] >> k & 1U) != 0 ? kThroughHair : 1.0F;
+  }
+  for (std::size_t l = 0; l < kLights; ++l)
+    if (of[l] > 0) arrives.segment<3>(3 * (1 + static_cast<Eigen::Index>(l))) = seen[l] / of[l];
+  return arrives;
+}
+
+void Renderer::State::light_surfaces(const std::vector<std::uint32_t>& places) {
+  parallel(workers, places.size(), 64, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) unscattered[places[k]] = light_at(lit_vertex[places[k]]);
+  });
+  scattered = unscattered;
+  for (int step = 0; step < kScatterSteps; ++step) {
+    parallel(workers, lit_vertex.size(), 1024, [&](std::size_t first, std::size_t last) {
+      for (std::size_t k = first; k < last; ++k) {
+        scattered_next[k] = scattered[k];
+        const std::uint32_t begin = neighbour_start[k], end = neighbour_start[k + 1];
+        if (begin == end) continue;
+        VertexLight mean = VertexLight::Zero();
+        for (std::uint32_t i = begin; i < end; ++i) mean += scattered[neighbour[i]];
+        mean /= static_cast<float>(end - begin);
+        scattered_next[k] += spread_share[k] * (mean - scattered[k]);
+      }
+    });
+    scattered.swap(scattered_next);
+  }
+  for (std::size_t k = 0; k < lit_vertex.size(); ++k) light[lit_vertex[k]] = scattered[k];
+}
+
+void Renderer::State::light_hair(const std::vector<std::uint32_t>& vertices) {
+  parallel(workers, vertices.size(), 128, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) light[vertices[k]] = light_at(vertices[k]);
+  });
+}
+
+void Renderer::State::light_rest() {
+  pose(face.neutral_m, true);
+  shade_by_hair();
+  light_hair(still_hair_vertex);
+  light_hair(moving_hair_vertex);
+  light_surfaces(every_place);
+  copy_light(true);
+  rest.unscattered = unscattered;
+  rest.light = light;
+  rest.normal = normal;
+  rest.triangles_in_tile.clear();
+  for (std::size_t tile = 0; tile < solid_bins.count(); ++tile)
+    rest.triangles_in_tile.push_back(triangles_in(tile));
+}
+
+std::size_t Renderer::State::triangles_in(std::size_t tile) const {
+  return solid_bins.of(tile).size() + clear_bins.of(tile).size() + moving_hair_bins.of(tile).size() +
+         still_hair_bins.of(tile).size();
+}
+
+std::vector<std::uint32_t> Renderer::State::places_to_light() const {
+  std::vector<std::uint32_t> places;
+  for (const std::uint32_t k : every_place) {
+    const std::uint32_t i = lit_vertex[k];
+    if (near_motion[i] && is_visible[i] != 0) places.push_back(k);
+  }
+  return places;
+}
+
+void Renderer::State::find_what_rests() {
+  parallel(workers, rests.size(), 4096, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i)
+      rests[i] = is_still[i] || (position[i] == face.neutral_m[i] && normal[i] == rest.normal[i] &&
+                                 (light[i] == rest.light[i]).all())
+                     ? 1
+                     : 0;
+  });
+}
+
+void Renderer::State::see_what_moves() {
+  tile_depths.resize(solid_bins.count());
+  is_seen.assign(solid_bins.count(), 0);
+  is_visible.assign(position.size(), 0);
+  parallel(workers, tile_depths.size(), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t tile = first; tile < last; ++tile) {
+      const bool may_move = std::ranges::any_of(solid_bins.of(tile), [&](std::uint32_t t) {
+        return std::ranges::any_of(face.triangles[t], [&](std::uint32_t i) { return near_motion[i]; });
+      });
+      if (!may_move) continue;
+      is_seen[tile] = 1;
+      see(tile, &tile_depths[tile]);
+      std::uint32_t known = TileDepths::kNothing;
+      for (const std::uint32_t t : tile_depths[tile].triangles()) {
+        if (t == known || t == TileDepths::kNothing) continue;
+        known = t;
+        for (const std::uint32_t i : face.triangles[t])
+          std::atomic_ref(is_visible[twin[i]]).store(1, std::memory_order_relaxed);
       }
     }
   });
 }
 
-void Renderer::State::scatter_light() {
-  // Diffusion over the mesh: each step moves a vertex towards its neighbours' mean and adds lambda * edge^2
-  // to the variance of the blur.
-  constexpr int kSteps = 6;
-  std::vector<Vec3f> next(position.size());
-  const auto blur = [&](std::vector<Vec3f>& field, const Vec3f& scatter_m) {
-    for (int step = 0; step < kSteps; ++step) {
-      parallel(threads, position.size(), 2048, [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-          next[i] = field[i];
-          const std::uint32_t begin = neighbour_start[i], end = neighbour_start[i + 1];
-          if (begin == end) continue;
-          Vec3f mean = Vec3f::Zero();
-          for (std::uint32_t k = begin; k < end; ++k) mean += field[neighbour[k]];
-          mean /= static_cast<float>(end - begin);
-          const float variance = std::max(1e-12F, kSteps * spread_m[i] * spread_m[i]);
-          // Teeth and gums are not translucent as skin is: what spreads there has no colour.
-          const Vec3f spread = scatters[i] ? scatter_m : Vec3f(Vec3f::Constant(scatter_m.z()));
-          const Vec3f lambda = (spread.cwiseProduct(spread) / variance).cwiseMin(0.6F);
-          next[i] += lambda.cwiseProduct(mean - field[i]);
-        }
-      });
-      field.swap(next);
-    }
-  };
-  for (auto& part : visible) blur(part, kScatter_m);
-  blur(ambient, 0.7F * kScatter_m);
-  for (std::size_t i = 0; i < position.size(); ++i) {
-    if (twin[i] == i) continue;
-    ambient[i] = ambient[twin[i]];
-    for (auto& part : visible) part[i] = part[twin[i]];
+void Renderer::State::see(std::size_t tile, TileDepths* depths) const {
+  const auto across = static_cast<std::size_t>(tiles_in(view.width));
+  depths->clear(static_cast<int>(tile % across) * kTile, static_cast<int>(tile / across) * kTile);
+  for (const std::uint32_t t : solid_bins.of(tile)) {
+    const auto& [a, b, c] = face.triangles[t];
+    depths->draw(t, ScreenTriangle(on_screen[a], on_screen[b], on_screen[c]));
   }
+}
+
+bool Renderer::State::tile_rests(std::size_t tile) const {
+  // What is at its place in the neutral was there then: as many as then are the same ones.
+  if (!rest_is_lit || triangles_in(tile) != rest.triangles_in_tile[tile] || !clear_bins.of(tile).empty())
+    return false;
+  const auto all_rest = [&](std::span<const std::uint32_t> triangles) {
+    return std::ranges::all_of(triangles, [&](std::uint32_t t) {
+      const auto& [a, b, c] = face.triangles[t];
+      return !is_eye(material[t]) && rests[a] != 0 && rests[b] != 0 && rests[c] != 0;
+    });
+  };
+  return all_rest(solid_bins.of(tile)) && all_rest(moving_hair_bins.of(tile));
+}
+
+void Renderer::State::find_vertices_near_motion() {
+  // Space is cut into cubes as large as the reach: a place is near if something moves in its own or one
+  // beside it.
+  using Cube = std::array<std::int32_t, 3>;
+  const auto cube_of = [](const Vec3f& p) {
+    const Vec3f q = (p / kNearMotion_m).array().floor();
+    return Cube{static_cast<std::int32_t>(q.x()), static_cast<std::int32_t>(q.y()),
+                static_cast<std::int32_t>(q.z())};
+  };
+  std::vector<Cube> moving;
+  for (const face::Shape& shape : face.shapes)
+    for (const std::uint32_t i : shape.vertex) moving.push_back(cube_of(face.neutral_m[i]));
+  std::ranges::sort(moving);
+  moving.erase(std::ranges::unique(moving).begin(), moving.end());
+  near_motion.reserve(face.neutral_m.size());
+  for (std::size_t i = 0; i < face.neutral_m.size(); ++i) {
+    const Cube own = cube_of(face.neutral_m[i]);
+    bool near = false;
+    for (int k = 0; k < 27 && !near; ++k)
+      near = std::ranges::binary_search(moving,
+                                        Cube{own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1});
+    near_motion.push_back(near);
+  }
+  for (std::uint32_t k = 0; k < lit_vertex.size(); ++k) every_place.push_back(k);
+}
+
+void Renderer::State::copy_light(bool all) {
+  for (const std::uint32_t i : copied_vertex) light[i] = light[twin[i]];
+  if (all)
+    for (const std::uint32_t i : still_vertex) light[i] = light[twin[i]];
 }
 
 }  // namespace mien::render

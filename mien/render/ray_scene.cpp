@@ -63,6 +63,40 @@ RayScene::Hit RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, f
   return {.triangle = ray.hit.primID, .distance = ray.ray.tfar, .u = ray.hit.u, .v = ray.hit.v};
 }
 
+void RayScene::blocked(const Vec3f& origin, std::span<const Vec3f> directions, float from, float to,
+                       std::span<std::uint8_t> is_blocked) const {
+  constexpr std::size_t kPacket = 16;
+  if (positions_ == nullptr) {
+    std::ranges::fill(is_blocked, std::uint8_t{0});
+    return;
+  }
+  alignas(64) RTCRay16 rays;
+  alignas(64) std::array<int, kPacket> valid;
+  for (std::size_t first = 0; first < directions.size(); first += kPacket) {
+    const std::size_t count = std::min(kPacket, directions.size() - first);
+    for (std::size_t k = 0; k < kPacket; ++k) {
+      const Vec3f& direction = directions[first + std::min(k, count - 1)];
+      valid[k] = k < count ? -1 : 0;
+      rays.org_x[k] = origin.x();
+      rays.org_y[k] = origin.y();
+      rays.org_z[k] = origin.z();
+      rays.tnear[k] = from;
+      rays.dir_x[k] = direction.x();
+      rays.dir_y[k] = direction.y();
+      rays.dir_z[k] = direction.z();
+      rays.time[k] = 0;
+      rays.tfar[k] = to;
+      rays.mask[k] = ~0U;
+      rays.id[k] = 0;
+      rays.flags[k] = 0;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded16(valid.data(), scene_.get(), &context, &rays);
+    for (std::size_t k = 0; k < count; ++k) is_blocked[first + k] = rays.tfar[k] < 0 ? 1 : 0;
+  }
+}
+
 bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const {
   RTCRay ray{.org_x = origin.x(),
              .org_y = origin.y(),

@@ -14,7 +14,7 @@
 
 namespace mien::render {
 
-/// Triangles that rays can be shot at: Embree behind four functions. Vertices may move, triangles may not.
+/// Triangles that rays can be shot at: Embree behind a few functions. Vertices may move, triangles may not.
 /// Rays may be shot from several threads; moving excludes shooting.
 class RayScene {
  public:
@@ -29,6 +29,11 @@ class RayScene {
 
   void move(std::span<const Vec3f> vertices);
   [[nodiscard]] Hit first_hit(const Vec3f& origin, const Vec3f& direction, float from = 0) const;
+
+  /// Of each direction (unit) from `origin`: 1 where something stands between the distances `from` and `to`,
+  /// else 0. Shape: `is_blocked` beside `directions`. Many at once are cheaper than one by one.
+  void blocked(const Vec3f& origin, std::span<const Vec3f> directions, float from, float to,
+               std::span<std::uint8_t> is_blocked) const;
   [[nodiscard]] bool blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const;
 
  private:

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "mien/render/parallel.h"
-#include "mien/render/renderer_state.h"
+#include "mien/render/tile_painter.h"
 
 namespace mien::render {
 namespace {
@@ -23,15 +24,6 @@ std::vector<Vec3f> disc_directions(const Vec3f& axis, float radius_rad, int coun
   }
   return directions;
 }
-
-/// Where a camera's picture lies, frame H.
-struct PictureAxes {
-  explicit PictureAxes(const Camera& camera)
-      : forward((camera.target_m - camera.position_m).normalized()),
-        right(forward.cross(camera.up).normalized()),
-        up(right.cross(forward)) {}
-  Vec3f forward, right, up;
-};
 
 }  // namespace
 
@@ -81,97 +73,99 @@ Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, c
   return draw(errors);
 }
 
+void Renderer::State::set_studio(const Camera& new_camera, const Look& new_look) {
+  if (is_set && new_camera == camera && new_look == look) return;
+  camera = new_camera;
+  look = new_look;
+  is_set = true;
+  rest_is_lit = false;
+  view = Projection(camera, fineness());
+  studio.background_top = from_srgb(look.background_top);
+  studio.background_bottom = from_srgb(look.background_bottom);
+  studio.light = {look.key, look.fill, look.rim};
+  for (std::size_t l = 0; l < kLights; ++l) {
+    const Vec3f d = studio.light[l].direction;
+    studio.light[l].direction = (d.x() * view.right + d.y() * view.up - d.z() * view.forward).normalized();
+    studio.light_samples[l] =
+        disc_directions(studio.light[l].direction, studio.light[l].radius_rad,
+                        quality == Quality::still ? static_cast<int>(kMostLightSamples) : 5);
+  }
+  studio.sky = look.sky;
+  studio.ground = look.ground;
+  around_direction.clear();
+  for (const Vec3f& d : ambient_directions) around_direction.push_back(studio.around(d));
+}
+
 void Renderer::light(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look) {
   State& s = *state_;
   assert(vertices_m.size() == s.face.neutral_m.size());
   assert(camera.width > 0 && camera.height > 0);
-  s.setting.camera = camera;
-  s.setting.background_top = from_srgb(look.background_top);
-  s.setting.background_bottom = from_srgb(look.background_bottom);
-
-  const PictureAxes axes(camera);
-  Studio& studio = s.setting.studio;
-  studio.light = {look.key, look.fill, look.rim};
-  for (std::size_t l = 0; l < kLights; ++l) {
-    const Vec3f d = studio.light[l].direction;
-    studio.light[l].direction = (d.x() * axes.right + d.y() * axes.up - d.z() * axes.forward).normalized();
-    studio.light_samples[l] = disc_directions(studio.light[l].direction, studio.light[l].radius_rad,
-                                              s.quality == Quality::still ? 16 : 6);
+  s.set_studio(camera, look);
+  // A film of a head that keeps still lights the neutral once; then each pose changes only what is near to
+  // what moves and is seen. (Light on hair is the neutral's whatever the face does.)
+  if (s.quality == Quality::video && s.hair_rests(vertices_m)) {
+    if (!s.rest_is_lit) s.light_rest();
+    s.rest_is_lit = true;
+    s.pose(vertices_m, false);
+    s.see_what_moves();
+    s.unscattered = s.rest.unscattered;
+    s.light_surfaces(s.places_to_light());
+  } else {
+    s.rest_is_lit = false;
+    s.pose(vertices_m, true);
+    s.shade_by_hair();
+    s.light_hair(s.still_hair_vertex);
+    s.light_hair(s.moving_hair_vertex);
+    s.light_surfaces(s.every_place);
   }
-  studio.sky = look.sky;
-  studio.ground = look.ground;
-
-  s.find_normals(vertices_m);
-  s.solid.move(vertices_m);
-  s.clear.move(vertices_m);
-  s.fringe.move(vertices_m);
-  s.hair.move(vertices_m);
-  s.light_vertices(studio);
-  s.scatter_light();
+  s.copy_light(!s.rest_is_lit);
+  if (s.rest_is_lit) s.find_what_rests();
 }
 
-Image Renderer::draw(const ErrorColours* errors) const {
-  const State& s = *state_;
-  const Camera& camera = s.setting.camera;
-  assert(errors == nullptr || errors->error_m.size() == s.position.size());
-  const PictureAxes axes(camera);
-  Image picture(camera.width, camera.height);
-  const float half_height = std::tan(0.5F * camera.field_of_view_rad);
-  const float pixel = 2 * half_height / static_cast<float>(camera.height);
-  const float footprint_m = pixel * (camera.target_m - camera.position_m).norm();
-  const int grid = s.quality == Quality::still ? 3 : 2;
-  const int edge_grid = s.quality == Quality::still ? grid + 2 : grid + 1;
+Image Renderer::draw(const ErrorColours* errors) {
+  std::array<Image, 1> picture;
+  const std::array<const ErrorColours*, 1> one = {errors};
+  state_->draw(one, picture);
+  return std::move(picture[0]);
+}
 
-  const auto background = [&](float x, float y) {
-    const float u = x / static_cast<float>(camera.width) - 0.5F, v = y / static_cast<float>(camera.height);
-    return Vec3f(mix(s.setting.background_top, s.setting.background_bottom, smoothstep(0, 1, v)) *
-                 (1 - 0.5F * u * u));
-  };
-  // What a pixel shows is averaged after the tone curve, so that bright edges stay smooth.
-  const auto sample = [&](float x, float y) {
-    const Vec3f direction = (axes.forward + ((x - 0.5F * static_cast<float>(camera.width)) * axes.right -
-                                             (y - 0.5F * static_cast<float>(camera.height)) * axes.up) *
-                                                pixel)
-                                .normalized();
-    float cover = 0;
-    const Vec3f light = s.shade(s.setting.studio, camera.position_m, direction, errors, footprint_m, &cover);
-    const Vec3f behind = background(x, y);
-    return cover > 0 ? mix(behind, tone_map(light), cover) : behind;
-  };
-  const auto average = [&](int px, int py, int n, float* contrast) {
-    Vec3f sum = Vec3f::Zero(), low = Vec3f::Constant(1e9F), high = Vec3f::Constant(-1e9F);
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) {
-        // A slanted grid meets near-vertical and near-horizontal edges at different places.
-        const float slant = 0.35F / static_cast<float>(n);
-        const float x = (static_cast<float>(i) + 0.5F + slant * (static_cast<float>(2 * j + 1 - n))) /
-                        static_cast<float>(n);
-        const float y = (static_cast<float>(j) + 0.5F - slant * (static_cast<float>(2 * i + 1 - n))) /
-                        static_cast<float>(n);
-        const Vec3f value = sample(static_cast<float>(px) + x, static_cast<float>(py) + y);
-        sum += value;
-        low = low.cwiseMin(value);
-        high = high.cwiseMax(value);
-      }
-    *contrast = (high - low).maxCoeff();
-    return Vec3f(sum / static_cast<float>(n * n));
-  };
-  parallel(s.threads, static_cast<std::size_t>(camera.height), 4, [&](std::size_t first, std::size_t last) {
-    for (auto y = static_cast<int>(first); y < static_cast<int>(last); ++y)
-      for (int x = 0; x < camera.width; ++x) {
-        float contrast = 0;
-        Vec3f value = average(x, y, grid, &contrast);
-        if (contrast > 0.06F) value = average(x, y, edge_grid, &contrast);
-        const Rgb colour = to_srgb(value);
-        std::ranges::copy(colour, picture.pixel(x, y));
-      }
-  });
-  if (errors != nullptr) {
-    const float brightness = s.setting.background_bottom.mean();
-    draw_error_legend(picture, errors->full_scale_m,
-                      brightness > 0.3F ? Rgb{40, 42, 48} : Rgb{214, 217, 224});
+Renderer::Pictures Renderer::draw_with_errors(const ErrorColours& errors) {
+  std::array<Image, 2> pictures;
+  const std::array<const ErrorColours*, 2> both = {nullptr, &errors};
+  state_->draw(both, pictures);
+  return {.plain = std::move(pictures[0]), .errors = std::move(pictures[1])};
+}
+
+Vec3f Renderer::State::background(float x, float y) const {
+  const float u = x / static_cast<float>(camera.width) - 0.5F, v = y / static_cast<float>(camera.height);
+  return mix(studio.background_top, studio.background_bottom, smoothstep(0, 1, v)) * (1 - 0.5F * u * u);
+}
+
+Vec3f Renderer::State::developed(const Vec3f& arriving) const {
+  return tone_map(look.infrared ? Vec3f(Vec3f::Constant(arriving.x())) : arriving);
+}
+
+void Renderer::State::draw(std::span<const ErrorColours* const> errors, std::span<Image> pictures) {
+  const int tiles_across = tiles_in(view.width), tiles_down = tiles_in(view.height);
+  const auto tiles = static_cast<std::size_t>(tiles_across) * static_cast<std::size_t>(tiles_down);
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    assert(errors[k] == nullptr || errors[k]->error_m.size() == position.size());
+    shade_hair(errors[k] != nullptr);
+    pictures[k] = Image(camera.width, camera.height);
   }
-  return picture;
+  for (HairLight& colours : hair_light)
+    if (rest_is_lit && colours.still.empty()) {
+      colours.still.resize(tiles);
+      colours.tile.assign(tiles, {});
+    }
+
+  parallel(workers, tiles, 4, [&](std::size_t first, std::size_t last) {
+    TilePainter painter(*this);
+    for (std::size_t tile = first; tile < last; ++tile) {
+      painter.begin(tile);
+      for (std::size_t k = 0; k < errors.size(); ++k) painter.paint(errors[k], &pictures[k]);
+    }
+  });
 }
 
 }  // namespace mien::render

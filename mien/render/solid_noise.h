@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 
@@ -35,5 +36,9 @@ namespace mien::render {
       mix(mix(corner(0, 0, 1), corner(1, 0, 1), s.x()), mix(corner(0, 1, 1), corner(1, 1, 1), s.x()), s.y()),
       s.z());
 }
+
+/// Three such noises at once, from a table: several times as fast as one of the above. They repeat every 8
+/// units.
+[[nodiscard]] Vec3f solid_noises(const Vec3f& p);
 
 }  // namespace mien::render

@@ -20,6 +20,9 @@ const Vec3f kLips(0.47F, 0.165F, 0.145F);
 const Vec3f kHair(0.055F, 0.035F, 0.025F);
 const Vec3f kSclera(0.74F, 0.69F, 0.66F);
 
+/// Lips' colour ends so far outside their outline.
+constexpr float kLipEdge_m = 0.0012F;
+
 /// A smooth curve through `points` (Catmull-Rom), eight pieces between two.
 std::vector<Vector2f> smooth_curve(const std::vector<Vector2f>& points, bool closed) {
   constexpr int kPieces = 8;
@@ -47,15 +50,19 @@ struct Nearest {
 
 Nearest nearest_on(const std::vector<Vector2f>& curve, const Vector2f& p, bool closed) {
   Nearest best;
+  float least = best.distance;  // Squared.
   const std::size_t n = curve.size();
   const std::size_t pieces = closed ? n : n - 1;
   for (std::size_t i = 0; i < pieces; ++i) {
     const Vector2f a = curve[i], d = curve[(i + 1) % n] - a;
     const float length2 = d.squaredNorm();
     const float t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0F, 1.0F) : 0.0F;
-    const float distance = (p - a - t * d).norm();
-    if (distance < best.distance) best = {distance, (static_cast<float>(i) + t) / static_cast<float>(pieces)};
+    const float square = (p - a - t * d).squaredNorm();
+    if (square >= least) continue;
+    least = square;
+    best.along = (static_cast<float>(i) + t) / static_cast<float>(pieces);
   }
+  best.distance = std::sqrt(least);
   return best;
 }
 
@@ -92,14 +99,14 @@ SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
     brows_m_[0] = curve(17, 21, false);
     std::ranges::reverse(brows_m_[0]);
     brows_m_[1] = curve(22, 26, false);
-    const auto box = [](const std::vector<Vector2f>& points) {
+    const auto box = [](const std::vector<Vector2f>& points, float margin_m) {
       Eigen::AlignedBox2f all;
       for (const Vector2f& point : points) all.extend(point);
-      const Vector2f margin = Vector2f::Constant(0.012F);
+      const Vector2f margin = Vector2f::Constant(margin_m);
       return Eigen::AlignedBox2f(all.min() - margin, all.max() + margin);
     };
-    lips_box_ = box(lips_m_);
-    for (std::size_t side = 0; side < 2; ++side) brows_box_[side] = box(brows_m_[side]);
+    lips_box_ = box(lips_m_, kLipEdge_m);
+    for (std::size_t side = 0; side < 2; ++side) brows_box_[side] = box(brows_m_[side], 0.012F);
     brows_back_m_ = std::min(mark(17).z(), mark(26).z()) - 0.02F;
 
     if (!own_colours) {
@@ -161,7 +168,7 @@ float SurfacePaint::lip_amount(const Vec3f& p) const {
   if (p.z() < lips_back_m_ || !lips_box_.contains(q)) return 0;
   const float distance = nearest_on(lips_m_, q, true).distance;
   const float signed_m = inside(lips_m_, q) ? distance : -distance;
-  return smoothstep(-0.0012F, 0.0016F, signed_m);
+  return smoothstep(-kLipEdge_m, 0.0016F, signed_m);
 }
 
 float SurfacePaint::brow_amount(const Vec3f& p) const {
@@ -199,7 +206,9 @@ Surface SurfacePaint::eye(const Vec3f& p, int index) const {
   const float fibres = 0.6F * solid_noise(Vec3f(11 * std::cos(turn), 11 * std::sin(turn), 1.6F * radius)) +
                        0.4F * solid_noise(Vec3f(26 * std::cos(turn), 26 * std::sin(turn), 3 * radius));
   const Vec3f& outer = iris_colour_[static_cast<std::size_t>(index)];
-  const Vec3f inner = mix(Vec3f(2.2F * outer), Vec3f(0.26F, 0.20F, 0.105F), 0.45F).cwiseMin(0.5F);
+  // A dark iris has less of the golden ring.
+  const Vec3f ring = std::min(1.0F, 9.0F * outer.mean()) * Vec3f(0.26F, 0.20F, 0.105F);
+  const Vec3f inner = mix(Vec3f(2.2F * outer), ring, 0.45F).cwiseMin(0.5F);
   Vec3f iris = mix(inner, outer, smoothstep(0.36F, 0.70F, radius + 0.10F * fibres)) * (1 + 0.75F * fibres);
   iris *= 1 - 0.78F * smoothstep(0.80F, 1.0F, radius);
   iris *= smoothstep(0.30F, 0.37F, radius);
@@ -213,7 +222,7 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
   switch (material) {
     case Material::skin:
     case Material::lips: {
-      const float mottle = solid_noise(p * 160.0F) + 0.5F * solid_noise(p * 420.0F);
+      const float mottle = solid_noises(p * 160.0F).x() + 0.5F * solid_noises(p * 420.0F).y();
       s = {.albedo = own != nullptr ? *own : kSkin,
            .roughness = 0.50F,
            .reflectance = 0.026F,
@@ -226,7 +235,7 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
           s.albedo = s.albedo.cwiseProduct(mix(Vec3f::Ones(), spot.tint, amount));
         }
       s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F) +
-                                       solid_noise(p * 55.0F) * Vec3f(0.02F, 0.07F, 0.07F));
+                                       solid_noises(p * 55.0F).z() * Vec3f(0.02F, 0.07F, 0.07F));
       const float lip = outlines_lips_ ? lip_amount(p) : material == Material::lips ? 1.0F : 0.0F;
       if (lip > 0) {
         if (own == nullptr) {

@@ -270,6 +270,17 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"render", "--weights", "jawOpen", "--out", "@new.png"}, "'jawOpen' has no number"},
        {{"render", "--weights", "mouthSmileLeft=1,jawOpne=1", "--out", "@new.png"}, "did you mean jawOpen?"},
        {{"render", "--face", "nobody", "--out", "@new.png"}, "nobody"},
+       {{"render", "--face", "builtin:haan", "--out", "@new.png"}, "did you mean hana?"},
+       {{"render", "--face", "builtin:ada,nose_widht=2", "--out", "@new.png"}, "did you mean nose_width?"},
+       {{"render", "--face", "builtin:ada,sex=nan", "--out", "@new.png"}, "'sex=nan' has no number"},
+       {{"render", "--pose", "smiel", "--out", "@new.png"}, "did you mean smile?"},
+       {{"render", "--light", "studoi", "--out", "@new.png"}, "did you mean studio?"},
+       {{"render", "--light", "infrared", "--face", "@garbage.glb", "--out", "@new.png"}, "infrared"},
+       {{"render", "--view", "behind", "--out", "@new.png"}, "degrees"},
+       {{"render", "--size", "20000x20000", "--out", "@new.png"}, "1 to 8192"},
+       {{"render", "--size", "0x1", "--out", "@new.png"}, "1 to 8192"},
+       {{"render", "--weights", "jawOpen=nan", "--out", "@new.png"}, "out of range"},
+       {{"render", "--motion", "@garbage.csv", "--pose", "smile", "--out", "@new.mp4"}, "--pose"},
        {{"render", "--motion", "@garbage.csv", "--out", "@new.mp4"}, "garbage.csv"},
        {{"render", "--out", "@new.gif"}, "new.gif"}});
 }
@@ -278,6 +289,16 @@ TEST_F(WrongInput, ADemoThatCannotEndDoesNotBegin) {
   expect_refused({{{"demo", "--out", "@demo", "--model", "@none.safetensors"}, "none.safetensors"},
                   {{"demo", "--out", "@demo", "--model", "@garbage.safetensors"}, "garbage.safetensors"},
                   {{"demo", "--out", "@demo", "--seconds", "0"}, "--seconds"}});
+}
+
+TEST_F(WrongInput, ValuesBeyondWhatPeopleHaveAreHeldAndSaid) {
+  const std::string out = folder_ / "one.png";
+  const Outcome outcome =
+      run({"render", "--face", "builtin:emil,nose_width=9", "--pose", "grin", "--weights",
+           "jawopen=1,mouthSmileLeft=0.5", "--light", "infrared", "--size", "1x1", "--out", out});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "builtin:emil,nose_width=9: nose_width 9 is beyond what people have, held to 3\n");
+  EXPECT_TRUE(std::filesystem::exists(out));
 }
 
 TEST(Program, AnErrorIsOneLineThatNoTerminalObeys) {

@@ -244,7 +244,7 @@ TEST(BuiltinFace, IsACompleteFace) {
   const std::size_t n = face.neutral_m.size();
   EXPECT_EQ(face.name, "builtin");
   EXPECT_GE(n, 6000U);
-  EXPECT_LE(n, 18000U);
+  EXPECT_LE(n, 20000U);
   ASSERT_EQ(face.colour.size(), n);
   for (std::size_t i = 0; i < n; ++i) {
     EXPECT_TRUE(face.neutral_m[i].allFinite()) << i;
@@ -486,7 +486,15 @@ TEST(BuiltinFace, EachIdentityNumberDoesWhatItsNameSays) {
                         {"eye_size", &BuiltinParameters::eye_size, 42, 45},
                         {"mouth_width", &BuiltinParameters::mouth_width, 48, 54},
                         {"lip_fullness", &BuiltinParameters::lip_fullness, 51, 57},
-                        {"brow_height", &BuiltinParameters::brow_height, 24, 44}};
+                        {"brow_height", &BuiltinParameters::brow_height, 24, 44},
+                        {"jaw_angle", &BuiltinParameters::jaw_angle, 3, 13},
+                        {"face_fullness", &BuiltinParameters::face_fullness, 4, 12},
+                        {"chin_width", &BuiltinParameters::chin_width, 7, 9},
+                        {"nose_tip", &BuiltinParameters::nose_tip, 30, 8},
+                        {"alar_width", &BuiltinParameters::alar_width, 31, 35},
+                        {"philtrum_length", &BuiltinParameters::philtrum_length, 33, 51},
+                        {"eye_slant", &BuiltinParameters::eye_slant, 45, 54},
+                        {"lid_opening", &BuiltinParameters::lid_opening, 44, 46}};
   const face::Face& plain = default_face();
   for (const Case& c : cases) {
     BuiltinParameters parameters;

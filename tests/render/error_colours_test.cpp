@@ -26,8 +26,9 @@ TEST(ErrorColour, HoldsBeyondItsEndsAndNeverFails) {
 }
 
 TEST(ErrorLegend, StandsAtTheBottomAndSurvivesSmallPictures) {
+  const Lettering lettering = Lettering::load().value();
   Image picture(400, 300);
-  draw_error_legend(picture, 5e-3F, {255, 255, 255});
+  draw_error_legend(picture, lettering, 5e-3F, {255, 255, 255});
   for (int x = 0; x < 400; ++x) EXPECT_EQ(picture.pixel(x, 200)[0], 0);
   const Rgb first = to_srgb(error_colour(0));
   bool found = false;
@@ -35,7 +36,7 @@ TEST(ErrorLegend, StandsAtTheBottomAndSurvivesSmallPictures) {
     found = found || std::equal(first.begin(), first.end(), picture.pixel(80, y));
   EXPECT_TRUE(found) << "the ramp begins at its palest";
   Image tiny(2, 2);
-  draw_error_legend(tiny, 5e-3F, {255, 255, 255});
+  draw_error_legend(tiny, lettering, 5e-3F, {255, 255, 255});
 }
 
 TEST(Tone, SrgbRoundTrip) {

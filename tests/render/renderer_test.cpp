@@ -1,6 +1,7 @@
 #include "mien/render/renderer.h"
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <vector>
 
@@ -21,7 +22,7 @@ std::vector<Vec3f> posed(const face::Face& face, std::size_t shape, float weight
 }
 
 Camera camera_of(const face::Face& face, int side = 96) {
-  return portrait_camera(face, View::front, side, side);
+  return portrait_camera(face, kFrontView_rad, side, side);
 }
 
 /// Mean of the red bytes in columns [from, until).
@@ -142,6 +143,39 @@ TEST(Renderer, HairCoversWhereItsHairsAreAndSkinIsSeenBetweenThem) {
   EXPECT_EQ(with.pixel(2, 2)[0], without.pixel(2, 2)[0]) << "nothing but the ribbon changed";
 }
 
+TEST(Renderer, AFilmShowsEachPoseAsAFirstPicture) {
+  // What rests is lit and drawn once: whichever came before, and whether hair rests or turns with the head.
+  const face::Face face = face_with_a_ribbon(4);
+  const Camera camera = camera_of(ball_face(), 128);
+  std::vector<std::vector<Vec3f>> poses = {face.neutral_m, posed(face, face::shape("jawOpen"), 1),
+                                           posed(face, face::shape("mouthSmile_L"), 0.5F), face.neutral_m};
+  for (Vec3f& p : poses[3]) p = Eigen::AngleAxisf(0.3F, Vec3f::UnitY()) * p;
+  Renderer film(face, Quality::video, 2);
+  for (const std::size_t k : {1U, 0U, 2U, 3U, 1U, 0U, 3U, 2U}) {
+    const Image shown = film.still(poses[k], camera, Look::dark());
+    EXPECT_EQ(shown, Renderer(face, Quality::video, 2).still(poses[k], camera, Look::dark())) << k;
+  }
+  // Another camera or look begins anew.
+  EXPECT_EQ(film.still(poses[1], camera, Look::light()),
+            Renderer(face, Quality::video, 2).still(poses[1], camera, Look::light()));
+}
+
+TEST(Renderer, TwoPicturesAtOnceAreThoseDrawnAlone) {
+  const face::Face face = face_with_a_ribbon(4);
+  const auto pose = posed(face, face::shape("jawOpen"), 1);
+  std::vector<float> error_m(face.neutral_m.size());
+  for (std::size_t i = 0; i < error_m.size(); ++i) error_m[i] = (pose[i] - face.neutral_m[i]).norm();
+  const ErrorColours errors{error_m, 5e-3F};
+  for (const Quality quality : {Quality::still, Quality::video}) {
+    Renderer renderer(face, quality, 2);
+    renderer.light(pose, camera_of(ball_face(), 96), Look::dark());
+    const Renderer::Pictures both = renderer.draw_with_errors(errors);
+    EXPECT_EQ(both.plain, renderer.draw());
+    EXPECT_EQ(both.errors, renderer.draw(&errors));
+    EXPECT_NE(both.plain, both.errors);
+  }
+}
+
 TEST(Renderer, StrandsWithoutTextureCoordinatesAreDrawnAsOnePiece) {
   face::Face face = face_with_a_ribbon(4);
   face.uv.clear();
@@ -159,14 +193,16 @@ TEST(Renderer, TakesFacesWithoutPartsColoursOrLandmarks) {
 }
 
 TEST(Comparison, IsThreeViewsAndSaysZeroWhereThereIsNoError) {
+  const Lettering lettering = Lettering::load().value();
   const face::Face face = ball_face();
   Renderer renderer(face, Quality::video, 2);
   const Camera camera = camera_of(face, 160);
-  const Image same = comparison(renderer, face.neutral_m, face.neutral_m, camera, Look::dark(), {});
+  const Image same =
+      comparison(renderer, lettering, face.neutral_m, face.neutral_m, camera, Look::dark(), {});
   ASSERT_EQ(same.width, 480);
   ASSERT_EQ(same.height, 160);
-  const Image wrong =
-      comparison(renderer, posed(face, face::shape("jawOpen"), 1), face.neutral_m, camera, Look::dark(), {});
+  const Image wrong = comparison(renderer, lettering, posed(face, face::shape("jawOpen"), 1), face.neutral_m,
+                                 camera, Look::dark(), {});
   // The lower half moved by up to 20 mm, the upper not at all.
   EXPECT_GT(same.pixel(400, 115)[1], 1.5 * wrong.pixel(400, 115)[1]);
   EXPECT_EQ(same.pixel(400, 50)[1], wrong.pixel(400, 50)[1]);
@@ -175,7 +211,7 @@ TEST(Comparison, IsThreeViewsAndSaysZeroWhereThereIsNoError) {
 TEST(Camera, HoldsTheFaceFromEverySide) {
   const face::Face face = ball_face();
   for (const char* name : {"front", "three-quarter", "side"}) {
-    const auto view = view_from_name(name);
+    const auto view = view_rad_from_name(name);
     ASSERT_TRUE(view.has_value());
     const Camera camera = portrait_camera(face, *view, 64, 64);
     const float half = std::tan(0.5F * camera.field_of_view_rad);
@@ -186,7 +222,9 @@ TEST(Camera, HoldsTheFaceFromEverySide) {
       EXPECT_LT((d - depth * forward).norm(), 1.42F * half * depth);
     }
   }
-  EXPECT_FALSE(view_from_name("behind").has_value());
+  EXPECT_NEAR(view_rad_from_name("-90").value(), -1.5708F, 1e-4F);
+  for (const char* wrong : {"behind", "", "45 ", "361", "nan", "inf"})
+    EXPECT_FALSE(view_rad_from_name(wrong).has_value()) << wrong;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "mien/builtin_face/builtin_face.h"
 #include "mien/core/units.h"
 #include "mien/render/camera.h"
+#include "mien/render/error_colours.h"
 #include "mien/render/lettering.h"
 #include "mien/render/renderer.h"
 
@@ -47,7 +48,8 @@ Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
                   builtin_face::PlacedMarkers::place(face, markers));
   const render::Look look = render::Look::light();
   const render::Camera camera =
-      render::portrait_camera(face, render::View::three_quarter, height, height, 1.3F);
+      render::portrait_camera(face, render::kThreeQuarterView_rad, height, height, 1.3F);
+  MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
   render::Renderer renderer(face);
   render::Image picture(static_cast<int>(methods.size()) * height, height);
   const float size = 0.04F * static_cast<float>(height);
@@ -57,7 +59,8 @@ Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
     const std::vector<float> error_m = spread(face, placed.neutral_m(), methods[i]->markers);
     const render::ErrorColours colours{error_m, static_cast<float>(full_scale_mm / kMmPerM)};
     render::Image one = renderer.still(face.neutral_m, camera, look, &colours);
-    render::draw_text(one, methods[i]->name, 0.6F * size, 1.5F * size, size, kInk);
+    render::draw_error_legend(one, lettering, colours.full_scale_m, kInk);
+    lettering.draw(one, methods[i]->name, 0.6F * size, 1.5F * size, size, kInk);
     render::paste(picture, one, static_cast<int>(i) * height, 0);
   }
   return picture;

@@ -13,7 +13,7 @@ namespace mien::study {
 
 /// Markers' errors as colour on the built-in face, a face each method beside the other: between markers what
 /// lies between, pale where no marker is near. The ramp ends at `full_scale_mm`. Errors: mismatch (a method
-/// of other markers). Cost: some seconds.
+/// of other markers); those of render::Lettering::load(). Cost: some seconds.
 [[nodiscard]] Result<render::Image> error_picture(const builtin_face::MarkerSet& markers,
                                                   std::span<const SensorsMethod* const> methods,
                                                   double full_scale_mm, int height = 480);

@@ -1,11 +1,11 @@
-#include "app/nearest_word.h"
+#include "mien/core/nearest_word.h"
 
 #include <algorithm>
 #include <numeric>
 #include <utility>
 #include <vector>
 
-namespace mien::app {
+namespace mien {
 namespace {
 
 /// Letters that must be added, taken away, changed, or swapped with their neighbour to make one word the
@@ -40,4 +40,9 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
   return best;
 }
 
-}  // namespace mien::app
+std::string did_you_mean(std::string_view word, std::span<const std::string> known) {
+  const std::string near = nearest_word(word, known);
+  return near.empty() ? near : "; did you mean " + near + "?";
+}
+
+}  // namespace mien

@@ -1,0 +1,34 @@
+#include "app/chosen_face.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "app/one_line.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/builtin_face/person.h"
+
+namespace mien::app {
+
+using builtin_face::Person;
+
+Result<face::Face> chosen_face(const std::string& what, const Progress& progress) {
+  if (builtin_face::names_person(what)) {
+    MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
+    for (const std::string& line : person.said) fmt::print(stderr, "{}: {}\n", one_line(what), line);
+    return builtin_face::make_builtin(person.parameters);
+  }
+  return builtin_face::load_face(what, progress);
+}
+
+Result<face::Face> chosen_infrared_face(const std::string& what) {
+  if (!builtin_face::names_person(what))
+    return fail(ErrorCode::unsupported, "only the built-in faces have colours in infrared", what,
+                "choose another --light, or --face builtin");
+  MIEN_TRY_ASSIGN(face::Face face, chosen_face(what));
+  MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
+  builtin_face::paint_infrared(face, person.parameters);
+  return face;
+}
+
+}  // namespace mien::app

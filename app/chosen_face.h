@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
+
+namespace mien::app {
+
+/// What --face offers, for its help.
+inline constexpr const char* kFaceHelp =
+    "builtin, one of its family by a performer's name or a seed, with values of its own (builtin:ada, "
+    "builtin:7, "
+    "builtin:ada,age_years=70), a folder with generic_neutral_mesh.obj, or a .glb, .gltf or .vrm file";
+
+/// The face that --face names. Says on stderr which values of a person were beyond what people have. Errors:
+/// builtin_face::load_face's.
+[[nodiscard]] Result<face::Face> chosen_face(const std::string& what, const Progress& progress = no_progress);
+
+/// The same with the colours that it has at 850 nm. Errors: as above, unsupported (no built-in face: nobody
+/// knows these of another one).
+[[nodiscard]] Result<face::Face> chosen_infrared_face(const std::string& what);
+
+}  // namespace mien::app

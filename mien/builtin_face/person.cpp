@@ -1,0 +1,106 @@
+#include "mien/builtin_face/person.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "mien/builtin_face/held.h"
+#include "mien/core/nearest_word.h"
+
+namespace mien::builtin_face {
+namespace {
+
+constexpr std::string_view kFamily = "builtin";
+constexpr std::array<std::string_view, kHairStyleCount> kCuts = {"none", "crop",  "swept",
+                                                                 "bob",  "curls", "tied"};
+
+std::unexpected<Error> unknown(std::string_view kind, std::string_view word,
+                               std::span<const std::string> known) {
+  const std::string near = did_you_mean(word, known);
+  return fail(ErrorCode::bad_usage, fmt::format("there is no {} '{}'{}", kind, word.substr(0, 40), near), {},
+              near.empty() ? fmt::format("there are {}", fmt::join(known, ", ")) : "");
+}
+
+template <class Number>
+bool read_whole(std::string_view text, Number& value) {
+  const auto [stop, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return problem == std::errc() && stop == text.data() + text.size();
+}
+
+Result<BuiltinParameters> who(std::string_view name) {
+  std::uint64_t seed = 0;
+  if (read_whole(name, seed)) {
+    Random random(seed);
+    return random_identity(random);
+  }
+  std::vector<std::string> known;
+  for (const NamedPerformer& performer : named_performers()) {
+    if (performer.name == name) return performer.parameters;
+    known.emplace_back(performer.name);
+  }
+  return unknown("performer", name, known);
+}
+
+/// One "name=value".
+Result<void> set_value(BuiltinParameters& parameters, std::string_view entry) {
+  const std::size_t equals = std::min(entry.find('='), entry.size());
+  const std::string_view name = entry.substr(0, equals),
+                         text = entry.substr(std::min(equals + 1, entry.size()));
+  if (name == "hair") {
+    const auto cut = std::ranges::find(kCuts, text);
+    if (cut == kCuts.end())
+      return unknown("cut of hair", text, std::vector<std::string>(kCuts.begin(), kCuts.end()));
+    parameters.hair = static_cast<HairStyle>(cut - kCuts.begin());
+    return {};
+  }
+  std::vector<std::string> known = {"hair"};
+  for (const ParameterRange& range : parameter_ranges()) {
+    known.emplace_back(range.name);
+    if (range.name != name) continue;
+    double value = 0;
+    if (!read_whole(text, value) || !std::isfinite(value))
+      return fail(ErrorCode::bad_usage, fmt::format("'{}' has no number", entry.substr(0, 40)), {},
+                  fmt::format("write it like {}={:g}", name, range.most));
+    parameters.*range.value = value;
+    return {};
+  }
+  return unknown("value", name, known);
+}
+
+Result<Person> read_person(std::string_view what) {
+  Person person{.parameters = {.hair = HairStyle::crop}, .said = {}};
+  if (what == kFamily) return person;
+  what.remove_prefix(std::min(what.size(), kFamily.size() + 1));
+  bool first = true;
+  while (first || !what.empty()) {
+    const std::size_t comma = std::min(what.find(','), what.size());
+    const std::string_view entry = what.substr(0, comma);
+    what.remove_prefix(std::min(what.size(), comma + 1));
+    if (first && entry.find('=') == std::string_view::npos) {
+      MIEN_TRY_ASSIGN(person.parameters, who(entry));
+    } else {
+      MIEN_TRY(set_value(person.parameters, entry));
+    }
+    first = false;
+  }
+  person.parameters = held(person.parameters, &person.said);
+  return person;
+}
+
+}  // namespace
+
+bool names_person(std::string_view what) {
+  return what == kFamily || (what.starts_with(kFamily) && what.substr(kFamily.size()).starts_with(':'));
+}
+
+Result<Person> find_person(std::string_view what) {
+  Result<Person> person = read_person(what);
+  if (!person) person.error().where = std::string(what);
+  return person;
+}
+
+}  // namespace mien::builtin_face

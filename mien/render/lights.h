@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "mien/render/renderer.h"
+
+namespace mien::render {
+
+/// Lights that have a name, as people choose them.
+struct NamedLight {
+  std::string_view name;
+  std::string_view description;  ///< A line for people.
+  Look look;
+};
+
+/// studio, soft, evening, infrared. To add one: a row in lights.cpp.
+[[nodiscard]] std::span<const NamedLight> named_lights();
+
+/// The one of that name.
+[[nodiscard]] const NamedLight* find_light(std::string_view name);
+
+}  // namespace mien::render
