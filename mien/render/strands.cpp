@@ -38,7 +38,7 @@ HairProfile profile_of(int hair, float v) {
 /// along rows only.
 class CoverSums {
  public:
-  CoverSums() : sum_(static_cast<std::size_t>(kRows + 1) * kStride) {
+  CoverSums() : sum_(static_cast<std::size_t>(kRows + 1) * kStride, Eigen::Vector2f::Zero()) {
     for (int row = 0; row <= kRows; ++row)
       for (int hair = 0; hair < kHairs; ++hair) {
         const HairProfile profile = profile_of(hair, static_cast<float>(row) / kRows);
