@@ -58,6 +58,7 @@ Albedos visible_albedos(const BuiltinParameters& q) {
   a.pupil = Vec3f::Constant(0.006F);
   a.sclera = Vec3f(0.80F, 0.79F, 0.76F);
   a.sclera_corner = Vec3f(0.62F, 0.36F, 0.32F);
+  a.caruncle = Vec3f(0.58F, 0.25F, 0.22F);
   a.teeth = Vec3f(0.78F, 0.74F, 0.64F);
   a.gums = Vec3f(0.50F, 0.16F, 0.15F);
   a.tongue = Vec3f(0.52F, 0.17F, 0.16F);
@@ -88,6 +89,7 @@ Albedos infrared_albedos(const BuiltinParameters& q) {
   a.pupil = grey(0.004);  // The light stands beside the lens: no red-eye.
   a.sclera = grey(0.62);
   a.sclera_corner = grey(0.58);
+  a.caruncle = grey(0.53);
   a.teeth = grey(0.62);
   a.gums = grey(0.50);
   a.tongue = grey(0.48);

@@ -17,7 +17,7 @@ struct Albedos {
   Vec3f wet;    ///< Pink of the lids' inside.
   Vec3f nostril;
   Vec3f hair, brow, lash;
-  Vec3f iris, pupil, sclera, sclera_corner;
+  Vec3f iris, pupil, sclera, sclera_corner, caruncle;
   Vec3f teeth, gums, tongue, cloth;
   float eye_shadow = 0.72F;  ///< Factor on the thin skin about the eyes.
 };

@@ -75,10 +75,10 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
                          v.lid > 0 ? 0.75 * smoothstep(0.3, 0.9, v.lid) : 0.15);
         break;
       case Tissue::tear:
-        v.colour = Vec3f::Ones();
+        v.colour = Vec3f::Ones();  // Clear.
         break;
       case Tissue::caruncle:
-        v.colour = Vec3f(0.58F, 0.25F, 0.22F);
+        v.colour = a.caruncle;
         break;
       case Tissue::eyeball: {
         const int band = static_cast<int>(v.lid);

@@ -37,7 +37,7 @@ TEST(Infrared, IsGreyAndBesideEveryVertex) {
     EXPECT_EQ(c.x(), c.y());
     EXPECT_EQ(c.x(), c.z());
     EXPECT_GT(c.x(), 0);
-    EXPECT_LT(c.x(), 1);
+    EXPECT_LE(c.x(), 1);  // Of clear tears alone it is 1.
   }
 }
 
