@@ -95,7 +95,7 @@ Renderer::State::SeenPlace Renderer::State::TilePainter::place(std::uint32_t tri
 Vec3f Renderer::State::TilePainter::hair_before(const Surface& surface, int pixel, float* through) const {
   const std::span<const HairFragment> still = still_->of(pixel), moving = moving_.of(pixel);
   const auto all = static_cast<float>(count_of(surface.samples));
-  Vec3f light = Vec3f::Zero();
+  Vec3f sent = Vec3f::Zero();
   std::size_t a = 0, b = 0;
   while (*through >= kOpaque && (a < still.size() || b < moving.size())) {
     const bool from_still =
@@ -105,14 +105,14 @@ Vec3f Renderer::State::TilePainter::hair_before(const Surface& surface, int pixe
     const int covered = count_of(fragment.samples & surface.samples);
     if (covered == 0) continue;
     const float cover = fragment.cover * static_cast<float>(covered) / all;
-    light += *through * cover * fragment.light;
+    sent += *through * cover * fragment.light;
     *through *= 1 - cover;
   }
   if (*through < kOpaque) {
-    light /= 1 - *through;
+    sent /= 1 - *through;
     *through = 0;
   }
-  return light;
+  return sent;
 }
 
 Vec3f Renderer::State::TilePainter::colour_of(const Surface& surface, int x, int y,
@@ -139,9 +139,9 @@ Vec3f Renderer::State::TilePainter::colour_of(const Surface& surface, int x, int
       glass = place(clear_.triangle(x, y, sample), 1U << sample, x, y);
       glazed = true;
     }
-  const Vec3f light = before + through * s_.shade(seen, glazed ? &glass : nullptr, errors);
+  const Vec3f arriving = before + through * s_.shade(seen, glazed ? &glass : nullptr, errors);
   const float cover = s_.cover_at(seen);
-  return cover < 1 ? mix(behind(), s_.developed(light), cover) : s_.developed(light);
+  return cover < 1 ? mix(behind(), s_.developed(arriving), cover) : s_.developed(arriving);
 }
 
 Vec3f Renderer::State::TilePainter::pixel_colour(int x, int y, const ErrorColours* errors) const {
