@@ -68,7 +68,7 @@ void add_lashes(Sculpt& half, Random random) {
     // Longest a little outside the middle; every third leans to its neighbour, as wet lashes do.
     const double lean = 0.16 * (i % 3 - 1) + 0.06 * random.normal();
     const double fan = mix(-0.55, 0.95, s) + lean;
-    const double length = (upper ? mix(5.0, 9.6, std::sin(M_PI * std::pow(s, 1.4))) : mix(2.6, 4.2, s)) *
+    const double length = (upper ? mix(4.6, 8.4, std::sin(M_PI * std::pow(s, 1.4))) : mix(2.6, 4.2, s)) *
                           (1 + 0.12 * random.normal());
     const Vec3 begin = Vec3(fan * 0.35, upper ? -0.22 : -0.30, 1).normalized();
     const Vec3 end = Vec3(fan * 0.85, upper ? 1.05 : -0.75, upper ? 0.45 : 0.8).normalized();
@@ -79,7 +79,7 @@ void add_lashes(Sculpt& half, Random random) {
       spine[k] = spine[k - 1] + ((1 - t) * begin + t * end).normalized() * length / (spine.size() - 1);
     }
     const Vec3 side = Vec3(1, 0, -0.3 * fan).normalized();
-    const Ribbon ribbon{Piece::lashes, Tissue::lash, upper ? 0.42 : 0.26, upper ? 1.0 : -1.0, i, 1};
+    const Ribbon ribbon{Piece::lashes, Tissue::lash, upper ? 0.34 : 0.24, upper ? 1.0 : -1.0, i, 1};
     add_ribbon(half, ribbon, spine, side, 1);
   }
 }
@@ -91,7 +91,7 @@ Vec3 brow_point(double x, double y) {
 }
 
 void add_brow(Sculpt& half, Random random) {
-  constexpr int kRibbons = 150, kStrands = 4;
+  constexpr int kRibbons = 170, kStrands = 8;
   for (int i = 0; i < kRibbons; ++i) {
     // Sparser at the nose, where brows begin without an edge.
     const double s = std::pow((i + random.uniform()) / kRibbons, 0.85);

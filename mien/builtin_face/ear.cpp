@@ -14,8 +14,9 @@ void add_ear(Sculpt& half) {
   const auto place = [&](double rho, double phi, double depth) {
     // phi 0 points back, 90 degrees up.
     const double c = std::cos(phi), s = std::sin(phi);
-    const double reach_back = mix(19, 13, smoothstep(0, -0.9, s));
-    const double across = c > 0 ? reach_back : 9.5;
+    // Widest above the middle, narrow at the lobe.
+    const double reach_back = mix(21, 10.5, smoothstep(0.25, -0.95, s));
+    const double across = c > 0 ? reach_back : mix(9.5, 6.0, smoothstep(-0.3, -0.95, s));
     const double along = s > 0 ? 30 : 29;
     return Vec3(root + back * (rho * across * c + 2.0 + 4.0 * s * (s > 0 ? 0.6 : -0.2)) +
                 up * (rho * along * s + 3) + out * depth);
@@ -26,9 +27,12 @@ void add_ear(Sculpt& half) {
     const double lobe = smoothstep(-0.55, -0.9, s);
     const double rim = (1 - lobe) * (1 - 0.6 * front);
     double h = 4.2;
-    h += rim * (3.0 * gauss((rho - 0.9) / 0.12) - 1.6 * gauss((rho - 0.72) / 0.1));
-    h += (1 - lobe) * (1 - front) * 2.4 * gauss((rho - 0.54) / 0.12);
-    h -= 6.5 * gauss(rho / 0.36) * (1 - 0.3 * lobe);
+    // Helix, the groove beside it, and the antihelix, which parts in two legs above; the concha is deep.
+    const double legs = smoothstep(0.2, 0.8, s);
+    h += rim * (3.6 * gauss((rho - 0.92) / 0.10) - 2.4 * gauss((rho - 0.77) / 0.09));
+    h += (1 - lobe) * (1 - front) * mix(3.4, 2.2, legs) * gauss((rho - 0.58) / 0.11);
+    h += legs * (1 - lobe) * 2.0 * gauss((rho - 0.36) / 0.10) * gauss((c + 0.1) / 0.5);
+    h -= 8.0 * gauss(rho / 0.36) * (1 - 0.3 * lobe);
     h += 4.0 * gauss((rho - 0.62) / 0.22) * front * gauss((s + 0.1) / 0.45);  // tragus
     h -= 3.0 * smoothstep(0.8, 1.0, rho) * front;                             // sinks into the cheek
     return h;

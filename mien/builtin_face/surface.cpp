@@ -77,7 +77,7 @@ double nose_joined(double d, const Vec3& p, const Vec3& q) {
   dorsum = join(dorsum, ellipsoid(p, {0, 4, 112}, {11, 9, 11}), 6);
   d = join(d, dorsum, 8);
   // Wings, each in a groove of its own, and the columella between the nostrils.
-  d = join(d, ellipsoid(q, {12.6, -3.6, 108.2}, {4.9, 6.7, 9.2}), 2.4);
+  d = join(d, ellipsoid(q, {12.2, -4.0, 107.2}, {5.2, 6.6, 9.4}), 5.5);
   d = join(d, capsule(p, {0, -1, 119}, 4.6, {0, -11.5, 107.5}, 3.2), 4);
   return carve(d, ellipsoid(q, {8.2, -11.0, 112.2}, {3.2, 8.4, 6.6}), 1.4);
 }
@@ -101,7 +101,7 @@ double head_distance(const Vec3& p) {
   const double mandible = join(capsule(p, {34, -35, 28}, 11, {8, -66, 87}, 11),
                                capsule(other, {34, -35, 28}, 11, {8, -66, 87}, 11), 12);
   d = join(d, mandible, 26);
-  d = join(d, ellipsoid(p, {0, -66, 93.5}, {16, 14, 14.3}), 15);
+  d = join(d, ellipsoid(p, {0, -66, 91.5}, {16, 14, 14.3}), 15);
   d = join(d, ellipsoid(p, {0, -58, 56}, {30, 21, 36}), 18);
   // Neck, widening to the shoulders.
   double neck = capsule(p, {0, -10, -22}, 45.5, {0, -240, -30}, 54);
