@@ -20,6 +20,7 @@
 
 #include "app/bench/clock.h"
 #include "app/bench/loopback.h"
+#include "app/bench/times.h"
 #include "app/child_program.h"
 #include "app/json_output.h"
 #include "app/live/perform_network.h"
@@ -112,11 +113,6 @@ Result<Start> start_session(std::vector<std::string> command) {
                 said->complaints.empty() ? "the session sent no frame" : said->complaints, "bench start");
   const Json summary = Json::parse(said->out, nullptr, false);
   return Start{to_seconds(*first - from), summary.value("peak_memory_mb", 0.0)};
-}
-
-Json times_ms(std::vector<double> took_s) {
-  std::ranges::sort(took_s);
-  return {{"median_ms", 1e3 * took_s[took_s.size() / 2]}, {"worst_ms", 1e3 * took_s.back()}};
 }
 
 Json start_figures(const std::vector<Start>& starts) {
