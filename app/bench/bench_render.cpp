@@ -44,8 +44,7 @@ double seconds_of(const Work& work) {
 
 Json face_figures(int faces) {
   // The first builds what all share; it has to come before any other face of this process.
-  const double first_s =
-      seconds_of([] { (void)builtin_face::make_builtin(builtin_face::without_hair({})); });
+  const double first_s = seconds_of([] { (void)builtin_face::make_builtin(builtin_face::without_hair({})); });
   std::vector<double> bare_s, haired_s;
   Random random(1);
   for (int i = 0; i < faces; ++i) {
@@ -64,8 +63,9 @@ double rays_alone_s(const face::Face& face, const render::Camera& camera) {
   const double took_s = seconds_of([&] {
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x)
-        hit += scene.first_hit(view.eye_m, view.ray(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F))
-                   .any();
+        hit +=
+            scene.first_hit(view.eye_m, view.ray(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F))
+                .any();
   });
   return hit > 0 ? took_s : 0;
 }
@@ -145,15 +145,18 @@ Result<void> run_render_bench(const RenderBench& options) {
 
 void add_render_bench(Commands& commands, Command bench) {
   auto options = std::make_shared<RenderBench>();
-  const Command command = commands.add_under(
-      bench, "render",
-      "How long built-in faces, a still and the frames of a comparison's film take; beside them what Embree's "
-      "rays alone take, one for each pixel on one thread",
-      "mien bench render --frames 120 --json", [options] { return run_render_bench(*options); });
+  const Command command = commands.add_under(bench, "render",
+                                             "How long built-in faces, a still and the frames of a "
+                                             "comparison's film take; beside them what Embree's "
+                                             "rays alone take, one for each pixel on one thread",
+                                             "mien bench render --frames 120 --json",
+                                             [options] { return run_render_bench(*options); });
   command.add_option("--frames", options->frames, "Frames of the film, 30 a second")
       .in_range(2, 3600)
       .show_default();
-  command.add_option("--strangers", options->faces, "How many drawn faces are made").in_range(1, 1000).show_default();
+  command.add_option("--strangers", options->faces, "How many drawn faces are made")
+      .in_range(1, 1000)
+      .show_default();
   command.add_option("--face", options->face, fmt::format("Whom stills and film show: {}", kFaceHelp))
       .show_default();
   command.add_flag("--json", options->json, "Print one JSON object");

@@ -68,7 +68,7 @@ void add_lashes(Sculpt& half, Random random) {
     // Longest a little outside the middle; every third leans to its neighbour, as wet lashes do.
     const double lean = 0.16 * (i % 3 - 1) + 0.06 * random.normal();
     const double fan = mix(-0.55, 0.95, s) + lean;
-    const double length = (upper ? mix(4.6, 8.4, std::sin(M_PI * std::pow(s, 1.4))) : mix(2.6, 4.2, s)) *
+    const double length = (upper ? mix(4.8, 9.0, std::sin(M_PI * std::pow(s, 1.4))) : mix(2.6, 4.2, s)) *
                           (1 + 0.12 * random.normal());
     const Vec3 begin = Vec3(fan * 0.35, upper ? -0.22 : -0.30, 1).normalized();
     const Vec3 end = Vec3(fan * 0.85, upper ? 1.05 : -0.75, upper ? 0.45 : 0.8).normalized();

@@ -270,10 +270,11 @@ Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
     // The corner goes up and back along the cheek, the lips thin over the teeth, the cheek rises into the
     // lower lid and leaves a fold beside the nose.
     return push(v, kCorner, {35, 31, 55}, {8.4, 10.2 * bow(v), -4.6}) +
-           push(v, {12, -27, 111}, {24, 15, 40}, {1.2, 1.6 * off_seal(v, 5), -1.2}, Lips::upper) +
-           push(v, {0, -39, 111}, {26, 14, 40}, {0, -0.5 * off_seal(v, 5), -1.2}, Lips::lower) +
+           push(v, {12, -27, 111}, {24, 15, 40}, {1.2, 0.2 * off_seal(v, 5), -2.0}, Lips::upper) +
+           push(v, {0, -39, 111}, {28, 14, 40}, {0, 1.4 * off_seal(v, 5), -2.0}, Lips::lower) +
            push(v, {41, 1, 90}, {28, 26, 40}, {1.2, 4.6, 4.4}) +
-           push(v, {27, -13, 103}, {9, 20, 26}, {0.6, 1.2, -1.8}) + lids(v, 0.04, 0.5);
+           push(v, {28, -15, 101}, {8, 22, 26}, {0.4, 1.0, -2.6}) +
+           push(v, {39, -12, 94}, {13, 22, 30}, {0.6, 1.0, 2.6}) + lids(v, 0.04, 0.5);
   if (is("mouthStretch"))
     return push(v, kCorner, {30, 28, 50}, {9.0, -3.6, -5.0}) +
            push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});

@@ -94,7 +94,9 @@ Result<Person> read_person(std::string_view what) {
 }  // namespace
 
 bool names_person(std::string_view what) {
-  return what == kFamily || (what.starts_with(kFamily) && what.substr(kFamily.size()).starts_with(':'));
+  if (!what.starts_with(kFamily)) return false;
+  const std::string_view rest = what.substr(kFamily.size());
+  return rest.empty() || rest.starts_with(':') || rest.starts_with(',');
 }
 
 Result<Person> find_person(std::string_view what) {

@@ -26,7 +26,7 @@ struct Person {
   std::vector<std::string> said;
 };
 
-/// Whether `what` names somebody of the built-in family: "builtin", or "builtin:" and more.
+/// Whether `what` names somebody of the built-in family: "builtin", or that, a colon or comma, and more.
 [[nodiscard]] bool names_person(std::string_view what);
 
 /// Whom "builtin" (the default face, cropped), "builtin:7" (the person whom that seed draws) or "builtin:ada"

@@ -101,7 +101,7 @@ double head_distance(const Vec3& p) {
   const double mandible = join(capsule(p, {34, -35, 28}, 11, {8, -66, 87}, 11),
                                capsule(other, {34, -35, 28}, 11, {8, -66, 87}, 11), 12);
   d = join(d, mandible, 26);
-  d = join(d, ellipsoid(p, {0, -66, 91.5}, {16, 14, 14.3}), 15);
+  d = join(d, ellipsoid(p, {0, -66, 93.5}, {16, 14, 14.3}), 15);
   d = join(d, ellipsoid(p, {0, -58, 56}, {30, 21, 36}), 18);
   // Neck, widening to the shoulders.
   double neck = capsule(p, {0, -10, -22}, 45.5, {0, -240, -30}, 54);

@@ -72,6 +72,7 @@ TEST(Person, RefusesWhatItDoesNotKnow) {
   EXPECT_THAT(error("builtin:ada,nose_width=inf"), HasSubstr("has no number"));
   EXPECT_THAT(error("builtin:ada,nose_width=1x"), HasSubstr("has no number"));
   EXPECT_THAT(error("builtin:ada,hair=bbo"), HasSubstr("did you mean bob?"));
+  EXPECT_TRUE(names_person("builtin,hair=none"));
   EXPECT_FALSE(names_person("builtinish"));
   EXPECT_FALSE(names_person("face.glb"));
 }
