@@ -182,11 +182,31 @@ VertexLight Renderer::State::light_at(std::uint32_t i) const {
   return arrives;
 }
 
+void Renderer::State::lend_to_covered() {
+  const auto is_covered = [](const VertexLight& arrives) { return (arrives < kCoveredLight).all(); };
+  for (int ring = 0; ring < kCoveredRings; ++ring) {
+    scattered_next = scattered;
+    for (std::size_t k = 0; k < lit_vertex.size(); ++k) {
+      if ((spread_share[k] == 0).all() || !is_covered(scattered[k])) continue;
+      VertexLight sum = VertexLight::Zero();
+      int lit = 0;
+      for (std::uint32_t i = neighbour_start[k]; i < neighbour_start[k + 1]; ++i) {
+        if (is_covered(scattered[neighbour[i]])) continue;
+        sum += scattered[neighbour[i]];
+        ++lit;
+      }
+      if (lit > 0) scattered_next[k] = sum / static_cast<float>(lit);
+    }
+    scattered.swap(scattered_next);
+  }
+}
+
 void Renderer::State::light_surfaces(const std::vector<std::uint32_t>& places) {
   parallel(workers, places.size(), 64, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) unscattered[places[k]] = light_at(lit_vertex[places[k]]);
   });
   scattered = unscattered;
+  lend_to_covered();
   for (int step = 0; step < kScatterSteps; ++step) {
     parallel(workers, lit_vertex.size(), 1024, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = first; k < last; ++k) {

@@ -36,6 +36,10 @@ inline constexpr float kAmbientReach_m = 0.07F;
 inline constexpr std::size_t kMostDirections = 96, kMostLightSamples = 16;
 /// Light from everywhere that comes flatter than this (cosine) is left out.
 inline constexpr float kGrazing = 0.02F;
+/// Skin to which less comes than this share of the light, from everywhere and from each lamp, is covered.
+inline constexpr float kCoveredLight = 0.06F;
+/// Rings of covered vertices that their neighbours lend light to.
+inline constexpr int kCoveredRings = 2;
 /// Steps in which light spreads along the skin.
 inline constexpr int kScatterSteps = 6;
 
@@ -104,6 +108,9 @@ struct Renderer::State {
   /// Light on all but hair, scattered in skin: found anew at these places of lit_vertex, at the others as it
   /// was.
   void light_surfaces(const std::vector<std::uint32_t>& places);
+  /// Skin that an ear or a collar covers gets hardly any light, and would darken what is seen beside its
+  /// cover: it takes that of its neighbours.
+  void lend_to_covered();
   /// What a film of a head that keeps still finds once: the light of the neutral.
   void light_rest();
   /// Where a pose can change the light of the neutral visibly: places of lit_vertex.
