@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
