@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/one_line.h"
+#include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/person.h"
 
@@ -29,6 +30,12 @@ Result<face::Face> chosen_infrared_face(const std::string& what) {
   MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
   builtin_face::paint_infrared(face, person.parameters);
   return face;
+}
+
+Result<std::vector<face::Corrective>> correctives_of(const std::string& what, const face::Face& face) {
+  if (!builtin_face::names_person(what)) return std::vector<face::Corrective>{};
+  MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
+  return builtin_face::make_correctives(face, person.parameters);
 }
 
 }  // namespace mien::app

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/face/corrective.h"
 #include "mien/face/face.h"
 
 namespace mien::app {
@@ -21,5 +23,10 @@ inline constexpr const char* kFaceHelp =
 /// The same with the colours that it has at 850 nm. Errors: as above, unsupported (no built-in face: nobody
 /// knows these of another one).
 [[nodiscard]] Result<face::Face> chosen_infrared_face(const std::string& what);
+
+/// What pictures of `face`, which is chosen_face(what), add where shapes meet: none but for the built-in
+/// ones. Errors: chosen_face's.
+[[nodiscard]] Result<std::vector<face::Corrective>> correctives_of(const std::string& what,
+                                                                   const face::Face& face);
 
 }  // namespace mien::app

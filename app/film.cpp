@@ -43,8 +43,10 @@ void turn_head(const face::Face& face, const face::MotionFrame& frame, std::span
   }
 }
 
-void pose(const face::Face& face, const face::MotionFrame& frame, std::span<Vec3f> vertices_m) {
+void pose(const face::Face& face, const face::MotionFrame& frame,
+          std::span<const face::Corrective> correctives, std::span<Vec3f> vertices_m) {
   face::evaluate(face, frame.weights, frame.tongue_out, vertices_m);
+  face::add_correctives(correctives, frame.weights, vertices_m);
   face::turn_eyes(face, frame.weights, vertices_m);
 }
 
@@ -98,7 +100,7 @@ Result<FilmMade> film_motion(const face::Face& face, const face::Motion& motion,
   std::vector<Vec3f> vertices_m(face.neutral_m.size());
   return film(0, motion.duration_s(), 1, options, out, progress, [&](double time_s) {
     const face::MotionFrame frame = curve.at(time_s);
-    pose(face, frame, vertices_m);
+    pose(face, frame, options.correctives, vertices_m);
     turn_head(face, frame, vertices_m);
     return renderer.still(vertices_m, camera, options.look);
   });
@@ -120,8 +122,8 @@ Result<FilmMade> film_comparison(const face::Face& face, const face::Motion& tru
   const double from_s = std::max(0.0, capture_delay_s);
   const double until_s = std::min(truth.duration_s(), capture.duration_s() + capture_delay_s);
   return film(from_s, until_s, 3, options, out, progress, [&](double time_s) {
-    pose(face, true_curve.at(time_s), true_m);
-    pose(face, capture_curve.at(time_s - capture_delay_s), captured_m);
+    pose(face, true_curve.at(time_s), {}, true_m);
+    pose(face, capture_curve.at(time_s - capture_delay_s), {}, captured_m);
     render::ComparisonCaptions captions;
     captions.footer = fmt::format("{:.2f} s", time_s);
     return render::comparison(renderer, lettering, true_m, captured_m, camera, options.look, captions,

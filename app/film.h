@@ -3,10 +3,12 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/core/wav.h"
+#include "mien/face/corrective.h"
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
 #include "mien/render/camera.h"
@@ -24,8 +26,9 @@ struct FilmOptions {
   float closeness = 1;
   render::Look look = render::Look::dark();
   render::Quality quality = render::Quality::video;
-  float full_scale_m = 5e-3F;  ///< Where the error's colours end.
-  std::optional<Sound> sound;  ///< From the motion's start.
+  float full_scale_m = 5e-3F;                 ///< Where the error's colours end.
+  std::optional<Sound> sound;                 ///< From the motion's start.
+  std::vector<face::Corrective> correctives;  ///< Of the face; a comparison, which measures, leaves them out.
 };
 
 struct FilmMade {

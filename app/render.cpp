@@ -96,6 +96,7 @@ Result<void> draw_still(const RenderOptions& options, const FilmOptions& how, co
   MIEN_TRY(set_weights(options.weights, pose));
   std::vector<Vec3f> vertices_m(face.neutral_m.size());
   face::evaluate(face, pose.weights, pose.tongue_out, vertices_m);
+  face::add_correctives(how.correctives, pose.weights, vertices_m);
   face::turn_eyes(face, pose.weights, vertices_m);
   render::Renderer renderer(face, how.quality);
   const render::Camera camera =
@@ -148,6 +149,7 @@ Result<void> run_render(RenderOptions options) {
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
   MIEN_TRY_ASSIGN(const face::Face face,
                   how.look.infrared ? chosen_infrared_face(options.face) : chosen_face(options.face));
+  MIEN_TRY_ASSIGN(how.correctives, correctives_of(options.face, face));
 
   FilmMade made{.frames = 1, .duration_s = 0, .seconds = 0};
   if (!film) {

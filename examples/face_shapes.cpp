@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
@@ -39,6 +40,7 @@ render::Image draw(const Shot& shot, int side, const render::Lettering& letterin
   if (look.infrared) builtin_face::paint_infrared(face, shot.who);
   std::vector<Vec3f> vertices(face.neutral_m.size());
   face::evaluate(face, shot.pose.weights, shot.pose.tongue_out, vertices);
+  face::add_correctives(builtin_face::make_correctives(face, shot.who), shot.pose.weights, vertices);
   face::turn_eyes(face, shot.pose.weights, vertices);
   render::Renderer renderer(face);
   render::Image tile = renderer.still(

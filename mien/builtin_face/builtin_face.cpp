@@ -123,6 +123,10 @@ Vec3 brow_shift(const SculptVertex& v, double brow_fullness) {
 
 }  // namespace
 
+const Sculpt& default_sculpt() {
+  return default_head().sculpt;
+}
+
 void paint_infrared(face::Face& face, const BuiltinParameters& parameters) {
   face.colour = colours_of(parameters, infrared_albedos(held(parameters)));
 }

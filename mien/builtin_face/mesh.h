@@ -140,6 +140,9 @@ void add_shirt(Sculpt& half);
 /// Two eyeballs at their places, each a contiguous run of vertices.
 void add_eyeballs(Sculpt& whole);
 
+/// The default head, sculpted once; vertices are numbered as those of every built-in face without hair.
+[[nodiscard]] const Sculpt& default_sculpt();
+
 /// How far brows of this fullness (BuiltinParameters) reach above and below their middle; 1 the default's.
 [[nodiscard]] inline double brow_spread(double brow_fullness) {
   return 1 + 0.22 * std::clamp(brow_fullness, -3.0, 3.0);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/builtin_face/correctives.h"
 #include "mien/core/random.h"
 #include "mien/performer/performer.h"
 
@@ -20,14 +21,16 @@ constexpr double kTouch_mm = 0.3;  ///< Deeper is through.
 
 class Face {
  public:
-  Contacts contacts(const face::BlendshapeWeights& weights, float tongue_out = 0) {
+  Contacts contacts(const face::BlendshapeWeights& weights, float tongue_out = 0, bool corrected = false) {
     face::evaluate(face_, weights, tongue_out, vertices_m_);
+    if (corrected) face::add_correctives(correctives_, weights, vertices_m_);
     face::turn_eyes(face_, weights, vertices_m_);
     return finder_.find(vertices_m_);
   }
 
  private:
   face::Face face_ = make_builtin();
+  std::vector<face::Corrective> correctives_ = make_correctives(face_, {});
   ContactFinder finder_{face_};
   std::vector<Vec3f> vertices_m_ = face_.neutral_m;
 };
@@ -47,6 +50,7 @@ TEST(Contact, NothingGoesThroughAnythingInAnyShapeAlone) {
     // mouthClose is the answer to a dropped jaw: nobody closes lips without one.
     if (face::kShapeNames[k] == "mouthClose") weights[face::shape("jawOpen")] = 1;
     expect_none(face.contacts(weights), face::kShapeNames[k]);
+    expect_none(face.contacts(weights, 0, true), face::kShapeNames[k]);
   }
   expect_none(face.contacts({}, 1), "tongueOut");
   expect_none(face.contacts({}), "neutral");
@@ -59,8 +63,7 @@ struct Bound {
   int frames;
 };
 
-TEST(Contact, LittleGoesThroughInWhatVirtualPerformersDo) {
-  constexpr Bound kBounds[kContactCount] = {{0.5, 4}, {2.6, 30}, {0.3, 0}, {0.8, 10}, {4.8, 60}, {30, 100}};
+void expect_little_in_performances(const Bound (&bounds)[kContactCount], bool corrected) {
   constexpr int kPeople = 40, kFrames = 50;
   Face face;
   Contacts most{};
@@ -71,7 +74,8 @@ TEST(Contact, LittleGoesThroughInWhatVirtualPerformersDo) {
     const face::Motion motion = performer::perform(
         performer::default_script(performer::Block::mixed, kFrames), style, random.fork("m"));
     for (int f = 0; f < kFrames; ++f) {
-      const Contacts now = face.contacts(motion.frames[static_cast<std::size_t>(60 * f + i)].weights);
+      const auto& weights = motion.frames[static_cast<std::size_t>(60 * f + i)].weights;
+      const Contacts now = face.contacts(weights, 0, corrected);
       for (std::size_t k = 0; k < kContactCount; ++k) {
         most[k] = std::max(most[k], now[k]);
         frames[k] += now[k] > kTouch_mm ? 1 : 0;
@@ -79,9 +83,20 @@ TEST(Contact, LittleGoesThroughInWhatVirtualPerformersDo) {
     }
   }
   for (std::size_t k = 0; k < kContactCount; ++k) {
-    EXPECT_LE(most[k], kBounds[k].most) << contact_name(static_cast<Contact>(k));
-    EXPECT_LE(frames[k], kBounds[k].frames) << contact_name(static_cast<Contact>(k));
+    const std::string_view name = contact_name(static_cast<Contact>(k));
+    EXPECT_LE(most[k], bounds[k].most) << name;
+    EXPECT_LE(frames[k], bounds[k].frames) << name;
   }
+}
+
+TEST(Contact, LittleGoesThroughInWhatVirtualPerformersDo) {
+  constexpr Bound kBounds[] = {{0.5, 4}, {2.6, 30}, {0.3, 0}, {0.8, 10}, {4.8, 60}, {30, 100}};
+  expect_little_in_performances(kBounds, false);
+}
+
+TEST(Contact, StillLessDoesWithCorrectives) {
+  constexpr Bound kBounds[] = {{0.4, 2}, {2.1, 14}, {0.3, 0}, {0.8, 10}, {0.1, 0}, {30, 100}};
+  expect_little_in_performances(kBounds, true);
 }
 
 }  // namespace
