@@ -58,7 +58,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
         }
         // Roots under the skin are darker than it, grey ones too.
         if (beard > 0) c = blend(c, (0.6F * a.hair).cwiseMin(0.5F * a.skin), 0.4 * beard * beard_amount(p));
-        v.colour = blend(c, a.hair * 0.7F, roots * smoothstep(-4, 9, within_hairline(p)));
+        v.colour = blend(c, a.hair * 0.7F, roots * smoothstep(0, 14, within_hairline(p)));
         break;
       }
       case Tissue::ear:

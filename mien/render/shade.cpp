@@ -39,9 +39,12 @@ Vec3f Renderer::State::mirrored(const Vec3f& p, const Vec3f& n, const Vec3f& to_
     const float angle = std::acos(std::clamp(out.dot(l.direction), -1.0F, 1.0F));
     const float inside =
         1 - smoothstep((1 - sharpness) * l.radius_rad, (1 + sharpness) * l.radius_rad, angle);
-    // A disc of this radius that lights a wall to `radiance` is brighter the smaller it is.
+    // A disc of this radius that lights a wall to `radiance` is brighter the smaller it is; wide ones fade to
+    // their edge, which would otherwise stand in the pupil like a hole.
+    const float fades = std::min(1.0F, 0.26F / l.radius_rad);
     if (inside > 0)
-      comes += inside * l.radiance / std::max(0.02F, std::sin(l.radius_rad) * std::sin(l.radius_rad));
+      comes += fades * fades * inside * l.radiance /
+               std::max(0.02F, std::sin(l.radius_rad) * std::sin(l.radius_rad));
   }
   if (solid.blocked(p + kEyeClear_m * n, out, 0, kAmbientReach_m)) comes *= 0.08F;
   return fresnel(0.025F, n.dot(to_camera)) * comes;
@@ -83,9 +86,12 @@ Vec3f Renderer::State::shade_eye(const Vec3f& p, Vec3f n, const Vec3f& to_camera
       const face::Eyeball& ball = face.eyes[static_cast<std::size_t>(e)];
       if (ball.vertex_count == 0 || (neutral - ball.centre_m).norm() > 0.03F) continue;
       const Vec3f axis = eye_turn[static_cast<std::size_t>(e)] * paint.eye_axis(e);
-      const float angle = std::acos(std::clamp(n.dot(axis), -1.0F, 1.0F));
+      // By the place instead of the mesh's normals, whose facets a mirror would show.
+      const Vec3f out_of_ball =
+          eye_turn[static_cast<std::size_t>(e)] * (neutral - ball.centre_m).normalized();
+      const float angle = std::acos(std::clamp(out_of_ball.dot(axis), -1.0F, 1.0F));
       const float bulge = 1 - smoothstep(0.85F, 1.15F, angle / paint.iris_angle_rad(e));
-      wet = (n - 0.40F * bulge * axis).normalized();
+      wet = (out_of_ball - 0.40F * bulge * axis).normalized();
     }
   }
   out += mirrored(p, wet, to_camera, 0.12F);
