@@ -8,6 +8,7 @@
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/person.h"
+#include "mien/builtin_face/skin_folds.h"
 
 namespace mien::app {
 
@@ -36,6 +37,12 @@ Result<std::vector<face::Corrective>> correctives_of(const std::string& what, co
   if (!builtin_face::names_person(what)) return std::vector<face::Corrective>{};
   MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
   return builtin_face::make_correctives(face, person.parameters);
+}
+
+Result<face::SkinFolds> skin_folds_of(const std::string& what) {
+  if (!builtin_face::names_person(what)) return face::SkinFolds{};
+  MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
+  return builtin_face::skin_folds(person.parameters);
 }
 
 }  // namespace mien::app

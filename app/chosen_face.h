@@ -7,6 +7,7 @@
 #include "mien/core/progress.h"
 #include "mien/face/corrective.h"
 #include "mien/face/face.h"
+#include "mien/face/skin_folds.h"
 
 namespace mien::app {
 
@@ -28,5 +29,8 @@ inline constexpr const char* kFaceHelp =
 /// ones. Errors: chosen_face's.
 [[nodiscard]] Result<std::vector<face::Corrective>> correctives_of(const std::string& what,
                                                                    const face::Face& face);
+
+/// How the skin of chosen_face(what) wrinkles: not at all but for the built-in ones. Errors: chosen_face's.
+[[nodiscard]] Result<face::SkinFolds> skin_folds_of(const std::string& what);
 
 }  // namespace mien::app

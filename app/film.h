@@ -11,6 +11,7 @@
 #include "mien/face/corrective.h"
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
+#include "mien/face/skin_folds.h"
 #include "mien/render/camera.h"
 #include "mien/render/renderer.h"
 
@@ -28,6 +29,7 @@ struct FilmOptions {
   render::Quality quality = render::Quality::video;
   float full_scale_m = 5e-3F;                 ///< Where the error's colours end.
   std::optional<Sound> sound;                 ///< From the motion's start.
+  face::SkinFolds folds;                      ///< Of the face.
   std::vector<face::Corrective> correctives;  ///< Of the face; a comparison, which measures, leaves them out.
 };
 

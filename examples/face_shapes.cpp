@@ -13,6 +13,7 @@
 
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
+#include "mien/builtin_face/skin_folds.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
 #include "mien/render/camera.h"
@@ -42,7 +43,7 @@ render::Image draw(const Shot& shot, int side, const render::Lettering& letterin
   face::evaluate(face, shot.pose.weights, shot.pose.tongue_out, vertices);
   face::add_correctives(builtin_face::make_correctives(face, shot.who), shot.pose.weights, vertices);
   face::turn_eyes(face, shot.pose.weights, vertices);
-  render::Renderer renderer(face);
+  render::Renderer renderer(face, render::Quality::still, 0, builtin_face::skin_folds(shot.who));
   render::Image tile = renderer.still(
       vertices, render::portrait_camera(face, shot.view_rad, side, side, shot.closeness), look);
   const auto ink = look.background_bottom[1] > 127 ? render::Rgb{40, 42, 48} : render::Rgb{225, 227, 232};

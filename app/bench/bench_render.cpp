@@ -13,6 +13,7 @@
 #include "app/chosen_face.h"
 #include "app/json_output.h"
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/builtin_face/skin_folds.h"
 #include "mien/face/motion.h"
 #include "mien/performer/performer.h"
 #include "mien/render/comparison.h"
@@ -76,7 +77,7 @@ Result<Json> film_figures(const face::Face& face, int frames) {
   const Random random(1);
   const face::MotionCurve curve(performer::perform(script, {}, random));
   const render::Camera camera = render::portrait_camera(face, render::kFrontView_rad, kWidth, kHeight);
-  render::Renderer renderer(face, render::Quality::video);
+  render::Renderer renderer(face, render::Quality::video, 0, builtin_face::skin_folds({}));
   std::vector<Vec3f> truth_m(face.neutral_m.size()), capture_m(face.neutral_m.size());
   const auto pose = [&](double time_s, std::vector<Vec3f>& vertices_m) {
     const face::MotionFrame frame = curve.at(time_s);

@@ -95,7 +95,8 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
       }
       case Tissue::teeth_upper:
       case Tissue::teeth_lower:
-        v.colour = a.teeth;
+        // Less light finds its way to the back ones than rays at single vertices say.
+        v.colour = a.teeth * static_cast<float>(mix(0.4, 1.0, smoothstep(68, 94, p.z())));
         break;
       case Tissue::gums_upper:
       case Tissue::gums_lower:

@@ -52,6 +52,7 @@ bool Renderer::State::hair_rests(std::span<const Vec3f> vertices_m) const {
 void Renderer::State::pose(std::span<const Vec3f> vertices_m, bool all) {
   std::ranges::copy(vertices_m, position.begin());
   find_normals(all);
+  wrinkles.fold(position, folds);
   solid.move(vertices_m);
   if (all) hair.move(vertices_m);
   parallel(workers, position.size(), 4096, [&](std::size_t first, std::size_t last) {
@@ -240,6 +241,7 @@ void Renderer::State::light_rest() {
   rest.unscattered = unscattered;
   rest.light = light;
   rest.normal = normal;
+  rest.folds = folds;
   rest.triangles_in_tile.clear();
   for (std::size_t tile = 0; tile < solid_bins.count(); ++tile)
     rest.triangles_in_tile.push_back(triangles_in(tile));
@@ -263,7 +265,8 @@ void Renderer::State::find_what_rests() {
   parallel(workers, rests.size(), 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i)
       rests[i] = is_still[i] || (position[i] == face.neutral_m[i] && normal[i] == rest.normal[i] &&
-                                 (light[i] == rest.light[i]).all())
+                                 (light[i] == rest.light[i]).all() &&
+                                 (folds.empty() || (folds[i] == rest.folds[i]).all()))
                      ? 1
                      : 0;
   });

@@ -63,8 +63,8 @@ Look Look::light() {
   return look;
 }
 
-Renderer::Renderer(const face::Face& face, Quality quality, int threads)
-    : state_(std::make_unique<State>(face, quality, threads)) {}
+Renderer::Renderer(const face::Face& face, Quality quality, int threads, const face::SkinFolds& folds)
+    : state_(std::make_unique<State>(face, quality, threads, folds)) {}
 Renderer::~Renderer() = default;
 
 Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look,

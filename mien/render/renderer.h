@@ -5,6 +5,7 @@
 
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
+#include "mien/face/skin_folds.h"
 #include "mien/render/camera.h"
 #include "mien/render/image.h"
 
@@ -56,7 +57,9 @@ struct ErrorColours {
 class Renderer {
  public:
   /// `face` outlives the renderer; triangles and shapes do not change meanwhile. `threads` 0: one a core.
-  explicit Renderer(const face::Face& face, Quality quality = Quality::still, int threads = 0);
+  /// `folds`: how its skin wrinkles (builtin_face::skin_folds); smooth unless told.
+  explicit Renderer(const face::Face& face, Quality quality = Quality::still, int threads = 0,
+                    const face::SkinFolds& folds = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -38,12 +38,13 @@ bool is_hair(Material m) {
 
 }  // namespace
 
-Renderer::State::State(const face::Face& f, Quality q, int thread_count)
+Renderer::State::State(const face::Face& f, Quality q, int thread_count, const face::SkinFolds& skin_folds)
     : face(f),
       quality(q),
       workers(thread_count > 0 ? thread_count
                                : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
       paint(f),
+      wrinkles(f, skin_folds),
       middle_m(middle_of_head_m(f)),
       material(material_of_triangles(f)),
       solid_triangle(pick(material, [](Material m) { return !is_hair(m) && m != Material::cornea; })),
@@ -55,6 +56,7 @@ Renderer::State::State(const face::Face& f, Quality q, int thread_count)
       rests(f.neutral_m.size(), 0),
       position(f.neutral_m),
       normal(f.neutral_m.size()),
+      folds(wrinkles.empty() ? 0 : f.neutral_m.size(), Wrinkles::Slopes::Zero()),
       on_screen(f.neutral_m.size()),
       light(f.neutral_m.size(), VertexLight::Zero()),
       hair_shade(f.neutral_m.size()) {

@@ -20,6 +20,7 @@
 #include "mien/render/strands.h"
 #include "mien/render/surface_paint.h"
 #include "mien/render/tone.h"
+#include "mien/render/wrinkles.h"
 
 // What the renderer's sources share: its state. What is found once of a face: renderer_state.cpp; lighting of
 // vertices: light_vertices.cpp; of hair: shade_hair.cpp; of a place seen: shade.cpp; the picture:
@@ -88,7 +89,7 @@ struct Renderer::State {
     Vec3f to_camera = Vec3f::UnitZ();  // Unit.
   };
 
-  State(const face::Face& f, Quality q, int thread_count);
+  State(const face::Face& f, Quality q, int thread_count, const face::SkinFolds& skin_folds);
 
   // Once, of the face.
   [[nodiscard]] std::vector<Triangle> triangles_of(std::span<const std::uint32_t> which) const;
@@ -170,6 +171,7 @@ struct Renderer::State {
   Quality quality;
   Workers workers;
   SurfacePaint paint;
+  Wrinkles wrinkles;
   Vec3f middle_m;                  // Inside the head.
   std::vector<Material> material;  // A triangle.
   // Triangles: what keeps light off, what is clear before it, and hair and lashes, which let some light
@@ -205,6 +207,7 @@ struct Renderer::State {
     std::vector<VertexLight> unscattered;        // Beside lit_vertex.
     std::vector<VertexLight> light;              // Beside the vertices.
     std::vector<Vec3f> normal;                   // Beside the vertices.
+    std::vector<Wrinkles::Slopes> folds;         // The same.
     std::vector<std::size_t> triangles_in_tile;  // All that may be seen there.
   };
   Rest rest;
@@ -213,6 +216,7 @@ struct Renderer::State {
   std::vector<std::uint8_t> is_visible;  // Beside the vertices, of their own twin.
   std::vector<std::uint8_t> rests;  // Beside the vertices: 1 where place, normal and light are the neutral's.
   std::vector<Vec3f> position, normal;
+  std::vector<Wrinkles::Slopes> folds;  // Beside the vertices; empty where the face has none.
   std::vector<ScreenPoint> on_screen;
   TileBins solid_bins, clear_bins, moving_hair_bins, still_hair_bins;
   std::vector<Vec3f> around_direction;  // Beside ambient_directions: Studio::around() of each.

@@ -14,6 +14,11 @@ constexpr float kEyeClear_m = 8e-4F;
 /// How far light wraps around the edge to the dark side, by channel.
 const Vec3f kWrap(0.28F, 0.13F, 0.08F);
 
+/// Light that has gone under the skin shows less of a fold than what the surface mirrors.
+constexpr float kFoldsInDiffuse = 0.75F;
+/// How much darker the bottom of a fold is for each unit of its slope.
+const Vec3f kFoldShade(0.35F, 0.55F, 0.60F);
+
 /// Fraction of mirrored light (Schlick 1994).
 float fresnel(float reflectance, float cosine) {
   const float x = 1 - std::clamp(cosine, 0.0F, 1.0F);
@@ -141,6 +146,17 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
     } else {
       surface = paint.at(neutral, made_of, has_colour ? &own_colour : nullptr);
     }
+    // Folds of the skin tilt it, let less light in, and redden what comes back from within.
+    Vec3f soft_n = n, in_fold = Vec3f::Ones();
+    if (errors == nullptr && !folds.empty() && surface.scatter == 1) {
+      const Wrinkles::Slopes slopes = between(seen, folds);
+      if (slopes.maxCoeff() > 0) {
+        const Wrinkles::Relief relief = wrinkles.at(neutral, n, slopes, view.footprint_m);
+        n = (n - relief.slope + relief.slope.dot(n) * n).normalized();
+        soft_n = mix(soft_n, n, kFoldsInDiffuse);
+        in_fold -= relief.crease * kFoldShade;
+      }
+    }
     // Pores, where a pixel is small enough to show them.
     Vec3f rough_n = n;
     const auto tilt = [&](float per_m, float strength) {
@@ -160,7 +176,7 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
     for (std::size_t l = 0; l < kLights; ++l) {
       const Look::Light& lamp = studio.light[l];
       const Vec3f visible = visible_of(arrives, l);
-      const float facing = mix(n, rough_n, 0.35F).dot(lamp.direction);
+      const float facing = (soft_n + 0.35F * (rough_n - n)).dot(lamp.direction);
       const Vec3f wrapped = (Vec3f::Constant(facing) + wrap).cwiseMax(0.0F).cwiseProduct(unwrap);
       diffuse += wrapped.cwiseProduct(visible).cwiseProduct(lamp.radiance) / kPi;
 
@@ -182,7 +198,7 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
         surface.reflectance +
         (std::max(1 - surface.roughness, surface.reflectance) - surface.reflectance) * 0.35F * edge;
     shine += 0.8F * mirrors * (1 - 0.6F * surface.roughness) * open * studio.around(bounced);
-    out = surface.albedo.cwiseProduct(diffuse) + shine;
+    out = surface.albedo.cwiseProduct(diffuse).cwiseProduct(in_fold) + in_fold.y() * shine;
   }
 
   if (errors == nullptr && glass != nullptr) {
