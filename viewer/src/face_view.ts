@@ -212,6 +212,7 @@ export class FaceView {
       avatar.worn.add(this.glasses.object);
       this.skin = null;
       this.stage.put("first", avatar.object);
+      void avatar.settled?.then(() => this.stage?.wake());
       this.dots.setAvatar(avatar);
       this.chooseSecond();
       return true;

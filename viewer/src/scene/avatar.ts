@@ -12,6 +12,8 @@ export interface Avatar {
   readonly worn: Group;
   /** How many of the 53 shapes it can show. */
   readonly known: number;
+  /** When its light is found; until then it is drawn without shade in its folds. */
+  readonly settled?: Promise<void>;
   apply(pose: Pose): void;
   dispose(): void;
 }

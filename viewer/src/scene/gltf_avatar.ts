@@ -8,6 +8,7 @@ import { mergePieces } from "./merge";
 import { addMorphNormals } from "./morph_normals";
 import { faceMesh, movingBoxIn } from "./moving_skin";
 import { giveNeck } from "./neck";
+import { addOpenness, findOpenness } from "./openness";
 
 export interface GltfAvatarOptions {
   name: string;
@@ -21,7 +22,9 @@ export class GltfAvatar implements Avatar {
   readonly face: Mesh | null;
   readonly worn: Group;
   readonly known: number;
+  readonly settled: Promise<void> = Promise.resolve();
 
+  private disposed = false;
   private readonly drives: { mesh: Mesh; drives: Drive<number>[] }[] = [];
   private readonly eyes: { node: Object3D; rest: Quaternion; first: number }[] = [];
   private head: { node: Object3D; rest: Quaternion } | null = null;
@@ -58,6 +61,8 @@ export class GltfAvatar implements Avatar {
       dress(scene, { cloth: { top: -0.185, bottom: -0.222 }, skin: { top: -0.125, bottom: -0.186 } });
       this.object = new Group();
       this.object.add(scene);
+      addOpenness(scene);
+      this.settled = findOpenness(scene, () => this.disposed);
     } else {
       this.object = placeOver(scene, box, FACE_BOX);
     }
@@ -95,6 +100,7 @@ export class GltfAvatar implements Avatar {
   }
 
   dispose(): void {
+    this.disposed = true;
     disposeTree(this.object);
   }
 

@@ -1,22 +1,51 @@
 /**
- * How the parts of a head take light. Skin lets light in and out again: red furthest, so the edge of a shadow on it is soft
- * and warm; and it has pores. Both are added to three.js' own physical material.
+ * How the parts of a head take light, as `mien render` has it (render/shade.cpp). Skin lets light in and out again: red
+ * furthest, so the edge of a shadow on it is soft and warm; and it has pores. Light arrives as far as a place lies open
+ * to it. All are added to three.js' own physical material.
  */
 import {
-  DoubleSide, FrontSide, MeshPhysicalMaterial, ShaderChunk, type Material, type Mesh, type MeshStandardMaterial, type Object3D,
+  Color, DoubleSide, FrontSide, MeshPhysicalMaterial, ShaderChunk, type Material, type Mesh, type MeshStandardMaterial, type Object3D,
   type WebGLProgramParametersWithUniforms,
 } from "three";
 import { materialsOf } from "./avatar";
+import { OPENNESS } from "./openness";
+import { AROUND, LAMPS, vec3 } from "./studio";
 
-/** How far round a curve each colour's light creeps: red about a third of the way. Tuned by eye. */
-const CREEP = "vec3(0.2, 0.09, 0.05)";
+/** How far light wraps round an edge to the dark side, by channel, in skin (render/shade.cpp). */
+const WRAP = new Color(0.28, 0.13, 0.08);
 
-const LIGHTS = ShaderChunk.lights_physical_pars_fragment.replace(
-  "reflectedLight.directDiffuse += irradiance * diffuseBRDF",
-  `vec3 creep = ${CREEP};
-	vec3 crept = saturate((dot(geometryNormal, directLight.direction) + creep) / (1.0 + creep)) * directLight.color;
-	reflectedLight.directDiffuse += crept * diffuseBRDF`,
-);
+const LAMP_CALL = "RE_Direct( directLight, geometryPosition";
+const [beforeLamps, lamps] = split(ShaderChunk.lights_fragment_begin, "getDirectionalLightInfo");
+/** What a lamp sends arrives as far as `openness` says, where no shadow map says it; red light leaks into skin's shadows. */
+const LAMPS_OPEN = `${beforeLamps}${lamps.replace(
+  LAMP_CALL,
+  `#if UNROLLED_LOOP_INDEX >= NUM_DIR_LIGHT_SHADOWS
+		directLight.color *= leaked( vOpen[ 1 + UNROLLED_LOOP_INDEX ] );
+		#endif
+		${LAMP_CALL}`,
+)}`;
+/** Light from around, as far as it arrives; what pale surfaces throw at each other fills folds (Jimenez et al. 2016). */
+const AMBIENT_OPEN = `{
+  vec3 colour = diffuseColor.rgb;
+  vec3 a = 2.0404 * colour - 0.3324, b = -4.7951 * colour + 0.6417, c = 2.7552 * colour + 0.6903;
+  float arrives = max(vOpen.x, 0.0);
+  reflectedLight.indirectDiffuse *= max(vec3(arrives), ((arrives * a + b) * arrives + c) * arrives);
+  reflectedLight.indirectSpecular *= 0.8 * arrives;
+}`;
+
+function split(text: string, at: string): [string, string] {
+  const place = text.indexOf(at);
+  return [text.slice(0, place), text.slice(place)];
+}
+
+function wrapped(scatter: number): string {
+  return ShaderChunk.lights_physical_pars_fragment.replace(
+    "reflectedLight.directDiffuse += irradiance * diffuseBRDF",
+    `vec3 wrap = ${scatter.toFixed(3)} * ${vec3(WRAP)};
+	vec3 round = max(dot(geometryNormal, directLight.direction) + wrap, 0.0) / ((1.0 + wrap) * (1.0 + wrap)) * directLight.color;
+	reflectedLight.directDiffuse += round * diffuseBRDF`,
+  );
+}
 
 /** Fades out towards a cut that nobody wants to see. Heights in the mesh's own coordinates at rest. */
 export interface Fade {
@@ -45,7 +74,7 @@ export function dress(root: Object3D, ends: { cloth: Fade; skin: Fade }): void {
     const dressed = materialsOf(mesh).map((material) => {
       const before = made.get(material);
       if (before) return before;
-      const after = dressOne(material as MeshStandardMaterial, fades);
+      const after = dressOne(material as MeshStandardMaterial, fades, irisAngleOf(mesh));
       made.set(material, after);
       return after;
     });
@@ -53,10 +82,11 @@ export function dress(root: Object3D, ends: { cloth: Fade; skin: Fade }): void {
     const thin = dressed.length === 1 && (dressed[0]?.name === "lash" || dressed[0]?.name === "strands");
     mesh.castShadow = !thin;
     mesh.receiveShadow = true;
+    soften(mesh);
   });
 }
 
-function dressOne(from: MeshStandardMaterial, fades: Fades): Material {
+function dressOne(from: MeshStandardMaterial, fades: Fades, irisAngle: number): Material {
   const material = new MeshPhysicalMaterial({
     name: from.name,
     color: from.color,
@@ -69,62 +99,180 @@ function dressOne(from: MeshStandardMaterial, fades: Fades): Material {
     side: from.side === DoubleSide ? DoubleSide : FrontSide,
     shadowSide: DoubleSide,
   });
+  // 0.04 is the reflectance that three.js gives where the intensity is 1. Lamps are wide, which widens their highlights.
+  const surface = (reflectance: number, roughness: number) => {
+    material.specularIntensity = reflectance / 0.04;
+    material.roughness = Math.min(1, roughness + 0.1);
+  };
   switch (from.name) {
     case "skin":
+      surface(0.026, 0.46);
+      finish(material, { scatter: 1, pores: 0.11, fade: fades.skin });
+      break;
     case "lips":
-      material.roughness = from.name === "lips" ? 0.42 : 0.55;
-      material.specularIntensity = 0.7;
-      material.sheen = 0.25;
-      material.sheenRoughness = 0.5;
-      material.sheenColor.set(0xd9a892);
-      finishSkin(material, fades.skin, from.name === "skin" ? 0.11 : 0.05);
+      surface(0.03, 0.28);
+      finish(material, { scatter: 1, pores: 0.05, fade: fades.skin });
       break;
     case "sclera":
     case "iris":
     case "pupil":
-      material.roughness = 0.32;
-      material.clearcoat = 1;
-      material.clearcoatRoughness = 0.04;
-      break;
-    case "hair":
-      material.roughness = 0.62;
-      material.specularIntensity = 0.5;
+      surface(0, 0.5);
+      finish(material, { scatter: 0.7, irisAngle });
       break;
     case "strands":
-      material.roughness = 0.58;
-      material.specularIntensity = 0.45;
+      surface(0.018, 0.5);
       material.side = DoubleSide;
-      // Low: from afar a texel stands for several hairs and the skin between them, and a head of hair must stay full.
-      material.alphaTest = 0.2;
-      material.alphaToCoverage = true;
-      finishHair(material);
+      material.alphaTest = HAIR_CORE;
+      finish(material, { scatter: 1, ribbon: true });
       break;
     case "cloth":
-      material.roughness = 0.95;
-      material.specularIntensity = 0.25;
-      finishCloth(material, fades.cloth);
+      surface(0.015, 0.95);
+      material.transparent = true;
+      finish(material, { fade: fades.cloth });
       break;
     case "teeth":
-      material.roughness = 0.25;
+      surface(0.045, 0.22);
+      finish(material, { scatter: 0.3 });
+      break;
+    case "gums":
+    case "tongue":
+    case "mouth_inside":
+      surface(0.03, 0.33);
+      finish(material, { scatter: 0.6 });
       break;
     case "lash":
       material.depthWrite = false;
+      finish(material, {});
       break;
     default:
+      surface(0.03, 0.5);
+      finish(material, {});
       break;
   }
   return material;
 }
 
-/** Both sides of a ribbon of hair take light as the head's outside does: its normals say so, whichever side is seen. */
-function finishHair(material: MeshPhysicalMaterial): void {
+/** Hair that covers at least this much of a pixel hides what is behind it; below, it is laid over. */
+const HAIR_CORE = 0.75;
+
+/** Lays the soft edges of ribbons of hair over their opaque core: the same triangles once more, blended. */
+function soften(mesh: Mesh): void {
+  const { geometry } = mesh;
+  const materials = materialsOf(mesh);
+  const strands = materials.findIndex((material) => material.name === "strands");
+  const core = materials[strands];
+  if (!(core instanceof MeshPhysicalMaterial) || !geometry.index) return;
+  if (geometry.groups.length === 0) geometry.addGroup(0, geometry.index.count, 0);
+  const edge = core.clone();
+  edge.name = "strands edge";
+  edge.alphaTest = 0.04;
+  edge.transparent = true;
+  edge.depthWrite = false;
+  finish(edge, { scatter: 1, ribbon: true });
+  for (const group of [...geometry.groups]) {
+    if (group.materialIndex === strands) geometry.addGroup(group.start, group.count, materials.length);
+  }
+  mesh.material = [...materials, edge];
+}
+
+interface Finish {
+  /** 1: light spreads under the surface as in skin; 0: not at all. */
+  scatter?: number;
+  /** Depth of pores; 0: smooth. */
+  pores?: number;
+  fade?: Fade | null;
+  /** Both sides take light as the head's outside does: its normals say so, whichever side is seen. */
+  ribbon?: boolean;
+  /** A wet ball that looks along its mesh's +Z: mirrors the lamps. The angle from there to its iris' edge; 0: no eye. */
+  irisAngle?: number;
+}
+
+/** Completes the shader of a material by what three.js' own does not know. */
+function finish(material: MeshPhysicalMaterial, { scatter = 0, pores = 0, fade = null, ribbon = false, irisAngle = 0 }: Finish): void {
+  if (fade) material.transparent = true;
   material.onBeforeCompile = (shader) => {
-    shader.fragmentShader = shader.fragmentShader.replace(
-      "#include <normal_fragment_begin>",
-      ShaderChunk.normal_fragment_begin.replace("gl_FrontFacing ? 1.0 : - 1.0", "1.0"),
-    );
+    addRest(shader);
+    shader.vertexShader = shader.vertexShader
+      .replace("#include <common>", `#include <common>\nattribute vec4 ${OPENNESS};\nvarying vec4 vOpen;`)
+      .replace("#include <begin_vertex>", `#include <begin_vertex>\nvOpen = ${OPENNESS};`);
+    shader.fragmentShader = shader.fragmentShader
+      .replace("#include <common>", `#include <common>
+varying vec4 vOpen;
+vec3 leaked(float open) {
+  open = max(open, 0.0);
+  return vec3(mix(open, sqrt(open), ${scatter.toFixed(2)}), open, open);
+}`)
+      .replace("#include <lights_fragment_begin>", LAMPS_OPEN)
+      .replace("#include <aomap_fragment>", AMBIENT_OPEN)
+      .replace("#include <lights_physical_pars_fragment>", wrapped(scatter));
+    if (ribbon) {
+      shader.fragmentShader = shader.fragmentShader.replace(
+        "#include <normal_fragment_begin>",
+        ShaderChunk.normal_fragment_begin.replace("gl_FrontFacing ? 1.0 : - 1.0", "1.0"),
+      );
+    }
+    if (pores > 0) addPores(shader, pores);
+    if (irisAngle > 0) addEye(shader, irisAngle);
+    if (fade) addFade(shader, fade);
   };
-  material.customProgramCacheKey = () => "hair";
+  material.customProgramCacheKey = () => `${scatter} ${pores} ${fade ? 1 : 0} ${ribbon} ${irisAngle}`;
+}
+
+/** Of an eye's mesh: the angle about its centre from +Z to where its iris ends, radians. */
+function irisAngleOf(mesh: Mesh): number {
+  const { geometry } = mesh;
+  const iris = materialsOf(mesh).findIndex((material) => material.name === "iris");
+  const position = geometry.attributes["position"];
+  let angle = 0;
+  for (const { start, count, materialIndex } of geometry.groups) {
+    if (materialIndex !== iris || !geometry.index || !position) continue;
+    for (let i = start; i < start + count; ++i) {
+      const v = geometry.index.getX(i);
+      angle = Math.max(angle, Math.atan2(Math.hypot(position.getX(v), position.getY(v)), position.getZ(v)));
+    }
+  }
+  return angle > 0.2 && angle < 0.9 ? angle : 0.5;
+}
+
+/**
+ * A pupil and the iris' dark rim, which its few vertices cannot show; and what a wet eye mirrors: the
+ * lamps as discs, and the room. The cornea is a smaller sphere that stands out of the ball: its normals turn faster
+ * (render/shade.cpp and surface_paint.cpp).
+ */
+function addEye(shader: WebGLProgramParametersWithUniforms, irisAngle: number): void {
+  shader.vertexShader = shader.vertexShader
+    .replace("#include <common>", "#include <common>\nvarying vec3 vAxis;")
+    .replace("#include <begin_vertex>", "#include <begin_vertex>\nvAxis = normalMatrix * vec3(0.0, 0.0, 1.0);");
+  const mirrored = LAMPS.map(({ radius }, i) => {
+    // A disc of this radius that lights a wall to its radiance is brighter the smaller it is.
+    const brightness = 1 / Math.max(0.02, Math.sin(radius) ** 2);
+    return `comes += ${brightness.toFixed(3)} * directionalLights[${i}].color
+    * (1.0 - smoothstep(${(0.88 * radius).toFixed(4)}, ${(1.12 * radius).toFixed(4)}, acos(clamp(dot(outwards, directionalLights[${i}].direction), -1.0, 1.0))));`;
+  });
+  shader.fragmentShader = shader.fragmentShader
+    .replace("#include <common>", `#include <common>\nvarying vec3 vAxis;\n${AROUND}`)
+    .replace(
+      "#include <color_fragment>",
+      `#include <color_fragment>
+float angle = acos(clamp(normalize(vRest).z, -1.0, 1.0));
+{
+  float radius = angle / ${irisAngle.toFixed(3)};
+  diffuseColor.rgb *= 1.0 - 0.7 * smoothstep(0.74, 0.9, radius) * (1.0 - smoothstep(0.97, 1.06, radius));
+  diffuseColor.rgb = max(diffuseColor.rgb * smoothstep(0.30, 0.37, radius), 0.004);
+}`,
+    )
+    .replace(
+      "#include <opaque_fragment>",
+      `{
+  vec3 wet = normalize(normal - 0.4 * (1.0 - smoothstep(0.85, 1.15, angle / ${irisAngle.toFixed(3)})) * normalize(vAxis));
+  vec3 outwards = reflect(-geometryViewDir, wet);
+  vec3 comes = 0.35 * around(inverseTransformDirection(outwards, viewMatrix));
+  ${mirrored.join("\n  ")}
+  float glancing = 1.0 - clamp(dot(wet, geometryViewDir), 0.0, 1.0);
+  outgoingLight += (0.025 + 0.975 * pow(glancing, 5.0)) * smoothstep(0.02, 0.3, vOpen.x) * comes;
+}
+#include <opaque_fragment>`,
+    );
 }
 
 /** Gives the fragments of a shader that is being made their place at rest, `vRest`, in the mesh's own coordinates. */
@@ -147,23 +295,12 @@ function addFade(shader: WebGLProgramParametersWithUniforms, fade: Fade): void {
     );
 }
 
-function finishCloth(material: MeshPhysicalMaterial, fade: Fade): void {
-  material.transparent = true;
-  material.onBeforeCompile = (shader) => {
-    addRest(shader);
-    addFade(shader, fade);
-  };
-  material.customProgramCacheKey = () => "cloth";
-}
-
-function finishSkin(material: MeshPhysicalMaterial, fade: Fade | null, pores: number): void {
-  if (fade) material.transparent = true;
-  material.onBeforeCompile = (shader) => {
-    addRest(shader);
-    shader.fragmentShader = shader.fragmentShader
-      .replace(
-        "#include <common>",
-        `#include <common>
+/** Pores, as a slope of the surface. */
+function addPores(shader: WebGLProgramParametersWithUniforms, pores: number): void {
+  shader.fragmentShader = shader.fragmentShader
+    .replace(
+      "#include <common>",
+      `#include <common>
 float grain(vec3 p) {
   p = fract(p * vec3(0.1031, 0.1030, 0.0973));
   p += dot(p, p.yxz + 33.33);
@@ -176,10 +313,10 @@ float smoothGrain(vec3 p) {
     mix(mix(grain(i + vec3(0, 0, 1)), grain(i + vec3(1, 0, 1)), f.x), mix(grain(i + vec3(0, 1, 1)), grain(i + vec3(1, 1, 1)), f.x), f.y), f.z);
 }
 float pores(vec3 rest) { return smoothGrain(rest * 900.0) + 0.6 * smoothGrain(rest * 1900.0); }`,
-      )
-      .replace(
-        "#include <normal_fragment_maps>",
-        `#include <normal_fragment_maps>
+    )
+    .replace(
+      "#include <normal_fragment_maps>",
+      `#include <normal_fragment_maps>
 {
   // The slope of the pores' height along the screen, laid onto the surface; it fades where a pore is smaller than a pixel.
   float height = pores(vRest);
@@ -193,9 +330,5 @@ float pores(vec3 rest) { return smoothGrain(rest * 900.0) + 0.6 * smoothGrain(re
   vec3 tilt = depth * slope / max(abs(det), 1e-12);
   normal = normalize(normal - tilt * min(1.0, 0.3 / max(length(tilt), 1e-6)));
 }`,
-      )
-      .replace("#include <lights_physical_pars_fragment>", LIGHTS);
-    if (fade) addFade(shader, fade);
-  };
-  material.customProgramCacheKey = () => `skin ${pores} ${fade ? 1 : 0}`;
+    );
 }

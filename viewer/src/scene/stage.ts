@@ -3,11 +3,11 @@
  * rate, and stops when nothing moves.
  */
 import {
-  ACESFilmicToneMapping, PerspectiveCamera, Scene, SRGBColorSpace, Vector3, WebGLRenderer, type DirectionalLight, type Object3D,
+  PerspectiveCamera, Scene, SRGBColorSpace, Vector3, WebGLRenderer, type DirectionalLight, type Object3D,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Pace } from "./pace";
-import { furnishStudio } from "./studio";
+import { furnishStudio, lightRoom } from "./studio";
 
 /** What the camera looks at: the middle of the face, m, frame H. */
 const CENTRE = new Vector3(0, 0.006, 0.02);
@@ -66,8 +66,6 @@ export class Stage {
     this.canvas = this.renderer.domElement;
     this.canvas.className = "stage-canvas";
     this.renderer.outputColorSpace = SRGBColorSpace;
-    this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.toneMappingExposure = 1.05;
     this.renderer.setClearAlpha(0);
     this.renderer.autoClear = false;
     host.append(this.canvas);
@@ -85,7 +83,11 @@ export class Stage {
     this.controls.target.copy(CENTRE);
     this.controls.addEventListener("change", () => this.wake());
     this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
-    this.canvas.addEventListener("webglcontextrestored", () => this.wake());
+    // All that files and this page gave the card comes back by itself; what the card drew for itself does not.
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      lightRoom(this.renderer, this.scene);
+      this.wake();
+    });
     this.size();
     this.resetView();
     new ResizeObserver(() => {

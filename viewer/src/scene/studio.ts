@@ -1,16 +1,63 @@
-/** The light: a large soft key from the performer's right and above, a weak fill, a rim from behind, and a room to mirror. */
+/** The light of `mien render`'s studio (render/lights.cpp): key, fill and rim, a grey room around them, and its tone curve. */
 import {
-  AmbientLight, BackSide, BoxGeometry, Color, DirectionalLight, Mesh, MeshBasicMaterial, PMREMGenerator, Scene, VSMShadowMap,
-  type WebGLRenderer,
+  Color, CustomToneMapping, DataTexture, DataUtils, DirectionalLight, EquirectangularReflectionMapping, HalfFloatType,
+  LinearFilter, PMREMGenerator, ShaderChunk, Vector3, VSMShadowMap, type Scene, type Texture, type WebGLRenderer,
 } from "three";
+
+export interface Lamp {
+  /** From the face to the lamp, unit, frame H at rest. */
+  towards: Vector3;
+  /** Linear RGB; lights a wall that faces it to this over pi. */
+  radiance: Color;
+  /** Half the angle that it fills, radians. */
+  radius: number;
+}
+
+const lamp = (x: number, y: number, z: number, [r, g, b]: [number, number, number], radius: number): Lamp => ({
+  towards: new Vector3(x, y, z).normalize(),
+  radiance: new Color(r, g, b),
+  radius,
+});
+
+/** Key from above the left, fill from the right, rim from behind: in the order of the shaders' directionalLights. */
+export const LAMPS: readonly Lamp[] = [
+  lamp(-0.62, 0.55, 0.7, [2.55, 2.4, 2.25], 0.3),
+  lamp(0.9, 0.1, 0.6, [0.55, 0.6, 0.68], 0.45),
+  lamp(0.7, 0.5, -0.7, [1.9, 1.95, 2.05], 0.2),
+];
+const SKY = new Color(0.3, 0.31, 0.33);
+const GROUND = new Color(0.13, 0.115, 0.105);
+
+/** GLSL: light from a direction of the world, without the lamps. */
+export const AROUND = `vec3 around(vec3 direction) {
+  return mix(${vec3(GROUND)}, ${vec3(SKY)}, smoothstep(-0.9, 0.9, direction.y));
+}`;
+
+/** The renderer's tone curve (render/tone.h): the identity up to the knee, then a shoulder; very bright light bleeds to white. */
+const TONE = `vec3 CustomToneMapping( vec3 color ) {
+  color = max( color, 0.0 ) * toneMappingExposure;
+  float brightest = max( color.r, max( color.g, color.b ) );
+  color += 0.06 * max( 0.0, brightest - 0.7 ) * ( brightest - color );
+  vec3 over = max( color - 0.45, 0.0 ) / 0.55;
+  return min( color, 0.45 ) + 0.55 * over / ( 1.0 + over );
+}`;
 
 /** Adds the lights to `scene`, makes the renderer ready for them, and gives the light that casts the shadows. */
 export function furnishStudio(renderer: WebGLRenderer, scene: Scene): DirectionalLight {
+  ShaderChunk.tonemapping_pars_fragment = ShaderChunk.tonemapping_pars_fragment.replace(
+    "vec3 CustomToneMapping( vec3 color ) { return color; }",
+    TONE,
+  );
+  renderer.toneMapping = CustomToneMapping;
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = VSMShadowMap;
 
-  const key = new DirectionalLight(0xfff1e2, 2.5);
-  key.position.set(-0.55, 0.62, 0.95);
+  const lights = LAMPS.map(({ towards, radiance }) => {
+    const light = new DirectionalLight(radiance, 1);
+    light.position.copy(towards).multiplyScalar(1.25);
+    return light;
+  });
+  const key = lights[0] as DirectionalLight;
   key.castShadow = true;
   key.shadow.mapSize.set(512, 512);
   key.shadow.camera.left = key.shadow.camera.bottom = -0.24;
@@ -21,46 +68,41 @@ export function furnishStudio(renderer: WebGLRenderer, scene: Scene): Directiona
   key.shadow.blurSamples = 12;
   key.shadow.bias = -0.0006;
   key.shadow.normalBias = 0.002;
-
-  const fill = new DirectionalLight(0xcfe0ff, 0.55);
-  fill.position.set(0.9, 0.1, 0.7);
-  const rim = new DirectionalLight(0xffffff, 1.4);
-  rim.position.set(0.75, 0.55, -0.9);
-  const kicker = new DirectionalLight(0xbfd4ff, 0.4);
-  kicker.position.set(-0.9, 0.2, -0.7);
-  scene.add(key, fill, rim, kicker, new AmbientLight(0xffffff, 0.12));
-
-  const generator = new PMREMGenerator(renderer);
-  const room = mirroredRoom();
-  scene.environment = generator.fromScene(room, 0.03).texture;
-  scene.environmentIntensity = 0.62;
-  generator.dispose();
-  room.traverse((node) => {
-    const mesh = node as Mesh<BoxGeometry, MeshBasicMaterial>;
-    if (!mesh.isMesh) return;
-    mesh.geometry.dispose();
-    mesh.material.dispose();
-  });
+  scene.add(...lights);
+  lightRoom(renderer, scene);
   return key;
 }
 
-/** A dim room with soft boxes: what eyes and lips mirror. */
-function mirroredRoom(): Scene {
-  const room = new Scene();
-  const walls = new Mesh(new BoxGeometry(10, 8, 10), new MeshBasicMaterial({ color: 0x30302f, side: BackSide }));
-  room.add(walls);
-  const box = (x: number, y: number, z: number, width: number, height: number, depth: number, brightness: number) => {
-    const light = new Mesh(
-      new BoxGeometry(width, height, depth),
-      new MeshBasicMaterial({ color: new Color(brightness, brightness * 0.98, brightness * 0.95) }),
-    );
-    light.position.set(x, y, z);
-    room.add(light);
-  };
-  box(-3.2, 2.2, 3.4, 1.8, 2.4, 0.1, 9);
-  box(3.8, 0.8, 2.6, 0.1, 2.6, 1.8, 3);
-  box(0, 3.9, 0.5, 4, 0.1, 3, 3.2);
-  box(2.6, 1.6, -4.4, 1.6, 3, 0.1, 5);
-  box(0, -3.9, 2, 6, 0.1, 4, 0.35);
-  return room;
+/** What is around the face where no lamp is. To be made anew when a graphics card has lost all that it held. */
+export function lightRoom(renderer: WebGLRenderer, scene: Scene): void {
+  const generator = new PMREMGenerator(renderer);
+  const sky = gradient();
+  scene.environment?.dispose();
+  scene.environment = generator.fromEquirectangular(sky).texture;
+  sky.dispose();
+  generator.dispose();
+}
+
+/** From the ground's light to the sky's, as an equirectangular image. */
+function gradient(): Texture {
+  const width = 4, height = 64;
+  const data = new Uint16Array(width * height * 4);
+  const colour = new Color();
+  for (let row = 0; row < height; ++row) {
+    const up = Math.sin(((row + 0.5) / height - 0.5) * Math.PI);
+    const t = Math.min(1, Math.max(0, (up + 0.9) / 1.8));
+    colour.lerpColors(GROUND, SKY, t * t * (3 - 2 * t));
+    const texel = [colour.r, colour.g, colour.b, 1].map(DataUtils.toHalfFloat);
+    for (let column = 0; column < width; ++column) data.set(texel, 4 * (row * width + column));
+  }
+  const texture = new DataTexture(data, width, height);
+  texture.type = HalfFloatType;
+  texture.mapping = EquirectangularReflectionMapping;
+  texture.minFilter = texture.magFilter = LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+export function vec3({ r, g, b }: Color): string {
+  return `vec3(${r.toFixed(4)}, ${g.toFixed(4)}, ${b.toFixed(4)})`;
 }
