@@ -11,8 +11,8 @@ import { LAMPS } from "./studio";
 /** The vertex attribute: ambient, then each lamp, 0 to 1. */
 export const OPENNESS = "openness";
 
-const SIDES = 40;
-const SIDES_PER_LAMP = 6;
+const SIDES = 24;
+const SIDES_PER_LAMP = 4;
 /** Texels of a depth image along a side, and how far one looks, m. */
 const SIZE = 200;
 const HALF_WIDTH_M = 0.2;
@@ -25,7 +25,7 @@ const OWN_LOCK_M = 0.005;
 /** A mouth that shows what is in it. */
 const OPEN_MOUTH: Readonly<Record<string, number>> = { jawOpen: 0.5, mouthSmile_L: 0.4, mouthSmile_R: 0.4 };
 /** Work at a stretch, ms. */
-const STRETCH_MS = 6;
+const STRETCH_MS = 12;
 
 /** Gives all meshes below `root` the attribute, open everywhere. */
 export function addOpenness(root: Object3D): void {
@@ -259,7 +259,7 @@ function gather(part: Part, side: Side, seen: Depths, points: Float32Array, norm
   }
 }
 
-/** Light goes on from hair to hair: no lock is as dark as one depth image of it says. Eyeballs are pale and wet, and alike. */
+/** Light goes on from hair to hair, and within an eyeball: neither is as dark as a depth image of it says. */
 function spread({ first, count }: Part, values: Float32Array): void {
   for (let i = 4 * first; i < 4 * (first + count); ++i) values[i] = 0.5 + 0.5 * (values[i] as number);
 }
