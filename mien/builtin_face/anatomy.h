@@ -36,18 +36,18 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 }
 /// Toward the inner corner the lids run close together, about the caruncle.
 [[nodiscard]] inline double lacrimal_narrowing(double lid_fraction) {
-  return mix(0.5, 1.0, smoothstep(0.0, 0.24, lid_fraction));
+  return mix(0.72, 1.0, smoothstep(0.0, 0.24, lid_fraction));
 }
 /// Height of the lids' margins at x, eyes open.
 [[nodiscard]] inline double upper_lid_y(double x) {
   const double s = lid_fraction(x);
   return mix(kInnerCanthusY, kOuterCanthusY, s) +
-         6.7 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.75);
+         6.5 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.66);
 }
 [[nodiscard]] inline double lower_lid_y(double x) {
   const double s = lid_fraction(x);
   return mix(kInnerCanthusY, kOuterCanthusY, s) -
-         4.0 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 1.2)), 0.85);
+         4.0 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 1.15)), 0.75);
 }
 
 /// How freely skin at a place of the face moves under muscles' pull: 0 at the corners of the eye, which

@@ -79,7 +79,7 @@ void add_lashes(Sculpt& half, Random random) {
       spine[k] = spine[k - 1] + ((1 - t) * begin + t * end).normalized() * length / (spine.size() - 1);
     }
     const Vec3 side = Vec3(1, 0, -0.3 * fan).normalized();
-    const Ribbon ribbon{Piece::lashes, Tissue::lash, upper ? 0.34 : 0.24, upper ? 1.0 : -1.0, i, 1};
+    const Ribbon ribbon{Piece::lashes, Tissue::lash, upper ? 0.8 : 0.6, upper ? 1.0 : -1.0, i * 3, upper ? 3 : 2};
     add_ribbon(half, ribbon, spine, side, 1);
   }
 }
@@ -91,7 +91,7 @@ Vec3 brow_point(double x, double y) {
 }
 
 void add_brow(Sculpt& half, Random random) {
-  constexpr int kRibbons = 170, kStrands = 8;
+  constexpr int kRibbons = 188, kStrands = 5;
   for (int i = 0; i < kRibbons; ++i) {
     // Sparser at the nose, where brows begin without an edge.
     const double s = std::pow((i + random.uniform()) / kRibbons, 0.85);
@@ -101,9 +101,9 @@ void add_brow(Sculpt& half, Random random) {
     const double off = random.uniform(-1, 1);
     const double y = brow_y(x) + off * thick;
     // Upright at the nose; further out the upper hairs turn down and the lower ones up, to one ridge.
-    const double rise = mix(1.7, -0.22, smoothstep(0, 0.5, s)) - 0.40 * off * smoothstep(0.05, 0.3, s) +
-                        0.10 * random.normal();
-    const double length = mix(6.5, 8.5, std::sin(M_PI * s)) * (1 - 0.3 * s) * (1 + 0.18 * random.normal());
+    const double rise = mix(1.25, -0.22, smoothstep(0, 0.5, s)) - 0.40 * off * smoothstep(0.05, 0.3, s) +
+                        0.20 * random.normal();
+    const double length = mix(5.2, 8.0, std::sin(M_PI * s)) * (1 - 0.3 * s) * (1 + 0.18 * random.normal());
     std::array<Vec3, 4> spine;
     for (std::size_t k = 0; k < spine.size(); ++k) {
       const double t = static_cast<double>(k) / (spine.size() - 1);
@@ -114,7 +114,7 @@ void add_brow(Sculpt& half, Random random) {
     }
     const Vec3 along = (spine[3] - spine[0]).normalized();
     const Vec3 side = along.cross(Vec3(0.3, 0.15, 0.93)).normalized();
-    const Ribbon ribbon{Piece::brows, Tissue::brow, 1.3 * mix(0.6, 1.0, smoothstep(0, 0.15, s)), 0,
+    const Ribbon ribbon{Piece::brows, Tissue::brow, 0.85 * mix(0.7, 1.0, smoothstep(0, 0.15, s)), 0,
                         i * kStrands, kStrands};
     add_ribbon(half, ribbon, spine, side, static_cast<float>(1 + 0.15 * random.normal()));
   }

@@ -54,7 +54,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
           }
           c = blend(
               c, a.brow,
-              0.45 * gauss((p.y() - brow_y(x)) / brow_height) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
+              0.55 * gauss((p.y() - brow_y(x)) / brow_height) * smoothstep(9, 15, x) * smoothstep(56, 44, x));
         }
         // Roots under the skin are darker than it, grey ones too.
         if (beard > 0) c = blend(c, (0.6F * a.hair).cwiseMin(0.5F * a.skin), 0.4 * beard * beard_amount(p));
@@ -72,7 +72,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
         break;
       case Tissue::lid_inside:
         v.colour = blend(blend(a.skin, a.wet, 0.55), a.lash * 1.7F,
-                         v.lid > 0 ? 0.75 * smoothstep(0.3, 0.9, v.lid) : 0.15);
+                         v.lid > 0 ? 0.5 * smoothstep(0.3, 0.9, v.lid) : 0.0);
         break;
       case Tissue::tear:
         v.colour = Vec3f::Ones();  // Clear.
@@ -96,7 +96,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
       case Tissue::teeth_upper:
       case Tissue::teeth_lower:
         // Less light finds its way to the back ones than rays at single vertices say.
-        v.colour = a.teeth * static_cast<float>(mix(0.4, 1.0, smoothstep(68, 94, p.z())));
+        v.colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(72, 94, p.z())));
         break;
       case Tissue::gums_upper:
       case Tissue::gums_lower:

@@ -91,8 +91,8 @@ void add_tear_film(Sculpt& half, const Ring& margin) {
 /// The pink flesh in the inner corner of the eye.
 void add_caruncle(Sculpt& half) {
   constexpr int kAround = 10, kRings = 4;
-  const Vec3 middle(kInnerCanthusX + 2.3, kInnerCanthusY - 0.1, kEyeCentre.z() + 4.0);
-  const Vec3 radii(2.5, 1.6, 1.9);
+  const Vec3 middle(kInnerCanthusX + 2.9, kInnerCanthusY + 0.1, kEyeCentre.z() + 5.6);
+  const Vec3 radii(2.9, 1.7, 2.0);
   const std::uint32_t front = half.add(vertex(middle + Vec3(0, 0, radii.z()), Tissue::caruncle));
   Ring ring;
   for (int k = 1; k <= kRings; ++k) {

@@ -58,7 +58,7 @@ double relief(const Vec3& p) {
        smoothstep(33, 26, x);
   // Philtrum between its two ridges.
   const double philtrum = smoothstep(-28, -23, y) * smoothstep(-10, -15, y);
-  h += philtrum * (0.9 * gauss((x - 4.6) / 2.0) - 1.1 * gauss(x / 2.6));
+  h += philtrum * (0.6 * gauss((x - 4.8) / 2.4) - 0.8 * gauss(x / 2.9));
   // Furrow between lip and chin, and the fold from nose to mouth corner.
   h -= 2.6 * gauss((y + 50 - 0.006 * x * x) / 5.0) * gauss(x / 19);
   const double along = std::clamp((-6 - y) / 28, 0.0, 1.0);
@@ -93,16 +93,16 @@ double head_distance(const Vec3& p) {
   // Middle face, cheekbones, flesh of the cheeks, upper jaw.
   d = join(d, ellipsoid(p, {0, 8, 36}, {63, 64, 66}), 22);
   d = join(d, capsule(q, {37, 9, 83}, 11, {56, 17, 52}, 11), 22);
-  d = join(d, ellipsoid(q, {35.6, -21.8, 66}, {20.8, 29.8, 27}), 18);
+  d = join(d, ellipsoid(q, {34.6, -21.9, 66}, {18.6, 30.0, 27.4}), 18);
   d = join(d, ellipsoid(p, {0, -26, 72}, {30, 34, 36}), 18);
   // Lower jaw and chin.
   d = join(d, capsule(q, {47, 6, 18}, 13, {35, -32, 24}, 11), 28);
   const Vec3 other(-p.x(), p.y(), p.z());
-  const double mandible = join(capsule(p, {34, -35, 28}, 11, {8, -66, 87}, 11),
-                               capsule(other, {34, -35, 28}, 11, {8, -66, 87}, 11), 12);
+  const double mandible = join(capsule(p, {32, -34, 27}, 10, {8, -66, 87}, 11),
+                               capsule(other, {32, -34, 27}, 10, {8, -66, 87}, 11), 12);
   d = join(d, mandible, 26);
   d = join(d, ellipsoid(p, {0, -66, 93.5}, {16, 14, 14.3}), 15);
-  d = join(d, ellipsoid(p, {0, -58, 56}, {30, 21, 36}), 18);
+  d = join(d, ellipsoid(p, {0, -58, 56}, {27, 21, 36}), 18);
   // Neck, widening to the shoulders.
   double neck = capsule(p, {0, -10, -22}, 45.5, {0, -240, -30}, 54);
   neck = join(neck, capsule(q, {24, -150, -42}, 40, {84, -240, -46}, 38), 40);

@@ -42,16 +42,17 @@ Camera portrait_camera(const face::Face& face, float view_rad, int width, int he
     // Turned, a head is about its ears, not about its face.
     target.z() -= 0.35F * size.z() * std::min(1.0F, std::abs(view_rad) / kThreeQuarterView_rad);
   }
-  shown_m = std::max(shown_m, 1e-3F) / closeness;
+  shown_m = std::max(shown_m, 1e-3F);
 
   Camera camera;
   camera.width = width;
   camera.height = height;
   camera.target_m = target;
-  camera.field_of_view_rad = 0.32F;
   // A picture narrower than high must still hold the width of the head.
   const float fit = std::max(1.0F, 0.85F * static_cast<float>(height) / static_cast<float>(width));
-  const float distance_m = 0.5F * shown_m * fit / std::tan(0.5F * camera.field_of_view_rad);
+  // Nearer, noses grow and ears go: what is closer is seen through a longer lens, from the same place.
+  const float distance_m = 4.8F * shown_m * fit;
+  camera.field_of_view_rad = 2 * std::atan(0.5F * shown_m * fit / closeness / distance_m);
   camera.position_m = target + distance_m * Vec3f(std::sin(view_rad), 0.03F, std::cos(view_rad));
   return camera;
 }

@@ -27,8 +27,8 @@ inline constexpr float kFrontView_rad = 0, kThreeQuarterView_rad = 0.68F, kSideV
 /// "front", "three-quarter", "side", or degrees between -360 and 360: "45".
 [[nodiscard]] std::optional<float> view_rad_from_name(std::string_view name);
 
-/// A camera that has the whole neutral face in the picture, as a portrait photographer would: from about half
-/// a metre with a long lens. `closeness` 1 shows the head, 2 half of that.
+/// A camera that has the whole neutral face in the picture, as a portrait photographer would: from about 1.4
+/// metres with a long lens. `closeness` 1 shows the head, 2 half of that through a longer one.
 [[nodiscard]] Camera portrait_camera(const face::Face& face, float view_rad, int width, int height,
                                      float closeness = 1);
 

@@ -14,8 +14,8 @@ Look::Light light(const Vec3f& towards, const Vec3f& radiance, float radius_rad)
 Look studio() {
   Look look;
   look.key = light({-0.62F, 0.55F, 0.70F}, {2.55F, 2.40F, 2.25F}, 0.30F);
-  look.fill = light({0.90F, 0.10F, 0.60F}, {0.55F, 0.60F, 0.68F}, 0.45F);
-  look.rim = light({0.70F, 0.50F, -0.70F}, {1.9F, 1.95F, 2.05F}, 0.20F);
+  look.fill = light({0.90F, 0.10F, 0.60F}, {0.62F, 0.66F, 0.72F}, 0.50F);
+  look.rim = light({0.70F, 0.50F, -0.70F}, {1.25F, 1.28F, 1.34F}, 0.35F);
   look.sky = Vec3f(0.30F, 0.31F, 0.33F);
   look.ground = Vec3f(0.13F, 0.115F, 0.105F);
   look.background_top = {96, 100, 108};

@@ -11,8 +11,10 @@ namespace {
 
 /// Models put shells of an eyeball over each other; they must not shade each other either.
 constexpr float kEyeClear_m = 8e-4F;
+/// Where that is inside of a lid, which hugs the ball.
+constexpr float kUnderLid_m = 1.5e-4F;
 /// How far light wraps around the edge to the dark side, by channel.
-const Vec3f kWrap(0.28F, 0.13F, 0.08F);
+const Vec3f kWrap(0.20F, 0.12F, 0.09F);
 
 /// Light that has gone under the skin shows less of a fold than what the surface mirrors.
 constexpr float kFoldsInDiffuse = 0.75F;
@@ -57,13 +59,21 @@ Vec3f Renderer::State::mirrored(const Vec3f& p, const Vec3f& n, const Vec3f& to_
 
 Vec3f Renderer::State::shade_eye(const Vec3f& p, Vec3f n, const Vec3f& to_camera, const Surface& surface,
                                  const Vec3f& neutral, bool painted) const {
-  const Vec3f from = p + kEyeClear_m * n;
+  Vec3f from = p + kEyeClear_m * n;
   std::array<Vec3f, kMostDirections> asked;
   std::array<std::uint8_t, kMostDirections> blocked{};
   std::size_t count = 0;
   for (const Vec3f& d : eye_directions)
     if (d.dot(n) > kGrazing) asked[count++] = d;
-  solid.blocked(from, std::span(asked).first(count), 0, kAmbientReach_m, std::span(blocked).first(count));
+  const auto ask = [&] {
+    solid.blocked(from, std::span(asked).first(count), 0, kAmbientReach_m, std::span(blocked).first(count));
+  };
+  ask();
+  const auto end = blocked.begin() + static_cast<std::ptrdiff_t>(count);
+  if (2 * std::count(blocked.begin(), end, std::uint8_t{0}) < static_cast<std::ptrdiff_t>(count)) {
+    from = p + kUnderLid_m * n;
+    ask();
+  }
   Vec3f arrives = Vec3f::Zero();
   float weights = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -164,7 +174,7 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
       if (seen_of_it <= 0) return;
       rough_n += strength * seen_of_it * solid_noises(neutral * per_m);
     };
-    tilt(450, 0.05F);
+    tilt(450, 0.08F);
     tilt(900, 0.11F);
     tilt(2100, 0.15F);
     rough_n.normalize();
@@ -206,7 +216,7 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
     // Tears along the lids and over the corners glisten less than the ball itself.
     const float strength = is_cornea ? 1.0F : 0.25F;
     if (glass_n.dot(to_camera) > 0)
-      out += strength * mirrored(between(*glass, position), glass_n, to_camera, 0.12F);
+      out += strength * mirrored(between(*glass, position), glass_n, to_camera, is_cornea ? 0.12F : 0.9F);
   }
   return out;
 }

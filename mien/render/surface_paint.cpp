@@ -18,7 +18,7 @@ using face::Material;
 const Vec3f kSkin(0.60F, 0.365F, 0.265F);
 const Vec3f kLips(0.47F, 0.165F, 0.145F);
 const Vec3f kHair(0.055F, 0.035F, 0.025F);
-const Vec3f kSclera(0.74F, 0.69F, 0.66F);
+const Vec3f kSclera(0.62F, 0.575F, 0.55F);
 
 /// Lips' colour ends so far outside their outline.
 constexpr float kLipEdge_m = 0.0012F;
@@ -234,8 +234,8 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
               std::exp(-(p - spot.centre_m).squaredNorm() / (2 * spot.radius_m * spot.radius_m));
           s.albedo = s.albedo.cwiseProduct(mix(Vec3f::Ones(), spot.tint, amount));
         }
-      s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.03F, 0.055F, 0.06F) +
-                                       solid_noises(p * 55.0F).z() * Vec3f(0.02F, 0.07F, 0.07F));
+      s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.045F, 0.08F, 0.085F) +
+                                       solid_noises(p * 55.0F).z() * Vec3f(0.03F, 0.085F, 0.085F));
       const float lip = outlines_lips_ ? lip_amount(p) : material == Material::lips ? 1.0F : 0.0F;
       if (lip > 0) {
         if (own == nullptr) {
