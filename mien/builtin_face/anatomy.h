@@ -79,7 +79,7 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 struct DentalArch {
   double half_width, front_z, depth, gum_y;
 };
-inline constexpr DentalArch kUpperArch{27, 100.5, 40, -25.4}, kLowerArch{25.5, 98, 38.5, -43.6};
+inline constexpr DentalArch kUpperArch{28.5, 104.6, 42, -25.4}, kLowerArch{27, 102.1, 40.5, -43.6};
 
 /// Height of the brow's middle at x.
 [[nodiscard]] inline double brow_y(double x) {

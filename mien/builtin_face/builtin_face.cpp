@@ -194,9 +194,9 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
 std::array<BuiltinSite, 12> builtin_sites() {
   // Where the same muscles lie on this head, measured on it once.
   constexpr double kMm = 1e-3;
-  const Vec3 frontalis(34.6, 71.5, 93.4), orbicularis(50.9, 23.5, 86.9), upper(43, 7, 96.5),
-      lower(34.3, -19, 96.3), buccinator(39.3, -36.3, 90.2), mentalis(0, -68.4, 108.7),
-      mastoid(57.7, -8, -15.6);
+  const Vec3 frontalis(35.1, 71.7, 95.8), orbicularis(51.7, 23.4, 85.9), upper(41.6, 6.9, 94.2),
+      lower(34.7, -19, 99.9), buccinator(39.3, -36.5, 94.1), mentalis(0, -68.6, 109.3),
+      mastoid(62.9, -7, -18.1);
   const auto right = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
   return {{{"frontalis_R", right(frontalis) * kMm},
            {"frontalis_L", frontalis * kMm},

@@ -6,7 +6,7 @@
 namespace mien::builtin_face {
 
 void add_ear(Sculpt& half) {
-  const Vec3 root(72.5, 18, 1);
+  const Vec3 root(76.8, 14, -1);
   const Vec3 back = Vec3(0.50, 0.06, -0.86).normalized();
   const Vec3 up = (Vec3(0.05, 1, -0.16) - Vec3(0.05, 1, -0.16).dot(back) * back).normalized();
   const Vec3 out = up.cross(back).normalized() * -1.0;
@@ -15,9 +15,9 @@ void add_ear(Sculpt& half) {
     // phi 0 points back, 90 degrees up.
     const double c = std::cos(phi), s = std::sin(phi);
     // Widest above the middle, narrow at the lobe.
-    const double reach_back = mix(21, 13.5, smoothstep(0.25, -0.95, s));
-    const double across = c > 0 ? reach_back : mix(9.5, 8.0, smoothstep(-0.3, -0.95, s));
-    const double along = s > 0 ? 30 : 29;
+    const double reach_back = mix(21, 15.5, smoothstep(0.25, -0.95, s));
+    const double across = c > 0 ? reach_back : mix(9.5, 9.5, smoothstep(-0.3, -0.95, s));
+    const double along = s > 0 ? 30 : 27;
     return Vec3(root + back * (rho * across * c + 2.0 + 4.0 * s * (s > 0 ? 0.6 : -0.2)) +
                 up * (rho * along * s + 3) + out * depth);
   };

@@ -46,7 +46,7 @@ bool is_soft(const V& v) {
 }
 /// Lids keep to the eyeball and their corners to the bone: other muscles' pull fades out on them.
 double off_lids(const V& v) {
-  return (1 - smoothstep(0.1, 0.72, std::abs(v.lid))) * off_canthi(v.anchor);
+  return (1 - smoothstep(0.0, 0.85, std::abs(v.lid))) * off_canthi(v.anchor);
 }
 
 /// How far a vertex goes with the lower jaw: 1 on chin and lower lip, 0 above the mouth and at the neck's
@@ -196,10 +196,10 @@ Vec3 roll(const V& v, bool up) {
   const double across = off_bone(v) * side * (1 - s * s) * (1 - smoothstep(red + 1, red + 13, from_line));
   if (across <= 0) return Vec3::Zero();
   const double inward = 1 - smoothstep(0.6 * red, red + 6, from_line);
-  const double deep = smoothstep(92, 104, p.z());  // the gums' side of the lip stays
+  const double deep = smoothstep(97, 109, p.z());  // the gums' side of the lip stays
   // Everything on the red comes to the line; beyond it the skin is drawn after it by as much as the border
   // moves.
-  const double slide = -(up ? 1 : -1) * std::min(from_line, red) * (up ? 0.85 : 0.95);
+  const double slide = -(up ? 1 : -1) * std::min(from_line, red) * (up ? 0.85 : 0.90);
   return deep * across * Vec3(0, slide + (up ? -0.8 : 1.3), -(up ? 8.5 : 9.6) * inward);
 }
 
@@ -208,7 +208,7 @@ Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
   const auto is = [&](std::string_view n) { return name == n; };
   // Brow.
   if (is("browDown"))
-    return push(v, {20, 57, 101}, {32, 30, 45}, {-2.8, -5.2, 0.6}) +
+    return push(v, {20, 62, 101}, {32, 29, 45}, {-2.8, -5.2, 0.6}) +
            push(v, {40, 59, 90}, {26, 26, 40}, {-0.6, -2.4, 0});
   if (is("browInnerUp")) return push(v, {13, 60, 104}, {42, 40, 50}, {0.6, 6.2, 0.2});
   if (is("browOuterUp")) return push(v, {42, 59, 88}, {32, 36, 45}, {1.2, 8.0, -1.2});

@@ -105,7 +105,7 @@ Style style_of(HairStyle style) {
       break;
     case HairStyle::tied:
       s = {.flow = Flow::back,
-           .pole = {0, 70, -101},
+           .pole = {0, 70, -98},
            .ribbons = 1300,
            .width = 8,
            .strands = 18,

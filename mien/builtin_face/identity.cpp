@@ -167,7 +167,7 @@ Vec3 IdentityWarp::operator()(const Vec3& p) const {
 
 Vec3 IdentityWarp::ear(const Vec3& p) const {
   const double side = p.x() > 0 ? 1 : -1;
-  const Vec3 root(side * 71.5, 18, 2);
+  const Vec3 root(side * 75.8, 14, 0);
   const Eigen::AngleAxisd out(side * 6 * M_PI / 180 * q_.ear_protrusion, Vec3::UnitY());
   return (*this)(root) + (1 + 0.05 * q_.ear_size) * (out * (p - root));
 }

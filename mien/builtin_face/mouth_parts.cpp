@@ -103,7 +103,7 @@ void add_tongue(Sculpt& half) {
   Ring ring;
   for (int k = 0; k <= kAlong; ++k) {
     const double s = static_cast<double>(k) / kAlong;
-    const double z = mix(44, 90.5, s);
+    const double z = mix(46, 95.5, s);
     const double width = 15.5 * std::pow(1 - std::pow(s, 2.2), 0.5);  // between the teeth
     const double thick = mix(9.0, 2.4, s) * std::pow(1 - std::pow(s, 6), 0.5);
     const double middle_y = mix(-47.5, -40.5, s);

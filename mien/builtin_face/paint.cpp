@@ -68,7 +68,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
         v.colour = a.lips;
         break;
       case Tissue::mouth:
-        v.colour = blend(a.lips, a.mouth, smoothstep(112, 100, p.z()));
+        v.colour = blend(a.lips, a.mouth, smoothstep(115, 104, p.z()));
         break;
       case Tissue::lid_inside:
         v.colour = blend(blend(a.skin, a.wet, 0.55), a.lash * 1.7F,
@@ -96,7 +96,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
       case Tissue::teeth_upper:
       case Tissue::teeth_lower:
         // Less light finds its way to the back ones than rays at single vertices say.
-        v.colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(72, 94, p.z())));
+        v.colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(76, 98, p.z())));
         break;
       case Tissue::gums_upper:
       case Tissue::gums_lower:

@@ -118,7 +118,7 @@ using Grid = std::vector<std::vector<std::uint32_t>>;
 
 /// How far the upper lid's skin stands out (mm) by rings from its crease: the fold above hangs over it.
 double fold_mm(int rings_below_crease) {
-  constexpr double kFold[] = {0.45, 0.9, 1.0, -0.9, -0.2};  // from three rings above
+  constexpr double kFold[] = {0.35, 0.7, 0.65, -0.5, -0.1};  // from three rings above
   const int i = rings_below_crease + 3;
   return i < 0 || i >= static_cast<int>(std::size(kFold)) ? 0 : kFold[i];
 }

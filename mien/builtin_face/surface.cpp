@@ -30,7 +30,7 @@ double carve(double a, double b, double k) {
   return -join(-a, b, k);
 }
 
-constexpr double kAxisZ = 10, kNeckAxisZ = -20;
+constexpr double kAxisZ = 10, kNeckAxisZ = 10;
 constexpr double kNoseRows[] = {-15, 18};
 
 /// Forms finer than bones: how far (mm) the skin stands out from head_distance's surface at a place of the
@@ -47,14 +47,14 @@ double relief(const Vec3& p) {
   if (y > line) {
     const double top = upper_lip_border_y(x) - line + 0.4;
     const double u = (y - line) / top;
-    if (u < 1) h += body * 3.3 * std::pow(std::sin(M_PI * std::pow(u, 0.75)), 0.8);
+    if (u < 1) h += body * 2.6 * std::pow(std::sin(M_PI * std::pow(u, 0.75)), 0.8);
     h += body * 0.9 * gauss((y - line - top) / 3.5);
   } else {
     const double bottom = line - lower_lip_border_y(x) + 0.4;
     const double u = (line - y) / bottom;
-    if (u < 1) h += body * 4.0 * std::pow(std::sin(M_PI * std::pow(u, 0.8)), 0.8);
+    if (u < 1) h += body * 1.9 * std::pow(std::sin(M_PI * std::pow(u, 0.8)), 0.8);
   }
-  h -= (1.0 * body + 1.3 * smoothstep(0.55, 1.0, s)) * gauss((y - line) / (1.6 + 1.5 * s)) *
+  h -= (2.6 * body + 1.3 * smoothstep(0.55, 1.0, s)) * gauss((y - line) / (1.6 + 1.5 * s)) *
        smoothstep(33, 26, x);
   // Philtrum between its two ridges.
   const double philtrum = smoothstep(-28, -23, y) * smoothstep(-10, -15, y);
@@ -71,15 +71,15 @@ double relief(const Vec3& p) {
 double nose_joined(double d, const Vec3& p, const Vec3& q) {
   if (p.z() < 70) return d;
   // Bridge, its side walls, and the tip's two domes.
-  double dorsum = capsule(p, {0, 41, 98.5}, 5.6, {0, 9, 117}, 5.2);
-  dorsum = join(dorsum, ellipsoid(p, {0, 14, 100}, {11.5, 27, 12}), 9);
-  dorsum = join(dorsum, ellipsoid(q, {3.6, 3.6, 117.6}, {5.4, 7.6, 11.6}), 7);
-  dorsum = join(dorsum, ellipsoid(p, {0, 4, 112}, {11, 9, 11}), 6);
+  double dorsum = capsule(p, {0, 40.7, 98.8}, 2.2, {0, 10.1, 118.3}, 7.3);
+  dorsum = join(dorsum, ellipsoid(p, {0, 14.7, 100.3}, {10.1, 18, 13.4}), 9);
+  dorsum = join(dorsum, ellipsoid(q, {2.6, 1.8, 120.4}, {8.2, 8.9, 10.3}), 7);
+  dorsum = join(dorsum, ellipsoid(p, {0, 9.3, 109.6}, {13.1, 8.4, 10.4}), 6);
   d = join(d, dorsum, 8);
   // Wings, each in a groove of its own, and the columella between the nostrils.
-  d = join(d, ellipsoid(q, {12.2, -4.0, 107.2}, {5.2, 6.6, 9.4}), 5.5);
-  d = join(d, capsule(p, {0, -1, 119}, 4.6, {0, -11.5, 107.5}, 3.2), 4);
-  return carve(d, ellipsoid(q, {8.2, -11.0, 112.2}, {3.2, 8.4, 6.6}), 1.4);
+  d = join(d, ellipsoid(q, {13.6, -1.6, 108.4}, {3.4, 6.4, 10.2}), 5.5);
+  d = join(d, capsule(p, {0, -1.2, 118.9}, 3.6, {0, -11.4, 108.6}, 3.6), 4);
+  return carve(d, ellipsoid(q, {7.9, -11.5, 114.5}, {3.0, 7.4, 5.8}), 1.4);
 }
 
 }  // namespace
@@ -88,29 +88,29 @@ double head_distance(const Vec3& p) {
   // Paired parts are written once, on the left; the rounded corner keeps them smooth across the midline.
   const Vec3 q(std::sqrt(p.x() * p.x() + 25) - 1.5, p.y(), p.z());
   // Braincase and forehead.
-  double d = ellipsoid(p, {0, 58, 0}, {75, 86, 93});
-  d = join(d, ellipsoid(p, {0, 66, 40}, {62, 50, 62}), 14);
+  double d = ellipsoid(p, {0, 54, -3.9}, {81.1, 93, 83.5});
+  d = join(d, ellipsoid(p, {0, 58.5, 29.9}, {71.6, 78.9, 75.9}), 14);
   // Middle face, cheekbones, flesh of the cheeks, upper jaw.
-  d = join(d, ellipsoid(p, {0, 8, 36}, {63, 64, 66}), 22);
-  d = join(d, capsule(q, {37, 9, 83}, 11, {56, 17, 52}, 11), 22);
-  d = join(d, ellipsoid(q, {34.6, -21.9, 66}, {18.6, 30.0, 27.4}), 18);
-  d = join(d, ellipsoid(p, {0, -26, 72}, {30, 34, 36}), 18);
+  d = join(d, ellipsoid(p, {0, -4.4, 42.6}, {68.5, 79.1, 60.4}), 22);
+  d = join(d, capsule(q, {44.4, 3.4, 74.8}, 9.5, {51.5, 17.4, 51.9}, 8.6), 22);
+  d = join(d, ellipsoid(q, {28.4, -25.4, 66.6}, {16, 32.9, 30.7}), 18);
+  d = join(d, ellipsoid(p, {0, -28.3, 77.5}, {26.2, 40, 39}), 18);
   // Lower jaw and chin.
-  d = join(d, capsule(q, {47, 6, 18}, 13, {35, -32, 24}, 11), 28);
+  d = join(d, capsule(q, {45.5, 6.3, 18.5}, 11.5, {33, -35.6, 20.6}, 11.3), 28);
   const Vec3 other(-p.x(), p.y(), p.z());
-  const double mandible = join(capsule(p, {32, -34, 27}, 10, {8, -66, 87}, 11),
-                               capsule(other, {32, -34, 27}, 10, {8, -66, 87}, 11), 12);
+  const double mandible = join(capsule(p, {34.7, -30.3, 32.7}, 15.1, {10.8, -61.5, 81.9}, 16),
+                               capsule(other, {34.7, -30.3, 32.7}, 15.1, {10.8, -61.5, 81.9}, 16), 12);
   d = join(d, mandible, 26);
-  d = join(d, ellipsoid(p, {0, -66, 93.5}, {16, 14, 14.3}), 15);
-  d = join(d, ellipsoid(p, {0, -58, 56}, {27, 21, 36}), 18);
+  d = join(d, ellipsoid(p, {0, -67.8, 95.7}, {14.6, 7, 11.1}), 15);
+  d = join(d, ellipsoid(p, {0, -69.7, 38.8}, {23.2, 38.2, 19.1}), 18);
   // Neck, widening to the shoulders.
-  double neck = capsule(p, {0, -10, -22}, 45.5, {0, -240, -30}, 54);
-  neck = join(neck, capsule(q, {24, -150, -42}, 40, {84, -240, -46}, 38), 40);
+  double neck = capsule(p, {0, -10.7, -2.9}, 53.1, {0, -240.8, -13.7}, 52);
+  neck = join(neck, capsule(q, {24, -150, -38}, 40, {84, -240, -44}, 38), 40);
   neck = join(neck, capsule(q, {50, -20, -14}, 7, {12, -190, 20}, 8), 28);
   d = join(d, neck, 14);
   // Brow, eye socket, and the lids' bulge in it.
-  double brow = capsule(q, {11, 50, 96}, 9, {40, 55, 86}, 9.5);
-  brow = join(brow, capsule(q, {40, 55, 86}, 9.5, {55, 44, 66}, 7), 6);
+  double brow = capsule(q, {16, 59.6, 92.6}, 9.5, {37.9, 50.2, 82.4}, 11.1);
+  brow = join(brow, capsule(q, {37.9, 50.2, 82.4}, 11.1, {49.2, 44.4, 70}, 4.5), 6);
   d = join(d, brow, 16);
   d = carve(d, ellipsoid(q, {31, 35, 106}, {20, 12, 17}), 10);
   d = join(d, (q - kEyeCentre).norm() - kLidRadius, 5.0);
@@ -125,7 +125,7 @@ Vec3 head_point(double azimuth_rad, double row) {
     // order of their rows.
     const double under = smoothstep(kNoseRows[0], -9, row) * smoothstep(kNoseRows[1], 4, row);
     elevation = -0.48 * under * gauss(azimuth_rad / 0.21);
-    origin_y = row - 94 * std::tan(elevation);
+    origin_y = row - 101 * std::tan(elevation);
   }
   if (row > kCrownRow) {
     elevation = (row - kCrownRow) / 85;

@@ -37,8 +37,8 @@ Camera portrait_camera(const face::Face& face, float view_rad, int width, int he
   float shown_m = 1.15F * size.y();
   Vec3f target = 0.5F * (low + high);
   if (face.has_landmarks) {
-    shown_m = 2.05F * size.y();
-    target.y() += 0.14F * size.y();
+    shown_m = 2.2F * size.y();
+    target.y() += 0.19F * size.y();
     // Turned, a head is about its ears, not about its face.
     target.z() -= 0.35F * size.z() * std::min(1.0F, std::abs(view_rad) / kThreeQuarterView_rad);
   }
