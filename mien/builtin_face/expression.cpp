@@ -58,8 +58,11 @@ double jaw_share(const V& v) {
   if (v.tissue == Tissue::mouth) return lower(v) * smoothstep(18, 70, p.z());
   const double share = smoothstep(0, 1, lower(v));
   const double back = smoothstep(-5, 55, p.z() + 0.25 * (p.y() + 60));
-  const double neck = smoothstep(-150, -78, p.y() - 0.25 * (p.z() - 60));
-  return share * back * neck;
+  const double neck = smoothstep(-124, -76, p.y() - 0.25 * (p.z() - 60));
+  // The cheek hangs from the bone above as well as from the jaw.
+  const double azimuth = std::atan2(std::abs(p.x()), std::max(p.z() - 10, 1.0));
+  const double hangs = mix(1.0, 0.62, smoothstep(8, 34, azimuth / kRadPerDeg));
+  return share * back * neck * hangs;
 }
 Vec3 jaw_turn(const V& v, double angle) {
   const double share = jaw_share(v);

@@ -96,7 +96,7 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
       case Tissue::teeth_upper:
       case Tissue::teeth_lower:
         // Less light finds its way to the back ones than rays at single vertices say.
-        v.colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(76, 98, p.z())));
+        v.colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(82, 100, p.z())));
         break;
       case Tissue::gums_upper:
       case Tissue::gums_lower:

@@ -19,6 +19,12 @@ constexpr float kScatterHeight_m = 1.2e-3F;
 
 /// Of the light that meets hair, the part that comes out behind it; chosen by eye.
 constexpr float kThroughHair = 0.4F;
+/// Of the light that a direction would bring, what comes from the skin that stands in it; chosen by eye, the
+/// colour that of one reflection from middle skin.
+const Vec3f kBounce(0.30F, 0.19F, 0.15F);
+/// Lamps that lips hide from teeth still light them, through the lips and from one to the other: this share,
+/// where the mouth is wide open; chosen by eye.
+constexpr float kAroundLips = 0.6F;
 /// Hair nearer than this to a place of hair belongs to the same lock.
 constexpr float kOwnLock_m = 5e-3F;
 /// How far from what shapes move light is found anew for each pose.
@@ -151,7 +157,7 @@ VertexLight Renderer::State::light_at(std::uint32_t i) const {
   const std::size_t every = fewer ? 4 : 1, every_of_light = fewer ? 3 : 1;
   VertexLight arrives = VertexLight::Zero();
   Asked asked;
-  float weights = 0;
+  float weights = 0, open_weights = 0;
   for (std::size_t k = 0; k < ambient_directions.size(); k += every)
     if (ambient_directions[k].dot(up) > kGrazing) asked.add(ambient_directions[k], k);
   asked.ask(solid, position[i] + kClear_m * up, 0, kAmbientReach_m);
@@ -160,11 +166,16 @@ VertexLight Renderer::State::light_at(std::uint32_t i) const {
     const std::size_t k = asked.index[a];
     const float cosine = asked.direction[a].dot(up);
     weights += cosine;
-    if (asked.blocked[a] != 0) continue;
+    if (asked.blocked[a] != 0) {
+      light_sum += cosine * kBounce.cwiseProduct(around_direction[k]);
+      continue;
+    }
+    open_weights += cosine;
     const bool in_hair = (shade.ambient[k / 32] >> k % 32 & 1U) != 0;
     light_sum += cosine * (in_hair ? kThroughHair : 1.0F) * around_direction[k];
   }
   if (weights > 0) arrives.head<3>() = (light_sum / weights).array();
+  const float open = weights > 0 ? open_weights / weights : 0;
   // All lights at once: one question of many directions is cheaper than several of few.
   asked.clear();
   for (std::size_t l = 0; l < kLights; ++l)
@@ -179,7 +190,11 @@ VertexLight Renderer::State::light_at(std::uint32_t i) const {
     if (asked.blocked[a] == 0) seen[l] += (shade.light[l] >> k & 1U) != 0 ? kThroughHair : 1.0F;
   }
   for (std::size_t l = 0; l < kLights; ++l)
-    if (of[l] > 0) arrives.segment<3>(3 * (1 + static_cast<Eigen::Index>(l))) = seen[l] / of[l];
+    if (of[l] > 0) {
+      const float straight = seen[l] / of[l];
+      arrives.segment<3>(3 * (1 + static_cast<Eigen::Index>(l))) =
+          straight + (in_mouth[i] ? kAroundLips * open * (1 - straight) : 0.0F);
+    }
   return arrives;
 }
 

@@ -51,6 +51,7 @@ Renderer::State::State(const face::Face& f, Quality q, int thread_count, const f
       clear_triangle(pick(material, [](Material m) { return m == Material::cornea; })),
       hair_triangle(pick(material, is_hair)),
       is_strand(f.vertices_of(Material::strands)),
+      in_mouth(f.neutral_m.size(), false),
       solid(f.neutral_m, triangles_of(solid_triangle)),
       hair(f.neutral_m, triangles_of(pick(material, [](Material m) { return m == Material::strands; }))),
       rests(f.neutral_m.size(), 0),
@@ -60,6 +61,10 @@ Renderer::State::State(const face::Face& f, Quality q, int thread_count, const f
       on_screen(f.neutral_m.size()),
       light(f.neutral_m.size(), VertexLight::Zero()),
       hair_shade(f.neutral_m.size()) {
+  for (const Material inside : {Material::teeth, Material::gums, Material::tongue}) {
+    const std::vector<bool> of_it = f.vertices_of(inside);
+    for (std::size_t i = 0; i < of_it.size(); ++i) in_mouth[i] = in_mouth[i] || of_it[i];
+  }
   find_still_hair();
   find_twins();
   find_neighbours();

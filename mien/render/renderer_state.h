@@ -179,6 +179,7 @@ struct Renderer::State {
   std::vector<std::uint32_t> solid_triangle, clear_triangle, hair_triangle;
   std::vector<std::uint32_t> moving_hair_triangle, still_hair_triangle;
   std::vector<bool> is_strand;              // A vertex of a ribbon of hair.
+  std::vector<bool> in_mouth;               // A vertex of teeth, gums or tongue.
   std::vector<bool> is_still;               // A vertex of hair that no shape moves.
   std::vector<std::uint32_t> still_vertex;  // These.
   std::vector<std::uint32_t> twin;          // The first vertex at the same place with about the same normal.

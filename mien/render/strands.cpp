@@ -26,10 +26,10 @@ HairProfile profile_of(int hair, float v) {
   h = (h ^ (h >> 15U)) * 0x85EBCA77U;
   h ^= h >> 13U;
   const auto part = [h](unsigned shift) { return static_cast<float>(h >> shift & 255U) / 255.0F; };
-  const float end = 0.62F + 0.38F * part(16), begin = 0.20F * part(4);
+  const float end = 0.70F + 0.30F * part(16), begin = 0.14F * part(4);
   return {
       .middle = 0.5F + 0.18F * std::sin(6.2831853F * (part(0) + v * (0.4F + part(8)))),
-      .half = 0.40F * std::pow(std::max(0.0F, 1 - v / end), 0.6F) * smoothstep(begin - 0.02F, begin + 0.08F, v),
+      .half = 0.42F * std::pow(std::max(0.0F, 1 - v / end), 0.55F) * smoothstep(begin - 0.02F, begin + 0.08F, v),
       .brightness = 0.75F + 0.5F * part(24)};
 }
 

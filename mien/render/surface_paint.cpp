@@ -242,7 +242,7 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
           const float lines = 1 + 0.13F * solid_noise(Vec3f(p.x() * 1300, p.y() * 160, p.z() * 160));
           s.albedo = mix(s.albedo, kLips * lines, 0.88F * lip);
         }
-        s.roughness += lip * (0.33F - s.roughness);
+        s.roughness += lip * (0.37F - s.roughness);
         s.bump *= 1 - 0.7F * lip;
       }
       const float brow = brow_amount(p);
