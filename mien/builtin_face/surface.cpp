@@ -79,7 +79,7 @@ double nose_joined(double d, const Vec3& p, const Vec3& q) {
   // Wings, each in a groove of its own, and the columella between the nostrils.
   d = join(d, ellipsoid(q, {13.6, -1.6, 108.4}, {3.4, 6.4, 10.2}), 5.5);
   d = join(d, capsule(p, {0, -1.2, 118.9}, 3.6, {0, -11.4, 108.6}, 3.6), 4);
-  return carve(d, ellipsoid(q, {7.9, -11.5, 114.5}, {3.0, 7.4, 5.8}), 1.4);
+  return carve(d, ellipsoid(q, {7.9, -9.3, 114.5}, {3.2, 5.2, 6.4}), 1.4);
 }
 
 }  // namespace

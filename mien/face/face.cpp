@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "mien/face/normals.h"
+
 namespace mien::face {
 
 const Region* Face::region(std::string_view region_name) const {
@@ -69,10 +71,10 @@ void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec
 void vertex_normals(const Face& face, std::span<const Vec3f> vertices_m, std::span<Vec3f> normals) {
   std::ranges::fill(normals, Vec3f::Zero());
   for (const auto& [a, b, c] : face.triangles) {
-    const Vec3f n = (vertices_m[b] - vertices_m[a]).cross(vertices_m[c] - vertices_m[a]);
-    normals[a] += n;
-    normals[b] += n;
-    normals[c] += n;
+    const std::array<Vec3f, 3> corner = corner_normals(vertices_m[a], vertices_m[b], vertices_m[c]);
+    normals[a] += corner[0];
+    normals[b] += corner[1];
+    normals[c] += corner[2];
   }
   for (Vec3f& n : normals) {
     const float length = n.norm();

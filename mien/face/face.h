@@ -107,7 +107,7 @@ void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_o
 /// Turns the eyeballs in place as the eyeLook weights say: kEyeTurnRadPerUnit a unit.
 void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m);
 
-/// Normals of area-weighted triangles, unit; shape as vertices_m.
+/// Normals by Max's weights (normals.h), unit; shape as vertices_m.
 void vertex_normals(const Face& face, std::span<const Vec3f> vertices_m, std::span<Vec3f> normals);
 
 /// Where the shape moves most at weight 1: metres. 0 when the face lacks it.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "mien/face/normals.h"
 #include "mien/render/parallel.h"
 #include "mien/render/renderer_state.h"
 
@@ -81,10 +82,10 @@ void Renderer::State::find_normals(bool all) {
   const auto add = [&](const std::vector<std::uint32_t>& triangles) {
     for (const std::uint32_t t : triangles) {
       const auto& [a, b, c] = face.triangles[t];
-      const Vec3f across = (position[b] - position[a]).cross(position[c] - position[a]);
-      normal[twin[a]] += across;
-      normal[twin[b]] += across;
-      normal[twin[c]] += across;
+      const std::array<Vec3f, 3> corner = face::corner_normals(position[a], position[b], position[c]);
+      normal[twin[a]] += corner[0];
+      normal[twin[b]] += corner[1];
+      normal[twin[c]] += corner[2];
     }
   };
   add(solid_triangle);
