@@ -58,10 +58,10 @@ double jaw_share(const V& v) {
   if (v.tissue == Tissue::mouth) return lower(v) * smoothstep(18, 70, p.z());
   const double share = smoothstep(0, 1, lower(v));
   const double back = smoothstep(-5, 55, p.z() + 0.25 * (p.y() + 60));
-  const double neck = smoothstep(-124, -76, p.y() - 0.25 * (p.z() - 60));
+  const double neck = smoothstep(-124, -72, p.y() + 0.25 * (p.z() - 60));
   // The cheek hangs from the bone above as well as from the jaw.
   const double azimuth = std::atan2(std::abs(p.x()), std::max(p.z() - 10, 1.0));
-  const double hangs = mix(1.0, 0.62, smoothstep(8, 34, azimuth / kRadPerDeg));
+  const double hangs = mix(1.0, 0.52, smoothstep(6, 30, azimuth / kRadPerDeg));
   return share * back * neck * hangs;
 }
 Vec3 jaw_turn(const V& v, double angle) {
@@ -228,7 +228,9 @@ Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
     return push(v, {42, -26, 88}, {36, 38, 60}, {10.5, -0.5, 9.5}) +
            push(v, {14, -20, 110}, {22, 14, 30}, {0.5, 0, 3.0}) +
            push(v, {14, -46, 106}, {22, 14, 30}, {0.5, 0, 2.5});
-  if (is("cheekSquint")) return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 6.0, 2.4}) + lids(v, 0.0, 0.4);
+  if (is("cheekSquint"))
+    return push(v, {40, 8, 88}, {32, 34, 50}, {0.8, 5.0, 2.2}) + push(v, {44, -12, 86}, {52, 56, 70}, {0.2, 1.9, 0.4}) +
+           lids(v, 0.0, 0.4);
   if (is("noseSneer"))
     return push(v, {29, -9, 101}, {30, 38, 50}, {1.8, 10.0, 1.0}) +
            push(v, {12, 24, 104}, {16, 22, 30}, {-0.5, 2.2, 1.0}) +
@@ -262,7 +264,8 @@ Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
            push(v, kCorner, {18, 18, 40}, {1.4, -0.3, -2.0});
   if (is("mouthPucker"))
     return push(v, {0, -33.5, 112}, {26, 22, 45}, {0, 0, 7.5}) +
-           push_both(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5});
+           push_both(v, kCorner, {26, 26, 50}, {-10.5, 0.3, 4.5}) +
+           push_both(v, {34, -42, 92}, {56, 50, 80}, {-1.6, 0.3, 1.4});
   if (is("mouthRollLower")) return roll(v, false);
   if (is("mouthRollUpper")) return roll(v, true);
   if (is("mouthShrugLower"))
@@ -277,7 +280,8 @@ Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
            push(v, {0, -39, 111}, {28, 14, 40}, {0, 1.4 * off_seal(v, 5), -2.0}, Lips::lower) +
            push(v, {41, 1, 90}, {28, 26, 40}, {1.2, 4.6, 4.4}) +
            push(v, {28, -15, 101}, {8, 22, 26}, {0.4, 1.0, -2.6}) +
-           push(v, {39, -12, 94}, {13, 22, 30}, {0.6, 1.0, 2.6}) + lids(v, 0.04, 0.5);
+           push(v, {39, -12, 94}, {13, 22, 30}, {0.6, 1.0, 2.6}) + lids(v, 0.04, 0.5) +
+           push(v, {32, -28, 92}, {66, 62, 80}, {1.0, 1.9, -0.6});
   if (is("mouthStretch"))
     return push(v, kCorner, {30, 28, 50}, {9.0, -3.6, -5.0}) +
            push(v, {28, -60, 92}, {24, 24, 40}, {2.0, -1.5, 0});
