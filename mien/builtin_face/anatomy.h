@@ -42,7 +42,7 @@ inline const Vec3 kJawHinge{0, -2, 16};  ///< On the axis through both jaw joint
 [[nodiscard]] inline double upper_lid_y(double x) {
   const double s = lid_fraction(x);
   return mix(kInnerCanthusY, kOuterCanthusY, s) +
-         6.5 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.66);
+         6.7 * lacrimal_narrowing(s) * std::pow(std::sin(M_PI * std::pow(s, 0.86)), 0.66);
 }
 [[nodiscard]] inline double lower_lid_y(double x) {
   const double s = lid_fraction(x);

@@ -29,11 +29,11 @@ void add_ear(Sculpt& half) {
     double h = 4.2;
     // Helix, the groove beside it, and the antihelix, which parts in two legs above; the concha is deep.
     const double legs = smoothstep(0.2, 0.8, s);
-    h += rim * (3.6 * gauss((rho - 0.92) / 0.10) - 2.4 * gauss((rho - 0.77) / 0.09));
-    h += (1 - lobe) * (1 - front) * mix(3.4, 2.2, legs) * gauss((rho - 0.58) / 0.11);
+    h += rim * (3.8 * gauss((rho - 0.92) / 0.09) - 3.4 * gauss((rho - 0.77) / 0.09));
+    h += (1 - lobe) * (1 - front) * mix(4.2, 2.8, legs) * gauss((rho - 0.58) / 0.10);
     h += legs * (1 - lobe) * 2.0 * gauss((rho - 0.36) / 0.10) * gauss((c + 0.1) / 0.5);
-    h -= 8.0 * gauss(rho / 0.36) * (1 - 0.3 * lobe);
-    h += 4.0 * gauss((rho - 0.62) / 0.22) * front * gauss((s + 0.1) / 0.45);  // tragus
+    h -= 8.4 * gauss(rho / 0.38) * (1 - 0.3 * lobe);
+    h += 5.0 * gauss((rho - 0.60) / 0.20) * front * gauss((s + 0.1) / 0.45);  // tragus
     h -= 3.0 * smoothstep(0.8, 1.0, rho) * front;                             // sinks into the cheek
     return h;
   };

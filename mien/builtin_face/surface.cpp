@@ -73,11 +73,11 @@ double nose_joined(double d, const Vec3& p, const Vec3& q) {
   // Bridge, its side walls, and the tip's two domes.
   double dorsum = capsule(p, {0, 40.7, 98.8}, 2.2, {0, 10.1, 118.3}, 7.3);
   dorsum = join(dorsum, ellipsoid(p, {0, 14.7, 100.3}, {10.1, 18, 13.4}), 9);
-  dorsum = join(dorsum, ellipsoid(q, {2.6, 1.8, 120.4}, {8.2, 8.9, 10.3}), 7);
+  dorsum = join(dorsum, ellipsoid(q, {2.5, 1.9, 120.6}, {7.6, 8.8, 10.3}), 7);
   dorsum = join(dorsum, ellipsoid(p, {0, 9.3, 109.6}, {13.1, 8.4, 10.4}), 6);
   d = join(d, dorsum, 8);
   // Wings, each in a groove of its own, and the columella between the nostrils.
-  d = join(d, ellipsoid(q, {13.6, -1.6, 108.4}, {3.4, 6.4, 10.2}), 5.5);
+  d = join(d, ellipsoid(q, {13.4, -2.4, 108.2}, {3.9, 6.6, 9.6}), 3.6);
   d = join(d, capsule(p, {0, -1.2, 118.9}, 3.6, {0, -11.4, 108.6}, 3.6), 4);
   return carve(d, ellipsoid(q, {7.9, -9.3, 114.5}, {3.2, 5.2, 6.4}), 1.4);
 }
@@ -106,7 +106,7 @@ double head_distance(const Vec3& p) {
   // Neck, widening to the shoulders.
   double neck = capsule(p, {0, -10.7, -2.9}, 53.1, {0, -240.8, -13.7}, 52);
   neck = join(neck, capsule(q, {24, -150, -38}, 40, {84, -240, -44}, 38), 40);
-  neck = join(neck, capsule(q, {50, -20, -14}, 7, {12, -190, 20}, 8), 28);
+  neck = join(neck, capsule(q, {57, -22, -10}, 8, {12, -185, 42}, 8), 24);
   d = join(d, neck, 14);
   // Brow, eye socket, and the lids' bulge in it.
   double brow = capsule(q, {16, 59.6, 92.6}, 9.5, {37.9, 50.2, 82.4}, 11.1);
