@@ -154,6 +154,9 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
     face.neutral_m.push_back((neutral_mm.back() / 1000).cast<float>());
     face.uv.push_back(v.uv);
   }
+  std::size_t triangles = hair.triangles.size();
+  for (const auto& piece : sculpt.triangles) triangles += piece.size();
+  face.triangles.reserve(triangles);
   for (std::size_t k = 0; k < kPieceCount; ++k) {
     face.parts.push_back({kPieces[k].name, kPieces[k].material,
                           static_cast<std::uint32_t>(face.triangles.size()),

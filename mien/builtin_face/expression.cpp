@@ -336,8 +336,7 @@ double across_arch(const DentalArch& arch, const Vec3& p) {
 }
 
 bool may_touch_teeth(const V& v) {
-  const bool beside_lips =
-      v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
+  const bool beside_lips = v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
   return v.tissue == Tissue::lip || v.tissue == Tissue::mouth || beside_lips;
 }
 
@@ -376,7 +375,8 @@ constexpr std::size_t right_one_of(std::size_t k) {
   return face::kShapeNames[k].ends_with("_L") ? k + 1 : face::kShapeCount;
 }
 constexpr bool is_right_one(std::size_t k) {
-  return face::kShapeNames[k].ends_with("_R") || k == face::shape("jawRight") || k == face::shape("mouthRight");
+  return face::kShapeNames[k].ends_with("_R") || k == face::shape("jawRight") ||
+         k == face::shape("mouthRight");
 }
 
 }  // namespace

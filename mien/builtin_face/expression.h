@@ -14,9 +14,9 @@ namespace mien::builtin_face {
 using TakeShape = std::function<void(std::size_t shape, std::span<const Vec3> displacement)>;
 
 /// Gives `take` each shape of the sculpted head once, in no order. Right shapes are the mirror images of left
-/// ones, and all but tongueOut are tuned (kinematics_tuner). Lips and the mouth's lining are never pressed into
-/// the teeth when a shape that leaves the jaw is full on. One shape is at work at a time: all of them at once
-/// would be 25 MB of pages to ask the system for.
+/// ones, and all but tongueOut are tuned (kinematics_tuner). Lips and the mouth's lining are never pressed
+/// into the teeth when a shape that leaves the jaw is full on. One shape is at work at a time: all of them at
+/// once would be 25 MB of pages to ask the system for.
 void sculpt_shapes(const Sculpt& whole, const TakeShape& take);
 
 /// Adds to a left shape or one of the midline smooth fields about the sites, so that the skin there turns and

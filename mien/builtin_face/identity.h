@@ -32,7 +32,8 @@ class IdentityWarp {
     Vec3 centre, inverse_radius, shift;
   };
   void add_bump(const Bump& bump);
-  /// Slices of space across each axis, mm: a bit for each bump that reaches into it. The outer ones have no end.
+  /// Slices of space across each axis, mm: a bit for each bump that reaches into it. The outer ones have no
+  /// end.
   static constexpr std::size_t kSlices = 64, kMostBumps = 64;
   static constexpr double kSlice_mm = 5;
   [[nodiscard]] static std::size_t slice_of(double mm) {

@@ -149,6 +149,7 @@ void add_eyeballs(Sculpt& whole);
 }
 
 /// Colours of vertices by place and tissue, of these reflectances.
-[[nodiscard]] std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameters, const Albedos& albedos);
+[[nodiscard]] std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameters,
+                                       const Albedos& albedos);
 
 }  // namespace mien::builtin_face

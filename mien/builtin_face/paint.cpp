@@ -76,7 +76,7 @@ std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameter
         break;
       case Tissue::lid_inside:
         colour = blend(blend(a.skin, a.wet, 0.55), a.lash * 1.7F,
-                         v.lid > 0 ? 0.75 * smoothstep(0.3, 0.9, v.lid) : 0.15);
+                       v.lid > 0 ? 0.75 * smoothstep(0.3, 0.9, v.lid) : 0.15);
         break;
       case Tissue::tear:
         colour = Vec3f::Ones();  // Clear.
