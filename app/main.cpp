@@ -1,8 +1,18 @@
 #include "app/command.h"
 #include "app/usage_error.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 int main(int argc, char** argv) {
   using namespace mien;
+#ifdef __GLIBC__
+  // Faces and pictures are made one after another: their memory is kept for the next instead of given back to
+  // the system, which takes as long to hand out a face's pages as a face takes to make.
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+#endif
   app::Commands commands("mien", "Mien: facial performance capture without a camera looking at the face");
   commands.require_one(false);
   app::add_demo_command(commands);

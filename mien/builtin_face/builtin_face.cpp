@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "mien/builtin_face/albedo.h"
 #include "mien/builtin_face/anatomy.h"
@@ -58,17 +59,14 @@ const DefaultHead& default_head() {
     add_shirt(half);
     h.sculpt = mirrored(half);
     add_eyeballs(h.sculpt);
-    std::vector<std::vector<Vec3>> displacements = shape_displacements(h.sculpt);
-    tune_kinematics(h.sculpt, displacements);
-    keep_off_teeth(h.sculpt, displacements);
-    for (const std::vector<Vec3>& of_shape : displacements) {
-      Moved& moved = h.moved.emplace_back();
-      for (std::uint32_t i = 0; i < of_shape.size(); ++i) {
-        if (of_shape[i].squaredNorm() < 2.5e-5) continue;  // under 5 micrometres
-        moved.vertex.push_back(i);
-        moved.to.push_back(h.sculpt.vertices[i].p + of_shape[i]);
-      }
-    }
+    h.moved.resize(face::kShapeCount + 1);
+    sculpt_shapes(h.sculpt, [&h](std::size_t shape, std::span<const Vec3> displacement) {
+      Moved& moved = h.moved[shape];
+      for (std::uint32_t i = 0; i < displacement.size(); ++i)
+        if (displacement[i].squaredNorm() >= 2.5e-5) moved.vertex.push_back(i);  // 5 micrometres
+      moved.to.reserve(moved.vertex.size());
+      for (const std::uint32_t i : moved.vertex) moved.to.push_back(h.sculpt.vertices[i].p + displacement[i]);
+    });
     h.landmarks = find_landmarks(h.sculpt);
     h.regions = find_regions(h.sculpt);
     return h;
@@ -89,10 +87,7 @@ void add_hair(face::Face& face, const Haircut& hair, const IdentityWarp& warp) {
 
 /// Colours of every vertex, hair last.
 std::vector<Vec3f> colours_of(const BuiltinParameters& parameters, const Albedos& albedos) {
-  Sculpt sculpt = default_head().sculpt;
-  paint(sculpt, leaning(parameters), albedos);
-  std::vector<Vec3f> colours;
-  for (const SculptVertex& v : sculpt.vertices) colours.push_back(v.colour);
+  std::vector<Vec3f> colours = paint(default_head().sculpt, leaning(parameters), albedos);
   for (const float shade : haircut(parameters.hair).shade)
     colours.push_back((albedos.hair * shade).cwiseMin(1.0F));
   return colours;
@@ -159,6 +154,9 @@ face::Face make_builtin(const BuiltinParameters& parameters) {
     face.neutral_m.push_back((neutral_mm.back() / 1000).cast<float>());
     face.uv.push_back(v.uv);
   }
+  std::size_t triangles = hair.triangles.size();
+  for (const auto& piece : sculpt.triangles) triangles += piece.size();
+  face.triangles.reserve(triangles);
   for (std::size_t k = 0; k < kPieceCount; ++k) {
     face.parts.push_back({kPieces[k].name, kPieces[k].material,
                           static_cast<std::uint32_t>(face.triangles.size()),

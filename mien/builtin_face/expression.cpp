@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "mien/builtin_face/anatomy.h"
@@ -15,7 +17,9 @@ using V = SculptVertex;
 
 /// 1 at `centre`, 0 beyond the ellipsoid of radii `r`, smooth between.
 double bell(const Vec3& p, const Vec3& centre, const Vec3& r) {
-  const double q = (p - centre).cwiseQuotient(r).squaredNorm();
+  const Vec3 off = p - centre;
+  if ((off.array().abs() >= r.array()).any()) return 0;  // Most are far away: no division for them.
+  const double q = off.cwiseQuotient(r).squaredNorm();
   return q < 1 ? (1 - q) * (1 - q) * (1 + 0.5 * q) : 0;
 }
 double upper(const V& v) {
@@ -206,9 +210,24 @@ Vec3 roll(const V& v, bool up) {
   return deep * across * Vec3(0, slide + (up ? -0.8 : 1.3), -(up ? 8.5 : 9.6) * inward);
 }
 
-/// Left shapes and shapes of the midline, by name without side.
-Vec3 displacement(std::string_view name, const V& v, const Lids& lids) {
-  const auto is = [&](std::string_view n) { return name == n; };
+/// A left shape or one of the midline, by its name without side.
+struct LeftShape {
+  // NOLINTNEXTLINE(google-explicit-constructor): names stand for shapes below.
+  consteval LeftShape(const char* name)
+      : index(face::shape_index(name) < face::kShapeCount ? face::shape_index(name) : with_side(name)) {}
+  static consteval std::size_t with_side(std::string_view name) {
+    std::size_t k = 0;
+    while (!face::kShapeNames[k].ends_with("_L") || face::kShapeNames[k].substr(0, name.size()) != name ||
+           face::kShapeNames[k].size() != name.size() + 2)
+      ++k;
+    return k;
+  }
+  std::size_t index;
+};
+
+/// Left shapes and shapes of the midline.
+Vec3 displacement(std::size_t shape, const V& v, const Lids& lids) {
+  const auto is = [shape](LeftShape s) { return s.index == shape; };
   // Brow.
   if (is("browDown"))
     return push(v, {20, 62, 101}, {32, 29, 45}, {-2.8, -5.2, 0.6}) +
@@ -306,11 +325,11 @@ Vec3 tongue_out(const V& v) {
   return d;
 }
 
-/// Lids never sink into the eyeball when a shape is full on.
-void keep_off_eyeballs(const Sculpt& whole, std::vector<Vec3>& d) {
-  for (std::size_t i = 0; i < d.size(); ++i) {
+/// Lids never sink into the eyeball when a shape is full on. `lid_skin`: vertices of lids' outside.
+void keep_off_eyeballs(const Sculpt& whole, std::span<const std::uint32_t> lid_skin, std::vector<Vec3>& d) {
+  for (const std::uint32_t i : lid_skin) {
     const V& v = whole.vertices[i];
-    if (v.tissue != Tissue::skin || std::abs(v.lid) < 0.05 || d[i].squaredNorm() == 0) continue;
+    if (d[i].squaredNorm() == 0) continue;
     const Vec3 centre(v.p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
     const Vec3 arm = v.p + d[i] - centre;
     const double least = kLidRadius - 0.25;
@@ -323,15 +342,17 @@ double across_arch(const DentalArch& arch, const Vec3& p) {
   return std::hypot(p.x() / arch.half_width, (p.z() - arch.front_z + arch.depth) / arch.depth);
 }
 
-/// The same for one shape.
-void keep_off_teeth(const Sculpt& whole, std::vector<Vec3>& d) {
+bool may_touch_teeth(const V& v) {
+  const bool beside_lips = v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
+  return v.tissue == Tissue::lip || v.tissue == Tissue::mouth || beside_lips;
+}
+
+/// `about_mouth`: vertices that may touch teeth.
+void keep_off_teeth(const Sculpt& whole, std::span<const std::uint32_t> about_mouth, std::vector<Vec3>& d) {
   constexpr double kTooth = 11, kClear = 0.4;  // mm
-  for (std::size_t i = 0; i < d.size(); ++i) {
+  for (const std::uint32_t i : about_mouth) {
     const V& v = whole.vertices[i];
-    const bool beside_lips =
-        v.tissue == Tissue::skin && v.p.z() > 85 && std::abs(v.p.y() - kMouthCornerY) < 17;
-    if ((v.tissue != Tissue::lip && v.tissue != Tissue::mouth && !beside_lips) || d[i].squaredNorm() == 0)
-      continue;
+    if (d[i].squaredNorm() == 0) continue;
     for (const bool up : {true, false}) {
       const DentalArch& arch = up ? kUpperArch : kLowerArch;
       const Vec3 to = v.p + d[i];
@@ -346,39 +367,52 @@ void keep_off_teeth(const Sculpt& whole, std::vector<Vec3>& d) {
   }
 }
 
-}  // namespace
-
-std::vector<std::vector<Vec3>> shape_displacements(const Sculpt& whole) {
-  const std::size_t n = whole.vertices.size();
-  std::vector<std::vector<Vec3>> all(face::kShapeCount + 1, std::vector<Vec3>(n, Vec3::Zero()));
-  const Lids lids(whole);
-  const auto mirror_into = [&](std::size_t from, std::size_t to) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec3& d = all[from][i];
-      all[to][whole.mirror[i]] = {-d.x(), d.y(), d.z()};
-    }
-  };
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    std::string_view name = face::kShapeNames[k];
-    if (name.ends_with("_R") || name == "jawRight" || name == "mouthRight") continue;
-    if (name.ends_with("_L")) name.remove_suffix(2);
-    for (std::size_t i = 0; i < n; ++i) all[k][i] = displacement(name, whole.vertices[i], lids);
-    keep_off_eyeballs(whole, all[k]);
-  }
-  for (std::size_t i = 0; i < n; ++i) all[face::kShapeCount][i] = tongue_out(whole.vertices[i]);
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    const std::string_view name = face::kShapeNames[k];
-    if (name.ends_with("_R")) mirror_into(k - 1, k);
-  }
-  mirror_into(face::shape("jawLeft"), face::shape("jawRight"));
-  mirror_into(face::shape("mouthLeft"), face::shape("mouthRight"));
-  return all;
+template <class Wanted>
+std::vector<std::uint32_t> pick(const Sculpt& whole, const Wanted& wanted) {
+  std::vector<std::uint32_t> picked;
+  for (std::uint32_t i = 0; i < whole.vertices.size(); ++i)
+    if (wanted(whole.vertices[i])) picked.push_back(i);
+  return picked;
 }
 
-void keep_off_teeth(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements) {
-  for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    if (!face::kShapeNames[k].starts_with("jaw") && face::kShapeNames[k] != "mouthClose")
-      keep_off_teeth(whole, displacements[k]);
+/// The shape that is the mirror image of `k`; kShapeCount where there is none.
+constexpr std::size_t right_one_of(std::size_t k) {
+  if (k == face::shape("jawLeft")) return face::shape("jawRight");
+  if (k == face::shape("mouthLeft")) return face::shape("mouthRight");
+  return face::kShapeNames[k].ends_with("_L") ? k + 1 : face::kShapeCount;
+}
+constexpr bool is_right_one(std::size_t k) {
+  return face::kShapeNames[k].ends_with("_R") || k == face::shape("jawRight") ||
+         k == face::shape("mouthRight");
+}
+
+}  // namespace
+
+void sculpt_shapes(const Sculpt& whole, const TakeShape& take) {
+  const Lids lids(whole);
+  const TuneShape tune = kinematics_tuner(whole);
+  const std::vector<std::uint32_t> moving = pick(whole, [](const V& v) { return !is_fixed(v); });
+  const std::vector<std::uint32_t> lid_skin =
+      pick(whole, [](const V& v) { return v.tissue == Tissue::skin && std::abs(v.lid) >= 0.05; });
+  const std::vector<std::uint32_t> about_mouth = pick(whole, may_touch_teeth);
+  std::vector<Vec3> left(whole.vertices.size(), Vec3::Zero()), right = left;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    if (is_right_one(k)) continue;
+    for (const std::uint32_t i : moving) left[i] = displacement(k, whole.vertices[i], lids);
+    keep_off_eyeballs(whole, lid_skin, left);
+    tune(k, left);
+    const std::size_t mirrored = right_one_of(k);
+    if (mirrored != face::kShapeCount)
+      for (const std::uint32_t i : moving) right[whole.mirror[i]] = {-left[i].x(), left[i].y(), left[i].z()};
+    const bool jaw_stays = !face::kShapeNames[k].starts_with("jaw") && k != face::shape("mouthClose");
+    if (jaw_stays) keep_off_teeth(whole, about_mouth, left);
+    take(k, left);
+    if (mirrored == face::kShapeCount) continue;
+    if (jaw_stays) keep_off_teeth(whole, about_mouth, right);
+    take(mirrored, right);
+  }
+  for (const std::uint32_t i : moving) left[i] = tongue_out(whole.vertices[i]);
+  take(face::kShapeCount, left);
 }
 
 }  // namespace mien::builtin_face

@@ -1,6 +1,8 @@
 #include "mien/builtin_face/identity.h"
 
 #include <algorithm>
+#include <bit>
+#include <cassert>
 #include <cmath>
 
 #include "mien/builtin_face/anatomy.h"
@@ -67,9 +69,23 @@ IdentityWarp::IdentityWarp(const BuiltinParameters& parameters) : q_(leaning(par
   eye_shift_ = {shift(kEyeCentre), shift(flip(kEyeCentre))};
 }
 
+void IdentityWarp::add_bump(const Bump& bump) {
+  assert(bumps_.size() < kMostBumps);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const double reach = 1 / bump.inverse_radius[a] + 1e-3;
+    const std::size_t last = slice_of(bump.centre[a] + reach);
+    for (std::size_t slice = slice_of(bump.centre[a] - reach); slice <= last; ++slice)
+      reach_[axis][slice] |= std::uint64_t{1} << bumps_.size();
+  }
+  bumps_.push_back(bump);
+}
+
 void IdentityWarp::add_bumps() {
   const auto bump = [&](double amount, const Vec3& centre, const Vec3& radius, const Vec3& d, bool both) {
-    if (amount != 0) bumps_.push_back({centre, radius.cwiseInverse(), amount * d, both});
+    if (amount == 0) return;
+    add_bump({centre, radius.cwiseInverse(), amount * d});
+    if (both) add_bump({flip(centre), radius.cwiseInverse(), flip(amount * d)});
   };
   bump(q_.chin_size, {0, -68, 98}, {44, 40, 50}, {0, -2.0, 2.4}, false);
   bump(q_.nose_length, {0, -1, 120}, {28, 32, 38}, {0, -0.9, 2.1}, false);
@@ -102,7 +118,7 @@ void IdentityWarp::add_asymmetry() {
     // Statements apart: the order of draws is part of the result.
     Vec3 d;
     for (int k = 0; k < 3; ++k) d[k] = random.normal();
-    bumps_.push_back({centre, Vec3::Constant(1 / radius), 0.55 * q_.asymmetry * d, false});
+    add_bump({centre, Vec3::Constant(1 / radius), 0.55 * q_.asymmetry * d});
   }
 }
 
@@ -126,7 +142,7 @@ Vec3 IdentityWarp::shift(const Vec3& p) const {
     d.x() += 0.11 * q_.chin_width * x * smooth_bump(p, {0, -68, 96}, inverse(44, 26, 46));
   if (q_.lip_fullness != 0) {
     const double w = q_.lip_fullness * smooth_bump(p, {0, -34, 110}, inverse(32, 20, 26));
-    d += Vec3(0, 0.12 * (y - lip_line_y(x)), 0.7) * w;
+    if (w != 0) d += Vec3(0, 0.12 * (y - lip_line_y(x)), 0.7) * w;
   }
   if (q_.forehead_slope != 0)
     d.z() -= 2.2 * q_.forehead_slope * smoothstep(62, 120, y) * smoothstep(10, 80, p.z());
@@ -135,9 +151,11 @@ Vec3 IdentityWarp::shift(const Vec3& p) const {
     const double w = 0.032 * q_.neck_width * smoothstep(-70, -125, y - 0.3 * std::max(0.0, p.z() - 30));
     d += w * Vec3(x, 0, p.z() + 20);
   }
-  for (const Bump& b : bumps_) {
+  // In the order in which they were added, whoever reaches here: sums stay the same to the last bit.
+  for (std::uint64_t reaching = reach_[0][slice_of(x)] & reach_[1][slice_of(y)] & reach_[2][slice_of(p.z())];
+       reaching != 0; reaching &= reaching - 1) {
+    const Bump& b = bumps_[static_cast<std::size_t>(std::countr_zero(reaching))];
     d += smooth_bump(p, b.centre, b.inverse_radius) * b.shift;
-    if (b.both) d += smooth_bump(flip(p), b.centre, b.inverse_radius) * flip(b.shift);
   }
   return d;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "mien/builtin_face/builtin_face.h"
@@ -25,11 +27,18 @@ class IdentityWarp {
   [[nodiscard]] const BuiltinParameters& numbers() const { return q_; }
 
  private:
-  /// Moves what lies about `centre`, mirrored on the other side when `both`.
+  /// Moves what lies about `centre`.
   struct Bump {
     Vec3 centre, inverse_radius, shift;
-    bool both;
   };
+  void add_bump(const Bump& bump);
+  /// Slices of space across each axis, mm: a bit for each bump that reaches into it. The outer ones have no
+  /// end.
+  static constexpr std::size_t kSlices = 64, kMostBumps = 64;
+  static constexpr double kSlice_mm = 5;
+  [[nodiscard]] static std::size_t slice_of(double mm) {
+    return static_cast<std::size_t>(std::clamp(mm / kSlice_mm + 0.5 * kSlices, 0.0, kSlices - 1.0));
+  }
   [[nodiscard]] Vec3 shift(const Vec3& p) const;
   void add_bumps();
   void add_asymmetry();
@@ -38,6 +47,7 @@ class IdentityWarp {
 
   BuiltinParameters q_;
   std::vector<Bump> bumps_;
+  std::array<std::array<std::uint64_t, kSlices>, 3> reach_{};
   std::array<Vec3, 2> eye_shift_;
   std::array<Eigen::Matrix3d, 2> eye_turn_;  ///< Slant and size.
 };

@@ -292,17 +292,15 @@ void add_gradient(const Sculpt& whole, const Place& place, const Tangents& gradi
 
 }  // namespace
 
-void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displacements) {
+TuneShape kinematics_tuner(const Sculpt& whole) {
   std::vector<std::pair<std::string_view, Place>> places;
   for (const BuiltinSite& site : builtin_sites())
     if (site.name != "mastoid_L")  // No expression moves the reference.
       places.emplace_back(site.name, place_at(whole, site.position_m * 1000));
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    std::string_view name = face::kShapeNames[k];
-    if (name.ends_with("_R") || name == "jawRight" || name == "mouthRight") continue;
+  return [&whole, places = std::move(places)](std::size_t shape, std::vector<Vec3>& d) {
+    std::string_view name = face::kShapeNames[shape];
     const bool one_sided = name.ends_with("_L");
     if (one_sided) name.remove_suffix(2);
-    auto& d = displacements[k];
     std::vector<Aim> aims;
     for (const auto& [site, place] : places) {
       const SkinChange change = change_wanted(name, site, one_sided);
@@ -319,19 +317,7 @@ void tune_kinematics(const Sculpt& whole, std::vector<std::vector<Vec3>>& displa
       }
       if (worst < kNear) break;
     }
-  }
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    const std::string_view name = face::kShapeNames[k];
-    std::size_t from = k;
-    if (name.ends_with("_R")) from = k - 1;
-    if (name == "jawRight") from = face::shape("jawLeft");
-    if (name == "mouthRight") from = face::shape("mouthLeft");
-    if (from == k) continue;
-    for (std::size_t i = 0; i < whole.vertices.size(); ++i) {
-      const Vec3& v = displacements[from][i];
-      displacements[k][whole.mirror[i]] = {-v.x(), v.y(), v.z()};
-    }
-  }
+  };
 }
 
 }  // namespace mien::builtin_face

@@ -148,7 +148,8 @@ void add_eyeballs(Sculpt& whole);
   return 1 + 0.22 * std::clamp(brow_fullness, -3.0, 3.0);
 }
 
-/// Colours by place and tissue, of these reflectances.
-void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& albedos);
+/// Colours of vertices by place and tissue, of these reflectances.
+[[nodiscard]] std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameters,
+                                       const Albedos& albedos);
 
 }  // namespace mien::builtin_face

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "mien/builtin_face/albedo.h"
 #include "mien/builtin_face/anatomy.h"
@@ -24,12 +25,15 @@ double beard_amount(const Vec3& p) {
 
 }  // namespace
 
-void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a) {
+std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a) {
   // Of hair that is shaved off, roots are seen.
   const double roots = parameters.hair == HairStyle::none ? 0.10 : 0.80;
   const double beard = std::clamp(parameters.beard, 0.0, 1.0);
   const double brow_height = 4.2 * brow_spread(parameters.brow_fullness);
-  for (SculptVertex& v : whole.vertices) {
+  std::vector<Vec3f> colours(whole.vertices.size());
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const SculptVertex& v = whole.vertices[i];
+    Vec3f& colour = colours[i];
     const Vec3& p = v.p;
     switch (v.tissue) {
       case Tissue::skin: {
@@ -58,64 +62,65 @@ void paint(Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a)
         }
         // Roots under the skin are darker than it, grey ones too.
         if (beard > 0) c = blend(c, (0.6F * a.hair).cwiseMin(0.5F * a.skin), 0.4 * beard * beard_amount(p));
-        v.colour = blend(c, a.hair * 0.7F, roots * smoothstep(0, 14, within_hairline(p)));
+        colour = blend(c, a.hair * 0.7F, roots * smoothstep(0, 14, within_hairline(p)));
         break;
       }
       case Tissue::ear:
-        v.colour = blend(a.skin, a.flush, 0.6);
+        colour = blend(a.skin, a.flush, 0.6);
         break;
       case Tissue::lip:
-        v.colour = a.lips;
+        colour = a.lips;
         break;
       case Tissue::mouth:
-        v.colour = blend(a.lips, a.mouth, smoothstep(115, 104, p.z()));
+        colour = blend(a.lips, a.mouth, smoothstep(115, 104, p.z()));
         break;
       case Tissue::lid_inside:
-        v.colour = blend(blend(a.skin, a.wet, 0.55), a.lash * 1.7F,
-                         v.lid > 0 ? 0.5 * smoothstep(0.3, 0.9, v.lid) : 0.0);
+        colour = blend(blend(a.skin, a.wet, 0.55), a.lash * 1.7F,
+                       v.lid > 0 ? 0.5 * smoothstep(0.3, 0.9, v.lid) : 0.0);
         break;
       case Tissue::tear:
-        v.colour = Vec3f::Ones();  // Clear.
+        colour = Vec3f::Ones();  // Clear.
         break;
       case Tissue::caruncle:
-        v.colour = a.caruncle;
+        colour = a.caruncle;
         break;
       case Tissue::eyeball: {
         const int band = static_cast<int>(v.lid);
         const double t = v.lid - band;
         if (band == 0) {
-          v.colour = a.pupil;
+          colour = a.pupil;
         } else if (band == 1) {
-          v.colour = blend(a.iris * 1.5F, a.iris * 0.35F, smoothstep(0.45, 1.0, t));
+          colour = blend(a.iris * 1.5F, a.iris * 0.35F, smoothstep(0.45, 1.0, t));
         } else {
           const Vec3 centre(p.x() > 0 ? kEyeCentre.x() : -kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
-          v.colour = blend(a.sclera, a.sclera_corner, smoothstep(9.5, 13.0, std::abs(p.x() - centre.x())));
+          colour = blend(a.sclera, a.sclera_corner, smoothstep(9.5, 13.0, std::abs(p.x() - centre.x())));
         }
         break;
       }
       case Tissue::teeth_upper:
       case Tissue::teeth_lower:
         // Less light finds its way to the back ones than rays at single vertices say.
-        v.colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(82, 100, p.z())));
+        colour = a.teeth * static_cast<float>(mix(0.10, 1.0, smoothstep(82, 100, p.z())));
         break;
       case Tissue::gums_upper:
       case Tissue::gums_lower:
-        v.colour = a.gums;
+        colour = a.gums;
         break;
       case Tissue::tongue:
-        v.colour = a.tongue;
+        colour = a.tongue;
         break;
       case Tissue::lash:
-        v.colour = a.lash;
+        colour = a.lash;
         break;
       case Tissue::brow:
-        v.colour = a.brow.cwiseProduct(v.colour);
+        colour = a.brow.cwiseProduct(v.colour);
         break;
       case Tissue::cloth:
-        v.colour = a.cloth;
+        colour = a.cloth;
         break;
     }
   }
+  return colours;
 }
 
 }  // namespace mien::builtin_face

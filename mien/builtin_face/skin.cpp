@@ -287,6 +287,7 @@ void add_mouth(Sculpt& half, const Grid& grid) {
 }  // namespace
 
 void add_skin(Sculpt& half) {
+  half.vertices.reserve(1 << 14);
   const std::vector<double> columns = column_azimuths();
   const std::vector<double> rows = row_coordinates();
   Grid grid(rows.size(), std::vector<std::uint32_t>(columns.size()));
@@ -316,6 +317,7 @@ void add_skin(Sculpt& half) {
 Sculpt mirrored(const Sculpt& half) {
   Sculpt whole = half;
   const std::size_t n = half.vertices.size();
+  whole.vertices.reserve(2 * n + 1024);  // Eyeballs come after.
   whole.mirror.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     if (half.vertices[i].p.x() == 0) {

@@ -20,7 +20,8 @@ double capsule(const Vec3& p, const Vec3& a, double ra, const Vec3& b, double rb
 }
 
 double join(double a, double b, double k) {
-  const double h = std::max(k - std::abs(a - b), 0.0) / k;
+  if (std::abs(a - b) >= k) return std::min(a, b);
+  const double h = (k - std::abs(a - b)) / k;
   return std::min(a, b) - h * h * k * 0.25;
 }
 

@@ -32,6 +32,9 @@ constexpr float kOwnLock_m = 5e-3F;
 constexpr float kNearMotion_m = 0.03F;
 /// A light further round the vertex than this (cosine) does not reach it.
 constexpr float kBehind = -0.45F;
+/// A film takes the light of some vertices from those around, where edges are shorter than light spreads and
+/// normals turn by less than this (cosine).
+constexpr float kBetween_m = 3.5e-3F, kBetweenNormal = 0.94F;
 
 /// Some of the directions from one vertex, and what came of asking for them.
 struct Asked {
@@ -219,9 +222,25 @@ void Renderer::State::lend_to_covered() {
 }
 
 void Renderer::State::light_surfaces(const std::vector<std::uint32_t>& places) {
-  parallel(workers, places.size(), 64, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) unscattered[places[k]] = light_at(lit_vertex[places[k]]);
+  std::vector<std::uint32_t> asked, between;
+  std::vector<std::uint8_t> is_new(lit_vertex.size(), 0);
+  for (const std::uint32_t k : places) is_new[k] = 1;
+  const auto around = [&](std::uint32_t k) {
+    return std::span(neighbour).subspan(neighbour_start[k], neighbour_start[k + 1] - neighbour_start[k]);
+  };
+  for (const std::uint32_t k : places) {
+    const bool from_around = !is_between.empty() && is_between[k] != 0 &&
+                             std::ranges::all_of(around(k), [&](std::uint32_t i) { return is_new[i] != 0; });
+    (from_around ? between : asked).push_back(k);
+  }
+  parallel(workers, asked.size(), 64, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) unscattered[asked[k]] = light_at(lit_vertex[asked[k]]);
   });
+  for (const std::uint32_t k : between) {
+    VertexLight sum = VertexLight::Zero();
+    for (const std::uint32_t i : around(k)) sum += unscattered[i];
+    unscattered[k] = sum / static_cast<float>(around(k).size());
+  }
   scattered = unscattered;
   lend_to_covered();
   for (int step = 0; step < kScatterSteps; ++step) {
@@ -261,6 +280,21 @@ void Renderer::State::light_rest() {
   rest.triangles_in_tile.clear();
   for (std::size_t tile = 0; tile < solid_bins.count(); ++tile)
     rest.triangles_in_tile.push_back(triangles_in(tile));
+}
+
+void Renderer::State::find_vertices_between() {
+  is_between.assign(lit_vertex.size(), 0);
+  for (std::size_t k = 0; k < lit_vertex.size(); ++k) {
+    const std::span<const std::uint32_t> around =
+        std::span(neighbour).subspan(neighbour_start[k], neighbour_start[k + 1] - neighbour_start[k]);
+    const std::uint32_t own = lit_vertex[k];
+    const bool smooth = std::ranges::all_of(around, [&](std::uint32_t i) {
+      const std::uint32_t other = lit_vertex[i];
+      return is_between[i] == 0 && (face.neutral_m[own] - face.neutral_m[other]).norm() < kBetween_m &&
+             normal[own].normalized().dot(normal[other].normalized()) > kBetweenNormal;
+    });
+    is_between[k] = smooth && around.size() >= 4 ? 1 : 0;
+  }
 }
 
 std::size_t Renderer::State::triangles_in(std::size_t tile) const {
@@ -314,9 +348,21 @@ void Renderer::State::see_what_moves() {
 void Renderer::State::see(std::size_t tile, TileDepths* depths) const {
   const auto across = static_cast<std::size_t>(tiles_in(view.width));
   depths->clear(static_cast<int>(tile % across) * kTile, static_cast<int>(tile / across) * kTile);
+  // What faces the camera comes first: the back of the head is then hidden, which is quicker found than
+  // drawn.
+  std::vector<std::uint32_t> away;
   for (const std::uint32_t t : solid_bins.of(tile)) {
     const auto& [a, b, c] = face.triangles[t];
-    depths->draw(t, ScreenTriangle(on_screen[a], on_screen[b], on_screen[c]));
+    if (faces_away(on_screen[a], on_screen[b], on_screen[c]))
+      away.push_back(t);
+    else
+      depths->draw(t, ScreenTriangle(on_screen[a], on_screen[b], on_screen[c]));
+  }
+  depths->find_farthest();
+  for (const std::uint32_t t : away) {
+    const auto& [a, b, c] = face.triangles[t];
+    if (!depths->hides(on_screen[a], on_screen[b], on_screen[c]))
+      depths->draw(t, ScreenTriangle(on_screen[a], on_screen[b], on_screen[c]));
   }
 }
 

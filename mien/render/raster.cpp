@@ -180,4 +180,30 @@ void TileDepths::draw(std::uint32_t triangle, const ScreenTriangle& on_screen) {
   });
 }
 
+void TileDepths::find_farthest() {
+  constexpr auto kRow = static_cast<std::size_t>(kBlock) * kSamples;
+  for (int block = 0; block < kBlocks * kBlocks; ++block) {
+    const int x = left_ + block % kBlocks * kBlock, y = top_ + block / kBlocks * kBlock;
+    float least = std::numeric_limits<float>::max();
+    for (int row = 0; row < kBlock; ++row)
+      for (const float d : std::span(inverse_depth_).subspan(at(x, y + row, 0), kRow))
+        least = std::min(least, d);
+    farthest_[static_cast<std::size_t>(block)] = least;
+  }
+}
+
+bool TileDepths::hides(const ScreenPoint& a, const ScreenPoint& b, const ScreenPoint& c) const {
+  if (!(a.inverse_depth > 0 && b.inverse_depth > 0 && c.inverse_depth > 0)) return true;  // Not drawn.
+  const float nearest = std::max({a.inverse_depth, b.inverse_depth, c.inverse_depth});
+  const auto block = [](std::int32_t subpixel, int from) {
+    return std::clamp((subpixel / kSubpixels - from) / kBlock, 0, kBlocks - 1);
+  };
+  const int left = block(std::min({a.x, b.x, c.x}), left_), right = block(std::max({a.x, b.x, c.x}), left_);
+  const int top = block(std::min({a.y, b.y, c.y}), top_), bottom = block(std::max({a.y, b.y, c.y}), top_);
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x)
+      if (nearest > farthest_[static_cast<std::size_t>(y * kBlocks + x)]) return false;
+  return true;
+}
+
 }  // namespace mien::render

@@ -63,6 +63,12 @@ struct PixelBox {
   [[nodiscard]] bool empty() const { return left >= right || top >= bottom; }
 };
 
+/// Whether corners that go counter-clockwise on the outside are seen from the inside.
+[[nodiscard]] inline bool faces_away(const ScreenPoint& a, const ScreenPoint& b, const ScreenPoint& c) {
+  return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) >
+         (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
+}
+
 /// A triangle on the screen.
 class ScreenTriangle {
  public:
@@ -167,6 +173,11 @@ class TileDepths {
   /// Begins the tile whose upper left pixel is this.
   void clear(int left, int top);
   void draw(std::uint32_t triangle, const ScreenTriangle& on_screen);
+  /// Of what is drawn so far, for hides().
+  void find_farthest();
+  /// Whether a triangle of these corners is nowhere nearer than what find_farthest() met. It may be hidden
+  /// although this says no.
+  [[nodiscard]] bool hides(const ScreenPoint& a, const ScreenPoint& b, const ScreenPoint& c) const;
   /// Both of a sample; x and y in the picture, inside the tile.
   [[nodiscard]] std::uint32_t triangle(int x, int y, int sample) const { return triangle_[at(x, y, sample)]; }
   [[nodiscard]] float inverse_depth(int x, int y, int sample) const {
@@ -183,6 +194,9 @@ class TileDepths {
   }
   int left_ = 0, top_ = 0;
   bool empty_ = true;
+  /// Side of the blocks of pixels of which the farthest is known.
+  static constexpr int kBlock = 8, kBlocks = kTile / kBlock;
+  std::array<float, std::size_t{kBlocks} * kBlocks> farthest_{};  // Inverse depth; row by row.
   std::vector<float> inverse_depth_;
   std::vector<std::uint32_t> triangle_;
 };

@@ -68,6 +68,7 @@ Renderer::State::State(const face::Face& f, Quality q, int thread_count, const f
   find_still_hair();
   find_twins();
   find_neighbours();
+  if (q == Quality::video) find_vertices_between();
   find_vertices_near_motion();
   measure_lashes();
   lowest_m = std::numeric_limits<float>::max();

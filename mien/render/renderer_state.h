@@ -96,6 +96,7 @@ struct Renderer::State {
   void find_still_hair();
   void find_twins();
   void find_neighbours();
+  void find_vertices_between();
   void measure_lashes();
 
   // Of a pose.
@@ -191,6 +192,7 @@ struct Renderer::State {
   std::vector<bool> near_motion;             // A vertex that shapes move, or what is close to it.
   std::vector<std::uint32_t> neighbour_start,
       neighbour;                          // Beside lit_vertex, by place in it: who shares an edge.
+  std::vector<std::uint8_t> is_between;   // Beside lit_vertex: 1 where a film lights only the neighbours.
   std::vector<VertexLight> spread_share;  // Beside lit_vertex: how much a step of scattering takes over.
   std::vector<float> lash_length_m;       // From the lid; 0 elsewhere.
   float lowest_m = 0;
