@@ -1,5 +1,6 @@
 /** How far two expressions of one face are apart, in millimetres of skin. */
 import { Vector3, type Mesh } from "three";
+import { atRest } from "./cpu_morph";
 import { shapesOfName, TONGUE } from "../shapes";
 
 /** Skin that moves by less than this at full weight of every shape, m, is left out of the mean. */
@@ -23,7 +24,7 @@ export class SkinDifference {
 
   /** `scale`: metres per unit of the mesh. */
   constructor(mesh: Mesh, scale: number) {
-    const targets = mesh.geometry.morphAttributes.position ?? [];
+    const targets = atRest(mesh).morphAttributes.position ?? [];
     const used: number[] = [];
     for (const [name, target] of Object.entries(mesh.morphTargetDictionary ?? {})) {
       const shapes = shapesOfName(name).filter((shape) => shape !== TONGUE);
@@ -31,7 +32,7 @@ export class SkinDifference {
       this.shapes.push([...shapes]);
       used.push(target);
     }
-    const total = mesh.geometry.attributes["position"]?.count ?? 0;
+    const total = atRest(mesh).attributes["position"]?.count ?? 0;
     const moving: number[] = [];
     const delta = new Vector3();
     for (let v = 0; v < total; ++v) {

@@ -2,6 +2,7 @@
 import { Box3, Euler, Group, Quaternion, Vector3, type Mesh, type Object3D } from "three";
 import type { Pose } from "../playout";
 import { disposeTree, FACE_BOX, hangOn, materialsOf, placeOver, type Avatar } from "./avatar";
+import { CpuMorph } from "./cpu_morph";
 import { bindNames, driven, type Drive } from "./binding";
 import { dress } from "./materials";
 import { mergePieces } from "./merge";
@@ -26,6 +27,7 @@ export class GltfAvatar implements Avatar {
 
   private disposed = false;
   private readonly drives: { mesh: Mesh; drives: Drive<number>[] }[] = [];
+  private readonly morphs: CpuMorph[] = [];
   private readonly eyes: { node: Object3D; rest: Quaternion; first: number }[] = [];
   private head: { node: Object3D; rest: Quaternion } | null = null;
 
@@ -67,6 +69,10 @@ export class GltfAvatar implements Avatar {
       this.object = placeOver(scene, box, FACE_BOX);
     }
 
+    scene.traverse((node) => {
+      const morph = (node as Mesh).isMesh ? CpuMorph.of(node as Mesh) : null;
+      if (morph) this.morphs.push(morph);
+    });
     this.worn = hangOn(this.object, this.head?.node ?? null);
 
     const known = new Set<number>();
@@ -88,6 +94,7 @@ export class GltfAvatar implements Avatar {
       if (!influences) continue;
       for (const drive of drives) influences[drive.target] = driven(drive.shapes, pose);
     }
+    for (const morph of this.morphs) morph.update();
     for (const eye of this.eyes) {
       const yaw = pose.eyes[eye.first] ?? 0;
       const pitch = pose.eyes[eye.first + 1] ?? 0;

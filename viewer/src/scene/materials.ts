@@ -82,6 +82,9 @@ export function dress(root: Object3D, ends: { cloth: Fade; skin: Fade }): void {
     const thin = dressed.length === 1 && (dressed[0]?.name === "lash" || dressed[0]?.name === "strands");
     mesh.castShadow = !thin;
     mesh.receiveShadow = true;
+    // Before anything moves them: where pores, fading and irises lie.
+    const position = mesh.geometry.attributes["position"];
+    if (position) mesh.geometry.setAttribute("rest", position);
     soften(mesh);
   });
 }
@@ -278,8 +281,8 @@ float angle = acos(clamp(normalize(vRest).z, -1.0, 1.0));
 /** Gives the fragments of a shader that is being made their place at rest, `vRest`, in the mesh's own coordinates. */
 function addRest(shader: WebGLProgramParametersWithUniforms): void {
   shader.vertexShader = shader.vertexShader
-    .replace("#include <common>", "#include <common>\nvarying vec3 vRest;")
-    .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRest = position;");
+    .replace("#include <common>", "#include <common>\nattribute vec3 rest;\nvarying vec3 vRest;")
+    .replace("#include <begin_vertex>", "#include <begin_vertex>\nvRest = rest;");
   shader.fragmentShader = shader.fragmentShader.replace("#include <common>", "#include <common>\nvarying vec3 vRest;");
 }
 

@@ -1,6 +1,7 @@
 /** Where a head's face is and how large: told by the vertices that its shapes move. */
 import { Box3, Matrix4, Vector3, type Mesh, type Object3D } from "three";
 import { shapesOfName } from "../shapes";
+import { atRest } from "./cpu_morph";
 
 /** The mesh that has most of our shapes; null where none has any. */
 export function faceMesh(root: Object3D): Mesh | null {
@@ -10,7 +11,7 @@ export function faceMesh(root: Object3D): Mesh | null {
     const mesh = node as Mesh;
     if (!mesh.isMesh || !mesh.morphTargetDictionary) return;
     const known = Object.keys(mesh.morphTargetDictionary).filter((name) => shapesOfName(name).length > 0).length;
-    const score = known * 1e6 + (mesh.geometry.attributes["position"]?.count ?? 0);
+    const score = known * 1e6 + (atRest(mesh).attributes["position"]?.count ?? 0);
     if (known > 0 && score > most) {
       most = score;
       best = mesh;
@@ -25,7 +26,7 @@ export function richestMesh(root: Object3D): Mesh | null {
   let most = 0;
   root.traverse((node) => {
     const mesh = node as Mesh;
-    const targets = mesh.isMesh ? (mesh.geometry.morphAttributes.position?.length ?? 0) : 0;
+    const targets = mesh.isMesh ? (atRest(mesh).morphAttributes.position?.length ?? 0) : 0;
     if (targets > most) {
       most = targets;
       best = mesh;
@@ -36,8 +37,8 @@ export function richestMesh(root: Object3D): Mesh | null {
 
 /** The box of all that moves by more than a hundredth of the mesh's size, in the mesh's own coordinates. */
 export function movingBox(mesh: Mesh): Box3 {
-  const positions = mesh.geometry.attributes["position"];
-  const targets = mesh.geometry.morphAttributes.position ?? [];
+  const positions = atRest(mesh).attributes["position"];
+  const targets = atRest(mesh).morphAttributes.position ?? [];
   const box = new Box3();
   if (!positions) return box;
   const whole = new Box3();
@@ -50,7 +51,7 @@ export function movingBox(mesh: Mesh): Box3 {
     for (const target of targets) {
       at.fromBufferAttribute(positions, v);
       delta.fromBufferAttribute(target, v);
-      if (!mesh.geometry.morphTargetsRelative) delta.sub(at);
+      if (!atRest(mesh).morphTargetsRelative) delta.sub(at);
       if (delta.length() <= least) continue;
       box.expandByPoint(at);
       break;

@@ -6,6 +6,7 @@
  */
 import { BufferAttribute, Vector3, type Mesh, type Object3D } from "three";
 import { materialsOf } from "./avatar";
+import { atRest } from "./cpu_morph";
 import { LAMPS } from "./studio";
 
 /** The vertex attribute: ambient, then each lamp, 0 to 1. */
@@ -68,7 +69,7 @@ function* openness(root: Object3D): Generator<void> {
     const mesh = node as Mesh;
     if (!mesh.isMesh || !mesh.geometry.attributes[OPENNESS]) return;
     const own = mesh.geometry.attributes["position"]?.count ?? 0;
-    parts.push({ mesh, first: count, count: own, moves: (mesh.geometry.morphAttributes.position?.length ?? 0) > 0 });
+    parts.push({ mesh, first: count, count: own, moves: (atRest(mesh).morphAttributes.position?.length ?? 0) > 0 });
     count += own;
   });
   const blockers = blockersOf(parts);
@@ -126,7 +127,7 @@ function blockersOf(parts: Part[]): Blockers {
 /** Where the vertices of a part are, and their normals, in the coordinates of `root`. */
 function pose(part: Part, root: Object3D, weights: Readonly<Record<string, number>>, points: Float32Array, normals: Float32Array): void {
   const { mesh, first, count } = part;
-  const { attributes, morphAttributes } = mesh.geometry;
+  const { attributes, morphAttributes } = atRest(mesh);
   const place = root.matrixWorld.clone().invert().multiply(mesh.matrixWorld);
   const moves = Object.entries(weights).flatMap(([name, weight]) => {
     const target = mesh.morphTargetDictionary?.[name];
