@@ -32,7 +32,7 @@ void add_teeth(Sculpt& half, bool upper) {
   const double width_upper[] = {8.6, 6.6, 7.6, 7.0, 6.8, 10.0};
   const double width_lower[] = {5.6, 6.0, 6.9, 7.0, 7.0, 10.5};
   const double height_upper[] = {10.0, 9.0, 9.8, 8.4, 7.8, 7.2};
-  const double height_lower[] = {8.6, 8.8, 9.6, 8.4, 7.8, 7.2};
+  const double height_lower[] = {8.4, 8.4, 8.6, 6.8, 5.6, 4.8};
   const DentalArch& arch = upper ? kUpperArch : kLowerArch;
   double way = 0;
   constexpr int kAround = 8;

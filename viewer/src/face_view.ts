@@ -90,6 +90,8 @@ export class FaceView {
 
     this.stage.onDraw = (now) => this.draw(now);
     this.stage.onDrawn = () => this.afterDraw();
+    this.stage.onQuality = () => this.setPlain();
+    this.stage.onLost = () => this.view.say("The graphics card was lost. The face comes back with it; all else goes on.", "bad");
     session.frame.listen(() => this.stage?.wake());
     session.hello.listen((hello) => {
       if (!hello) return;
@@ -211,6 +213,7 @@ export class FaceView {
       this.first = avatar;
       avatar.worn.add(this.glasses.object);
       this.skin = null;
+      this.setPlain();
       this.stage.put("first", avatar.object);
       void avatar.settled?.then(() => this.stage?.wake());
       this.dots.setAvatar(avatar);
@@ -222,6 +225,14 @@ export class FaceView {
     } finally {
       this.reading = false;
       this.loading.set(false);
+    }
+  }
+
+  private setPlain(): void {
+    const plain = this.stage?.plain ?? false;
+    for (const avatar of [this.first, this.second]) {
+      if (avatar && !(plain && avatar.setPlain)) this.stage?.lightRoom();
+      avatar?.setPlain?.(plain);
     }
   }
 
@@ -269,7 +280,10 @@ export class FaceView {
       const bytes = this.bytes;
       try {
         const avatar = await loadAvatar(bytes.data, bytes.name, bytes.own);
-        if (this.bytes === bytes) this.second = avatar;
+        if (this.bytes === bytes) {
+          this.second = avatar;
+          this.setPlain();
+        }
         else avatar.dispose();
       } catch {
         // The same bytes made the first one: this can only be a lack of memory, and one face is enough.

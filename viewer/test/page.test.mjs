@@ -115,6 +115,29 @@ test("the face is drawn and moves", { timeout: 4 * PATIENCE }, async () => {
   assert.ok(moved, "two pictures of a talking face are the same");
 });
 
+test("a lost graphics card is told of, and the face comes back with it", { timeout: 4 * PATIENCE }, async () => {
+  const page = await open();
+  await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+  // An empty canvas compresses to little.
+  const bytes = async () => (await page.locator(".stage-canvas").screenshot({ timeout: PATIENCE })).length;
+  const before = await bytes();
+  await page.evaluate(() => {
+    const gl = document.querySelector(".stage-canvas").getContext("webgl2");
+    globalThis.card = gl.getExtension("WEBGL_lose_context");
+    globalThis.card.loseContext();
+  });
+  await settled(page, () => document.body.textContent.includes("The graphics card was lost"), "a word on it");
+  assert.ok((await bytes()) < before / 2, "a face without a card");
+  await page.evaluate(() => globalThis.card.restoreContext());
+  let back = false;
+  for (let i = 0; i < 20 && !back; ++i) {
+    await page.waitForTimeout(500);
+    back = (await bytes()) > before / 2;
+  }
+  assert.ok(back, "no face after the card came back");
+  await page.context().close();
+});
+
 test("weights: bars, provenance, plot and knobs", { timeout: 4 * PATIENCE }, async () => {
   const page = await shared();
   await go(page, "Weights");

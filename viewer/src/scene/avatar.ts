@@ -14,6 +14,8 @@ export interface Avatar {
   readonly known: number;
   /** When its light is found; until then it is drawn without shade in its folds. */
   readonly settled?: Promise<void>;
+  /** Draws it lit a vertex at a time; missing where only the fine look is known. */
+  readonly setPlain?: (plain: boolean) => void;
   apply(pose: Pose): void;
   dispose(): void;
 }

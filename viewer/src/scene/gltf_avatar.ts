@@ -10,6 +10,10 @@ import { addMorphNormals } from "./morph_normals";
 import { faceMesh, movingBoxIn } from "./moving_skin";
 import { giveNeck } from "./neck";
 import { addOpenness, findOpenness } from "./openness";
+import { PlainLook } from "./plain_look";
+
+/** Heights between which the built-in face's shirt fades, m, frame H. */
+const CLOTH = { top: -0.185, bottom: -0.222 };
 
 export interface GltfAvatarOptions {
   name: string;
@@ -24,7 +28,10 @@ export class GltfAvatar implements Avatar {
   readonly worn: Group;
   readonly known: number;
   readonly settled: Promise<void> = Promise.resolve();
+  /** Of the session's own face, once it was asked for. */
+  private plain: PlainLook | null = null;
 
+  readonly setPlain?: (plain: boolean) => void;
   private disposed = false;
   private readonly drives: { mesh: Mesh; drives: Drive<number>[] }[] = [];
   private readonly morphs: CpuMorph[] = [];
@@ -60,11 +67,15 @@ export class GltfAvatar implements Avatar {
       this.head = { node: neck.head, rest: neck.head.quaternion.clone() };
     }
     if (options.own) {
-      dress(scene, { cloth: { top: -0.185, bottom: -0.222 }, skin: { top: -0.125, bottom: -0.186 } });
+      dress(scene, { cloth: CLOTH, skin: { top: -0.125, bottom: -0.186 } });
       this.object = new Group();
       this.object.add(scene);
       addOpenness(scene);
-      this.settled = findOpenness(scene, () => this.disposed);
+      this.setPlain = (plain) => {
+        if (plain) this.plain ??= new PlainLook(this.object, this.head?.node ?? null, CLOTH);
+        this.plain?.show(plain);
+      };
+      this.settled = findOpenness(scene, () => this.disposed).then(() => this.plain?.relight());
     } else {
       this.object = placeOver(scene, box, FACE_BOX);
     }
@@ -104,10 +115,12 @@ export class GltfAvatar implements Avatar {
       const [w, x, y, z] = pose.head;
       this.head.node.quaternion.set(x, y, z, w).multiply(this.head.rest);
     }
+    this.plain?.update();
   }
 
   dispose(): void {
     this.disposed = true;
+    this.plain?.dispose();
     disposeTree(this.object);
   }
 

@@ -12,7 +12,7 @@ import { OPENNESS } from "./openness";
 import { AROUND, LAMPS, vec3 } from "./studio";
 
 /** How far light wraps round an edge to the dark side, by channel, in skin (render/shade.cpp). */
-const WRAP = new Color(0.28, 0.13, 0.08);
+export const WRAP = new Color(0.2, 0.12, 0.09);
 
 const LAMP_CALL = "RE_Direct( directLight, geometryPosition";
 const [beforeLamps, lamps] = split(ShaderChunk.lights_fragment_begin, "getDirectionalLightInfo");
@@ -222,7 +222,7 @@ vec3 leaked(float open) {
 }
 
 /** Of an eye's mesh: the angle about its centre from +Z to where its iris ends, radians. */
-function irisAngleOf(mesh: Mesh): number {
+export function irisAngleOf(mesh: Mesh): number {
   const { geometry } = mesh;
   const iris = materialsOf(mesh).findIndex((material) => material.name === "iris");
   const position = geometry.attributes["position"];

@@ -1,20 +1,24 @@
 /**
- * Keeps the face moving on a weak graphics card: where pictures come too slowly, they get coarser, and at last lose their
- * shadows. Never finer again by itself, or it would swing between the two; a new page begins with the best.
+ * Keeps the face moving on a weak graphics card: where pictures come too slowly, they get coarser, then plain, which is
+ * without shadows. Never finer again by itself, or it would swing between the two; a new page begins with the best.
  */
 
 export interface Quality {
   /** Share of the display's resolution. */
   sharpness: number;
   shadows: boolean;
+  /** Lit a vertex at a time, without what only a graphics card is quick at. */
+  plain: boolean;
 }
 
 const STEPS: readonly Quality[] = [
-  { sharpness: 1, shadows: true },
-  { sharpness: 0.75, shadows: true },
-  { sharpness: 0.6, shadows: false },
-  { sharpness: 0.4, shadows: false },
+  { sharpness: 1, shadows: true, plain: false },
+  { sharpness: 0.75, shadows: true, plain: false },
+  { sharpness: 1, shadows: false, plain: true },
+  { sharpness: 0.7, shadows: false, plain: true },
+  { sharpness: 0.4, shadows: false, plain: true },
 ];
+const FIRST_PLAIN = STEPS.findIndex((step) => step.plain);
 /** Pictures between two judgements, or fewer where they take this long together, ms. */
 const JUDGED = 24;
 const FEWEST = 4;
@@ -37,9 +41,9 @@ export class Pace {
   private cost = 0;
   private readonly intervals: number[] = [];
 
-  /** `coarse`: begins, and so stays, at the last step. */
-  constructor(coarse = false) {
-    this.step = coarse ? STEPS.length - 1 : 0;
+  /** `from`: where it begins; `coarsest` stays there, `plain` is for a graphics card that is software. */
+  constructor(from: "finest" | "plain" | "coarsest" = "finest") {
+    this.step = from === "coarsest" ? STEPS.length - 1 : from === "plain" ? FIRST_PLAIN : 0;
   }
 
   get quality(): Quality {

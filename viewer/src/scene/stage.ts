@@ -7,6 +7,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Pace } from "./pace";
+import { drawsInSoftware } from "./software";
 import { furnishStudio, lightRoom } from "./studio";
 
 /** What the camera looks at: the middle of the face, m, frame H. */
@@ -55,14 +56,20 @@ export class Stage {
   private readonly pace: Pace;
   private readonly key: DirectionalLight;
 
-  /** Throws where there is no WebGL 2. `coarse`: without shadows and blurred, for a graphics card that is none. */
+  /** Called when the graphics card has forgotten the page; the picture comes back with it. */
+  onLost: () => void = () => {};
+  /** Called when pictures have become coarser, or plain. */
+  onQuality: () => void = () => {};
+
+  /** Throws where there is no WebGL 2. `coarse`: begins, and stays, with the coarsest pictures. */
   constructor(
     private readonly host: HTMLElement,
     private readonly calm: () => boolean,
     coarse: boolean,
   ) {
-    this.pace = new Pace(coarse);
-    this.renderer = new WebGLRenderer({ antialias: !coarse, alpha: true, powerPreference: "high-performance" });
+    const software = drawsInSoftware();
+    this.pace = new Pace(coarse ? "coarsest" : software ? "plain" : "finest");
+    this.renderer = new WebGLRenderer({ antialias: !coarse && !software, alpha: true, powerPreference: "high-performance" });
     this.canvas = this.renderer.domElement;
     this.canvas.className = "stage-canvas";
     this.renderer.outputColorSpace = SRGBColorSpace;
@@ -70,6 +77,7 @@ export class Stage {
     this.renderer.autoClear = false;
     host.append(this.canvas);
     this.key = furnishStudio(this.renderer, this.scene);
+    if (!this.plain) this.lightRoom();
 
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enablePan = false;
@@ -82,10 +90,13 @@ export class Stage {
     this.controls.maxPolarAngle = 1.95;
     this.controls.target.copy(CENTRE);
     this.controls.addEventListener("change", () => this.wake());
-    this.canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    this.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault();
+      this.onLost();
+    });
     // All that files and this page gave the card comes back by itself; what the card drew for itself does not.
     this.canvas.addEventListener("webglcontextrestored", () => {
-      lightRoom(this.renderer, this.scene);
+      if (this.scene.environment) lightRoom(this.renderer, this.scene);
       this.wake();
     });
     this.size();
@@ -195,6 +206,16 @@ export class Stage {
     return point;
   }
 
+  /** Finds the room's light for heads that are not plain: without a graphics card that takes seconds. */
+  lightRoom(): void {
+    if (!this.scene.environment) lightRoom(this.renderer, this.scene);
+  }
+
+  /** Whether heads are to be lit a vertex at a time. */
+  get plain(): boolean {
+    return this.pace.quality.plain;
+  }
+
   /** What the graphics card was given, for tests that watch for leaks. */
   memory(): { geometries: number; textures: number } {
     return { ...this.renderer.info.memory };
@@ -258,7 +279,10 @@ export class Stage {
   private draw(nowMs: number): void {
     this.scheduled = 0;
     // Before the picture: a canvas that has changed its size is empty.
-    if (this.pace.drew(nowMs)) this.size();
+    if (this.pace.drew(nowMs)) {
+      this.size();
+      this.onQuality();
+    }
     const more = this.onDraw(nowMs);
     const damping = this.controls.update();
     const renderer = this.renderer;

@@ -22,11 +22,12 @@ const lamp = (x: number, y: number, z: number, [r, g, b]: [number, number, numbe
 /** Key from above the left, fill from the right, rim from behind: in the order of the shaders' directionalLights. */
 export const LAMPS: readonly Lamp[] = [
   lamp(-0.62, 0.55, 0.7, [2.55, 2.4, 2.25], 0.3),
-  lamp(0.9, 0.1, 0.6, [0.55, 0.6, 0.68], 0.45),
-  lamp(0.7, 0.5, -0.7, [1.9, 1.95, 2.05], 0.2),
+  lamp(0.9, 0.1, 0.6, [0.62, 0.66, 0.72], 0.5),
+  lamp(0.7, 0.5, -0.7, [1.25, 1.28, 1.34], 0.35),
 ];
-const SKY = new Color(0.3, 0.31, 0.33);
-const GROUND = new Color(0.13, 0.115, 0.105);
+/** Light from above and from below, where no lamp is. */
+export const SKY = new Color(0.3, 0.31, 0.33);
+export const GROUND = new Color(0.13, 0.115, 0.105);
 
 /** GLSL: light from a direction of the world, without the lamps. */
 export const AROUND = `vec3 around(vec3 direction) {
@@ -42,7 +43,29 @@ const TONE = `vec3 CustomToneMapping( vec3 color ) {
   return min( color, 0.45 ) + 0.55 * over / ( 1.0 + over );
 }`;
 
-/** Adds the lights to `scene`, makes the renderer ready for them, and gives the light that casts the shadows. */
+/** The same on linear light here: writes three bytes, as the display wants them, at `at`. */
+export function toned(r: number, g: number, b: number, out: Uint8Array, at: number): void {
+  const brightest = Math.max(r, g, b);
+  const bleed = 0.06 * Math.max(0, brightest - 0.7);
+  out[at] = byteOf(r + bleed * (brightest - r));
+  out[at + 1] = byteOf(g + bleed * (brightest - g));
+  out[at + 2] = byteOf(b + bleed * (brightest - b));
+}
+
+function byteOf(light: number): number {
+  const over = Math.max(0, light - 0.45) / 0.55;
+  const share = Math.min(Math.max(0, light), 0.45) + (0.55 * over) / (1 + over);
+  return BYTES[Math.min(STEPS_OF_BYTES, Math.round(share * STEPS_OF_BYTES))] as number;
+}
+
+/** sRGB's curve (IEC 61966-2-1) of shares 0 to 1. */
+const STEPS_OF_BYTES = 4096;
+const BYTES = Uint8Array.from({ length: STEPS_OF_BYTES + 1 }, (_, i) => {
+  const share = i / STEPS_OF_BYTES;
+  return Math.round(255 * (share <= 0.0031308 ? 12.92 * share : 1.055 * share ** (1 / 2.4) - 0.055));
+});
+
+/** Adds the lamps to `scene`, makes the renderer ready for them, and gives the light that casts the shadows. */
 export function furnishStudio(renderer: WebGLRenderer, scene: Scene): DirectionalLight {
   ShaderChunk.tonemapping_pars_fragment = ShaderChunk.tonemapping_pars_fragment.replace(
     "vec3 CustomToneMapping( vec3 color ) { return color; }",
@@ -69,7 +92,6 @@ export function furnishStudio(renderer: WebGLRenderer, scene: Scene): Directiona
   key.shadow.bias = -0.0006;
   key.shadow.normalBias = 0.002;
   scene.add(...lights);
-  lightRoom(renderer, scene);
   return key;
 }
 

@@ -14,14 +14,14 @@ function draw(pace, count, intervalMs, fromMs = 0) {
 test("a quick display keeps the best picture", () => {
   const pace = new Pace();
   assert.equal(draw(pace, 1000, 16.7), 0);
-  assert.deepEqual(pace.quality, { sharpness: 1, shadows: true });
+  assert.deepEqual(pace.quality, { sharpness: 1, shadows: true, plain: false });
 });
 
 test("a slow one gets coarser pictures, and in time even where each takes seconds", () => {
   for (const intervalMs of [50, 400, 2500]) {
     const pace = new Pace();
     draw(pace, 100, intervalMs);
-    assert.deepEqual(pace.quality, { sharpness: 0.4, shadows: false }, String(intervalMs));
+    assert.deepEqual(pace.quality, { sharpness: 0.4, shadows: false, plain: true }, String(intervalMs));
   }
 });
 
@@ -33,7 +33,7 @@ test("pauses and single hitches are not taken for slowness", () => {
 });
 
 test("one that begins coarse stays so", () => {
-  const pace = new Pace(true);
+  const pace = new Pace("coarsest");
   assert.equal(draw(pace, 500, 16), 0);
   assert.equal(pace.quality.shadows, false);
 });
