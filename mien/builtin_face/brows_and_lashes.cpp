@@ -79,7 +79,8 @@ void add_lashes(Sculpt& half, Random random) {
       spine[k] = spine[k - 1] + ((1 - t) * begin + t * end).normalized() * length / (spine.size() - 1);
     }
     const Vec3 side = Vec3(1, 0, -0.3 * fan).normalized();
-    const Ribbon ribbon{Piece::lashes, Tissue::lash, upper ? 0.8 : 0.6, upper ? 1.0 : -1.0, i * 3, upper ? 3 : 2};
+    const Ribbon ribbon{Piece::lashes,      Tissue::lash, upper ? 0.8 : 0.6,
+                        upper ? 1.0 : -1.0, i * 3,        upper ? 3 : 2};
     add_ribbon(half, ribbon, spine, side, 1);
   }
 }

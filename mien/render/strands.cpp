@@ -27,10 +27,10 @@ HairProfile profile_of(int hair, float v) {
   h ^= h >> 13U;
   const auto part = [h](unsigned shift) { return static_cast<float>(h >> shift & 255U) / 255.0F; };
   const float end = 0.70F + 0.30F * part(16), begin = 0.14F * part(4);
-  return {
-      .middle = 0.5F + 0.18F * std::sin(6.2831853F * (part(0) + v * (0.4F + part(8)))),
-      .half = 0.42F * std::pow(std::max(0.0F, 1 - v / end), 0.55F) * smoothstep(begin - 0.02F, begin + 0.08F, v),
-      .brightness = 0.75F + 0.5F * part(24)};
+  return {.middle = 0.5F + 0.18F * std::sin(6.2831853F * (part(0) + v * (0.4F + part(8)))),
+          .half = 0.42F * std::pow(std::max(0.0F, 1 - v / end), 0.55F) *
+                  smoothstep(begin - 0.02F, begin + 0.08F, v),
+          .brightness = 0.75F + 0.5F * part(24)};
 }
 
 /// What hairs cover from the ribbon's edge on, summed, and the same weighted by their brightness: a mean over

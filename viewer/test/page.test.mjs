@@ -327,7 +327,7 @@ test("output: receivers on, off, added, removed; smoothing; refusals are said", 
   await go(page, "Output");
   const vmc = page.getByRole("switch", { name: /vmc/ });
   await vmc.click();
-  await obeyed("sink", (command) => command.id === 2 && command.on === true);
+  await obeyed("sink", (command) => command.sink === 2 && command.on === true);
   await settled(page, () => document.querySelectorAll(".switch")[1].getAttribute("aria-checked") === "true", "a switch that is on");
   const add = page.getByLabel("Address of a new receiver");
   await add.fill("nonsense");
@@ -336,7 +336,7 @@ test("output: receivers on, off, added, removed; smoothing; refusals are said", 
   await add.fill("vrchat://127.0.0.1:9000");
   await page.getByRole("button", { name: "Add" }).click();
   await page.getByRole("button", { name: "Remove vrchat://127.0.0.1:9000" }).click();
-  await obeyed("sink", (command) => command.remove === true && command.id === 4);
+  await obeyed("sink", (command) => command.remove === true && command.sink === 4);
   await page.getByLabel("Smoothing").fill("0.6");
   await obeyed("shape", (command) => command.smoothing === 0.6);
   await page.getByRole("button", { name: "Undo the shaping of jawOpen" }).click();
