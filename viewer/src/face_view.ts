@@ -165,7 +165,7 @@ export class FaceView {
       return new Stage(
         host,
         () => matchMedia("(prefers-reduced-motion: reduce)").matches,
-        new URLSearchParams(window.location.search).get("quality") === "low",
+        new URLSearchParams(window.location.search).get("quality"),
       );
     } catch {
       this.loading.set(false);

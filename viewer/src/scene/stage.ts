@@ -61,15 +61,18 @@ export class Stage {
   /** Called when pictures have become coarser, or plain. */
   onQuality: () => void = () => {};
 
-  /** Throws where there is no WebGL 2. `coarse`: begins, and stays, with the coarsest pictures. */
+  /**
+   * Throws where there is no WebGL 2. `asked`: "low" begins, and stays, with the coarsest pictures; "high" begins with the
+   * finest even where there is no graphics card.
+   */
   constructor(
     private readonly host: HTMLElement,
     private readonly calm: () => boolean,
-    coarse: boolean,
+    asked: string | null,
   ) {
-    const software = drawsInSoftware();
-    this.pace = new Pace(coarse ? "coarsest" : software ? "plain" : "finest");
-    this.renderer = new WebGLRenderer({ antialias: !coarse && !software, alpha: true, powerPreference: "high-performance" });
+    const from = asked === "low" ? "coarsest" : asked !== "high" && drawsInSoftware() ? "plain" : "finest";
+    this.pace = new Pace(from);
+    this.renderer = new WebGLRenderer({ antialias: from === "finest", alpha: true, powerPreference: "high-performance" });
     this.canvas = this.renderer.domElement;
     this.canvas.className = "stage-canvas";
     this.renderer.outputColorSpace = SRGBColorSpace;
