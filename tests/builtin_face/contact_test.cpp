@@ -91,7 +91,7 @@ void expect_little_in_performances(const Bound (&bounds)[kContactCount], bool co
 }
 
 TEST(Contact, LittleGoesThroughInWhatVirtualPerformersDo) {
-  constexpr Bound kBounds[] = {{0.5, 4}, {2.6, 30}, {0.3, 0}, {0.8, 10}, {7.6, 60}, {30, 100}};
+  constexpr Bound kBounds[] = {{0.5, 4}, {2.9, 30}, {0.3, 0}, {1.1, 10}, {7.6, 60}, {30, 100}};
   expect_little_in_performances(kBounds, false);
 }
 

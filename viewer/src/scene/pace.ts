@@ -16,7 +16,7 @@ const STEPS: readonly Quality[] = [
   { sharpness: 0.75, shadows: true, plain: false },
   { sharpness: 1, shadows: false, plain: true },
   { sharpness: 0.7, shadows: false, plain: true },
-  { sharpness: 0.4, shadows: false, plain: true },
+  { sharpness: 0.55, shadows: false, plain: true },
 ];
 const FIRST_PLAIN = STEPS.findIndex((step) => step.plain);
 /** Pictures between two judgements, or fewer where they take this long together, ms. */

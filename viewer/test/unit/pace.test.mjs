@@ -21,7 +21,7 @@ test("a slow one gets coarser pictures, and in time even where each takes second
   for (const intervalMs of [50, 400, 2500]) {
     const pace = new Pace();
     draw(pace, 100, intervalMs);
-    assert.deepEqual(pace.quality, { sharpness: 0.4, shadows: false, plain: true }, String(intervalMs));
+    assert.deepEqual(pace.quality, { sharpness: 0.55, shadows: false, plain: true }, String(intervalMs));
   }
 });
 
