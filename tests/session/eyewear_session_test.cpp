@@ -53,7 +53,8 @@ TEST(EyewearSession, FindsItsNeutralAndFollowsTheJaw) {
   EXPECT_FALSE(session->versions()[0].scores.empty());
   EXPECT_EQ(run.report.calibration.state, "done");
   EXPECT_EQ(run.count("neutral"), 1u) << "the hold that it found is an event of the take";
-  // A broad jaw that opens comes to the end of the range of the two sensors beneath it, the last ones, which say so.
+  // A broad jaw that opens comes to the end of the range of the two sensors beneath it, the last ones, which
+  // say so.
   for (std::size_t i = 0; i < run.report.links.size(); ++i)
     if (const sensor::LinkState state = run.report.links[i].health.state;
         i < 18 || state != sensor::LinkState::saturated) {

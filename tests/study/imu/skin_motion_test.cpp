@@ -26,7 +26,8 @@ TEST(StudySkinMotion, TheDefaultRigsTableIsOfItsSkin) {
   ASSERT_TRUE(rig.skin);
   const auto skin = study_skin_motion({.performers = 100, .seconds = 15}, rig, no_progress);
   ASSERT_TRUE(skin) << skin.error().message();
-  // Fewer people than those of the table, which is of a head of other proportions: what the live model learnt by.
+  // Fewer people than those of the table, which is of a head of other proportions: what the live model learnt
+  // by.
   for (Eigen::Index i = 0; i < skin->mean_deg.size(); ++i) {
     const double told = rig.skin->factor_deg.row(i).norm(), found = skin->factor_deg.row(i).norm();
     EXPECT_NEAR(found / told, 1, 0.3) << i;
