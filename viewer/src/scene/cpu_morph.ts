@@ -3,12 +3,9 @@
  * target, moved or not; a card that is software spends most of a picture on it. Here only the vertices that a shape moves
  * are touched, only by shapes in use, and only when a weight has changed.
  */
-import {
-  BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, type BufferAttribute, type InterleavedBufferAttribute, type Mesh,
-} from "three";
+import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, type Mesh } from "three";
+import { numbersOf } from "./attributes";
 import { addSparse, sparse, type Sparse } from "./sparse";
-
-type Attribute = BufferAttribute | InterleavedBufferAttribute;
 
 /** A mesh's surface at rest with its morph targets, whoever moves it. */
 export function atRest(mesh: Mesh): BufferGeometry {
@@ -71,14 +68,4 @@ export class CpuMorph {
       out.needsUpdate = true;
     }
   }
-}
-
-function numbersOf(attribute: Attribute): Float32Array {
-  const numbers = new Float32Array(attribute.count * 3);
-  for (let i = 0; i < attribute.count; ++i) {
-    numbers[3 * i] = attribute.getX(i);
-    numbers[3 * i + 1] = attribute.getY(i);
-    numbers[3 * i + 2] = attribute.getZ(i);
-  }
-  return numbers;
 }

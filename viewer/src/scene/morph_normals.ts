@@ -2,7 +2,8 @@
  * A smile that does not change the light on the cheek looks painted on. Files of morph targets mostly come without the
  * normals' own targets; these are made here, once, from the moved surfaces.
  */
-import { Float32BufferAttribute, type BufferAttribute, type BufferGeometry, type InterleavedBufferAttribute } from "three";
+import { Float32BufferAttribute, type BufferGeometry } from "three";
+import { numbersOf } from "./attributes";
 
 /** Vertices times targets beyond which the wait would be felt. */
 const MOST_WORK = 6_000_000;
@@ -27,16 +28,6 @@ export function addMorphNormals(geometry: BufferGeometry): void {
     for (let i = 0; i < normals.length; ++i) normals[i] = (normals[i] ?? 0) - (resting[i] ?? 0);
     return new Float32BufferAttribute(normals, 3);
   });
-}
-
-function numbersOf(attribute: BufferAttribute | InterleavedBufferAttribute): Float32Array {
-  const numbers = new Float32Array(attribute.count * 3);
-  for (let i = 0; i < attribute.count; ++i) {
-    numbers[3 * i] = attribute.getX(i);
-    numbers[3 * i + 1] = attribute.getY(i);
-    numbers[3 * i + 2] = attribute.getZ(i);
-  }
-  return numbers;
 }
 
 /** Unit normals, weighted by the triangles' areas. */

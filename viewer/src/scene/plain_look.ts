@@ -3,10 +3,11 @@
  * shader that only lays on colours. Without shadows, pores and soft edges of hair.
  */
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, FrontSide, Matrix4, Mesh, NearestFilter, NearestMipmapNearestFilter, Quaternion,
-  ShaderMaterial, Uint32BufferAttribute, Vector3, type InterleavedBufferAttribute, type Material, type MeshStandardMaterial,
-  type Object3D, type SkinnedMesh, type Texture,
+  BufferAttribute, BufferGeometry, DoubleSide, DynamicDrawUsage, FrontSide, Matrix4, Mesh, NearestFilter,
+  NearestMipmapNearestFilter, Quaternion, ShaderMaterial, Uint32BufferAttribute, Vector3, type Material,
+  type MeshStandardMaterial, type Object3D, type SkinnedMesh, type Texture,
 } from "three";
+import { numbersOf, type Attribute } from "./attributes";
 import { materialsOf } from "./avatar";
 import { atRest } from "./cpu_morph";
 import { irisAngleOf, WRAP, type Fade } from "./materials";
@@ -24,8 +25,6 @@ const BOUNCE = [0.3, 0.19, 0.15] as const;
 /** Mirror reflection of skin: strength, and the exponent of its lobe. */
 const GLOSS = 0.05;
 const GLOSS_EXPONENT = 22;
-
-type Attribute = BufferAttribute | InterleavedBufferAttribute;
 
 /** An eye's uniforms, in its mesh's own coordinates: where its mirror shows the key lamp, and where its iris ends, rad. */
 interface Glint {
@@ -68,7 +67,10 @@ export class PlainLook {
   private readonly parts: Part[] = [];
   private shown = false;
 
-  /** `root`: a head that was dressed, that CpuMorph moves, and whose openness may still be sought. `head` turns it; `cloth`: where its shirt fades. */
+  /**
+   * `root`: a head that was dressed, that CpuMorph moves, and whose openness may still be sought. `head` turns it; `cloth`:
+   * where its shirt fades.
+   */
   constructor(private readonly root: Object3D, private readonly head: Object3D | null, cloth: Fade) {
     const meshes: Mesh[] = [];
     root.traverse((node) => {
@@ -233,7 +235,7 @@ function makePart(fine: Mesh, cloth: Fade): Part {
   const corners: number[] = [];
   const looks: Material[] = [];
   for (const [kind, unsorted] of groups) {
-    const vertices = kind === "hair" ? outermost(unsorted, threes(source), moves ? 1 : HAIR_SHOWN) : unsorted;
+    const vertices = kind === "hair" ? outermost(unsorted, numbersOf(source), moves ? 1 : HAIR_SHOWN) : unsorted;
     geometry.addGroup(corners.length, vertices.length, looks.length);
     for (const v of vertices) corners.push(v);
     looks.push(paint(kind, hair, glint, neck));
@@ -248,7 +250,7 @@ function makePart(fine: Mesh, cloth: Fade): Part {
   return {
     fine, plain, colours, albedo, glint, neck, moves, litBy: null, litAt: -1, places: source,
     // Those that shapes turn are written where they lie.
-    normals: normals.array instanceof Float32Array && !("data" in normals) ? normals.array : threes(normals),
+    normals: normals.array instanceof Float32Array && !("data" in normals) ? normals.array : numbersOf(normals),
   };
 }
 
@@ -351,14 +353,4 @@ function quick(texture: Texture): Texture {
   copy.anisotropy = 1;
   copy.needsUpdate = true;
   return copy;
-}
-
-function threes(attribute: Attribute): Float32Array {
-  const numbers = new Float32Array(3 * attribute.count);
-  for (let i = 0; i < attribute.count; ++i) {
-    numbers[3 * i] = attribute.getX(i);
-    numbers[3 * i + 1] = attribute.getY(i);
-    numbers[3 * i + 2] = attribute.getZ(i);
-  }
-  return numbers;
 }
