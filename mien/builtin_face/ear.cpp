@@ -16,7 +16,7 @@ void add_ear(Sculpt& half) {
     const double c = std::cos(phi), s = std::sin(phi);
     // Widest above the middle, narrow at the lobe.
     const double reach_back = mix(21, 15.5, smoothstep(0.25, -0.95, s));
-    const double across = c > 0 ? reach_back : mix(9.5, 9.5, smoothstep(-0.3, -0.95, s));
+    const double across = c > 0 ? reach_back : 9.5;
     const double along = s > 0 ? 30 : 27;
     return Vec3(root + back * (rho * across * c + 2.0 + 4.0 * s * (s > 0 ? 0.6 : -0.2)) +
                 up * (rho * along * s + 3) + out * depth);

@@ -31,7 +31,7 @@ double carve(double a, double b, double k) {
   return -join(-a, b, k);
 }
 
-constexpr double kAxisZ = 10, kNeckAxisZ = 10;
+constexpr double kAxisZ = 10;
 constexpr double kNoseRows[] = {-15, 18};
 
 /// Forms finer than bones: how far (mm) the skin stands out from head_distance's surface at a place of the
@@ -120,7 +120,7 @@ double head_distance(const Vec3& p) {
 }
 
 Vec3 head_point(double azimuth_rad, double row) {
-  double elevation = 0, origin_y = row, origin_z = kAxisZ;
+  double elevation = 0, origin_y = row;
   if (row > kNoseRows[0] && row < kNoseRows[1]) {
     // Downward through the nose's underside, which level rays would graze; the lines cross the face in the
     // order of their rows.
@@ -140,12 +140,11 @@ Vec3 head_point(double azimuth_rad, double row) {
       const double s = (row - kThroatRow) / (kNeckRow - kThroatRow);
       elevation = kSteepest * (1 - s);
       origin_y = mix(kChinRow, -195, s);
-      origin_z = mix(kAxisZ, kNeckAxisZ, std::sqrt(s));
     }
   }
   const Vec3 direction(std::sin(azimuth_rad) * std::cos(elevation), std::sin(elevation),
                        std::cos(azimuth_rad) * std::cos(elevation));
-  const Vec3 origin(0, origin_y, origin_z);
+  const Vec3 origin(0, origin_y, kAxisZ);
   double r = 175;
   double outside = r;
   for (int i = 0; i < 200; ++i) {

@@ -210,9 +210,9 @@ void Renderer::State::lend_to_covered() {
       if ((spread_share[k] == 0).all() || !is_covered(scattered[k])) continue;
       VertexLight sum = VertexLight::Zero();
       int lit = 0;
-      for (std::uint32_t i = neighbour_start[k]; i < neighbour_start[k + 1]; ++i) {
-        if (is_covered(scattered[neighbour[i]])) continue;
-        sum += scattered[neighbour[i]];
+      for (const std::uint32_t i : neighbours_of(k)) {
+        if (is_covered(scattered[i])) continue;
+        sum += scattered[i];
         ++lit;
       }
       if (lit > 0) scattered_next[k] = sum / static_cast<float>(lit);
@@ -225,12 +225,10 @@ void Renderer::State::light_surfaces(const std::vector<std::uint32_t>& places) {
   std::vector<std::uint32_t> asked, between;
   std::vector<std::uint8_t> is_new(lit_vertex.size(), 0);
   for (const std::uint32_t k : places) is_new[k] = 1;
-  const auto around = [&](std::uint32_t k) {
-    return std::span(neighbour).subspan(neighbour_start[k], neighbour_start[k + 1] - neighbour_start[k]);
-  };
   for (const std::uint32_t k : places) {
-    const bool from_around = !is_between.empty() && is_between[k] != 0 &&
-                             std::ranges::all_of(around(k), [&](std::uint32_t i) { return is_new[i] != 0; });
+    const bool from_around =
+        !is_between.empty() && is_between[k] != 0 &&
+        std::ranges::all_of(neighbours_of(k), [&](std::uint32_t i) { return is_new[i] != 0; });
     (from_around ? between : asked).push_back(k);
   }
   parallel(workers, asked.size(), 64, [&](std::size_t first, std::size_t last) {
@@ -238,8 +236,8 @@ void Renderer::State::light_surfaces(const std::vector<std::uint32_t>& places) {
   });
   for (const std::uint32_t k : between) {
     VertexLight sum = VertexLight::Zero();
-    for (const std::uint32_t i : around(k)) sum += unscattered[i];
-    unscattered[k] = sum / static_cast<float>(around(k).size());
+    for (const std::uint32_t i : neighbours_of(k)) sum += unscattered[i];
+    unscattered[k] = sum / static_cast<float>(neighbours_of(k).size());
   }
   scattered = unscattered;
   lend_to_covered();
@@ -247,11 +245,11 @@ void Renderer::State::light_surfaces(const std::vector<std::uint32_t>& places) {
     parallel(workers, lit_vertex.size(), 1024, [&](std::size_t first, std::size_t last) {
       for (std::size_t k = first; k < last; ++k) {
         scattered_next[k] = scattered[k];
-        const std::uint32_t begin = neighbour_start[k], end = neighbour_start[k + 1];
-        if (begin == end) continue;
+        const std::span<const std::uint32_t> around = neighbours_of(k);
+        if (around.empty()) continue;
         VertexLight mean = VertexLight::Zero();
-        for (std::uint32_t i = begin; i < end; ++i) mean += scattered[neighbour[i]];
-        mean /= static_cast<float>(end - begin);
+        for (const std::uint32_t i : around) mean += scattered[i];
+        mean /= static_cast<float>(around.size());
         scattered_next[k] += spread_share[k] * (mean - scattered[k]);
       }
     });
@@ -285,8 +283,7 @@ void Renderer::State::light_rest() {
 void Renderer::State::find_vertices_between() {
   is_between.assign(lit_vertex.size(), 0);
   for (std::size_t k = 0; k < lit_vertex.size(); ++k) {
-    const std::span<const std::uint32_t> around =
-        std::span(neighbour).subspan(neighbour_start[k], neighbour_start[k + 1] - neighbour_start[k]);
+    const std::span<const std::uint32_t> around = neighbours_of(k);
     const std::uint32_t own = lit_vertex[k];
     const bool smooth = std::ranges::all_of(around, [&](std::uint32_t i) {
       const std::uint32_t other = lit_vertex[i];

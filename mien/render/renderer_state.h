@@ -97,6 +97,10 @@ struct Renderer::State {
   void find_twins();
   void find_neighbours();
   void find_vertices_between();
+  /// Places in lit_vertex of those that share an edge with the one at place `k`.
+  [[nodiscard]] std::span<const std::uint32_t> neighbours_of(std::size_t k) const {
+    return std::span(neighbour).subspan(neighbour_start[k], neighbour_start[k + 1] - neighbour_start[k]);
+  }
   void measure_lashes();
 
   // Of a pose.
