@@ -9,6 +9,7 @@
 #include "mien/builtin_face/load_face.h"
 #include "mien/builtin_face/person.h"
 #include "mien/builtin_face/skin_folds.h"
+#include "mien/builtin_face/skin_marks.h"
 
 namespace mien::app {
 
@@ -43,6 +44,12 @@ Result<face::SkinFolds> skin_folds_of(const std::string& what) {
   if (!builtin_face::names_person(what)) return face::SkinFolds{};
   MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
   return builtin_face::skin_folds(person.parameters);
+}
+
+Result<face::SkinMarks> skin_marks_of(const std::string& what, const face::Face& face) {
+  if (!builtin_face::names_person(what)) return face::SkinMarks{};
+  MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
+  return builtin_face::skin_marks(person.parameters, face);
 }
 
 }  // namespace mien::app

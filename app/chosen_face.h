@@ -8,6 +8,7 @@
 #include "mien/face/corrective.h"
 #include "mien/face/face.h"
 #include "mien/face/skin_folds.h"
+#include "mien/face/skin_marks.h"
 
 namespace mien::app {
 
@@ -32,5 +33,9 @@ inline constexpr const char* kFaceHelp =
 
 /// How the skin of chosen_face(what) wrinkles: not at all but for the built-in ones. Errors: chosen_face's.
 [[nodiscard]] Result<face::SkinFolds> skin_folds_of(const std::string& what);
+
+/// Freckles, moles and stubble of `face`, which is chosen_face(what): none but of the built-in ones. Errors:
+/// chosen_face's.
+[[nodiscard]] Result<face::SkinMarks> skin_marks_of(const std::string& what, const face::Face& face);
 
 }  // namespace mien::app

@@ -19,7 +19,7 @@ namespace mien::app {
 namespace {
 
 struct ExportOptions {
-  std::string motion, face, out, markers, names;
+  std::string motion, face, out, markers, names, textures;
   std::string model;
   onnx::ExportRequest graph;  ///< Of a model.
   bool json = false;
@@ -55,17 +55,20 @@ Result<void> write_onnx(const ExportOptions& options) {
 }
 
 Result<void> write_performance(ExportOptions options) {
-  if (!options.names.empty() &&
-      (wants_markers(options) || std::filesystem::path(options.out).extension() == ".csv"))
+  const bool table = wants_markers(options) || std::filesystem::path(options.out).extension() == ".csv";
+  if (table && !options.names.empty())
     return fail(ErrorCode::bad_usage, "--names is for the morph targets of glTF", options.out,
                 "write a .glb or .gltf, or leave --names out");
+  if (table && !options.textures.empty())
+    return fail(ErrorCode::bad_usage, "--textures is for glTF", options.out,
+                "write a .glb or .gltf, or leave --textures out");
   MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motion));
   if (options.face.empty()) options.face = performance.face.empty() ? "builtin" : performance.face;
   if (wants_markers(options))
     MIEN_TRY(write_markers(performance.motion, options));
   else
-    MIEN_TRY(
-        write_motion(performance.motion, options.face, options.out, gltf_names(options.names, options.out)));
+    MIEN_TRY(write_motion(performance.motion, options.face, options.out,
+                          gltf_names(options.names, options.out), options.textures));
   if (options.json)
     print_json({{"out", options.out},
                 {"face", options.face},
@@ -114,6 +117,7 @@ void add_export_command(Commands& commands) {
                   ".onnx")
       .required();
   add_names_option(command, options->names).needs(motion);
+  add_textures_option(command, options->textures).needs(motion);
   command
       .add_option("--markers", options->markers,
                   "Write where these markers of the face are, frame H: a marker set as rigs/markers.toml, "

@@ -12,6 +12,7 @@
 #include "app/json_output.h"
 #include "app/names_option.h"
 #include "app/one_line.h"
+#include "app/textured_face.h"
 #include "mien/core/files.h"
 #include "mien/face/obj.h"
 #include "mien/render/gltf_export.h"
@@ -88,6 +89,7 @@ struct FaceArguments {
   std::string face = "builtin";
   std::string out;
   std::string names;
+  std::string textures;
   bool json = false;
 };
 
@@ -108,12 +110,15 @@ Result<void> export_face(const FaceArguments& arguments) {
   if (obj && !arguments.names.empty())
     return fail(ErrorCode::bad_usage, "an .obj holds the neutral face alone, without morph targets",
                 "--names", "write a .glb or .gltf");
-  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(arguments.face, terminal_progress("reading the face")));
+  if (obj && !arguments.textures.empty() && arguments.textures != "none")
+    return fail(ErrorCode::bad_usage, "an .obj has no textures", "--textures", "write a .glb or .gltf");
+  MIEN_TRY_ASSIGN(const TexturedFace made, textured_face(arguments.face, obj ? "none" : arguments.textures,
+                                                         terminal_progress("reading the face")));
   if (obj)
-    MIEN_TRY(write_file(out, face::format_obj(face, face.neutral_m)));
+    MIEN_TRY(write_file(out, face::format_obj(made.face, made.face.neutral_m)));
   else
-    MIEN_TRY(render::write_gltf(out, face, nullptr, names));
-  if (arguments.json) print_json(Json{{"file", out.string()}, {"face", face.name}});
+    MIEN_TRY(render::write_gltf(out, made.face, nullptr, names, made.textures));
+  if (arguments.json) print_json(Json{{"file", out.string()}, {"face", made.face.name}});
   return {};
 }
 
@@ -134,6 +139,7 @@ void add_face_command(Commands& commands) {
       .add_option("--out", arguments->out, "The file to write: .obj (the neutral face), .glb, .gltf or .vrm")
       .required();
   add_names_option(exported, arguments->names);
+  add_textures_option(exported, arguments->textures);
   exported.add_flag("--json", arguments->json, "One JSON object on stdout");
 }
 

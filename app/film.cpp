@@ -94,7 +94,7 @@ Result<FilmMade> film_motion(const face::Face& face, const face::Motion& motion,
                              const std::filesystem::path& out, const Progress& progress) {
   if (motion.frames.empty()) return fail(ErrorCode::bad_usage, "the motion has no frames", motion.name);
   const face::MotionCurve curve(motion);
-  render::Renderer renderer(face, options.quality, 0, options.folds);
+  render::Renderer renderer(face, options.quality, 0, options.folds, options.marks);
   const render::Camera camera =
       render::portrait_camera(face, options.view_rad, options.width, options.height, options.closeness);
   std::vector<Vec3f> vertices_m(face.neutral_m.size());
@@ -115,7 +115,7 @@ Result<FilmMade> film_comparison(const face::Face& face, const face::Motion& tru
                 truth.frames.empty() ? truth.name : capture.name);
   const face::MotionCurve true_curve(truth), capture_curve(capture);
   MIEN_TRY_ASSIGN(const auto lettering, render::Lettering::load());
-  render::Renderer renderer(face, options.quality, 0, options.folds);
+  render::Renderer renderer(face, options.quality, 0, options.folds, options.marks);
   const render::Camera camera =
       render::portrait_camera(face, options.view_rad, options.width, options.height, options.closeness);
   std::vector<Vec3f> true_m(face.neutral_m.size()), captured_m(face.neutral_m.size());

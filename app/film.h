@@ -12,6 +12,7 @@
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
 #include "mien/face/skin_folds.h"
+#include "mien/face/skin_marks.h"
 #include "mien/render/camera.h"
 #include "mien/render/renderer.h"
 
@@ -30,6 +31,7 @@ struct FilmOptions {
   float full_scale_m = 5e-3F;                 ///< Where the error's colours end.
   std::optional<Sound> sound;                 ///< From the motion's start.
   face::SkinFolds folds;                      ///< Of the face.
+  face::SkinMarks marks;                      ///< The same.
   std::vector<face::Corrective> correctives;  ///< Of the face; a comparison, which measures, leaves them out.
 };
 

@@ -27,6 +27,22 @@ Option add_names_option(Command command, std::string& names) {
       .check(check, "ict, arkit, unified or vrm");
 }
 
+Option add_textures_option(Command command, std::string& textures) {
+  const auto check = [](const std::string& word) -> std::string {
+    static const std::vector<std::string> known = {"none", "1024", "2048"};
+    if (std::ranges::find(known, word) != known.end()) return {};
+    const std::string near = did_you_mean(word, known);
+    return fmt::format("there are no textures '{}'{}", one_line(word, 40),
+                       near.empty() ? "; there are none, 1024 and 2048" : near);
+  };
+  return command
+      .add_option(
+          "--textures", textures,
+          "Pixels a side of the pictures of skin, lips and eyes in glTF, with pores, freckles, moles and "
+          "stubble; none: colours at the vertices (default: 2048 for built-in faces, none for others)")
+      .check(check, "none, 1024 or 2048");
+}
+
 render::GltfNames gltf_names(const std::string& names, const std::filesystem::path& file) {
   if (names == "arkit") return render::GltfNames::arkit;
   if (names == "unified") return render::GltfNames::unified;

@@ -98,7 +98,7 @@ Result<void> draw_still(const RenderOptions& options, const FilmOptions& how, co
   face::evaluate(face, pose.weights, pose.tongue_out, vertices_m);
   face::add_correctives(how.correctives, pose.weights, vertices_m);
   face::turn_eyes(face, pose.weights, vertices_m);
-  render::Renderer renderer(face, how.quality, 0, how.folds);
+  render::Renderer renderer(face, how.quality, 0, how.folds, how.marks);
   const render::Camera camera =
       render::portrait_camera(face, how.view_rad, how.width, how.height, how.closeness);
   return render::write_png(options.out, renderer.still(vertices_m, camera, how.look));
@@ -151,6 +151,9 @@ Result<void> run_render(RenderOptions options) {
                   how.look.infrared ? chosen_infrared_face(options.face) : chosen_face(options.face));
   MIEN_TRY_ASSIGN(how.correctives, correctives_of(options.face, face));
   MIEN_TRY_ASSIGN(how.folds, skin_folds_of(options.face));
+  if (!how.look.infrared) {
+    MIEN_TRY_ASSIGN(how.marks, skin_marks_of(options.face, face));
+  }
 
   FilmMade made{.frames = 1, .duration_s = 0, .seconds = 0};
   if (!film) {

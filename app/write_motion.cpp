@@ -1,7 +1,7 @@
 #include "app/write_motion.h"
 
-#include "app/chosen_face.h"
 #include "app/names_option.h"
+#include "app/textured_face.h"
 #include "mien/core/files.h"
 #include "mien/face/livelink_csv.h"
 
@@ -27,12 +27,13 @@ Result<void> check_motion_output(const std::filesystem::path& path) {
 }
 
 Result<void> write_motion(const face::Motion& motion, const std::string& face,
-                          const std::filesystem::path& path, render::GltfNames names) {
+                          const std::filesystem::path& path, render::GltfNames names,
+                          const std::string& textures) {
   MIEN_TRY(check_gltf_output(path, names, ".csv"));
   if (path.extension() == ".csv")
     return write_file(path, face::format_livelink_csv(face::livelink_from_motion(motion)));
-  MIEN_TRY_ASSIGN(const face::Face model, chosen_face(face));
-  return render::write_gltf(path, model, &motion, names);
+  MIEN_TRY_ASSIGN(const TexturedFace model, textured_face(face, textures));
+  return render::write_gltf(path, model.face, &motion, names, model.textures);
 }
 
 }  // namespace mien::app

@@ -18,10 +18,11 @@ namespace mien::app {
 [[nodiscard]] Result<void> check_motion_output(const std::filesystem::path& path);
 
 /// Writes a motion in the format of the file's ending: .csv (Live Link Face), .glb, .gltf or .vrm (on the
-/// face that `face` names, known to receivers by `names`). Errors: bad_usage for another ending, and the
-/// writers'.
+/// face that `face` names, known to receivers by `names`, with `textures` as textured_face has them). Errors:
+/// bad_usage for another ending, and the writers'.
 [[nodiscard]] Result<void> write_motion(const face::Motion& motion, const std::string& face,
                                         const std::filesystem::path& path,
-                                        render::GltfNames names = render::GltfNames::ict);
+                                        render::GltfNames names = render::GltfNames::ict,
+                                        const std::string& textures = {});
 
 }  // namespace mien::app

@@ -11,18 +11,24 @@
 #include <boost/asio/ip/address.hpp>
 #include <chrono>
 #include <ctime>
+#include <functional>
 #include <future>
+#include <iterator>
+#include <memory>
+#include <mutex>
 #include <optional>
 
-#include "app/chosen_face.h"
 #include "app/command.h"
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
+#include "app/textured_face.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
 #include "mien/core/host_port.h"
 #include "mien/modalities/modalities.h"
+#include "mien/render/face_textures.h"
 #include "mien/render/gltf_export.h"
+#include "mien/render/surface_paint.h"
 
 namespace mien::app {
 namespace {
@@ -48,24 +54,60 @@ Result<live::Pairing> pairing_of(const std::string& given) {
   return live::Pairing{.file = file.string(), .firmware = firmware_line(key), .command = keyed_command(file)};
 }
 
-/// A face as the page loads it. The built-in one takes longer than all else at the beginning of a session and
-/// cannot fail: it is made when somebody looks. What is wrong with others is known before the session begins.
-Result<live::Asset> face_file(const std::string& name) {
-  const auto make = [name]() -> Result<std::vector<std::byte>> {
-    MIEN_TRY_ASSIGN(const face::Face face, chosen_face(name));
-    return render::encode_gltf(face, nullptr, render::GltfKind::binary);
+/// What `make` makes, once, on a thread of its own, when somebody first asks.
+template <class T>
+std::function<std::shared_future<Result<T>>()> when_asked(std::function<Result<T>()> make) {
+  struct Made {
+    std::mutex mutex;
+    std::shared_future<Result<T>> future;
   };
-  std::shared_future<Result<std::vector<std::byte>>> made;
+  return [made = std::make_shared<Made>(), make = std::move(make)] {
+    const std::scoped_lock lock(made->mutex);
+    if (!made->future.valid()) made->future = std::async(std::launch::async, make).share();
+    return made->future;
+  };
+}
+
+/// A face as the page loads it, and where it is a built-in one its pictures, which the page asks for when the
+/// face is seen. The built-in one takes longer than all else at the beginning of a session and cannot fail:
+/// it is made when somebody looks. What is wrong with others is known before the session begins.
+Result<std::vector<live::Asset>> face_files(const std::string& name) {
+  using Bytes = std::vector<std::byte>;
+  const auto face = when_asked<TexturedFace>([name] { return textured_face(name, {}); });
+  const auto gltf = when_asked<Bytes>([face]() -> Result<Bytes> {
+    const Result<TexturedFace>& made = face().get();
+    if (!made) return std::unexpected(made.error());
+    render::GltfTextures textures = made->textures;
+    textures.beside = textures.side_px > 0;
+    textures.side_px = 0;
+    return render::encode_gltf(made->face, nullptr, render::GltfKind::binary, render::GltfNames::ict,
+                               textures);
+  });
+  std::vector<live::Asset> files;
+  files.push_back(
+      {.path = "/face.glb", .type = "model/gltf-binary", .bytes = {}, .open = false, .make = gltf});
   if (name != "builtin") {
-    made = std::async(std::launch::deferred, make).share();
-    MIEN_TRY(made.get());
+    MIEN_TRY(gltf().get());
+    if (face().get()->textures.side_px == 0) return files;
   }
-  live::Asset file{.path = "/face.glb", .type = "model/gltf-binary", .bytes = {}, .open = false};
-  file.make = [make, made]() mutable {
-    if (!made.valid()) made = std::async(std::launch::async, make).share();
-    return made;
+  const auto pictures = when_asked<render::TextureFiles>([face]() -> Result<render::TextureFiles> {
+    const Result<TexturedFace>& made = face().get();
+    if (!made) return std::unexpected(made.error());
+    return render::bake_texture_files(made->face, render::SurfacePaint(made->face, made->textures.marks),
+                                      made->textures.side_px);
+  });
+  const auto add = [&](std::string_view path, Bytes render::TextureFiles::*which) {
+    const auto make = when_asked<Bytes>([pictures, which]() -> Result<Bytes> {
+      const Result<render::TextureFiles>& made = pictures().get();
+      if (!made) return std::unexpected(made.error());
+      return (*made).*which;
+    });
+    files.push_back({.path = path, .type = "image/jpeg", .bytes = {}, .open = false, .make = make});
   };
-  return file;
+  add("/face_albedo.jpg", &render::TextureFiles::albedo);
+  add("/face_roughness.jpg", &render::TextureFiles::roughness);
+  add("/face_normal.jpg", &render::TextureFiles::normal);
+  return files;
 }
 
 Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& request) {
@@ -92,8 +134,8 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   if (page.assets.empty())
     return fail(ErrorCode::not_found, "this program was built without its page", request.page,
                 "run with --page off, or build it with npm installed");
-  MIEN_TRY_ASSIGN(live::Asset face, face_file(request.face));
-  page.assets.push_back(std::move(face));
+  MIEN_TRY_ASSIGN(std::vector<live::Asset> face, face_files(request.face));
+  std::ranges::move(face, std::back_inserter(page.assets));
   return std::optional(std::move(page));
 }
 

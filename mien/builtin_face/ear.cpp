@@ -37,28 +37,35 @@ void add_ear(Sculpt& half) {
     h -= 3.0 * smoothstep(0.8, 1.0, rho) * front;                             // sinks into the cheek
     return h;
   };
+  // Front and back of the ear in one disc of the texture, the front inside.
+  constexpr double kFrontOfChart = 0.6;
+  const auto add = [&](double rho, double phi, double depth, double from_middle) {
+    SculptVertex v = vertex(place(rho, phi, depth), Tissue::ear);
+    v.chart = {from_middle, phi};
+    return half.add(v);
+  };
   Ring ring;
   const double rhos[] = {1.0, 0.93, 0.86, 0.78, 0.69, 0.6, 0.5, 0.39, 0.26, 0.12};
   for (const double rho : rhos) {
     Ring next;
     for (int i = 0; i < kAround; ++i) {
       const double phi = 2 * M_PI * i / kAround;
-      next.push_back(half.add(vertex(place(rho, phi, relief(rho, phi)), Tissue::ear)));
+      next.push_back(add(rho, phi, relief(rho, phi), kFrontOfChart * rho));
     }
     if (!ring.empty()) sew(half, Piece::ears, ring, next, true);
     ring = std::move(next);
   }
-  const std::uint32_t bottom = half.add(vertex(place(0, 0, relief(0, 0)), Tissue::ear));
+  const std::uint32_t bottom = add(0, 0, relief(0, 0), 0);
   for (int i = 0; i < kAround; ++i) half.triangle(Piece::ears, ring[i], ring[(i + 1) % kAround], bottom);
   // The back: from the rim inwards to a stem that ends inside the head.
   ring.clear();
   for (int i = 0; i < kAround; ++i)
     ring.push_back(static_cast<std::uint32_t>(bottom - kAround * std::size(rhos) + i));
-  const double backs[][2] = {{1.02, 2.0}, {0.95, -0.5}, {0.7, -4.0}, {0.45, -10.0}, {0.4, -20.0}};
+  const double backs[][3] = {
+      {1.02, 2.0, 0.64}, {0.95, -0.5, 0.69}, {0.7, -4.0, 0.80}, {0.45, -10.0, 0.91}, {0.4, -20.0, 1.0}};
   for (const auto& b : backs) {
     Ring next;
-    for (int i = 0; i < kAround; ++i)
-      next.push_back(half.add(vertex(place(b[0], 2 * M_PI * i / kAround, b[1]), Tissue::ear)));
+    for (int i = 0; i < kAround; ++i) next.push_back(add(b[0], 2 * M_PI * i / kAround, b[1], b[2]));
     sew(half, Piece::ears, next, ring, true);
     ring = std::move(next);
   }

@@ -19,6 +19,16 @@ double eye_radius(double angle_rad) {
   return -join(-cornea, -kEyeRadius, 0.2);
 }
 
+constexpr double kLastCircle = M_PI - 0.15;
+
+/// How far from the middle of its chart a texture shows what lies at this angle from the axis: half of the
+/// chart is iris. The back's last ring ends it, so that the cap behind it turns over.
+double chart_radius(double angle_rad) {
+  constexpr double kIris = 0.5;
+  return angle_rad < kIris ? angle_rad
+                           : std::min(1.0, mix(0.5, 1.0, (angle_rad - kIris) / (kLastCircle - kIris)));
+}
+
 }  // namespace
 
 void add_eyeballs(Sculpt& whole) {
@@ -30,7 +40,7 @@ void add_eyeballs(Sculpt& whole) {
   };
   std::vector<Circle> circles = {{kPupil, 0}, {kPupil, 1}, {0.27, 1},  {0.34, 1},
                                  {0.42, 1},   {kIris, 1},  {kIris, 2}, {0.56, 2}};
-  for (int i = 1; i <= 8; ++i) circles.push_back({mix(0.56, M_PI - 0.15, i / 8.0), 2});
+  for (int i = 1; i <= 8; ++i) circles.push_back({mix(0.56, kLastCircle, i / 8.0), 2});
   for (int e = 0; e < 2; ++e) {
     const double sign = e == 0 ? 1 : -1;
     const Vec3 centre(sign * kEyeCentre.x(), kEyeCentre.y(), kEyeCentre.z());
@@ -41,21 +51,24 @@ void add_eyeballs(Sculpt& whole) {
       return Vec3(centre + eye_radius(angle) * Vec3(std::sin(angle) * std::cos(phi),
                                                     std::sin(angle) * std::sin(phi), std::cos(angle)));
     };
-    const auto add = [&](const Vec3& p, int band, double angle) {
+    const auto add = [&](const Vec3& p, int band, double angle, double phi) {
       SculptVertex v = vertex(p, Tissue::eyeball);
+      v.chart = {chart_radius(angle), phi};
       // The band and the place in it, for paint.
       v.lid = band + std::clamp((angle - kPupil) / (kIris - kPupil), 0.0, 0.99);
       return whole.add(v);
     };
     const std::array<Piece, 3> pieces = e == 0 ? std::array{Piece::pupil_l, Piece::iris_l, Piece::sclera_l}
                                                : std::array{Piece::pupil_r, Piece::iris_r, Piece::sclera_r};
-    const std::uint32_t front = add(place(0, 0), 0, 0);
+    const std::uint32_t front = add(place(0, 0), 0, 0, 0);
     Ring ring;
     int band = 0;
     for (const Circle& circle : circles) {
       Ring next;
-      for (int i = 0; i < kAround; ++i)
-        next.push_back(add(place(circle.angle, 2 * M_PI * i / kAround), circle.band, circle.angle));
+      for (int i = 0; i < kAround; ++i) {
+        const double phi = 2 * M_PI * i / kAround;
+        next.push_back(add(place(circle.angle, phi), circle.band, circle.angle, phi));
+      }
       for (int i = 0; i < kAround; ++i) {
         const int j = (i + 1) % kAround;
         if (ring.empty())
@@ -66,7 +79,7 @@ void add_eyeballs(Sculpt& whole) {
       ring = std::move(next);
       band = circle.band;
     }
-    const std::uint32_t back = add(centre - Vec3(0, 0, kEyeRadius), 2, M_PI);
+    const std::uint32_t back = add(centre - Vec3(0, 0, kEyeRadius), 2, M_PI, 0);
     for (int i = 0; i < kAround; ++i) whole.triangle(pieces[2], ring[i], back, ring[(i + 1) % kAround]);
     eye.vertex_count = static_cast<std::uint32_t>(whole.vertices.size()) - eye.first_vertex;
   }

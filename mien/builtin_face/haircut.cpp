@@ -37,7 +37,6 @@ struct Style {
   double spacing = 1.5;    ///< Of joints: 1 even, more closer together at the root.
 };
 
-constexpr double kAxisZ = 10;  // Of the sculptor's rays.
 const Vec3 kHeadCentre(0, 52, 2);
 constexpr double kPartingMm = 8;
 constexpr double kRootMm = 2.5;  // Along which the hairs of a ribbon begin.

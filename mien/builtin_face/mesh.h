@@ -40,6 +40,9 @@ struct SculptVertex {
   double lid = 0;       ///< 1 at the upper lid's margin to 0 at the socket's rim; negative on the lower lid.
   Vec3f colour = Vec3f::Ones();
   Eigen::Vector2f uv = Eigen::Vector2f::Zero();  ///< Of lashes and brows, as face::Material::strands has it.
+  /// Where a texture shows it (texture_layout): of skin and lips azimuth (rad) and row of the sculptor's ray,
+  /// of ears and eyeballs distance from the chart's middle, 0 to 1, and direction (rad).
+  Eigen::Vector2d chart = Eigen::Vector2d::Zero();
 };
 
 /// Groups of triangles, in the order in which Face::parts has them.
@@ -147,6 +150,10 @@ void add_eyeballs(Sculpt& whole);
 [[nodiscard]] inline double brow_spread(double brow_fullness) {
   return 1 + 0.22 * std::clamp(brow_fullness, -3.0, 3.0);
 }
+
+/// Where a beard grows on the default head (mm), 0 to 1: lip, chin, jaw and the throat below, up to the
+/// sideburns.
+[[nodiscard]] double beard_amount(const Vec3& p);
 
 /// Colours of vertices by place and tissue, of these reflectances.
 [[nodiscard]] std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameters,

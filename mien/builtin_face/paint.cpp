@@ -14,7 +14,8 @@ double spot(const Vec3& p, double x, double y, double rx, double ry) {
   return gauss(std::hypot((std::abs(p.x()) - x) / rx, (p.y() - y) / ry));
 }
 
-/// Where a beard grows, 0 to 1: lip, chin, jaw and the throat below, up to the sideburns.
+}  // namespace
+
 double beard_amount(const Vec3& p) {
   const double x = std::abs(p.x());
   // Its upper edge: below the nose in the middle, then down past the mouth's corner and up to the ear.
@@ -22,8 +23,6 @@ double beard_amount(const Vec3& p) {
   const double face = smoothstep(edge + 3, edge - 5, p.y()) * smoothstep(6, 26, p.z());
   return face * smoothstep(-112, -88, p.y());
 }
-
-}  // namespace
 
 std::vector<Vec3f> paint(const Sculpt& whole, const BuiltinParameters& parameters, const Albedos& a) {
   // Of hair that is shaved off, roots are seen.

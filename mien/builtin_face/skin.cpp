@@ -66,6 +66,19 @@ std::uint32_t add_skin_vertex(Sculpt& half, const Vec3& p, Tissue tissue = Tissu
   return half.add(vertex(p, tissue, lip_side_at(p.x(), p.y())));
 }
 
+/// Azimuth and row of the ray that head_point_at found `p` by.
+Eigen::Vector2d chart_at(const Vec3& p, double row) {
+  return {std::atan2(p.x(), p.z() - kAxisZ), row};
+}
+
+/// Inner rings of a hole in the grid lie in the hole's chart, by `inward` (0 to 1) towards its middle.
+void lay_in_hole(Sculpt& half, const Ring& rim, const Ring& ring, double inward) {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const std::uint32_t i : rim) middle += half.vertices[i].chart / static_cast<double>(rim.size());
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    half.vertices[ring[i]].chart = half.vertices[rim[i]].chart * (1 - inward) + middle * inward;
+}
+
 /// The tears that stand on the lower lid's edge: a clear strip, hollow towards the eyeball.
 void add_tear_film(Sculpt& half, const Ring& margin) {
   struct Step {
@@ -169,6 +182,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
       const Eigen::Vector2d at =
           (1 - to_margin) * ((1 - to_crease) * border[i] + to_crease * crease[i]) + to_margin * margin[i];
       Vec3 p = head_point_at(at.x(), at.y());
+      const Eigen::Vector2d chart = chart_at(p, at.y());
       p += (p - kEyeCentre).normalized() * fold_mm(k - kCrease) * smoothstep(0.55, 1.0, side[i]) *
            smoothstep(21, 30, p.x());
       if (k == kRings) {
@@ -178,6 +192,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
         p = kEyeCentre + out * std::clamp((p - kEyeCentre).norm(), kLidRadius - 0.2, kLidRadius + beyond);
       }
       next[i] = add_skin_vertex(half, p);
+      half.vertices[next[i]].chart = chart;
       half.vertices[next[i]].lid = side[i] >= 0 ? f * std::min(1.0, std::abs(side[i]) * 1.6 + 0.02)
                                                 : -f * std::min(1.0, std::abs(side[i]) * 1.6 + 0.02);
     }
@@ -188,10 +203,11 @@ void add_eye(Sculpt& half, const Grid& grid) {
   for (std::size_t i = 1; i < outer_corner; ++i) tear_edge.push_back(ring[i]);
   // The lid's edge, and its inside, which hugs the eyeball and ends deep beside it.
   struct Inner {
-    double radius, back;
+    double radius, back, inward;
   };
-  for (const Inner inner :
-       {Inner{kEyeRadius + 0.35, 0.3}, Inner{kEyeRadius + 0.3, 4.0}, Inner{kEyeRadius + 0.6, 11.0}}) {
+  const Ring rim = ring;
+  for (const Inner inner : {Inner{kEyeRadius + 0.35, 0.3, 0.2}, Inner{kEyeRadius + 0.3, 4.0, 0.5},
+                            Inner{kEyeRadius + 0.6, 11.0, 0.8}}) {
     Ring next(n);
     for (std::size_t i = 0; i < n; ++i) {
       Vec3 out = half.vertices[ring[i]].p - kEyeCentre;
@@ -200,6 +216,7 @@ void add_eye(Sculpt& half, const Grid& grid) {
       half.vertices[next[i]].lid = half.vertices[ring[i]].lid;
     }
     sew(half, Piece::lids, ring, next, true);
+    lay_in_hole(half, rim, next, inner.inward);
     ring = std::move(next);
   }
   add_tear_film(half, tear_edge);
@@ -250,7 +267,8 @@ void add_mouth(Sculpt& half, const Grid& grid) {
       next[i] = add_skin_vertex(half, head_point_at(std::max(at.x(), 0.0), at.y()),
                                 outside ? Tissue::skin : Tissue::lip);
       SculptVertex& v = half.vertices[next[i]];
-      if (i == 0 || i + 1 == n) v.p.x() = v.anchor.x() = 0;
+      v.chart = chart_at(v.p, at.y());
+      if (i == 0 || i + 1 == n) v.p.x() = v.anchor.x() = v.chart.x() = 0;
       v.lip_side = mix(v.lip_side, side[i], outside ? smoothstep(0.3, 1, f) : 1.0);
     }
     sew(half, outside ? Piece::skin : Piece::lips, ring, next, false);
@@ -295,6 +313,7 @@ void add_skin(Sculpt& half) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       if (kEyeBlock.has_inside(r, c) || kMouthBlock.has_inside(r, c)) continue;
       grid[r][c] = add_skin_vertex(half, head_point(columns[c], rows[r]));
+      half.vertices[grid[r][c]].chart = {columns[c], rows[r]};
       if (c == 0 || c + 1 == columns.size()) {
         SculptVertex& v = half.vertices[grid[r][c]];
         v.p.x() = v.anchor.x() = 0;
@@ -308,6 +327,7 @@ void add_skin(Sculpt& half) {
   Vec3 top = head_point(0, kTopRow);
   top.x() = 0;
   const std::uint32_t crown = add_skin_vertex(half, top);
+  half.vertices[crown].chart = {0, kTopRow};
   for (std::size_t c = 0; c + 1 < columns.size(); ++c)
     half.triangle(Piece::skin, grid.back()[c], grid.back()[c + 1], crown);
   add_eye(half, grid);

@@ -31,7 +31,6 @@ double carve(double a, double b, double k) {
   return -join(-a, b, k);
 }
 
-constexpr double kAxisZ = 10;
 constexpr double kNoseRows[] = {-15, 18};
 
 /// Forms finer than bones: how far (mm) the skin stands out from head_distance's surface at a place of the

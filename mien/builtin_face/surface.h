@@ -42,6 +42,8 @@ template <class Distance>
 /// and ends at kNeckRow.
 [[nodiscard]] Vec3 head_point(double azimuth_rad, double row);
 
+/// Rays of the face start at x = 0 and this z.
+inline constexpr double kAxisZ = 10;
 inline constexpr double kCrownRow = 60, kTopRow = kCrownRow + 85 * 1.5707963267948966;
 inline constexpr double kChinRow = -60, kThroatRow = -108, kNeckRow = -220;
 

@@ -11,9 +11,10 @@
 #include <string>
 
 #include "mien/core/base64.h"
-#include "mien/core/bytes.h"
 #include "mien/core/files.h"
 #include "mien/core/time.h"
+#include "mien/render/face_textures.h"
+#include "mien/render/gltf_asset.h"
 #include "mien/render/strands.h"
 #include "mien/render/surface_paint.h"
 #include "mien/render/vrm.h"
@@ -24,124 +25,6 @@ namespace {
 using face::Material;
 using nlohmann::json;
 using TriangleIndices = std::array<std::uint32_t, 3>;
-
-constexpr int kFloat = 5126, kUnsignedShort = 5123, kUnsignedInt = 5125;
-constexpr int kVertexData = 34962, kIndexData = 34963;
-
-/// The asset while it grows: JSON and the one buffer that it speaks of.
-class Asset {
- public:
-  json tree;
-  ByteWriter buffer;
-
-  Asset() {
-    tree["asset"] = {{"version", "2.0"}, {"generator", "Mien"}};
-    for (const char* list : {"accessors", "bufferViews", "materials", "meshes", "nodes"})
-      tree[list] = json::array();
-  }
-
-  std::size_t add(const char* list, json entry) {
-    tree[list].push_back(std::move(entry));
-    return tree[list].size() - 1;
-  }
-
-  /// A view of `bytes`, which begins at a multiple of four.
-  std::size_t view(std::span<const std::byte> bytes, int target) {
-    while (buffer.bytes().size() % 4 != 0) buffer.little(std::uint8_t{0});
-    json entry = {{"buffer", 0}, {"byteOffset", buffer.bytes().size()}, {"byteLength", bytes.size()}};
-    if (target != 0) entry["target"] = target;
-    buffer.append(bytes);
-    return add("bufferViews", std::move(entry));
-  }
-  template <class T>
-  std::size_t view(std::span<const T> values, int target) {
-    static_assert(std::endian::native == std::endian::little, "buffers are written as they lie in memory");
-    return view(std::as_bytes(values), target);
-  }
-
-  static void limits(json& accessor, std::span<const Vec3f> values, bool with_zero) {
-    Vec3f low = with_zero || values.empty() ? Vec3f(Vec3f::Zero()) : values[0], high = low;
-    for (const Vec3f& v : values) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
-    accessor["min"] = {low.x(), low.y(), low.z()};
-    accessor["max"] = {high.x(), high.y(), high.z()};
-  }
-
-  std::size_t vectors(std::span<const Vec3f> values, bool with_limits) {
-    json accessor = {{"bufferView", view(values, kVertexData)},
-                     {"componentType", kFloat},
-                     {"type", "VEC3"},
-                     {"count", values.size()}};
-    if (with_limits) limits(accessor, values, false);
-    return add("accessors", std::move(accessor));
-  }
-
-  /// Zero but for `values` at `index` (ascending).
-  std::size_t sparse_vectors(std::vector<std::uint32_t> index, std::vector<Vec3f> values, std::size_t count) {
-    if (index.empty()) {
-      // A shape that moves nothing here: said by one vertex that moves by nothing, which every reader takes.
-      index.push_back(0);
-      values.push_back(Vec3f::Zero());
-    }
-    json accessor = {{"componentType", kFloat}, {"type", "VEC3"}, {"count", count}};
-    limits(accessor, values, true);
-    accessor["sparse"] = {
-        {"count", index.size()},
-        {"indices",
-         {{"bufferView", view(std::span<const std::uint32_t>(index), 0)}, {"componentType", kUnsignedInt}}},
-        {"values", {{"bufferView", view(std::span<const Vec3f>(values), 0)}}}};
-    return add("accessors", std::move(accessor));
-  }
-
-  std::size_t texture_coordinates(std::span<const Eigen::Vector2f> values) {
-    return add("accessors", {{"bufferView", view(values, kVertexData)},
-                             {"componentType", kFloat},
-                             {"type", "VEC2"},
-                             {"count", values.size()}});
-  }
-
-  /// A texture of a PNG file's content, which repeats sideways.
-  std::size_t texture(std::span<const std::byte> png) {
-    for (const char* list : {"images", "samplers", "textures"})
-      if (!tree.contains(list)) tree[list] = json::array();
-    constexpr int kRepeat = 10497, kClamp = 33071, kLinear = 9729, kTrilinear = 9987;
-    const std::size_t sampler =
-        add("samplers",
-            {{"wrapS", kRepeat}, {"wrapT", kClamp}, {"magFilter", kLinear}, {"minFilter", kTrilinear}});
-    const std::size_t image = add("images", {{"bufferView", view(png, 0)}, {"mimeType", "image/png"}});
-    return add("textures", {{"sampler", sampler}, {"source", image}});
-  }
-
-  std::size_t colours(std::span<const std::array<std::uint16_t, 4>> values) {
-    return add("accessors", {{"bufferView", view(values, kVertexData)},
-                             {"componentType", kUnsignedShort},
-                             {"normalized", true},
-                             {"type", "VEC4"},
-                             {"count", values.size()}});
-  }
-
-  std::size_t indices(std::span<const TriangleIndices> triangles) {
-    return add("accessors", {{"bufferView", view(triangles, kIndexData)},
-                             {"componentType", kUnsignedInt},
-                             {"type", "SCALAR"},
-                             {"count", 3 * triangles.size()}});
-  }
-
-  /// Numbers of an animation, `width` of them a value.
-  std::size_t track(std::span<const float> values, const char* type, std::size_t width, bool with_limits) {
-    json accessor = {{"bufferView", view(values, 0)},
-                     {"componentType", kFloat},
-                     {"type", type},
-                     {"count", values.size() / width}};
-    if (with_limits) {
-      accessor["min"] = {values.front()};
-      accessor["max"] = {values.back()};
-    }
-    return add("accessors", std::move(accessor));
-  }
-};
 
 json material_entry(Material material, float roughness) {
   json entry = {{"name", face::material_name(material)},
@@ -200,24 +83,61 @@ Result<void> check(const face::Face& face) {
   return {};
 }
 
+/// Of skin, lips and eyeballs.
+struct Dress {
+  bool laid_out = false;  ///< Vertices have texture coordinates.
+  bool pictured = false;  ///< And the asset the pictures.
+  std::size_t albedo = 0, roughness = 0, normal = 0;
+  std::vector<Eigen::Vector4f> tangents;
+};
+
+Result<Dress> add_pictures(GltfAsset& asset, const face::Face& face, const SurfacePaint& paint,
+                           std::span<const Vec3f> normals, const GltfTextures& textures) {
+  Dress dress;
+  dress.pictured = textures.side_px > 0;
+  dress.laid_out = dress.pictured || textures.beside;
+  if (dress.laid_out && face.uv.empty())
+    return fail(ErrorCode::bad_usage, "a face without texture coordinates cannot have textures", face.name,
+                "export it without");
+  if (!dress.pictured) return dress;
+  MIEN_TRY_ASSIGN(const TextureFiles files, bake_texture_files(face, paint, textures.side_px));
+  dress.tangents = tangents_of(face, normals);
+  dress.albedo = asset.texture(files.albedo, "image/jpeg");
+  dress.roughness = asset.texture(files.roughness, "image/jpeg");
+  dress.normal = asset.texture(files.normal, "image/jpeg");
+  return dress;
+}
+
 /// The material's entry, made at its first use.
-Result<std::size_t> add_material(Asset& asset, std::map<Material, std::size_t>& materials, Material material,
-                                 const face::Face& face, const SurfacePaint& paint) {
+Result<std::size_t> add_material(GltfAsset& asset, std::map<Material, std::size_t>& materials,
+                                 Material material, const face::Face& face, const SurfacePaint& paint,
+                                 const Dress& dress) {
   if (const auto known = materials.find(material); known != materials.end()) return known->second;
   json entry = material_entry(material, paint.at(Vec3f::Zero(), material, nullptr).roughness);
+  if (dress.pictured && is_textured(material)) {
+    json& pbr = entry["pbrMetallicRoughness"];
+    pbr["roughnessFactor"] = 1.0;
+    pbr["baseColorTexture"] = {{"index", dress.albedo}};
+    pbr["metallicRoughnessTexture"] = {{"index", dress.roughness}};
+    if (material == Material::skin || material == Material::lips)
+      entry["normalTexture"] = {{"index", dress.normal}};
+  } else if (dress.laid_out && is_textured(material)) {
+    entry["extras"] = {{"albedo", kAlbedoFile}, {"roughness", kRoughnessFile}, {"normal", kNormalFile}};
+  }
   if (material == Material::strands && !face.uv.empty()) {
     MIEN_TRY_ASSIGN(const auto png, strands_png());
     entry["alphaMode"] = "MASK";
     entry["alphaCutoff"] = 0.4;
-    entry["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", asset.texture(png)}};
+    entry["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", asset.texture(png, "image/png")}};
   }
   return materials[material] = asset.add("materials", std::move(entry));
 }
 
 /// Adds a mesh and gives its index.
-Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const SurfacePaint& paint,
+Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const SurfacePaint& paint,
                              std::map<Material, std::size_t>& materials, const Piece& piece,
-                             std::span<const face::MorphTarget> morphs, std::span<const Vec3f> normals) {
+                             std::span<const face::MorphTarget> morphs, std::span<const Vec3f> normals,
+                             const Dress& dress) {
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> place(face.neutral_m.size(), kNone);
   std::vector<Material> material_of(face.neutral_m.size(), Material::skin);
@@ -233,6 +153,20 @@ Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const Surface
       place[i] = static_cast<std::uint32_t>(used.size());
       used.push_back(i);
     }
+
+  // Behind the seam a vertex is there twice, the second time at uv.x 0; they come last.
+  const std::size_t single = used.size();
+  std::vector<std::uint32_t> twin(dress.laid_out ? place.size() : 0, kNone);
+  for (const auto& [material, triangles] : piece.triangles)
+    if (dress.laid_out && is_textured(material))
+      for (const TriangleIndices& t : triangles) {
+        const auto uv = uv_of(face, t);
+        for (std::size_t k = 0; k < 3; ++k)
+          if (uv[k] != face.uv[t[k]] && twin[t[k]] == kNone) {
+            twin[t[k]] = static_cast<std::uint32_t>(used.size());
+            used.push_back(t[k]);
+          }
+      }
 
   std::vector<Vec3f> positions, unit_normals;
   std::vector<std::array<std::uint16_t, 4>> colours;
@@ -252,10 +186,23 @@ Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const Surface
   json attributes = {{"POSITION", asset.vectors(positions, true)},
                      {"NORMAL", asset.vectors(unit_normals, false)},
                      {"COLOR_0", asset.colours(colours)}};
-  if (piece.triangles.contains(Material::strands) && !face.uv.empty()) {
+  const bool laid_out = dress.laid_out && std::ranges::any_of(piece.triangles, [](const auto& of) {
+                          return is_textured(of.first);
+                        });
+  if ((laid_out || piece.triangles.contains(Material::strands)) && !face.uv.empty()) {
     std::vector<Eigen::Vector2f> uv;
     for (const std::uint32_t i : used) uv.push_back(face.uv[i]);
+    for (std::size_t i = single; i < uv.size(); ++i) uv[i].x() -= 1;
     attributes["TEXCOORD_0"] = asset.texture_coordinates(uv);
+  }
+  // A picture has the colours already; importers of ours read them under a name that others leave alone.
+  json in_picture = attributes;
+  if (laid_out && dress.pictured) {
+    in_picture["_COLOR_0"] = in_picture["COLOR_0"];
+    in_picture.erase("COLOR_0");
+    std::vector<Eigen::Vector4f> tangents;
+    for (const std::uint32_t i : used) tangents.push_back(dress.tangents[i]);
+    if (piece.triangles.contains(Material::skin)) in_picture["TANGENT"] = asset.tangents(tangents);
   }
 
   json targets = json::array(), names = json::array();
@@ -267,6 +214,12 @@ Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const Surface
         index.push_back(place[morph.vertex[k]]);
         delta.push_back(morph.delta_m[k]);
       }
+    for (std::size_t i = single; i < used.size(); ++i)
+      if (const auto at = std::ranges::lower_bound(morph.vertex, used[i]);
+          at != morph.vertex.end() && *at == used[i]) {
+        index.push_back(static_cast<std::uint32_t>(i));
+        delta.push_back(morph.delta_m[static_cast<std::size_t>(at - morph.vertex.begin())]);
+      }
     targets.push_back({{"POSITION", asset.sparse_vectors(std::move(index), std::move(delta), used.size())}});
     names.push_back(morph.name);
   }
@@ -274,9 +227,20 @@ Result<std::size_t> add_mesh(Asset& asset, const face::Face& face, const Surface
   json primitives = json::array();
   for (const auto& [material, triangles] : piece.triangles) {
     std::vector<TriangleIndices> local;
-    for (const TriangleIndices& t : triangles) local.push_back({place[t[0]], place[t[1]], place[t[2]]});
-    MIEN_TRY_ASSIGN(const std::size_t dressed, add_material(asset, materials, material, face, paint));
-    json primitive = {{"attributes", attributes}, {"indices", asset.indices(local)}, {"material", dressed}};
+    const bool charted = laid_out && is_textured(material);
+    for (const TriangleIndices& t : triangles) {
+      TriangleIndices corner = {place[t[0]], place[t[1]], place[t[2]]};
+      if (charted) {
+        const auto uv = uv_of(face, t);
+        for (std::size_t k = 0; k < 3; ++k)
+          if (uv[k] != face.uv[t[k]]) corner[k] = twin[t[k]];
+      }
+      local.push_back(corner);
+    }
+    MIEN_TRY_ASSIGN(const std::size_t dressed, add_material(asset, materials, material, face, paint, dress));
+    json primitive = {{"attributes", charted ? in_picture : attributes},
+                      {"indices", asset.indices(local)},
+                      {"material", dressed}};
     if (!targets.empty()) primitive["targets"] = targets;
     primitives.push_back(std::move(primitive));
   }
@@ -314,7 +278,7 @@ struct NodeNames {
   std::array<bool, 2> has_eye{};
 };
 
-Result<void> add_animation(Asset& asset, std::span<const face::MorphTarget> morphs,
+Result<void> add_animation(GltfAsset& asset, std::span<const face::MorphTarget> morphs,
                            const face::Motion& motion, const NodeNames& nodes, const Vec3f& rest_m) {
   const face::MotionCurve curve(motion);
   const auto last_frame = static_cast<std::int64_t>(std::floor(motion.duration_s() * kFrameRateHz + 1e-6));
@@ -370,7 +334,7 @@ face::TargetNames target_names(GltfNames names) {
 }  // namespace
 
 Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::Motion* motion, GltfKind kind,
-                                           GltfNames names) {
+                                           GltfNames names, const GltfTextures& textures) {
   MIEN_TRY(check(face));
   const bool avatar = names == GltfNames::vrm;
   Vec3f origin_m = Vec3f::Zero();
@@ -412,11 +376,12 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   if (pieces[0].triangles.empty())
     return fail(ErrorCode::bad_usage, "a face of eyes and still hair alone cannot be exported", face.name);
 
-  Asset asset;
-  const SurfacePaint paint(face);
+  GltfAsset asset;
+  const SurfacePaint paint(face, textures.marks);
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
   round_hair(face.neutral_m, face.vertices_of(Material::strands), middle_of_head_m(face), normals);
+  MIEN_TRY_ASSIGN(const Dress dress, add_pictures(asset, face, paint, normals, textures));
   std::map<Material, std::size_t> materials;
   const std::vector<face::MorphTarget> morphs = face::morph_targets(face, target_names(names));
 
@@ -424,7 +389,8 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   json children = json::array();
   const auto add_still = [&](const Piece& piece,
                              std::span<const face::MorphTarget> targets) -> Result<std::size_t> {
-    MIEN_TRY_ASSIGN(const std::size_t mesh, add_mesh(asset, face, paint, materials, piece, targets, normals));
+    MIEN_TRY_ASSIGN(const std::size_t mesh,
+                    add_mesh(asset, face, paint, materials, piece, targets, normals, dress));
     const std::size_t node = asset.add("nodes", {{"name", piece.name}, {"mesh", mesh}});
     if (origin_m != Vec3f::Zero())
       asset.tree["nodes"][node]["translation"] = {-origin_m.x(), -origin_m.y(), -origin_m.z()};
@@ -438,7 +404,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
     const Vec3f at = pieces[e + 1].origin_m - origin_m;
     nodes.has_eye[e] = true;
     MIEN_TRY_ASSIGN(const std::size_t mesh,
-                    add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals));
+                    add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals, dress));
     nodes.eye[e] = asset.add(
         "nodes", {{"name", pieces[e + 1].name}, {"mesh", mesh}, {"translation", {at.x(), at.y(), at.z()}}});
     children.push_back(nodes.eye[e]);
@@ -490,13 +456,14 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
 }
 
 Result<void> write_gltf(const std::filesystem::path& path, const face::Face& face, const face::Motion* motion,
-                        GltfNames names) {
+                        GltfNames names, const GltfTextures& textures) {
   const std::string ending = path.extension().string();
   if (ending != ".glb" && ending != ".gltf" && !(names == GltfNames::vrm && ending == ".vrm"))
     return fail(ErrorCode::bad_usage, fmt::format("'{}' is no ending of glTF", ending), path.string(),
                 "name it .glb or .gltf");
-  MIEN_TRY_ASSIGN(const auto content,
-                  encode_gltf(face, motion, ending == ".gltf" ? GltfKind::text : GltfKind::binary, names));
+  MIEN_TRY_ASSIGN(
+      const auto content,
+      encode_gltf(face, motion, ending == ".gltf" ? GltfKind::text : GltfKind::binary, names, textures));
   return write_file(path, content);
 }
 

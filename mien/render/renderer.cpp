@@ -63,8 +63,9 @@ Look Look::light() {
   return look;
 }
 
-Renderer::Renderer(const face::Face& face, Quality quality, int threads, const face::SkinFolds& folds)
-    : state_(std::make_unique<State>(face, quality, threads, folds)) {}
+Renderer::Renderer(const face::Face& face, Quality quality, int threads, const face::SkinFolds& folds,
+                   const face::SkinMarks& marks)
+    : state_(std::make_unique<State>(face, quality, threads, folds, marks)) {}
 Renderer::~Renderer() = default;
 
 Image Renderer::still(std::span<const Vec3f> vertices_m, const Camera& camera, const Look& look,

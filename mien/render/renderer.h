@@ -6,6 +6,7 @@
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
 #include "mien/face/skin_folds.h"
+#include "mien/face/skin_marks.h"
 #include "mien/render/camera.h"
 #include "mien/render/image.h"
 
@@ -58,8 +59,9 @@ class Renderer {
  public:
   /// `face` outlives the renderer; triangles and shapes do not change meanwhile. `threads` 0: one a core.
   /// `folds`: how its skin wrinkles (builtin_face::skin_folds); smooth unless told.
+  /// `marks`: its freckles, moles and stubble (builtin_face::skin_marks); none unless told.
   explicit Renderer(const face::Face& face, Quality quality = Quality::still, int threads = 0,
-                    const face::SkinFolds& folds = {});
+                    const face::SkinFolds& folds = {}, const face::SkinMarks& marks = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -38,12 +38,13 @@ bool is_hair(Material m) {
 
 }  // namespace
 
-Renderer::State::State(const face::Face& f, Quality q, int thread_count, const face::SkinFolds& skin_folds)
+Renderer::State::State(const face::Face& f, Quality q, int thread_count, const face::SkinFolds& skin_folds,
+                       const face::SkinMarks& marks)
     : face(f),
       quality(q),
       workers(thread_count > 0 ? thread_count
                                : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
-      paint(f),
+      paint(f, marks),
       wrinkles(f, skin_folds),
       middle_m(middle_of_head_m(f)),
       material(material_of_triangles(f)),

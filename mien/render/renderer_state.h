@@ -89,7 +89,8 @@ struct Renderer::State {
     Vec3f to_camera = Vec3f::UnitZ();  // Unit.
   };
 
-  State(const face::Face& f, Quality q, int thread_count, const face::SkinFolds& skin_folds);
+  State(const face::Face& f, Quality q, int thread_count, const face::SkinFolds& skin_folds,
+        const face::SkinMarks& marks);
 
   // Once, of the face.
   [[nodiscard]] std::vector<Triangle> triangles_of(std::span<const std::uint32_t> which) const;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mien/render/renderer_state.h"
-#include "mien/render/solid_noise.h"
+#include "mien/render/skin_detail.h"
 
 namespace mien::render {
 namespace {
@@ -154,7 +154,9 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
       surface.roughness = 0.7F;
       surface.scatter = 0.3F;
     } else {
-      surface = paint.at(neutral, made_of, has_colour ? &own_colour : nullptr);
+      Place place{.marks = Eigen::Vector2f::Zero(), .footprint_m = view.footprint_m};
+      if (!paint.marks().amount.empty()) place.marks = between(seen, paint.marks().amount);
+      surface = paint.at(neutral, made_of, has_colour ? &own_colour : nullptr, place);
     }
     // Folds of the skin tilt it, let less light in, and redden what comes back from within.
     Vec3f soft_n = n, in_fold = Vec3f::Ones();
@@ -168,16 +170,7 @@ Vec3f Renderer::State::shade(const SeenPlace& seen, const SeenPlace* glass,
       }
     }
     // Pores, where a pixel is small enough to show them.
-    Vec3f rough_n = n;
-    const auto tilt = [&](float per_m, float strength) {
-      const float seen_of_it = surface.bump * (1 - smoothstep(0.4F / per_m, 1.0F / per_m, view.footprint_m));
-      if (seen_of_it <= 0) return;
-      rough_n += strength * seen_of_it * solid_noises(neutral * per_m);
-    };
-    tilt(450, 0.08F);
-    tilt(900, 0.11F);
-    tilt(2100, 0.15F);
-    rough_n.normalize();
+    const Vec3f rough_n = with_pores(n, neutral, surface.bump, view.footprint_m);
 
     const Vec3f wrap = surface.scatter * kWrap, unwrap = (1 + wrap.array()).square().inverse();
     Vec3f diffuse = light_here;

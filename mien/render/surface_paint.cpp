@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "mien/core/smoothstep.h"
+#include "mien/render/skin_detail.h"
 #include "mien/render/solid_noise.h"
 #include "mien/render/tone.h"
 
@@ -79,7 +81,8 @@ bool inside(const std::vector<Vector2f>& outline, const Vector2f& p) {
 
 }  // namespace
 
-SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
+SurfacePaint::SurfacePaint(const face::Face& face, face::SkinMarks marks)
+    : face_(face), marks_(std::move(marks)) {
   const auto has = [&](Material material) {
     return std::ranges::any_of(face.parts, [&](const face::Part& part) { return part.material == material; });
   };
@@ -108,6 +111,9 @@ SurfacePaint::SurfacePaint(const face::Face& face) : face_(face) {
     lips_box_ = box(lips_m_, kLipEdge_m);
     for (std::size_t side = 0; side < 2; ++side) brows_box_[side] = box(brows_m_[side], 0.012F);
     brows_back_m_ = std::min(mark(17).z(), mark(26).z()) - 0.02F;
+
+    const Vec3f forehead = mark(27) + Vec3f(0, 0.035F, 0);
+    oily_ = {{mark(30), Vec3f(0.013F, 0.022F, 0.03F)}, {forehead, Vec3f(0.035F, 0.022F, 0.03F)}};
 
     if (!own_colours) {
       const Vec3f flush(1.03F, 0.90F, 0.89F), eye_shadow(0.91F, 0.85F, 0.86F);
@@ -217,7 +223,27 @@ Surface SurfacePaint::eye(const Vec3f& p, int index) const {
       .albedo = colour.cwiseMax(0.004F), .roughness = 0.08F, .reflectance = 0.03F, .scatter = 0, .bump = 0};
 }
 
-Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) const {
+Vec3f SurfacePaint::marked(const Vec3f& albedo, const Vec3f& p, const Place& place) const {
+  Vec3f out = albedo * pore_shade(p, place.footprint_m);
+  if (place.marks.x() > 0) {
+    const float cover = freckle_cover(p, marks_.person, place.marks.x(), place.footprint_m);
+    out = out.cwiseProduct(mix(Vec3f::Ones(), Vec3f(0.66F, 0.50F, 0.38F), cover));
+  }
+  if (place.marks.y() > 0) {
+    const float cover = stubble_cover(p, marks_.person, place.marks.y(), place.footprint_m);
+    out = mix(out, marks_.stubble, cover);
+  }
+  for (const face::Mole& mole : marks_.moles) {
+    const float square = (p - mole.centre_m).squaredNorm(), reach = 1.5F * mole.radius_m;
+    if (square > reach * reach) continue;
+    const float ragged = std::sqrt(square) * (1 + 0.25F * solid_noise(p * 1500.0F));
+    const float cover = mole.darkness * (1 - smoothstep(0.6F, 1.15F, ragged / mole.radius_m));
+    out = out.cwiseProduct(mix(Vec3f::Ones(), Vec3f(0.24F, 0.15F, 0.11F), cover));
+  }
+  return out;
+}
+
+Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own, const Place& place) const {
   Surface s;
   switch (material) {
     case Material::skin:
@@ -236,6 +262,9 @@ Surface SurfacePaint::at(const Vec3f& p, Material material, const Vec3f* own) co
         }
       s.albedo = s.albedo.cwiseProduct(Vec3f::Ones() + mottle * Vec3f(0.045F, 0.08F, 0.085F) +
                                        solid_noises(p * 55.0F).z() * Vec3f(0.03F, 0.085F, 0.085F));
+      s.albedo = marked(s.albedo, p, place);
+      for (const Oily& oily : oily_)
+        s.roughness -= 0.09F * std::exp(-(p - oily.centre_m).cwiseQuotient(oily.radius_m).squaredNorm());
       const float lip = outlines_lips_ ? lip_amount(p) : material == Material::lips ? 1.0F : 0.0F;
       if (lip > 0) {
         if (own == nullptr) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mien/face/face.h"
+#include "mien/face/skin_marks.h"
 
 namespace mien::render {
 
@@ -16,15 +17,25 @@ struct Surface {
   float bump = 0;                        ///< Strength of pores.
 };
 
+/// What is known of a place beside its material and colour.
+struct Place {
+  Eigen::Vector2f marks = Eigen::Vector2f::Zero();  ///< face::SkinMarks::amount, interpolated.
+  float footprint_m = 0;  ///< How much of the skin one pixel shows: finer things are averaged or left out.
+};
+
 /// Colours of a face: its own where it has them, else those of its materials with lips, brows, flush and
 /// irises painted from landmarks and eyeballs. All in the neutral's space, so paint moves with the skin.
 class SurfacePaint {
  public:
-  explicit SurfacePaint(const face::Face& face);
+  explicit SurfacePaint(const face::Face& face, face::SkinMarks marks = {});
 
   /// At a point of the neutral on a triangle of this material; `own` is the interpolated face colour where it
   /// has any.
-  [[nodiscard]] Surface at(const Vec3f& neutral_m, face::Material material, const Vec3f* own) const;
+  [[nodiscard]] Surface at(const Vec3f& neutral_m, face::Material material, const Vec3f* own,
+                           const Place& place = {}) const;
+
+  /// Freckles, moles and stubble; amounts stand beside the face's vertices or are none.
+  [[nodiscard]] const face::SkinMarks& marks() const { return marks_; }
 
   /// How much of a lash card is hair, 0 to 1, at a point of the neutral `length_m` away from the lid.
   [[nodiscard]] float lash_cover(const Vec3f& neutral_m, float length_m) const;
@@ -41,14 +52,22 @@ class SurfacePaint {
     float radius_m;
     Vec3f tint;  // Factor on the albedo at the centre.
   };
+  struct Oily {
+    Vec3f centre_m, radius_m;
+  };
   [[nodiscard]] Surface eye(const Vec3f& neutral_m, int index) const;
   [[nodiscard]] float lip_amount(const Vec3f& neutral_m) const;
   [[nodiscard]] float brow_amount(const Vec3f& neutral_m) const;
 
+  /// Skin's own colour with its marks and pores.
+  [[nodiscard]] Vec3f marked(const Vec3f& albedo, const Vec3f& neutral_m, const Place& place) const;
+
   const face::Face& face_;
+  face::SkinMarks marks_;
   bool outlines_lips_ = false;
   bool paints_brows_ = false;
   std::vector<Spot> spots_;
+  std::vector<Oily> oily_;               // Nose and forehead shine.
   std::vector<Eigen::Vector2f> lips_m_;  // Closed outline, seen from the front.
   Eigen::AlignedBox2f lips_box_;
   std::array<Eigen::AlignedBox2f, 2> brows_box_;

@@ -97,8 +97,11 @@ Result<Shared> add_vertices(const tinygltf::Model& model, const tinygltf::Primit
       factor[c] = std::clamp(
           static_cast<float>(material->pbrMetallicRoughness.baseColorFactor[static_cast<std::size_t>(c)]),
           0.0F, 1.0F);
-  const auto colour_at = primitive.attributes.find("COLOR_0");
-  const bool own = colour_at != primitive.attributes.end() && (!pictured || strands);
+  // Our own exports keep colours that their picture shows under a name that others leave alone.
+  const auto kept_at = primitive.attributes.find("_COLOR_0");
+  const bool kept = kept_at != primitive.attributes.end();
+  const auto colour_at = kept ? kept_at : primitive.attributes.find("COLOR_0");
+  const bool own = colour_at != primitive.attributes.end() && (!pictured || strands || kept);
   if (own) {
     const tinygltf::Accessor* accessor = at(model.accessors, colour_at->second);
     const std::size_t width = accessor != nullptr && accessor->type == TINYGLTF_TYPE_VEC3 ? 3 : 4;
@@ -164,7 +167,8 @@ Result<void> add_mesh(const tinygltf::Model& model, const Placed& placed, const 
     if (known != shared.end()) {
       mine = *known;
       // Two materials on one vertex have no one colour, unless the vertex has its own.
-      if (!primitive.attributes.contains("COLOR_0")) out.has_colour = false;
+      if (!primitive.attributes.contains("COLOR_0") && !primitive.attributes.contains("_COLOR_0"))
+        out.has_colour = false;
     } else {
       MIEN_TRY_ASSIGN(mine, add_vertices(model, primitive, node, placed, worlds, binding, out, arrays));
       shared.push_back(mine);
