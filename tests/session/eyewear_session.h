@@ -39,7 +39,7 @@ inline const virt::EyewearWearer& wearer() {
 }
 
 /// The jaw from the lower hooks' light, as far as one that is open by three quarters changes it on this
-/// wearer (a wide one touches them), and nothing else.
+/// wearer, and nothing else.
 inline std::unique_ptr<eyewear::MarkerRegressor> jaw_regressor() {
   virt::EyewearSimulator simulator(wearer(), quiet_faults(), Random(1));
   face::BlendshapeWeights open;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "mien/builtin_face/builtin_face.h"
 #include "tests/project_path.h"
@@ -56,6 +58,24 @@ TEST(EyewearWearer, EverySensorSeesSkinAtAWorkingDistance) {
     for (const double d : drawn.distances_m({})) {
       EXPECT_GE(d, 0.004 - 1e-4);
       EXPECT_LE(d, 0.016 + 1e-4);
+    }
+  }
+}
+
+TEST(EyewearWearer, AnOpenJawKeepsTheSensorsBeneathItWhereTheOthersStand) {
+  EyewearSimulator simulator(plain_wearer(), {}, Random(1));
+  const std::size_t jaw_sensors = 2;  // The last ones.
+  ASSERT_EQ(rig().sensors[rig().sensors.size() - jaw_sensors].site, "lower_jaw");
+  const std::vector<double> rest_m = simulator.distances_m({});
+  const auto [nearest_m, farthest_m] =
+      std::ranges::minmax(std::span(rest_m).first(rest_m.size() - jaw_sensors));
+  for (const float weight : {0.0F, 0.25F, 0.5F, 0.75F, 1.0F}) {
+    face::BlendshapeWeights jaw;
+    jaw[shape("jawOpen")] = weight;
+    const std::vector<double> open_m = simulator.distances_m(jaw);
+    for (const double d : std::span(open_m).last(jaw_sensors)) {
+      EXPECT_GE(d, nearest_m) << weight;
+      EXPECT_LE(d, farthest_m) << weight;
     }
   }
 }
