@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,11 +15,15 @@
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/person.h"
 #include "mien/builtin_face/skin_folds.h"
+#include "mien/builtin_face/skin_marks.h"
+#include "mien/builtin_face/texture_layout.h"
 #include "mien/face/target_names.h"
 #include "mien/performer/named_pose.h"
 #include "mien/render/camera.h"
+#include "mien/render/face_textures.h"
 #include "mien/render/lettering.h"
 #include "mien/render/lights.h"
+#include "mien/render/surface_paint.h"
 
 namespace {
 
@@ -43,7 +48,8 @@ render::Image draw(const Shot& shot, int side, const render::Lettering& letterin
   face::evaluate(face, shot.pose.weights, shot.pose.tongue_out, vertices);
   face::add_correctives(builtin_face::make_correctives(face, shot.who), shot.pose.weights, vertices);
   face::turn_eyes(face, shot.pose.weights, vertices);
-  render::Renderer renderer(face, render::Quality::still, 0, builtin_face::skin_folds(shot.who));
+  render::Renderer renderer(face, render::Quality::still, 0, builtin_face::skin_folds(shot.who),
+                            look.infrared ? face::SkinMarks{} : builtin_face::skin_marks(shot.who, face));
   render::Image tile = renderer.still(
       vertices, render::portrait_camera(face, shot.view_rad, side, side, shot.closeness), look);
   const auto ink = look.background_bottom[1] > 127 ? render::Rgb{40, 42, 48} : render::Rgb{225, 227, 232};
@@ -142,12 +148,31 @@ Sheet turntable() {
   return {std::move(shots), 8, 150};
 }
 
+/// The albedo that exported files carry, of three performers.
+render::Image textures() {
+  constexpr int kSide = 512;
+  render::Image all(3 * kSide, kSide);
+  int x = 0;
+  for (const std::string_view name : {"ada", "goro", "imani"}) {
+    const builtin_face::BuiltinParameters who = someone(fmt::format("builtin:{}", name));
+    face::Face face = builtin_face::make_builtin(who);
+    builtin_face::lay_out_textures(face);
+    const render::SurfacePaint paint(face, builtin_face::skin_marks(who, face));
+    render::Image picture(kSide, kSide);
+    picture.rgb = render::bake_textures(face, paint, kSide).value().albedo;
+    render::paste(all, picture, x, 0);
+    x += kSide;
+  }
+  return all;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
     fmt::print(stderr,
-               "usage: face_shapes FOLDER [shapes | people | performers | cuts | infrared | turntable]\n");
+               "usage: face_shapes FOLDER [shapes | people | performers | cuts | infrared | turntable | "
+               "textures]\n");
     return 2;
   }
   const auto lettering = render::Lettering::load();
@@ -155,13 +180,17 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{}\n", lettering.error().message());
     return 1;
   }
-  const std::pair<std::string_view, Sheet (*)()> pictures[] = {
-      {"shapes", shapes}, {"people", people},     {"performers", performers},
-      {"cuts", cuts},     {"infrared", infrared}, {"turntable", turntable}};
+  const auto sheet = [&lettering](Sheet (*make)()) {
+    return [&lettering, make] { return draw(make(), *lettering); };
+  };
+  const std::pair<std::string_view, std::function<render::Image()>> pictures[] = {
+      {"shapes", sheet(shapes)}, {"people", sheet(people)},     {"performers", sheet(performers)},
+      {"cuts", sheet(cuts)},     {"infrared", sheet(infrared)}, {"turntable", sheet(turntable)},
+      {"textures", textures}};
   for (const auto& [name, make] : pictures) {
     if (argc > 2 && name != argv[2]) continue;
     const std::filesystem::path path = std::filesystem::path(argv[1]) / fmt::format("face_{}.png", name);
-    if (const auto written = render::write_png(path, draw(make(), *lettering)); !written) {
+    if (const auto written = render::write_png(path, make()); !written) {
       fmt::print(stderr, "{}\n", written.error().message());
       return 1;
     }

@@ -51,9 +51,8 @@ face::SkinMarks skin_marks(const BuiltinParameters& parameters, const face::Face
   const BuiltinParameters q = held(parameters);
   const double fair = smoothstep(0.42, 0.05, q.skin_tone);
   Random random = Random(q.asymmetry_seed).fork("freckles");
-  const double freckled =
-      std::clamp(fair * (0.10 + 1.0 * q.hair_red * (1 - 0.4 * q.hair_tone)) * mix(0.6, 1.4, random.uniform()),
-                 0.0, 1.0);
+  const double freckled = std::clamp(
+      fair * (0.10 + 1.0 * q.hair_red * (1 - 0.4 * q.hair_tone)) * mix(0.6, 1.4, random.uniform()), 0.0, 1.0);
   const Albedos albedos = visible_albedos(q);
   face::SkinMarks marks;
   marks.person = static_cast<float>(q.asymmetry_seed % 1009);

@@ -6,8 +6,8 @@
 namespace mien::builtin_face {
 
 /// Freckles, moles and stubble of a person, for pictures and textures. `face` is what make_builtin made of
-/// these parameters. Fair skin has freckles, most where hair is red; moles lie where asymmetry_seed puts them,
-/// none where it is 0; stubble goes by `beard`. How much of them was chosen by eye.
+/// these parameters. Fair skin has freckles, most where hair is red; moles lie where asymmetry_seed puts
+/// them, none where it is 0; stubble goes by `beard`. How much of them was chosen by eye.
 [[nodiscard]] face::SkinMarks skin_marks(const BuiltinParameters& parameters, const face::Face& face);
 
 }  // namespace mien::builtin_face

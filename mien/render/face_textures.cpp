@@ -16,7 +16,9 @@ namespace {
 using Eigen::Vector2f;
 constexpr std::uint32_t kUnclaimed = 0xFFFFFFFF;
 
-float cross(const Vector2f& a, const Vector2f& b) { return a.x() * b.y() - a.y() * b.x(); }
+float cross(const Vector2f& a, const Vector2f& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 std::vector<face::Material> materials_of(const face::Face& face) {
   std::vector<face::Material> all(face.triangles.size(), face::Material::other);
@@ -64,10 +66,11 @@ void fill(std::vector<std::uint8_t>& rgb, const std::vector<std::uint8_t>& known
 }
 
 /// Which triangle each texel shows.
-Result<std::vector<std::uint32_t>> claims(const face::Face& face,
-                                          const std::vector<face::Material>& material, int side) {
+Result<std::vector<std::uint32_t>> claims(const face::Face& face, const std::vector<face::Material>& material,
+                                          int side) {
   const auto wide = static_cast<float>(side);
-  std::vector<std::uint32_t> owner(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), kUnclaimed);
+  std::vector<std::uint32_t> owner(static_cast<std::size_t>(side) * static_cast<std::size_t>(side),
+                                   kUnclaimed);
   std::size_t twice = 0;
   for (std::uint32_t t = 0; t < face.triangles.size(); ++t) {
     if (!is_textured(material[t])) continue;
@@ -138,8 +141,7 @@ std::vector<Eigen::Vector4f> tangents_of(const face::Face& face, std::span<const
   return out;
 }
 
-Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& paint,
-                                   int side_px) {
+Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& paint, int side_px) {
   const auto material = materials_of(face);
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
@@ -171,8 +173,8 @@ Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& p
                              .cross(face.neutral_m[triangle[2]] - face.neutral_m[triangle[0]])
                              .norm();
       Place place;
-      place.footprint_m = std::sqrt(area / std::abs(cross(uv[1] - uv[0], uv[2] - uv[0]))) /
-                          static_cast<float>(side_px);
+      place.footprint_m =
+          std::sqrt(area / std::abs(cross(uv[1] - uv[0], uv[2] - uv[0]))) / static_cast<float>(side_px);
       if (!paint.marks().amount.empty()) place.marks = between(paint.marks().amount);
       const Surface s = paint.at(p, material[t], face.colour.empty() ? nullptr : &own, place);
       const Rgb albedo = to_srgb(s.albedo);

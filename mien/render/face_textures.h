@@ -22,7 +22,8 @@ namespace mien::render {
                                                    const std::array<std::uint32_t, 3>& triangle);
 
 /// Of each vertex the direction in which uv.x grows, at a right angle to its normal, and 1: glTF's tangent.
-[[nodiscard]] std::vector<Eigen::Vector4f> tangents_of(const face::Face& face, std::span<const Vec3f> normals);
+[[nodiscard]] std::vector<Eigen::Vector4f> tangents_of(const face::Face& face,
+                                                       std::span<const Vec3f> normals);
 
 /// Square pictures of the paint, RGB, rows from the top.
 struct FaceTextures {

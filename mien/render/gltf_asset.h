@@ -38,7 +38,8 @@ class GltfAsset {
   /// A view of `bytes`, which begins at a multiple of four.
   std::size_t view(std::span<const std::byte> bytes, int target) {
     while (buffer.bytes().size() % 4 != 0) buffer.little(std::uint8_t{0});
-    nlohmann::json entry = {{"buffer", 0}, {"byteOffset", buffer.bytes().size()}, {"byteLength", bytes.size()}};
+    nlohmann::json entry = {
+        {"buffer", 0}, {"byteOffset", buffer.bytes().size()}, {"byteLength", bytes.size()}};
     if (target != 0) entry["target"] = target;
     buffer.append(bytes);
     return add("bufferViews", std::move(entry));
@@ -61,9 +62,9 @@ class GltfAsset {
 
   std::size_t vectors(std::span<const Vec3f> values, bool with_limits) {
     nlohmann::json accessor = {{"bufferView", view(values, kVertexData)},
-                     {"componentType", kFloat},
-                     {"type", "VEC3"},
-                     {"count", values.size()}};
+                               {"componentType", kFloat},
+                               {"type", "VEC3"},
+                               {"count", values.size()}};
     if (with_limits) limits(accessor, values, false);
     return add("accessors", std::move(accessor));
   }
@@ -129,9 +130,9 @@ class GltfAsset {
   /// Numbers of an animation, `width` of them a value.
   std::size_t track(std::span<const float> values, const char* type, std::size_t width, bool with_limits) {
     nlohmann::json accessor = {{"bufferView", view(values, 0)},
-                     {"componentType", kFloat},
-                     {"type", type},
-                     {"count", values.size() / width}};
+                               {"componentType", kFloat},
+                               {"type", type},
+                               {"count", values.size() / width}};
     if (with_limits) {
       accessor["min"] = {values.front()};
       accessor["max"] = {values.back()};

@@ -16,8 +16,8 @@ enum class JpegPixels : std::uint8_t {
 };
 
 /// RGB pixels, 8 bits each, rows from the top, as a JPEG file's content (libjpeg-turbo). `quality`: 1 to 100,
-/// higher is finer and larger. The same input and library give the same bytes. Errors: out_of_range (no pixels,
-/// larger than 16384 a side, another number of bytes than the size says, or quality).
+/// higher is finer and larger. The same input and library give the same bytes. Errors: out_of_range (no
+/// pixels, larger than 16384 a side, another number of bytes than the size says, or quality).
 [[nodiscard]] Result<std::vector<std::byte>> encode_jpeg(int width, int height, JpegPixels pixels,
                                                          int quality, std::span<const std::uint8_t> rgb);
 

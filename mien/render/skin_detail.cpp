@@ -17,8 +17,8 @@ float seen(float per_m, float footprint_m) {
 
 /// Space in cubes, with one dot in each: where p is in its cube, and what the dot is like.
 struct Cell {
-  Vec3f from_dot;                   // To p, metres.
-  float chance, size, strength;     // 0 to 1, each drawn anew.
+  Vec3f from_dot;                // To p, metres.
+  float chance, size, strength;  // 0 to 1, each drawn anew.
 };
 
 /// The dot keeps away from its cube's sides by a quarter of `side_m`: a smaller one lies in no other cube.

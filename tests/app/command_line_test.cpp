@@ -250,6 +250,8 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"face", "export", "--out", "@new.txt"}, "new.txt"},
        {{"face", "export", "--names", "arkti", "--out", "@new.glb"}, "did you mean arkit?"},
        {{"face", "export", "--names", "arkit", "--out", "@new.obj"}, "--names"},
+       {{"face", "export", "--textures", "204", "--out", "@new.glb"}, "did you mean 2048?"},
+       {{"face", "export", "--textures", "2048", "--out", "@new.obj"}, "--textures"},
        {{"face", "export", "--names", "unified", "--out", "@new.vrm"}, "new.vrm"},
        {{"face", "export", "--names", "vrm", "--out", "@new.gltf"}, "new.gltf"},
        {{"export", "--motion", "@garbage.csv", "--names", "arkit", "--out", "@new.csv"}, "new.csv"},

@@ -177,7 +177,8 @@ TEST(FaceTextures, AStubbledChinIsDarkerThanAShavenOneAndAForeheadIsNot) {
     if (material_of(bearded.face, t) != Material::skin) continue;
     const std::uint32_t i = bearded.face.triangles[t][0];
     const Vector2f at = bearded.face.uv[i] * (kSide - 1);
-    const std::size_t texel = 3 * (static_cast<std::size_t>(at.y()) * kSide + static_cast<std::size_t>(at.x()));
+    const std::size_t texel =
+        3 * (static_cast<std::size_t>(at.y()) * kSide + static_cast<std::size_t>(at.x()));
     const int darker = without[texel + 1] - with[texel + 1];
     if (stubble.amount[i].y() > 0.9F) {
       chin += darker;

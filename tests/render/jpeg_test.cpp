@@ -27,7 +27,8 @@ struct Header {
 Header header(const std::vector<std::byte>& file) {
   const auto at = [&](std::size_t i) { return std::to_integer<int>(file.at(i)); };
   std::size_t i = 2;
-  while (i + 4 < file.size() && at(i + 1) != 0xC0) i += 2 + 256U * static_cast<unsigned>(at(i + 2)) + static_cast<unsigned>(at(i + 3));
+  while (i + 4 < file.size() && at(i + 1) != 0xC0)
+    i += 2 + 256U * static_cast<unsigned>(at(i + 2)) + static_cast<unsigned>(at(i + 3));
   return {.width = 256 * at(i + 7) + at(i + 8),
           .height = 256 * at(i + 5) + at(i + 6),
           .channels = at(i + 9),
@@ -56,7 +57,9 @@ TEST(Jpeg, FinerIsLargerAndTheSamePixelsGiveTheSameBytes) {
 
 TEST(Jpeg, RefusesWhatIsNoPicture) {
   const auto code = [](int width, int height, int quality, std::size_t bytes) {
-    return encode_jpeg(width, height, JpegPixels::colour, quality, std::vector<std::uint8_t>(bytes)).error().code;
+    return encode_jpeg(width, height, JpegPixels::colour, quality, std::vector<std::uint8_t>(bytes))
+        .error()
+        .code;
   };
   EXPECT_EQ(code(0, 4, 80, 0), ErrorCode::out_of_range);
   EXPECT_EQ(code(4, -1, 80, 0), ErrorCode::out_of_range);

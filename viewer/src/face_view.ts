@@ -14,6 +14,7 @@ import { SensorDots } from "./scene/dots";
 import { acceptDrops, pickFile } from "./scene/drop";
 import { Glasses } from "./scene/glasses";
 import { loadAvatar, refusal } from "./scene/load_avatar";
+import { dropPictures, loadPictures, type SkinPictures } from "./scene/skin_pictures";
 import { Stage } from "./scene/stage";
 import { Signal } from "./signal";
 import type { ViewState } from "./view_state";
@@ -58,6 +59,8 @@ export class FaceView {
   private secondWanted: Second = "none";
   private secondLoading = false;
   private skin: SkinDifference | null = null;
+  /** Of the face that `bytes` are; null until they are wanted. */
+  private pictures: Promise<SkinPictures | null> | null = null;
   private readonly pose = restingPose();
   private readonly truth = restingPose();
   private readonly target = restingPose();
@@ -208,6 +211,7 @@ export class FaceView {
       const avatar = await loadAvatar(bytes.data, bytes.name, bytes.own);
       this.bytes = bytes;
       this.dropSecond();
+      this.forgetPictures();
       this.glasses.object.removeFromParent();
       this.first?.dispose();
       this.first = avatar;
@@ -233,7 +237,30 @@ export class FaceView {
     for (const avatar of [this.first, this.second]) {
       if (avatar && !(plain && avatar.setPlain)) this.stage?.lightRoom();
       avatar?.setPlain?.(plain);
+      if (avatar) void avatar.settled?.then(() => this.bringPictures(avatar));
     }
+  }
+
+  /** Fetches them once the face is seen, and only for a look that shows them. */
+  private async bringPictures(avatar: Avatar): Promise<void> {
+    const paths = avatar.pictures;
+    if (!paths || !avatar.wearPictures || (this.stage?.plain ?? true)) return;
+    this.pictures ??= loadPictures(paths, (path) => withToken(path, window.location)).catch((error: unknown) => {
+      this.view.say(error instanceof Error ? error.message : String(error), "bad");
+      return null;
+    });
+    const wanted = this.pictures;
+    const pictures = await wanted;
+    if (!pictures || wanted !== this.pictures || (avatar !== this.first && avatar !== this.second)) return;
+    avatar.wearPictures(pictures);
+    this.stage?.wake();
+  }
+
+  private forgetPictures(): void {
+    const known = this.pictures;
+    this.pictures = null;
+    this.first?.wearPictures?.(null);
+    void known?.then((pictures) => pictures && dropPictures(pictures));
   }
 
   private dropSecond(): void {

@@ -496,7 +496,7 @@ export function sessionFace(program = process.env.MIEN_PROGRAM) {
   if (!program) return sphereHead();
   const folder = mkdtempSync(join(tmpdir(), "mien_face_"));
   try {
-    execFileSync(program, ["face", "export", "--out", join(folder, "face.glb")], { stdio: "ignore" });
+    execFileSync(program, ["face", "export", "--textures", "none", "--out", join(folder, "face.glb")], { stdio: "ignore" });
     return readFileSync(join(folder, "face.glb"));
   } finally {
     rmSync(folder, { recursive: true });
@@ -506,10 +506,12 @@ export function sessionFace(program = process.env.MIEN_PROGRAM) {
 const TYPES = { ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml" };
 
 /**
- * Starts a mock session. `port` 0: any. `token`: what /ws and /face.glb then demand.
+ * Starts a mock session. `port` 0: any. `token`: what /ws, /face.glb and `pictures` (by their paths) then demand.
  * Gives {url, session, close()}.
  */
-export async function startMockSession({ port = 0, token = "", face = sessionFace(), dist = join(here, "../dist"), ...options } = {}) {
+export async function startMockSession({
+  port = 0, token = "", face = sessionFace(), pictures = {}, dist = join(here, "../dist"), ...options
+} = {}) {
   const session = new MockSession(options);
   const allowed = (url) => token === "" || url.searchParams.get("token") === token;
   const server = createServer((request, response) => {
@@ -517,6 +519,10 @@ export async function startMockSession({ port = 0, token = "", face = sessionFac
     if (url.pathname === "/face.glb") {
       if (!allowed(url)) return response.writeHead(403).end();
       return response.writeHead(200, { "Content-Type": "model/gltf-binary", "Content-Length": face.length }).end(request.method === "HEAD" ? undefined : face);
+    }
+    if (pictures[url.pathname]) {
+      if (!allowed(url)) return response.writeHead(403).end();
+      return response.writeHead(200, { "Content-Type": "image/jpeg" }).end(pictures[url.pathname]);
     }
     const file = normalize(join(dist, url.pathname === "/" ? "index.html" : url.pathname));
     try {

@@ -7,48 +7,30 @@
 //   MIEN_SCREENSHOTS  a folder that keeps what was seen
 //   MIEN_PROGRAM      the program that gives the real face; an egg without it
 import assert from "node:assert/strict";
-import { existsSync, mkdirSync } from "node:fs";
+import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
+import { launch, openPage, PATIENCE, settled } from "./browser.mjs";
 import { startMockSession } from "./mock_session.mjs";
 import { sphereHead } from "./sphere_head.mjs";
 
-const executablePath = process.env.MIEN_CHROMIUM ?? "/usr/bin/chromium";
 const pictures = process.env.MIEN_SCREENSHOTS ?? "";
 if (pictures) mkdirSync(pictures, { recursive: true });
-
-// A graphics card made of software is slow, and the machine may be busy.
-const PATIENCE = 150_000;
-const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
 let browser;
 let mock;
 const troubles = [];
 
 before(async () => {
-  assert.ok(existsSync(executablePath), `There is no browser at ${executablePath}; MIEN_CHROMIUM says where it is.`);
   mock = await startMockSession({ quick: true });
-  browser = await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", ...GL], timeout: PATIENCE });
+  browser = await launch();
 });
 after(async () => {
   await browser?.close();
   await mock?.close();
 });
 
-async function open(options = {}, url = mock.url) {
-  const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, reducedMotion: "reduce", ...options });
-  context.setDefaultTimeout(PATIENCE);
-  const page = await context.newPage();
-  page.on("pageerror", (error) => troubles.push(String(error.stack)));
-  page.on("console", (message) => {
-    if (message.type() === "error" && !/ERR_CONNECTION_REFUSED|WebSocket connection|40[34]/.test(message.text())) troubles.push(message.text());
-  });
-  const address = new URL(url);
-  if (!options.fine) address.searchParams.set("quality", "low");
-  await page.goto(address.href, { timeout: PATIENCE });
-  return page;
-}
+const open = (options = {}, url = mock.url) => openPage(browser, url, troubles, options);
 
 let common;
 
@@ -56,12 +38,6 @@ let common;
 async function shared() {
   common ??= await open();
   return common;
-}
-
-async function settled(page, condition, what, argument) {
-  await page.waitForFunction(condition, argument, { timeout: PATIENCE, polling: 100 }).catch((error) => {
-    throw new Error(`${what}: ${error.message}`);
-  });
 }
 
 async function picture(page, name) {

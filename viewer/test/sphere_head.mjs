@@ -39,10 +39,11 @@ const spellings = {
 };
 
 /**
- * @param {{names?: "ict" | "arkit" | "pascal", vrm?: boolean, scale?: number, without?: string[]}} how
+ * @param {{names?: "ict" | "arkit" | "pascal", vrm?: boolean, scale?: number, without?: string[], pictures?: boolean}} how
+ *   `pictures`: of its skin, which lie beside it
  * @returns {Buffer} the bytes of a .glb
  */
-export function sphereHead({ names = "ict", vrm = false, scale = 1, without = [] } = {}) {
+export function sphereHead({ names = "ict", vrm = false, scale = 1, without = [], pictures = false } = {}) {
   const json = {
     asset: { version: "2.0", generator: "mien page tests" },
     buffers: [], bufferViews: [], accessors: [], meshes: [], nodes: [], materials: [], scenes: [{ nodes: [] }], scene: 0,
@@ -91,13 +92,19 @@ export function sphereHead({ names = "ict", vrm = false, scale = 1, without = []
     { name: "sclera", pbrMetallicRoughness: { baseColorFactor: [0.9, 0.9, 0.88, 1], metallicFactor: 0, roughnessFactor: 0.1 } },
     { name: "iris", pbrMetallicRoughness: { baseColorFactor: [0.1, 0.2, 0.25, 1], metallicFactor: 0, roughnessFactor: 0.1 } },
   );
+  const attributes = { POSITION: vectors(scaled(egg.positions)), NORMAL: vectors(egg.normals) };
+  if (pictures) {
+    const uv = new Float32Array((egg.positions.length / 3) * 2).fill(0.5);
+    json.accessors.push({ bufferView: store(uv, 34962), componentType: 5126, count: uv.length / 2, type: "VEC2" });
+    attributes.TEXCOORD_0 = json.accessors.length - 1;
+    json.materials[0].extras = { albedo: "face_albedo.jpg", roughness: "face_roughness.jpg", normal: "face_normal.jpg" };
+  }
   const spelt = shapes.map(spellings[names]);
   json.meshes.push({
     name: "face",
     extras: { targetNames: vrm ? shapes.map((_, i) => `target${i}`) : spelt },
     primitives: [{
-      attributes: { POSITION: vectors(scaled(egg.positions)), NORMAL: vectors(egg.normals) },
-      indices: indices(egg.triangles), material: 0, targets: targets.map((target) => ({ POSITION: vectors(target) })),
+      attributes, indices: indices(egg.triangles), material: 0, targets: targets.map((target) => ({ POSITION: vectors(target) })),
     }],
   });
   const eyeIndices = [indices(eye.triangles.filter((_, i) => !eye.iris[Math.floor(i / 3)])), indices(eye.triangles.filter((_, i) => eye.iris[Math.floor(i / 3)]))];

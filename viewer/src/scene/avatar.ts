@@ -1,6 +1,7 @@
 /** A head that can be told what to do: the session's own face, or a file that somebody dropped. */
 import { Box3, Group, Vector3, type Material, type Mesh, type Object3D, type SkinnedMesh, type Texture } from "three";
 import type { Pose } from "../playout";
+import type { PicturePaths, SkinPictures } from "./skin_pictures";
 
 export interface Avatar {
   /** Scaled and moved so that its face is where the built-in one's is: metres, +Y up, +Z out of the face. */
@@ -16,6 +17,10 @@ export interface Avatar {
   readonly settled?: Promise<void>;
   /** Draws it lit a vertex at a time; missing where only the fine look is known. */
   readonly setPlain?: (plain: boolean) => void;
+  /** Where pictures of its skin lie; null where it has none. */
+  readonly pictures?: PicturePaths | null;
+  /** Shows them in the fine look; null: no longer. */
+  readonly wearPictures?: (pictures: SkinPictures | null) => void;
   apply(pose: Pose): void;
   dispose(): void;
 }

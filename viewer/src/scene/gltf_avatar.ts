@@ -4,13 +4,14 @@ import type { Pose } from "../playout";
 import { disposeTree, FACE_BOX, hangOn, materialsOf, placeOver, type Avatar } from "./avatar";
 import { CpuMorph } from "./cpu_morph";
 import { bindNames, driven, type Drive } from "./binding";
-import { dress } from "./materials";
+import { dress, wearPictures } from "./materials";
 import { mergePieces } from "./merge";
 import { addMorphNormals } from "./morph_normals";
 import { faceMesh, movingBoxIn } from "./moving_skin";
 import { giveNeck } from "./neck";
 import { addOpenness, findOpenness } from "./openness";
 import { PlainLook } from "./plain_look";
+import { picturePaths, type PicturePaths, type SkinPictures } from "./skin_pictures";
 
 /** Heights between which the built-in face's shirt fades, m, frame H. */
 const CLOTH = { top: -0.185, bottom: -0.222 };
@@ -32,6 +33,8 @@ export class GltfAvatar implements Avatar {
   private plain: PlainLook | null = null;
 
   readonly setPlain?: (plain: boolean) => void;
+  readonly pictures: PicturePaths | null = null;
+  readonly wearPictures?: (pictures: SkinPictures | null) => void;
   private disposed = false;
   private readonly drives: { mesh: Mesh; drives: Drive<number>[] }[] = [];
   private readonly morphs: CpuMorph[] = [];
@@ -67,6 +70,8 @@ export class GltfAvatar implements Avatar {
       this.head = { node: neck.head, rest: neck.head.quaternion.clone() };
     }
     if (options.own) {
+      for (const material of materialsOf(face)) this.pictures ??= picturePaths(material);
+      this.wearPictures = (pictures) => wearPictures(this.object, pictures);
       dress(scene, { cloth: CLOTH, skin: { top: -0.125, bottom: -0.186 } });
       this.object = new Group();
       this.object.add(scene);
@@ -121,6 +126,8 @@ export class GltfAvatar implements Avatar {
   dispose(): void {
     this.disposed = true;
     this.plain?.dispose();
+    // They are not this head's alone.
+    this.wearPictures?.(null);
     disposeTree(this.object);
   }
 

@@ -9,6 +9,7 @@ import {
 } from "three";
 import { materialsOf } from "./avatar";
 import { OPENNESS } from "./openness";
+import type { SkinPictures } from "./skin_pictures";
 import { AROUND, LAMPS, vec3 } from "./studio";
 
 /** How far light wraps round an edge to the dark side, by channel, in skin (render/shade.cpp). */
@@ -110,17 +111,17 @@ function dressOne(from: MeshStandardMaterial, fades: Fades, irisAngle: number): 
   switch (from.name) {
     case "skin":
       surface(0.026, 0.46);
-      finish(material, { scatter: 1, pores: 0.11, fade: fades.skin });
+      dressForPictures(material, { scatter: 1, pores: 0.11, fade: fades.skin });
       break;
     case "lips":
       surface(0.03, 0.28);
-      finish(material, { scatter: 1, pores: 0.05, fade: fades.skin });
+      dressForPictures(material, { scatter: 1, pores: 0.05, fade: fades.skin });
       break;
     case "sclera":
     case "iris":
     case "pupil":
       surface(0, 0.5);
-      finish(material, { scatter: 0.7, irisAngle });
+      dressForPictures(material, { scatter: 0.7, irisAngle });
       break;
     case "strands":
       surface(0.018, 0.5);
@@ -153,6 +154,36 @@ function dressOne(from: MeshStandardMaterial, fades: Fades, irisAngle: number): 
       break;
   }
   return material;
+}
+
+/** Shows the pictures instead of the vertices' colours and of the shader's own pores; null: no longer. */
+export function wearPictures(root: Object3D, pictures: SkinPictures | null): void {
+  root.traverse((node) => {
+    const mesh = node as Mesh;
+    if (!mesh.isMesh) return;
+    for (const material of materialsOf(mesh)) {
+      if (!(material instanceof MeshPhysicalMaterial)) continue;
+      const dressed = dressings.get(material);
+      if (!dressed || material.map === (pictures?.albedo ?? null)) continue;
+      const skin = dressed.pores !== undefined;
+      material.map = pictures?.albedo ?? null;
+      material.normalMap = skin ? (pictures?.normal ?? null) : null;
+      material.roughnessMap = skin ? (pictures?.roughness ?? null) : null;
+      // The lamps are wide: as in surface() above, where roughness is one number.
+      material.roughness = pictures && skin ? 1.2 : dressed.roughness;
+      material.vertexColors = !pictures;
+      finish(material, pictures ? { ...dressed, pores: 0, pictured: true } : dressed);
+      material.needsUpdate = true;
+    }
+  });
+}
+
+/** How the materials that a picture may show were finished without one. */
+const dressings = new WeakMap<Material, Finish & { roughness: number }>();
+
+function dressForPictures(material: MeshPhysicalMaterial, how: Finish): void {
+  finish(material, how);
+  dressings.set(material, { ...how, roughness: material.roughness });
 }
 
 /** Hair that covers at least this much of a pixel hides what is behind it; below, it is laid over. */
@@ -188,10 +219,12 @@ interface Finish {
   ribbon?: boolean;
   /** A wet ball that looks along its mesh's +Z: mirrors the lamps. The angle from there to its iris' edge; 0: no eye. */
   irisAngle?: number;
+  /** A picture shows the pupil and the iris' rim. */
+  pictured?: boolean;
 }
 
 /** Completes the shader of a material by what three.js' own does not know. */
-function finish(material: MeshPhysicalMaterial, { scatter = 0, pores = 0, fade = null, ribbon = false, irisAngle = 0 }: Finish): void {
+function finish(material: MeshPhysicalMaterial, { scatter = 0, pores = 0, fade = null, ribbon = false, irisAngle = 0, pictured = false }: Finish): void {
   if (fade) material.transparent = true;
   material.onBeforeCompile = (shader) => {
     addRest(shader);
@@ -215,10 +248,10 @@ vec3 leaked(float open) {
       );
     }
     if (pores > 0) addPores(shader, pores);
-    if (irisAngle > 0) addEye(shader, irisAngle);
+    if (irisAngle > 0) addEye(shader, irisAngle, pictured);
     if (fade) addFade(shader, fade);
   };
-  material.customProgramCacheKey = () => `${scatter} ${pores} ${fade ? 1 : 0} ${ribbon} ${irisAngle}`;
+  material.customProgramCacheKey = () => `${scatter} ${pores} ${fade ? 1 : 0} ${ribbon} ${irisAngle} ${pictured}`;
 }
 
 /** Of an eye's mesh: the angle about its centre from +Z to where its iris ends, radians. */
@@ -238,11 +271,11 @@ export function irisAngleOf(mesh: Mesh): number {
 }
 
 /**
- * A pupil and the iris' dark rim, which its few vertices cannot show; and what a wet eye mirrors: the
+ * A pupil and the iris' dark rim, which its few vertices cannot show and a picture does; and what a wet eye mirrors: the
  * lamps as discs, and the room. The cornea is a smaller sphere that stands out of the ball: its normals turn faster
  * (render/shade.cpp and surface_paint.cpp).
  */
-function addEye(shader: WebGLProgramParametersWithUniforms, irisAngle: number): void {
+function addEye(shader: WebGLProgramParametersWithUniforms, irisAngle: number, pictured: boolean): void {
   shader.vertexShader = shader.vertexShader
     .replace("#include <common>", "#include <common>\nvarying vec3 vAxis;")
     .replace("#include <begin_vertex>", "#include <begin_vertex>\nvAxis = normalMatrix * vec3(0.0, 0.0, 1.0);");
@@ -258,7 +291,7 @@ function addEye(shader: WebGLProgramParametersWithUniforms, irisAngle: number): 
       "#include <color_fragment>",
       `#include <color_fragment>
 float angle = acos(clamp(normalize(vRest).z, -1.0, 1.0));
-{
+if (${!pictured}) {
   float radius = angle / ${irisAngle.toFixed(3)};
   diffuseColor.rgb *= 1.0 - 0.7 * smoothstep(0.74, 0.9, radius) * (1.0 - smoothstep(0.97, 1.06, radius));
   diffuseColor.rgb = max(diffuseColor.rgb * smoothstep(0.30, 0.37, radius), 0.004);
