@@ -9,6 +9,7 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
+#include "app/face_profiles.h"
 #include "app/json_output.h"
 #include "app/names_option.h"
 #include "app/one_line.h"
@@ -135,6 +136,7 @@ void add_face_command(Commands& commands) {
       .required();
   add_names_option(exported, arguments->names);
   exported.add_flag("--json", arguments->json, "One JSON object on stdout");
+  add_face_profiles_command(commands, face);
 }
 
 }  // namespace mien::app
