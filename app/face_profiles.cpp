@@ -95,8 +95,9 @@ void print_profile(const ProfileMap& map) {
   fmt::print("  source: {}\n", map.source);
   fmt::print("  {} of its {} shapes have a counterpart, and tell {} of {} inner ones\n",
              map.shapes.size() - map.without.size(), map.shapes.size(), told_count(map), face::kInnerCount);
-  fmt::print("  {} are the mean of several inner ones, {} inner ones become several\n", map.merged_count(),
-             map.divided_count());
+  if (map.merged_count() > 0)
+    fmt::print("  {} of its shapes are the mean of several inner ones\n", map.merged_count());
+  if (map.divided_count() > 0) fmt::print("  {} inner shapes become several of its\n", map.divided_count());
   if (!map.groups.empty()) {
     std::vector<std::string> groups;
     for (const face::ShapeGroup& group : map.groups)
