@@ -9,6 +9,7 @@
 
 #include "app/chosen_face.h"
 #include "app/command.h"
+#include "app/face_profiles.h"
 #include "app/json_output.h"
 #include "app/names_option.h"
 #include "app/one_line.h"
@@ -141,6 +142,7 @@ void add_face_command(Commands& commands) {
   add_names_option(exported, arguments->names);
   add_textures_option(exported, arguments->textures);
   exported.add_flag("--json", arguments->json, "One JSON object on stdout");
+  add_face_profiles_command(commands, face);
 }
 
 }  // namespace mien::app

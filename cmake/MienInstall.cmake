@@ -28,7 +28,7 @@ foreach(room IN LISTS rooms)
     install(DIRECTORY "${CMAKE_SOURCE_DIR}/mien/${room}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mien"
             FILES_MATCHING PATTERN "*.h" PATTERN media EXCLUDE
             # Headers of a room's own sources, which no installed header includes.
-            PATTERN gltf EXCLUDE REGEX "/take/(database|layout|new_file|opening|row_writer)\\.h$" EXCLUDE
+            PATTERN gltf EXCLUDE PATTERN compiler EXCLUDE REGEX "/take/(database|layout|new_file|opening|row_writer)\\.h$" EXCLUDE
             REGEX "/(imu/pipeline|render/renderer)_state\\.h$" EXCLUDE
             REGEX "/render/tile_painter\\.h$" EXCLUDE)
   endif()

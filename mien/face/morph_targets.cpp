@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mien/core/smoothstep.h"
+#include "mien/face/profile_map.h"
 #include "mien/face/target_names.h"
 
 namespace mien::face {
@@ -17,82 +18,82 @@ enum class Lip : std::uint8_t { both, upper, lower };
 /// A target of Unified Expressions: a share of a portion of one shape.
 struct Portion {
   std::string_view name;
-  std::string_view shape;
   float share = 1;
   Side side = Side::both;
   Lip lip = Lip::both;
+  std::string_view shape = {};  ///< Of lids and gaze; all others' is in the profile's table.
 };
 
 /// In the order of Unified Expressions' own reference: eyes, brows, cheeks, jaw, lips, mouth, tongue.
 constexpr Portion kUnified[] = {
-    {"EyeLookOutRight", "eyeLookOut_R"},
-    {"EyeLookInRight", "eyeLookIn_R"},
-    {"EyeLookUpRight", "eyeLookUp_R"},
-    {"EyeLookDownRight", "eyeLookDown_R"},
-    {"EyeLookOutLeft", "eyeLookOut_L"},
-    {"EyeLookInLeft", "eyeLookIn_L"},
-    {"EyeLookUpLeft", "eyeLookUp_L"},
-    {"EyeLookDownLeft", "eyeLookDown_L"},
-    {"EyeClosedRight", "eyeBlink_R"},
-    {"EyeClosedLeft", "eyeBlink_L"},
-    {"EyeSquintRight", "eyeSquint_R"},
-    {"EyeSquintLeft", "eyeSquint_L"},
-    {"EyeWideRight", "eyeWide_R"},
-    {"EyeWideLeft", "eyeWide_L"},
-    {"BrowPinchRight", "browDown_R", 0.25F},
-    {"BrowPinchLeft", "browDown_L", 0.25F},
-    {"BrowLowererRight", "browDown_R", 0.75F},
-    {"BrowLowererLeft", "browDown_L", 0.75F},
-    {"BrowInnerUpRight", "browInnerUp_R"},
-    {"BrowInnerUpLeft", "browInnerUp_L"},
-    {"BrowOuterUpRight", "browOuterUp_R"},
-    {"BrowOuterUpLeft", "browOuterUp_L"},
-    {"CheekSquintRight", "cheekSquint_R"},
-    {"CheekSquintLeft", "cheekSquint_L"},
-    {"CheekPuffRight", "cheekPuff_R"},
-    {"CheekPuffLeft", "cheekPuff_L"},
-    {"JawOpen", "jawOpen"},
-    {"JawRight", "jawRight"},
-    {"JawLeft", "jawLeft"},
-    {"JawForward", "jawForward"},
-    {"MouthClosed", "mouthClose"},
-    {"LipSuckUpperRight", "mouthRollUpper", 1, Side::right},
-    {"LipSuckUpperLeft", "mouthRollUpper", 1, Side::left},
-    {"LipSuckLowerRight", "mouthRollLower", 1, Side::right},
-    {"LipSuckLowerLeft", "mouthRollLower", 1, Side::left},
-    {"LipFunnelUpperRight", "mouthFunnel", 1, Side::right, Lip::upper},
-    {"LipFunnelUpperLeft", "mouthFunnel", 1, Side::left, Lip::upper},
-    {"LipFunnelLowerRight", "mouthFunnel", 1, Side::right, Lip::lower},
-    {"LipFunnelLowerLeft", "mouthFunnel", 1, Side::left, Lip::lower},
-    {"LipPuckerUpperRight", "mouthPucker", 1, Side::right, Lip::upper},
-    {"LipPuckerUpperLeft", "mouthPucker", 1, Side::left, Lip::upper},
-    {"LipPuckerLowerRight", "mouthPucker", 1, Side::right, Lip::lower},
-    {"LipPuckerLowerLeft", "mouthPucker", 1, Side::left, Lip::lower},
-    {"MouthUpperUpRight", "mouthUpperUp_R"},
-    {"MouthUpperUpLeft", "mouthUpperUp_L"},
-    {"NoseSneerRight", "noseSneer_R"},
-    {"NoseSneerLeft", "noseSneer_L"},
-    {"MouthLowerDownRight", "mouthLowerDown_R"},
-    {"MouthLowerDownLeft", "mouthLowerDown_L"},
-    {"MouthUpperRight", "mouthRight", 1, Side::both, Lip::upper},
-    {"MouthUpperLeft", "mouthLeft", 1, Side::both, Lip::upper},
-    {"MouthLowerRight", "mouthRight", 1, Side::both, Lip::lower},
-    {"MouthLowerLeft", "mouthLeft", 1, Side::both, Lip::lower},
-    {"MouthCornerPullRight", "mouthSmile_R", 0.8F},
-    {"MouthCornerPullLeft", "mouthSmile_L", 0.8F},
-    {"MouthCornerSlantRight", "mouthSmile_R", 0.2F},
-    {"MouthCornerSlantLeft", "mouthSmile_L", 0.2F},
-    {"MouthFrownRight", "mouthFrown_R"},
-    {"MouthFrownLeft", "mouthFrown_L"},
-    {"MouthStretchRight", "mouthStretch_R"},
-    {"MouthStretchLeft", "mouthStretch_L"},
-    {"MouthDimpleRight", "mouthDimple_R"},
-    {"MouthDimpleLeft", "mouthDimple_L"},
-    {"MouthRaiserUpper", "mouthShrugUpper"},
-    {"MouthRaiserLower", "mouthShrugLower"},
-    {"MouthPressRight", "mouthPress_R"},
-    {"MouthPressLeft", "mouthPress_L"},
-    {"TongueOut", "tongueOut"},
+    {.name = "EyeLookOutRight", .shape = "eyeLookOut_R"},
+    {.name = "EyeLookInRight", .shape = "eyeLookIn_R"},
+    {.name = "EyeLookUpRight", .shape = "eyeLookUp_R"},
+    {.name = "EyeLookDownRight", .shape = "eyeLookDown_R"},
+    {.name = "EyeLookOutLeft", .shape = "eyeLookOut_L"},
+    {.name = "EyeLookInLeft", .shape = "eyeLookIn_L"},
+    {.name = "EyeLookUpLeft", .shape = "eyeLookUp_L"},
+    {.name = "EyeLookDownLeft", .shape = "eyeLookDown_L"},
+    {.name = "EyeClosedRight", .shape = "eyeBlink_R"},
+    {.name = "EyeClosedLeft", .shape = "eyeBlink_L"},
+    {"EyeSquintRight"},
+    {"EyeSquintLeft"},
+    {"EyeWideRight"},
+    {"EyeWideLeft"},
+    {"BrowPinchRight", 0.25F},
+    {"BrowPinchLeft", 0.25F},
+    {"BrowLowererRight", 0.75F},
+    {"BrowLowererLeft", 0.75F},
+    {"BrowInnerUpRight"},
+    {"BrowInnerUpLeft"},
+    {"BrowOuterUpRight"},
+    {"BrowOuterUpLeft"},
+    {"CheekSquintRight"},
+    {"CheekSquintLeft"},
+    {"CheekPuffRight"},
+    {"CheekPuffLeft"},
+    {"JawOpen"},
+    {"JawRight"},
+    {"JawLeft"},
+    {"JawForward"},
+    {"MouthClosed"},
+    {"LipSuckUpperRight", 1, Side::right},
+    {"LipSuckUpperLeft", 1, Side::left},
+    {"LipSuckLowerRight", 1, Side::right},
+    {"LipSuckLowerLeft", 1, Side::left},
+    {"LipFunnelUpperRight", 1, Side::right, Lip::upper},
+    {"LipFunnelUpperLeft", 1, Side::left, Lip::upper},
+    {"LipFunnelLowerRight", 1, Side::right, Lip::lower},
+    {"LipFunnelLowerLeft", 1, Side::left, Lip::lower},
+    {"LipPuckerUpperRight", 1, Side::right, Lip::upper},
+    {"LipPuckerUpperLeft", 1, Side::left, Lip::upper},
+    {"LipPuckerLowerRight", 1, Side::right, Lip::lower},
+    {"LipPuckerLowerLeft", 1, Side::left, Lip::lower},
+    {"MouthUpperUpRight"},
+    {"MouthUpperUpLeft"},
+    {"NoseSneerRight"},
+    {"NoseSneerLeft"},
+    {"MouthLowerDownRight"},
+    {"MouthLowerDownLeft"},
+    {"MouthUpperRight", 1, Side::both, Lip::upper},
+    {"MouthUpperLeft", 1, Side::both, Lip::upper},
+    {"MouthLowerRight", 1, Side::both, Lip::lower},
+    {"MouthLowerLeft", 1, Side::both, Lip::lower},
+    {"MouthCornerPullRight", 0.8F},
+    {"MouthCornerPullLeft", 0.8F},
+    {"MouthCornerSlantRight", 0.2F},
+    {"MouthCornerSlantLeft", 0.2F},
+    {"MouthFrownRight"},
+    {"MouthFrownLeft"},
+    {"MouthStretchRight"},
+    {"MouthStretchLeft"},
+    {"MouthDimpleRight"},
+    {"MouthDimpleLeft"},
+    {"MouthRaiserUpper"},
+    {"MouthRaiserLower"},
+    {"MouthPressRight"},
+    {"MouthPressLeft"},
+    {"TongueOut"},
 };
 
 constexpr float kMidlineHalfWidth_m = 0.008F;
@@ -131,6 +132,13 @@ class Portions {
   float middle_x_m_ = 0;  // Between the eyes, where they are known.
   std::vector<float> lower_;
 };
+
+/// Index as in Face::shapes of the shape that it is a portion of.
+std::size_t shape_of(const Portion& portion) {
+  if (!portion.shape.empty()) return inner_index(portion.shape);
+  const auto at = std::ranges::find(kUnifiedNames, portion.name) - kUnifiedNames.begin();
+  return profile_map(OutsideProfile::unified).outward[static_cast<std::size_t>(at)].front().column;
+}
 
 /// None where the face lacks it.
 const Shape* shape_at(const Face& face, std::size_t k) {
@@ -174,7 +182,7 @@ std::vector<MorphTarget> unified_targets(const Face& face) {
   const Portions portions(face);
   std::vector<MorphTarget> out;
   for (const Portion& portion : kUnified) {
-    const std::size_t k = shapes_of_name(portion.shape).front();
+    const std::size_t k = shape_of(portion);
     MorphTarget& target = out.emplace_back();
     target.name = portion.name;
     target.shapes = {k};

@@ -4,32 +4,10 @@
 #include <utility>
 
 #include "mien/core/ascii.h"
+#include "mien/face/profile_map.h"
 
 namespace mien::face {
 namespace {
-
-inline constexpr std::size_t kArkitCount = 52;
-
-/// ArkitOrder::live_link_udp, which is also the order of Apple's documentation topics.
-inline constexpr std::array<std::string_view, kArkitCount> kArkitNames = {
-    "eyeBlinkLeft",      "eyeLookDownLeft",    "eyeLookInLeft",
-    "eyeLookOutLeft",    "eyeLookUpLeft",      "eyeSquintLeft",
-    "eyeWideLeft",       "eyeBlinkRight",      "eyeLookDownRight",
-    "eyeLookInRight",    "eyeLookOutRight",    "eyeLookUpRight",
-    "eyeSquintRight",    "eyeWideRight",       "jawForward",
-    "jawLeft",           "jawRight",           "jawOpen",
-    "mouthClose",        "mouthFunnel",        "mouthPucker",
-    "mouthLeft",         "mouthRight",         "mouthSmileLeft",
-    "mouthSmileRight",   "mouthFrownLeft",     "mouthFrownRight",
-    "mouthDimpleLeft",   "mouthDimpleRight",   "mouthStretchLeft",
-    "mouthStretchRight", "mouthRollLower",     "mouthRollUpper",
-    "mouthShrugLower",   "mouthShrugUpper",    "mouthPressLeft",
-    "mouthPressRight",   "mouthLowerDownLeft", "mouthLowerDownRight",
-    "mouthUpperUpLeft",  "mouthUpperUpRight",  "browDownLeft",
-    "browDownRight",     "browInnerUp",        "browOuterUpLeft",
-    "browOuterUpRight",  "cheekPuff",          "cheekSquintLeft",
-    "cheekSquintRight",  "noseSneerLeft",      "noseSneerRight",
-    "tongueOut"};
 
 constexpr std::size_t arkit(std::string_view name) {
   std::size_t i = 0;
@@ -38,7 +16,6 @@ constexpr std::size_t arkit(std::string_view name) {
 }
 inline constexpr std::size_t kJawOpen = arkit("jawOpen");
 inline constexpr std::size_t kMouthClose = arkit("mouthClose");
-inline constexpr std::size_t kArkitTongueOut = arkit("tongueOut");
 
 /// "eyeBlinkLeft" is split into "eyeBlink" and "_L". jawLeft and the like are directions, not sides of a
 /// pair.
@@ -48,34 +25,6 @@ constexpr std::pair<std::string_view, std::string_view> split_side(std::string_v
   if (name.ends_with("Right")) return {name.substr(0, name.size() - 5), "_R"};
   return {name, ""};
 }
-
-/// The ICT shapes that stand for one ARKit name: two of them where ARKit does not split the sides, none for
-/// the tongue.
-struct Targets {
-  std::size_t first = kShapeCount;
-  std::size_t second = kShapeCount;
-};
-
-constexpr std::size_t ict_index(std::string_view stem, std::string_view side) {
-  for (std::size_t i = 0; i < kShapeCount; ++i) {
-    const std::string_view name = kShapeNames[i];
-    if (name.size() == stem.size() + side.size() && name.starts_with(stem) && name.ends_with(side)) return i;
-  }
-  return kShapeCount;
-}
-
-constexpr std::array<Targets, kArkitCount> kTargets = [] {
-  std::array<Targets, kArkitCount> targets;
-  for (std::size_t i = 0; i < kArkitCount; ++i) {
-    const auto [stem, side] = split_side(kArkitNames[i]);
-    targets[i].first = ict_index(stem, side);
-    if (targets[i].first == kShapeCount) {
-      targets[i].first = ict_index(stem, "_L");
-      targets[i].second = ict_index(stem, "_R");
-    }
-  }
-  return targets;
-}();
 
 Profile arkit_profile(ArkitOrder order) {
   Profile p;
@@ -155,26 +104,12 @@ std::size_t arkit_index(std::string_view name) {
 }
 
 BlendshapeWeights ict_from_arkit(const ArkitWeights& arkit_weights, float* tongue_out) {
-  BlendshapeWeights ict;
-  for (std::size_t i = 0; i < kArkitCount; ++i) {
-    const Targets& t = kTargets[i];
-    if (t.first < kShapeCount) ict[t.first] = arkit_weights.values[i];
-    if (t.second < kShapeCount) ict[t.second] = arkit_weights.values[i];
-  }
-  if (tongue_out != nullptr) *tongue_out = arkit_weights.values[kArkitTongueOut];
-  return ict;
+  return profile_map(OutsideProfile::arkit52).to_ict(arkit_weights.values, tongue_out);
 }
 
 ArkitWeights arkit_from_ict(const BlendshapeWeights& ict, float tongue_out, bool clamp_mouth_close) {
   ArkitWeights weights;
-  for (std::size_t i = 0; i < kArkitCount; ++i) {
-    const Targets& t = kTargets[i];
-    if (t.second < kShapeCount)
-      weights.values[i] = 0.5F * (ict[t.first] + ict[t.second]);
-    else if (t.first < kShapeCount)
-      weights.values[i] = ict[t.first];
-  }
-  weights.values[kArkitTongueOut] = tongue_out;
+  profile_map(OutsideProfile::arkit52).from_ict(ict, tongue_out, weights.values);
   if (clamp_mouth_close)
     weights.values[kMouthClose] = std::min(weights.values[kMouthClose], weights.values[kJawOpen]);
   return weights;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "mien/face/profile_map.h"
+
 namespace mien::sink {
 namespace {
 
@@ -55,7 +57,6 @@ constexpr Pair kFunnelLower{shape("LipFunnelLowerRight")};
 constexpr Pair kPuckerUpper{shape("LipPuckerUpperRight")};
 constexpr Pair kPuckerLower{shape("LipPuckerLowerRight")};
 constexpr Pair kUpperUp{shape("MouthUpperUpRight")};
-constexpr Pair kUpperDeepen{shape("MouthUpperDeepenRight")};
 constexpr Pair kNoseSneer{shape("NoseSneerRight")};
 constexpr Pair kLowerDown{shape("MouthLowerDownRight")};
 constexpr Pair kMouthUpper{shape("MouthUpperRight")};
@@ -218,16 +219,12 @@ constexpr auto kUnifiedParameters = [] {
 
 UnifiedFrame unified_frame(const ArkitFrame& frame) {
   UnifiedFrame unified;
-  auto& to = unified.shapes;
-  const auto from = [&](const char* name) { return frame.weights.values[face::arkit_index(name)]; };
-  const auto pair = [&to](Pair p, float left_weight, float right_weight) {
-    to[p.right] = right_weight;
-    to[p.right + 1] = left_weight;
-  };
-  const auto both = [&pair](Pair p, float weight) { pair(p, weight, weight); };
-
-  const std::array<float, 2> blink = {from("eyeBlinkLeft"), from("eyeBlinkRight")};
-  const std::array<float, 2> squint = {from("eyeSquintLeft"), from("eyeSquintRight")};
+  float tongue_out = 0;
+  const face::BlendshapeWeights weights = face::ict_from_arkit(frame.weights, &tongue_out);
+  face::profile_map(face::OutsideProfile::unified).from_ict(weights, tongue_out, unified.shapes);
+  const std::array<float, 2> blink = {weights[face::shape("eyeBlink_L")], weights[face::shape("eyeBlink_R")]};
+  const std::array<float, 2> squint = {weights[face::shape("eyeSquint_L")],
+                                       weights[face::shape("eyeSquint_R")]};
   for (std::size_t eye = 0; eye < 2; ++eye) {
     unified.openness[eye] = 1 - std::min(1.0F, blink[eye] * (1 + squint[eye]));
     for (int k = 0; k < 2; ++k) {
@@ -235,39 +232,6 @@ UnifiedFrame unified_frame(const ArkitFrame& frame) {
       unified.gaze[eye][static_cast<std::size_t>(k)] = k == 0 ? 0.0F - tangent : tangent;
     }
   }
-  pair(kEyeSquint, squint[0], squint[1]);
-  pair(kEyeWide, from("eyeWideLeft"), from("eyeWideRight"));
-  pair(kBrowPinch, from("browDownLeft"), from("browDownRight"));
-  pair(kBrowLowerer, from("browDownLeft"), from("browDownRight"));
-  both(kBrowInnerUp, from("browInnerUp"));
-  pair(kBrowOuterUp, from("browOuterUpLeft"), from("browOuterUpRight"));
-  pair(kCheekSquint, from("cheekSquintLeft"), from("cheekSquintRight"));
-  both(kCheekPuff, from("cheekPuff"));
-  to[shape("JawOpen")] = from("jawOpen");
-  pair(kJaw, from("jawLeft"), from("jawRight"));
-  to[shape("JawForward")] = from("jawForward");
-  to[shape("MouthClosed")] = from("mouthClose");
-  both(kSuckUpper, from("mouthRollUpper"));
-  both(kSuckLower, from("mouthRollLower"));
-  both(kFunnelUpper, from("mouthFunnel"));
-  both(kFunnelLower, from("mouthFunnel"));
-  both(kPuckerUpper, from("mouthPucker"));
-  both(kPuckerLower, from("mouthPucker"));
-  pair(kUpperUp, from("mouthUpperUpLeft"), from("mouthUpperUpRight"));
-  pair(kUpperDeepen, from("mouthUpperUpLeft"), from("mouthUpperUpRight"));
-  pair(kNoseSneer, from("noseSneerLeft"), from("noseSneerRight"));
-  pair(kLowerDown, from("mouthLowerDownLeft"), from("mouthLowerDownRight"));
-  pair(kMouthUpper, from("mouthLeft"), from("mouthRight"));
-  pair(kMouthLower, from("mouthLeft"), from("mouthRight"));
-  pair(kCornerPull, from("mouthSmileLeft"), from("mouthSmileRight"));
-  pair(kCornerSlant, from("mouthSmileLeft"), from("mouthSmileRight"));
-  pair(kFrown, from("mouthFrownLeft"), from("mouthFrownRight"));
-  pair(kStretch, from("mouthStretchLeft"), from("mouthStretchRight"));
-  pair(kDimple, from("mouthDimpleLeft"), from("mouthDimpleRight"));
-  to[shape("MouthRaiserUpper")] = from("mouthShrugUpper");
-  to[shape("MouthRaiserLower")] = from("mouthShrugLower");
-  pair(kPress, from("mouthPressLeft"), from("mouthPressRight"));
-  to[shape("TongueOut")] = from("tongueOut");
   return unified;
 }
 

@@ -5,103 +5,16 @@
 #include <span>
 #include <string_view>
 
+#include "mien/face/profile_names.h"
 #include "mien/sink/arkit_frame.h"
 
 namespace mien::sink {
 
-/// Unified Expressions' base shapes, in VRCFaceTracking's order.
-inline constexpr std::size_t kUnifiedCount = 88;
-inline constexpr std::array<std::string_view, kUnifiedCount> kUnifiedNames = {"EyeSquintRight",
-                                                                              "EyeSquintLeft",
-                                                                              "EyeWideRight",
-                                                                              "EyeWideLeft",
-                                                                              "BrowPinchRight",
-                                                                              "BrowPinchLeft",
-                                                                              "BrowLowererRight",
-                                                                              "BrowLowererLeft",
-                                                                              "BrowInnerUpRight",
-                                                                              "BrowInnerUpLeft",
-                                                                              "BrowOuterUpRight",
-                                                                              "BrowOuterUpLeft",
-                                                                              "NasalDilationRight",
-                                                                              "NasalDilationLeft",
-                                                                              "NasalConstrictRight",
-                                                                              "NasalConstrictLeft",
-                                                                              "CheekSquintRight",
-                                                                              "CheekSquintLeft",
-                                                                              "CheekPuffRight",
-                                                                              "CheekPuffLeft",
-                                                                              "CheekSuckRight",
-                                                                              "CheekSuckLeft",
-                                                                              "JawOpen",
-                                                                              "JawRight",
-                                                                              "JawLeft",
-                                                                              "JawForward",
-                                                                              "JawBackward",
-                                                                              "JawClench",
-                                                                              "JawMandibleRaise",
-                                                                              "MouthClosed",
-                                                                              "LipSuckUpperRight",
-                                                                              "LipSuckUpperLeft",
-                                                                              "LipSuckLowerRight",
-                                                                              "LipSuckLowerLeft",
-                                                                              "LipSuckCornerRight",
-                                                                              "LipSuckCornerLeft",
-                                                                              "LipFunnelUpperRight",
-                                                                              "LipFunnelUpperLeft",
-                                                                              "LipFunnelLowerRight",
-                                                                              "LipFunnelLowerLeft",
-                                                                              "LipPuckerUpperRight",
-                                                                              "LipPuckerUpperLeft",
-                                                                              "LipPuckerLowerRight",
-                                                                              "LipPuckerLowerLeft",
-                                                                              "MouthUpperUpRight",
-                                                                              "MouthUpperUpLeft",
-                                                                              "MouthUpperDeepenRight",
-                                                                              "MouthUpperDeepenLeft",
-                                                                              "NoseSneerRight",
-                                                                              "NoseSneerLeft",
-                                                                              "MouthLowerDownRight",
-                                                                              "MouthLowerDownLeft",
-                                                                              "MouthUpperRight",
-                                                                              "MouthUpperLeft",
-                                                                              "MouthLowerRight",
-                                                                              "MouthLowerLeft",
-                                                                              "MouthCornerPullRight",
-                                                                              "MouthCornerPullLeft",
-                                                                              "MouthCornerSlantRight",
-                                                                              "MouthCornerSlantLeft",
-                                                                              "MouthFrownRight",
-                                                                              "MouthFrownLeft",
-                                                                              "MouthStretchRight",
-                                                                              "MouthStretchLeft",
-                                                                              "MouthDimpleRight",
-                                                                              "MouthDimpleLeft",
-                                                                              "MouthRaiserUpper",
-                                                                              "MouthRaiserLower",
-                                                                              "MouthPressRight",
-                                                                              "MouthPressLeft",
-                                                                              "MouthTightenerRight",
-                                                                              "MouthTightenerLeft",
-                                                                              "TongueOut",
-                                                                              "TongueUp",
-                                                                              "TongueDown",
-                                                                              "TongueRight",
-                                                                              "TongueLeft",
-                                                                              "TongueRoll",
-                                                                              "TongueBendDown",
-                                                                              "TongueCurlUp",
-                                                                              "TongueSquish",
-                                                                              "TongueFlat",
-                                                                              "TongueTwistRight",
-                                                                              "TongueTwistLeft",
-                                                                              "SoftPalateClose",
-                                                                              "ThroatSwallow",
-                                                                              "NeckFlexRight",
-                                                                              "NeckFlexLeft"};
+using face::kUnifiedCount;
+using face::kUnifiedNames;
 
-/// A face in these terms. What ARKit does not know (cheeks sucked in, tightened lips, where the tongue
-/// points, nostrils, neck) stays 0. Source of the conversion: VRCFaceTracking's ARKit module.
+/// A face in the terms of Unified Expressions, by face's table (profiles/unified.toml). What ARKit does not
+/// know (cheeks sucked in, tightened lips, where the tongue points, nostrils, neck) stays 0.
 struct UnifiedFrame {
   std::array<float, kUnifiedCount> shapes{};  ///< 0 to 1.
   std::array<float, 2> openness = {1, 1};     ///< Left eye, right eye: 1 open, 0 closed.

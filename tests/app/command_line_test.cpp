@@ -247,6 +247,7 @@ TEST_F(WrongInput, ModelsFacesAndMotions) {
        {{"evaluate", "@sound.mien", "--steps", "4"}, "--window"},
        {{"evaluate", "@kept.mien", "--no-adapt", "--window"}, "--window"},
        {{"face", "--face", "nobody"}, "nobody"},
+       {{"face", "profiles", "openxr_bf_70"}, "did you mean openxr_fb_70?"},
        {{"face", "export", "--out", "@new.txt"}, "new.txt"},
        {{"face", "export", "--names", "arkti", "--out", "@new.glb"}, "did you mean arkit?"},
        {{"face", "export", "--names", "arkit", "--out", "@new.obj"}, "--names"},
