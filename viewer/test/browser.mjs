@@ -7,20 +7,21 @@ import { chromium } from "playwright-core";
 export const PATIENCE = 150_000;
 const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
-export async function launch() {
+/** By default with a graphics card of software. */
+export async function launch(...gl) {
   const executablePath = process.env.MIEN_CHROMIUM ?? "/usr/bin/chromium";
   assert.ok(existsSync(executablePath), `There is no browser at ${executablePath}; MIEN_CHROMIUM says where it is.`);
-  return await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", ...GL], timeout: PATIENCE });
+  return await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", ...(gl.length > 0 ? gl : GL)], timeout: PATIENCE });
 }
 
-/** What is said on the console and should not be is added to `troubles`. `options.fine`: not of the coarsest quality. */
+/** What is said on the console is added to `troubles`, but for a session that goes while it gives a file. `options.fine`: not of the coarsest quality. */
 export async function openPage(browser, url, troubles, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, reducedMotion: "reduce", ...options });
   context.setDefaultTimeout(PATIENCE);
   const page = await context.newPage();
   page.on("pageerror", (error) => troubles.push(String(error.stack)));
   page.on("console", (message) => {
-    if (message.type() === "error" && !/ERR_CONNECTION_REFUSED|WebSocket connection|40[34]/.test(message.text())) troubles.push(message.text());
+    if (message.type() === "error" && !/ERR_CONNECTION_REFUSED|ERR_SOCKET_NOT_CONNECTED|ERR_CONTENT_LENGTH_MISMATCH|WebSocket connection|40[34]/.test(message.text())) troubles.push(message.text());
   });
   const address = new URL(url);
   if (!options.fine) address.searchParams.set("quality", "low");

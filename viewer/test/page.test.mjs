@@ -453,7 +453,7 @@ test("nonsense from the session is survived", { timeout: 4 * PATIENCE }, async (
 });
 
 test("without WebGL the weights are still there", { timeout: 4 * PATIENCE }, async () => {
-  const blind = await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-3d-apis", "--disable-webgl"], timeout: PATIENCE });
+  const blind = await launch("--disable-gpu", "--disable-3d-apis", "--disable-webgl");
   const page = await (await blind.newContext({ viewport: { width: 1000, height: 640 } })).newPage();
   page.on("pageerror", (error) => troubles.push(String(error.stack)));
   await page.goto(mock.url);

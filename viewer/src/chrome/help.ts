@@ -7,9 +7,17 @@ export function makeHelp(keys: readonly Key[], view: ViewState): HTMLDialogEleme
   const rows = keys.filter((key) => key.shown !== "").map((key) =>
     h("div", {}, h("dt", {}, ...key.shown.split(" ").map((one) => h("kbd", { text: one }))), h("dd", { text: key.does })),
   );
-  const dialog = h(
+  const dialog: HTMLDialogElement = h(
     "dialog",
-    { class: "help", "aria-labelledby": "help-title", onclose: () => view.helpOpen.set(false) },
+    {
+      class: "help",
+      "aria-labelledby": "help-title",
+      onclose: () => {
+        view.helpOpen.set(false);
+        // Some browsers leave the focus on its button, which nobody sees any more and which takes the space bar.
+        if (dialog.contains(document.activeElement)) (document.activeElement as HTMLElement).blur();
+      },
+    },
     h(
       "form",
       { method: "dialog" },
