@@ -48,7 +48,7 @@ struct Unmatched {
 };
 
 /// A profile of the outside world beside the inner one: what each of its shapes is of ours and back, compiled
-/// from profiles/<name>.toml (docs/reference/profiles.md). All of it lives as long as the program.
+/// from profiles/NAME.toml (docs/reference/profiles.md). All of it lives as long as the program.
 struct ProfileMap {
   std::string_view name;    ///< "openxr_fb_70"
   std::string_view title;   ///< "OpenXR XR_FB_face_tracking2"

@@ -122,7 +122,7 @@ inline constexpr std::array<std::string_view, kUnifiedCount> kUnifiedNames = {"E
                                                                               "NeckFlexRight",
                                                                               "NeckFlexLeft"};
 
-/// OpenXR's XR_FB_face_tracking2, in the order of its enumeration: XR_FACE_EXPRESSION2_<name>_FB. The first
+/// OpenXR's XR_FB_face_tracking2, in the order of its enumeration: XR_FACE_EXPRESSION2_NAME_FB. The first
 /// 63 are XR_FB_face_tracking's.
 inline constexpr std::size_t kOpenXrFbCount = 70;
 inline constexpr std::size_t kOpenXrFbFirstCount = 63;
