@@ -14,7 +14,10 @@ export async function launch(...gl) {
   return await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", ...(gl.length > 0 ? gl : GL)], timeout: PATIENCE });
 }
 
-/** What is said on the console is added to `troubles`, but for a session that goes while it gives a file. `options.fine`: not of the coarsest quality. */
+/**
+ * What is said on the console is added to `troubles`, but for a session that goes while it gives a file. `options.fine`: not
+ * of the coarsest quality.
+ */
 export async function openPage(browser, url, troubles, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1000, height: 640 }, reducedMotion: "reduce", ...options });
   context.setDefaultTimeout(PATIENCE);
