@@ -29,9 +29,9 @@ Result<MarkedShapes> mark_builtin(const builtin_face::MarkerSet& markers) {
 }
 
 Result<MarkedFace> MarkedFace::create(std::string name, const MarkedShapes& shapes) {
-  MIEN_TRY_ASSIGN(
-      face::WeightSolver solver,
-      face::WeightSolver::create(shapes.neutral_m, shapes.shapes_m, face::natural_rules(), {.rest = kRest}));
+  MIEN_TRY_ASSIGN(face::WeightSolver solver,
+                  face::WeightSolver::create(shapes.neutral_m, shapes.shapes_m, face::natural_constraints(),
+                                             {.rest = kRest}));
   return MarkedFace{std::move(name), shapes.neutral_m, std::move(solver)};
 }
 

@@ -15,8 +15,7 @@ constexpr double kDone = 5e-4;
 }  // namespace
 
 Result<WeightSolver> WeightSolver::create(Eigen::VectorXd neutral_m, Eigen::MatrixXd shapes_m,
-                                          std::span<const ShapeRule> rules,
-                                          const WeightSolverSettings& settings) {
+                                          const RigConstraints& rules, const WeightSolverSettings& settings) {
   if (neutral_m.size() == 0 || neutral_m.size() % 3 != 0 || shapes_m.rows() != neutral_m.size() ||
       shapes_m.cols() != static_cast<Eigen::Index>(kShapeCount))
     return fail(ErrorCode::mismatch, "the points and what the shapes do to them are not of one size",
@@ -28,15 +27,18 @@ Result<WeightSolver> WeightSolver::create(Eigen::VectorXd neutral_m, Eigen::Matr
       return fail(ErrorCode::out_of_range, "a setting below 0, or not finite", "weight solver");
   WeightSolver solver;
   solver.settings_ = settings;
-  for (const ShapeRule& rule : rules) {
-    if (rule.a >= kShapeCount || rule.b >= kShapeCount || rule.a == rule.b)
-      return fail(ErrorCode::out_of_range, "a rule of shapes that are none", "weight solver");
-    solver.sides_[rule.a].push_back({rule.kind, static_cast<Eigen::Index>(rule.b)});
-    if (rule.kind == ShapeRule::Kind::at_most)
-      solver.correctives_.push_back(rule);
-    else
-      solver.sides_[rule.b].push_back({rule.kind, static_cast<Eigen::Index>(rule.a)});
+  solver.rules_ = rules;
+  const auto index = [](std::size_t shape) { return static_cast<Eigen::Index>(shape); };
+  for (const ExclusivePair& pair : rules.exclusive()) {
+    solver.sides_[pair.a].exclusive.push_back(index(pair.b));
+    solver.sides_[pair.b].exclusive.push_back(index(pair.a));
   }
+  for (const TogetherGroup& group : rules.together())
+    for (const std::size_t a : group.shapes)
+      for (const std::size_t b : group.shapes)
+        if (a != b) solver.sides_[a].together.push_back(index(b));
+  for (std::size_t i = 0; i < rules.conditions().size(); ++i)
+    solver.sides_[rules.conditions()[i].a].conditions.push_back(i);
   solver.neutral_mm_ = kMmPerM * neutral_m;
   solver.shapes_mm_ = kMmPerM * shapes_m;
   const auto shapes = static_cast<Eigen::Index>(kShapeCount);
@@ -71,6 +73,11 @@ void WeightSolver::weigh(const Eigen::VectorXd& points_m, std::span<const double
   fitted_.noalias() = normal_ * weights_;
 }
 
+double WeightSolver::most_of(std::size_t condition) const {
+  const Condition& rule = rules_.conditions()[condition];
+  return rule.most(weights_[static_cast<Eigen::Index>(rule.b)]);
+}
+
 /// One pass over the shapes; returns the largest change.
 double WeightSolver::sweep(double smooth) {
   double largest = 0;
@@ -79,21 +86,13 @@ double WeightSolver::sweep(double smooth) {
         fitted_[k] - target_[k] + settings_.rest * weights_[k] + smooth * (weights_[k] - before_[k]);
     double curve = normal_(k, k) + settings_.rest + smooth;
     double most = 1;
-    for (const Side& side : sides_[static_cast<std::size_t>(k)]) {
-      const double other = weights_[side.other];
-      switch (side.kind) {
-        case ShapeRule::Kind::exclusive:
-          slope += settings_.exclusive * other;
-          break;
-        case ShapeRule::Kind::together:
-          slope += settings_.together * (weights_[k] - other);
-          curve += settings_.together;
-          break;
-        case ShapeRule::Kind::at_most:
-          most = std::min(most, other);
-          break;
-      }
+    const Sides& sides = sides_[static_cast<std::size_t>(k)];
+    for (const Eigen::Index other : sides.exclusive) slope += settings_.exclusive * weights_[other];
+    for (const Eigen::Index other : sides.together) {
+      slope += settings_.together * (weights_[k] - weights_[other]);
+      curve += settings_.together;
     }
+    for (const std::size_t i : sides.conditions) most = std::min(most, most_of(i));
     if (!(curve > 0)) continue;  // Nobody sees this shape, and nothing holds it.
     const double next = std::clamp(weights_[k] - slope / curve, 0.0, most);
     const double change = next - weights_[k];
@@ -124,9 +123,9 @@ void WeightSolver::solve(const Eigen::VectorXd& points_m, std::span<const double
   for (int i = 0; i < settings_.sweeps; ++i)
     if (sweep(smooth) < kDone) break;
   // A shape that another may not exceed has moved last: its bound holds at the end too.
-  for (const ShapeRule& rule : correctives_) {
-    const auto a = static_cast<Eigen::Index>(rule.a);
-    const double over = weights_[a] - weights_[static_cast<Eigen::Index>(rule.b)];
+  for (std::size_t i = 0; i < rules_.conditions().size(); ++i) {
+    const auto a = static_cast<Eigen::Index>(rules_.conditions()[i].a);
+    const double over = weights_[a] - most_of(i);
     if (over <= 0) continue;
     weights_[a] -= over;
     fitted_.noalias() -= over * normal_.col(a);

@@ -34,17 +34,17 @@ struct WeightSolverSettings {
 };
 
 /// From where points of the skin are to the weights that bring a face's own points there: least squares
-/// within [0, 1] and the rules of the face, smoothed from frame to frame. Starts each frame from the last
-/// one's answer, which makes it a pure function of the calls. Method: coordinate descent on the 53 weights,
-/// which minimises exactly along each and keeps bounds for nothing (Tseng 2001, doi:10.1023/A:1017501703105).
-/// Thread: one at a time. No allocation in solve().
+/// within [0, 1] and the rules of the face (of groups only that they are alike, not their band), smoothed
+/// from frame to frame. Starts each frame from the last one's answer, which makes it a pure function of the
+/// calls. Method: coordinate descent on the 53 weights, which minimises exactly along each and keeps bounds
+/// for nothing (Tseng 2001, doi:10.1023/A:1017501703105). Thread: one at a time. No allocation in solve().
 class WeightSolver {
  public:
   /// `neutral_m`: the points at neutral, x, y, z of the first, then of the next (size 3V); `shapes_m`: their
   /// displacement per unit weight, 3V x 53; metres, frame H. Errors: mismatch (sizes), out_of_range (numbers
   /// that are not finite, no points, settings below 0).
   [[nodiscard]] static Result<WeightSolver> create(Eigen::VectorXd neutral_m, Eigen::MatrixXd shapes_m,
-                                                   std::span<const ShapeRule> rules = natural_rules(),
+                                                   const RigConstraints& rules = natural_constraints(),
                                                    const WeightSolverSettings& settings = {});
 
   /// The weights for points at `points_m` (size 3V). `trust` (size V, or empty: all 1) is each point's share
@@ -59,15 +59,17 @@ class WeightSolver {
   WeightSolver() = default;
   void weigh(const Eigen::VectorXd& points_m, std::span<const double> trust);
   double sweep(double smooth);
+  /// The most that a condition allows its shape at the weights of now.
+  [[nodiscard]] double most_of(std::size_t condition) const;
 
   WeightSolverSettings settings_;
-  /// What a rule asks of one of its shapes, by the other's weight.
-  struct Side {
-    ShapeRule::Kind kind;
-    Eigen::Index other;
+  /// The shapes that each excludes, those that it is like, and the conditions (of rules_) that bound it.
+  struct Sides {
+    std::vector<Eigen::Index> exclusive, together;
+    std::vector<std::size_t> conditions;
   };
-  std::array<std::vector<Side>, kShapeCount> sides_;
-  std::vector<ShapeRule> correctives_;  // Those of the kind at_most.
+  RigConstraints rules_;
+  std::array<Sides, kShapeCount> sides_;
   Eigen::VectorXd neutral_mm_;
   Eigen::MatrixXd shapes_mm_;  // 3V x 53.
   Eigen::MatrixXd normal_;     // 53 x 53, of the trust in force.

@@ -21,9 +21,9 @@ Result<Retargeted> retarget_markers(const CleanMarkers& clean, const builtin_fac
   Eigen::VectorXd neutral_m(3 * static_cast<Eigen::Index>(placed.count()));
   for (std::size_t m = 0; m < placed.count(); ++m)
     neutral_m.segment<3>(3 * static_cast<Eigen::Index>(m)) = placed.neutral_m()[m];
-  MIEN_TRY_ASSIGN(
-      face::WeightSolver solver,
-      face::WeightSolver::create(std::move(neutral_m), placed.shapes_m(), face::natural_rules(), settings));
+  MIEN_TRY_ASSIGN(face::WeightSolver solver,
+                  face::WeightSolver::create(std::move(neutral_m), placed.shapes_m(),
+                                             face::natural_constraints(), settings));
   std::vector<bool> ever(placed.count(), false);
   for (std::size_t i = 0; i < track.frames(); ++i)
     for (std::size_t m = 0; m < track.count(); ++m) ever[m] = ever[m] || is_seen(track.frame(i)[m]);

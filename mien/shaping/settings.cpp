@@ -152,6 +152,7 @@ std::string write_settings(const ShaperSettings& settings) {
                {{"hold_s", settings.fallback.hold_s},
                 {"neutral_s", settings.fallback.neutral_s},
                 {"return_s", settings.fallback.return_s}}}};
+  if (settings.constraints) out["constraints"] = true;
   if (settings.merge != MergeSettings{}) out["merge"] = write_merge(settings.merge);
   return out.dump();
 }
@@ -167,6 +168,9 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "smooth_head") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'smooth_head' is not true or false", where);
       settings.smooth_head = value.get<bool>();
+    } else if (key == "constraints") {
+      if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
+      settings.constraints = value.get<bool>();
     } else if (key == "gains") {
       MIEN_TRY(read_gains(value, where, settings.limits));
     } else if (key == "limits") {

@@ -12,6 +12,7 @@ Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
 void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
   limited_ = settings.limits != Limits{};
+  constraints_ = settings.constraints ? &face::natural_constraints() : nullptr;
   fallback_.set(settings.fallback);
   smoothing_.set(smoothing_for(settings.smoothing, settings.smooth_head));
 }
@@ -32,6 +33,7 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   recentre_.apply(frame);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
+  if (constraints_ != nullptr) constraints_->project(frame.weights);
   if (begun_) bound_steps(frame, shown_);
   bound(frame);
   eyes_from_weights(frame);

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "mien/face/output_frame.h"
+#include "mien/face/rig_constraints.h"
 #include "mien/shaping/fallback.h"
 #include "mien/shaping/recentre.h"
 #include "mien/shaping/settings.h"
@@ -11,9 +12,10 @@
 namespace mien::shaping {
 
 /// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
-/// re-centring, gains and limits, smoothing, bounds ([0, 1], no step above kStepAtMost, mouthClose <=
-/// jawOpen), eyes. Output is finite and within bounds for any input. With default settings and no change of
-/// sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen) and of its head.
+/// re-centring, gains and limits, smoothing, constraints (off unless asked for), bounds ([0, 1], no step
+/// above kStepAtMost, mouthClose <= jawOpen), eyes. Output is finite and within bounds for any input. With
+/// default settings and no change of sensors a valid frame keeps the bits of its weights (unless mouthClose
+/// is above jawOpen) and of its head.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
 /// the state but for settings and centre. No allocation. Thread: one at a time. Method and cost:
@@ -43,7 +45,8 @@ class Shaper {
 
  private:
   ShaperSettings settings_;
-  bool limited_ = false;  // Some gain or limit differs from the default.
+  bool limited_ = false;                               // Some gain or limit differs from the default.
+  const face::RigConstraints* constraints_ = nullptr;  // None: the step is off.
   bool begun_ = false;
   face::OutputFrame last_;   // The last input, mended.
   face::OutputFrame shown_;  // The last output.

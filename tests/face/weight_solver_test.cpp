@@ -52,7 +52,7 @@ const Points& points() {
 }
 
 WeightSolver solver(const WeightSolverSettings& settings = {}) {
-  return WeightSolver::create(points().neutral_m, points().shapes_m, natural_rules(), settings).value();
+  return WeightSolver::create(points().neutral_m, points().shapes_m, natural_constraints(), settings).value();
 }
 
 BlendshapeWeights speaking(double t) {
@@ -94,10 +94,7 @@ TEST(WeightSolver, KeepsBoundsAndTheRulesOfTheFaceWhateverItIsGiven) {
     BlendshapeWeights w;
     solver.solve(wild, {}, 1 / 60.0, w);
     for (const float x : w.values) ASSERT_TRUE(x >= 0 && x <= 1);
-    for (const ShapeRule& rule : natural_rules())
-      if (rule.kind == ShapeRule::Kind::at_most) {
-        ASSERT_LE(w[rule.a], w[rule.b]);
-      }
+    for (const Condition& rule : natural_constraints().conditions()) ASSERT_TRUE(rule.obeyed(w));
   }
 }
 
@@ -174,7 +171,8 @@ TEST(WeightSolver, IsAPureFunctionOfItsCalls) {
 
 TEST(WeightSolver, RefusesWhatDoesNotFit) {
   const auto made = [](Eigen::VectorXd neutral, Eigen::MatrixXd shapes, WeightSolverSettings settings = {}) {
-    return WeightSolver::create(std::move(neutral), std::move(shapes), natural_rules(), settings).has_value();
+    return WeightSolver::create(std::move(neutral), std::move(shapes), natural_constraints(), settings)
+        .has_value();
   };
   const Eigen::VectorXd neutral = points().neutral_m;
   const Eigen::MatrixXd shapes = points().shapes_m;

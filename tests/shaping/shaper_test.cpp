@@ -53,6 +53,26 @@ TEST(Shaper, TheDefaultAddsNoDelayAndNoChange) {
   }
 }
 
+TEST(Shaper, ObeysTheConstraintsOnlyWhenAskedTo) {
+  ShaperSettings asked;
+  asked.constraints = true;
+  Shaper with(asked), without;
+  Random random(7);
+  bool moved = false;
+  for (int i = 0; i < 300; ++i) {
+    face::OutputFrame in = moving(i, random);
+    in.weights[shape("mouthClose")] = std::min(in.weights[shape("mouthClose")], in.weights[shape("jawOpen")]);
+    face::OutputFrame kept = in, bound = in;
+    without.apply(kept, 12);
+    with.apply(bound, 12);
+    ASSERT_EQ(kept.weights, in.weights);
+    // Steps of the projection are bounded after it.
+    ASSERT_TRUE(i > 0 || face::natural_constraints().obeyed(bound.weights));
+    moved = moved || !(bound.weights == in.weights);
+  }
+  EXPECT_TRUE(moved);
+}
+
 TEST(Shaper, KeepsItsPromisesWhateverComesIn) {
   Random random(2);
   const auto odd = [&random]() -> float {
