@@ -13,6 +13,7 @@ void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
   limited_ = settings.limits != Limits{};
   fallback_.set(settings.fallback);
+  resting_.set(settings.resting);
   smoothing_.set(smoothing_for(settings.smoothing, settings.smooth_head));
 }
 
@@ -20,6 +21,7 @@ void Shaper::reset() {
   begun_ = false;
   last_ = neutral_frame({});
   fallback_.reset();
+  resting_.reset();
   recentre_.settle();
   smoothing_.reset();
 }
@@ -29,7 +31,9 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   mend(frame, last_);
   last_ = frame;
   fallback_.apply(frame, sensors_present);
-  recentre_.apply(frame);
+  recentre_.observe(frame);
+  resting_.apply(frame);
+  recentre_.take_off(frame, resting_.present());
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
   if (begun_) bound_steps(frame, shown_);
