@@ -39,10 +39,12 @@ double StreamingMode::mode() const {
       height = here;
     }
   }
+  if (best == 0) return 0;
+  if (best == static_cast<int>(kBins) - 1) return 1;
   const int below = smoothed(best - 1);  // Less than `height`: the parabola opens downwards.
   const int above = smoothed(best + 1);
   const double offset = 0.5 * (below - above) / (below - 2 * height + above);
-  return std::clamp((best + offset) / kLastBin, 0.0, 1.0);
+  return (best + offset) / kLastBin;
 }
 
 double StreamingMode::upper(double share) const {

@@ -20,8 +20,9 @@ class StreamingMode {
   /// Takes a value, held to [0, 1]; the oldest of a full window goes. One that is not finite changes nothing.
   void add(float value);
   /// The highest bin of the histogram smoothed by 1-2-1 (the lowest of several), refined by the parabola
-  /// through it and its neighbours, in [0, 1]; beyond both ends the histogram is 0. Of a value seen alone it
-  /// is that of its bin, within 1/126. 0 while there is no value.
+  /// through it and its neighbours, in [0, 1]; beyond both ends the histogram is 0. In the outermost bins it
+  /// is 0 and 1, where values that are held to their range pile up. A value seen alone is told within 1/126.
+  /// 0 while there is no value.
   [[nodiscard]] double mode() const;
   /// The value that `share` (0 to 1) of the window exceeds, in [0, 1], linear within a bin. 0 while there is
   /// no value.

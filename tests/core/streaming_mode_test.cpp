@@ -64,9 +64,22 @@ TEST(StreamingMode, OfTwoAlikeTheLowerIsTaken) {
   add(mode, 5, 9);
   EXPECT_DOUBLE_EQ(mode.mode(), 5 / 63.0);
   StreamingMode neighbours;  // As high in both: the top lies between them.
-  add(neighbours, 0, 7);
   add(neighbours, 1, 7);
-  EXPECT_DOUBLE_EQ(neighbours.mode(), 0.5 / 63);
+  add(neighbours, 2, 7);
+  EXPECT_DOUBLE_EQ(neighbours.mode(), 1.5 / 63);
+}
+
+TEST(StreamingMode, AtTheEndsIsTheEnd) {
+  StreamingMode mode;
+  add(mode, 0, 9);
+  add(mode, 1, 6);  // Smoothed 24 and 21.
+  EXPECT_EQ(mode.mode(), 0);
+  add(mode, 1, 4);  // 28 and 29, then 10: 0.5 (28 - 10) / (28 - 58 + 10) = -0.45.
+  EXPECT_DOUBLE_EQ(mode.mode(), 0.55 / 63);
+  StreamingMode top;
+  add(top, 63, 9);
+  add(top, 62, 6);
+  EXPECT_EQ(top.mode(), 1);
 }
 
 TEST(StreamingMode, WhatTheTopExceeds) {

@@ -55,6 +55,7 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"smoothing": "much"})",
                            R"({"smoothing": true})",
                            R"({"smooth_head": 1})",
+                           R"({"resting": 1})",
                            R"({"gains": []})",
                            R"({"gains": {"jawopen": 1}})",
                            R"({"gains": {"jawOpen": null}})",
