@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "mien/shaping/centre.h"
+#include "mien/shaping/resting_face.h"
 #include "mien/shaping/settings.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -16,6 +17,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto centre = parse_centre(text, "input")) {
     const auto again = parse_centre(write_centre(*centre), "written");
     if (!again || *again != *centre) std::abort();
+  }
+  if (const auto resting = parse_resting_face(text, "input")) {
+    const auto again = parse_resting_face(write_resting_face(*resting), "written");
+    if (!again || *again != *resting) std::abort();
   }
   return 0;
 }

@@ -24,8 +24,8 @@ namespace {
 
 constexpr std::size_t kMostBytes = 1U << 20U;
 constexpr std::size_t kMostPoints = 64;
-/// By which rules are held to settle, and where they are drawn from: no run of chance, or a file would load today
-/// and not tomorrow.
+/// By which rules are held to settle, and where they are drawn from: no run of chance, or a file would load
+/// today and not tomorrow.
 constexpr int kRandomFaces = 1000;
 constexpr std::uint64_t kSeed = 20260107;
 
@@ -158,7 +158,8 @@ class ConstraintsReader {
     const auto number = node.is_number() ? node.value<double>() : std::nullopt;
     if (!number) return fail(ErrorCode::malformed, fmt::format("{} is not a number", what), place(node));
     if (!(*number >= 0 && *number <= 1))
-      return fail(ErrorCode::out_of_range, fmt::format("{} is {}", what, *number), place(node), "give 0 to 1");
+      return fail(ErrorCode::out_of_range, fmt::format("{} is {}", what, *number), place(node),
+                  "give 0 to 1");
     return *number;
   }
 
@@ -181,8 +182,8 @@ class ConstraintsReader {
     for (const toml::node& name : *names) {
       MIEN_TRY_ASSIGN(const std::size_t i, shape_of(&name, "shapes", rule));
       if (std::ranges::find(group.shapes, i) != group.shapes.end())
-        return fail(ErrorCode::malformed, fmt::format("'{}' stands twice in a rule", kShapeNames[i]), place(name),
-                    "name each shape once");
+        return fail(ErrorCode::malformed, fmt::format("'{}' stands twice in a rule", kShapeNames[i]),
+                    place(name), "name each shape once");
       group.shapes.push_back(i);
     }
     if (const toml::node* within = rule.get("within")) {
@@ -224,7 +225,8 @@ class ConstraintsReader {
 };
 
 template <class Rule>
-std::optional<std::uint32_t> line_of_broken(const std::vector<Told<Rule>>& rules, const BlendshapeWeights& w) {
+std::optional<std::uint32_t> line_of_broken(const std::vector<Told<Rule>>& rules,
+                                            const BlendshapeWeights& w) {
   for (const Told<Rule>& told : rules)
     if (!told.rule.obeyed(w)) return told.line;
   return std::nullopt;
@@ -241,8 +243,8 @@ std::vector<Rule> without_lines(std::vector<Told<Rule>> rules) {
 
 Result<RigConstraints> RigConstraints::parse(std::string_view toml, const std::string& where) {
   if (toml.size() > kMostBytes)
-    return fail(ErrorCode::out_of_range, fmt::format("{} bytes are more than {}", toml.size(), kMostBytes), where,
-                "512 rules need far less");
+    return fail(ErrorCode::out_of_range, fmt::format("{} bytes are more than {}", toml.size(), kMostBytes),
+                where, "512 rules need far less");
   MIEN_TRY_ASSIGN(const toml::table file, parse_toml(toml, where));
   ConstraintsReader reader(where);
   MIEN_TRY(reader.read(file));
@@ -261,16 +263,18 @@ Result<RigConstraints> RigConstraints::parse(std::string_view toml, const std::s
     auto line = line_of_broken(reader.exclusive, weights);
     if (!line) line = line_of_broken(reader.together, weights);
     if (!line) line = line_of_broken(reader.conditions, weights);
-    return fail(ErrorCode::malformed,
-                fmt::format("this rule fights with others: after {} passes over all it is still broken", kPasses),
-                reader.line(line.value_or(0)), "widen it, or take out what asks for the opposite");
+    return fail(
+        ErrorCode::malformed,
+        fmt::format("this rule fights with others: after {} passes over all it is still broken", kPasses),
+        reader.line(line.value_or(0)), "widen it, or take out what asks for the opposite");
   }
   return out;
 }
 
 const RigConstraints& natural_constraints() {
   // Of a file that the tests hold to be sound.
-  static const RigConstraints kNatural = RigConstraints::parse(kNaturalConstraintsToml, "rigs/constraints/ict.toml").value();
+  static const RigConstraints kNatural =
+      RigConstraints::parse(kNaturalConstraintsToml, "rigs/constraints/ict.toml").value();
   return kNatural;
 }
 

@@ -174,7 +174,8 @@ Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const Sur
     positions.push_back(face.neutral_m[i] - piece.origin_m);
     unit_normals.push_back(normals[i]);
     const Vec3f* own = face.colour.empty() ? nullptr : &face.colour[i];
-    Vec3f albedo = paint.at(face.neutral_m[i], material_of[i], own).albedo;
+    // What lies between two vertices, some 2 mm apart, is no colour of either.
+    Vec3f albedo = paint.at(face.neutral_m[i], material_of[i], own, {.footprint_m = 2e-3F}).albedo;
     if (material_of[i] == Material::cornea) albedo = Vec3f::Ones();
     if (material_of[i] == Material::strands) albedo *= face::kBrightestStrand;
     std::array<std::uint16_t, 4> rgba{0, 0, 0, 65535};

@@ -164,6 +164,7 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
   version.origin = origin;
   version.json = tracker_->calibration();
   version.centre = shaping::write_centre(shaper_.recentring().centre());
+  version.resting = shaping::write_resting_face(shaper_.resting().learnt());
   version.scores = std::move(scores);
   in_force_ = version.id;
   const auto failed = std::ranges::count(version.scores, false, &sensor::Score::pass);
@@ -216,9 +217,11 @@ Result<void> Session::use_version(std::int64_t id) {
     return fail(ErrorCode::not_found, fmt::format("there is no calibration {}", id), kSession,
                 "choose one of the list");
   MIEN_TRY_ASSIGN(const shaping::Centre centre, shaping::parse_centre(found->centre, kSession));
+  MIEN_TRY_ASSIGN(const shaping::RestingFace resting, shaping::parse_resting_face(found->resting, kSession));
   MIEN_TRY(execute(CancelCalibration{}));
   if (!found->json.empty()) MIEN_TRY(tracker_->restore(found->json));
   shaper_.use_centre(centre);
+  shaper_.use_resting(resting);
   in_force_ = id;
   // What it knows of boards that sat elsewhere then does not hold of those that sit there now.
   for (std::uint16_t i = 0; i < bound_at_.size(); ++i)

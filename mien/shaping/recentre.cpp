@@ -60,10 +60,9 @@ void Recentre::settle() {
   present_ = target_;
 }
 
-void Recentre::apply(face::OutputFrame& frame) {
+void Recentre::observe(const face::OutputFrame& frame) {
   if (state_ == State::measuring) measure(frame);
   if (easing_) ease_on(frame.time);
-  take_off(frame);
 }
 
 void Recentre::ease_on(DeviceTime time) {
@@ -116,9 +115,9 @@ void Recentre::conclude() {
   go_to(centre);
 }
 
-void Recentre::take_off(face::OutputFrame& frame) const {
+void Recentre::take_off(face::OutputFrame& frame, const RestingFace& applied) const {
   for (std::size_t i = 0; i < face::kShapeCount; ++i) {
-    const float rest = present_.rest[i];
+    const float rest = applied.applied(i, present_.rest[i]);
     if (rest > 0) frame.weights[i] = std::clamp((frame.weights[i] - rest) / (1 - rest), 0.0f, 1.0f);
   }
   if (present_.yaw_rad != 0) frame.head = canonical(exp_rotation({0, -present_.yaw_rad, 0}) * frame.head);

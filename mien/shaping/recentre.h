@@ -6,6 +6,7 @@
 
 #include "mien/face/output_frame.h"
 #include "mien/shaping/centre.h"
+#include "mien/shaping/resting_face.h"
 
 namespace mien::shaping {
 
@@ -27,7 +28,15 @@ class Recentre {
   };
 
   /// Measures where begun, and applies the centre in place. Frames come in rising order of time.
-  void apply(face::OutputFrame& frame);
+  void apply(face::OutputFrame& frame) {
+    observe(frame);
+    take_off(frame, {});
+  }
+  /// The same in two steps, where a resting face is applied in between: a centre is measured on the tracker's
+  /// weights, and of its rests only what the resting face leaves is taken off, so that nothing is subtracted
+  /// twice whichever was learnt first.
+  void observe(const face::OutputFrame& frame);
+  void take_off(face::OutputFrame& frame, const RestingFace& applied) const;
 
   /// Measures from the next frame on; restarts a measurement in progress.
   void begin();
@@ -49,7 +58,6 @@ class Recentre {
   void ease_on(DeviceTime time);
   void conclude();
   void go_to(const Centre& centre);
-  void take_off(face::OutputFrame& frame) const;
 
   State state_ = State::idle;
   Centre present_;  // As applied to the last frame.

@@ -146,6 +146,7 @@ std::string write_settings(const ShaperSettings& settings) {
   }
   json out = {{"smoothing", settings.smoothing},
               {"smooth_head", settings.smooth_head},
+              {"resting", settings.resting},
               {"gains", std::move(gains)},
               {"limits", std::move(limits)},
               {"fallback",
@@ -168,6 +169,9 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "smooth_head") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'smooth_head' is not true or false", where);
       settings.smooth_head = value.get<bool>();
+    } else if (key == "resting") {
+      if (!value.is_boolean()) return fail(ErrorCode::malformed, "'resting' is not true or false", where);
+      settings.resting = value.get<bool>();
     } else if (key == "constraints") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
       settings.constraints = value.get<bool>();

@@ -14,6 +14,7 @@ void Shaper::set(const ShaperSettings& settings) {
   limited_ = settings.limits != Limits{};
   constraints_ = settings.constraints ? &face::natural_constraints() : nullptr;
   fallback_.set(settings.fallback);
+  resting_.set(settings.resting);
   smoothing_.set(smoothing_for(settings.smoothing, settings.smooth_head));
 }
 
@@ -21,6 +22,7 @@ void Shaper::reset() {
   begun_ = false;
   last_ = neutral_frame({});
   fallback_.reset();
+  resting_.reset();
   recentre_.settle();
   smoothing_.reset();
 }
@@ -30,7 +32,9 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   mend(frame, last_);
   last_ = frame;
   fallback_.apply(frame, sensors_present);
-  recentre_.apply(frame);
+  recentre_.observe(frame);
+  resting_.apply(frame);
+  recentre_.take_off(frame, resting_.present());
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
   if (constraints_ != nullptr) constraints_->project(frame.weights);

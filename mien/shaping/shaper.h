@@ -6,20 +6,22 @@
 #include "mien/face/rig_constraints.h"
 #include "mien/shaping/fallback.h"
 #include "mien/shaping/recentre.h"
+#include "mien/shaping/resting.h"
 #include "mien/shaping/settings.h"
 #include "mien/shaping/smoothing.h"
 
 namespace mien::shaping {
 
 /// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
-/// re-centring, gains and limits, smoothing, constraints (off unless asked for), bounds ([0, 1], no step
-/// above kStepAtMost, mouthClose <= jawOpen), eyes. Output is finite and within bounds for any input. With
-/// default settings and no change of sensors a valid frame keeps the bits of its weights (unless mouthClose
-/// is above jawOpen) and of its head.
+/// resting face (off unless asked for), re-centring,
+/// gains and limits, smoothing, constraints (likewise), bounds ([0, 1], no step above kStepAtMost, mouthClose
+/// <= jawOpen), eyes. Output is finite and within bounds for any input. With default settings and no change
+/// of sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen) and of its
+/// head.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
-/// the state but for settings and centre. No allocation. Thread: one at a time. Method and cost:
-/// docs/method/shaping.md.
+/// the state but for settings, centre and resting face. No allocation. Thread: one at a time. Method and
+/// cost: docs/method/shaping.md.
 class Shaper {
  public:
   explicit Shaper(const ShaperSettings& settings = {});
@@ -36,11 +38,16 @@ class Shaper {
   /// State and centre, for the page and for calibration versions.
   [[nodiscard]] const Recentre& recentring() const { return recentre_; }
 
+  /// Puts an earlier resting face in force, eased in; seen once settings.resting is on.
+  void use_resting(const RestingFace& face) { resting_.use(face); }
+  /// What the streaming calibration has learnt, for the page and for calibration versions.
+  [[nodiscard]] const Resting& resting() const { return resting_; }
+
   /// Takes effect at the next frame. Settings must be in range: parse_settings checks them.
   void set(const ShaperSettings& settings);
   [[nodiscard]] const ShaperSettings& settings() const { return settings_; }
 
-  /// Resets the state but for settings and centre: for another take.
+  /// Resets the state but for settings, centre and resting face: for another take.
   void reset();
 
  private:
@@ -51,6 +58,7 @@ class Shaper {
   face::OutputFrame last_;   // The last input, mended.
   face::OutputFrame shown_;  // The last output.
   Fallback fallback_;
+  Resting resting_;
   Recentre recentre_;
   Smoothing smoothing_;
 };

@@ -27,11 +27,12 @@ live::Status status() {
   calibration.remaining_s = 3.5;
   calibration.in_force = 2;
   calibration.versions.resize(2);
-  calibration.versions[0] = {1, DeviceTime(from_seconds(3)), "self", "", "", {}};
+  calibration.versions[0] = {1, DeviceTime(from_seconds(3)), "self", "", "", "", {}};
   calibration.versions[1] = {
       2,
       DeviceTime(from_seconds(10.5)),
       "guided",
+      "",
       "",
       "",
       {{"nod", 21.5, "deg", true, "the nod was large enough"}, {"neutral", 5, "dps", false, "again"}}};

@@ -55,10 +55,10 @@ TEST(RigConstraints, AGroupComesWithinItsBandOfTheMean) {
   rules(names + "within = 0.2\n").project(w);
   EXPECT_NEAR(w[shape("eyeBlink_L")], 0.7F, 1e-6);
   EXPECT_NEAR(w[shape("eyeBlink_R")], 0.3F, 1e-6);
-  // Of three the mean moves with each clip: 0.9, 0, 0 has mean 0.3, clipped to 0.4, 0.2, 0.2 has 0.267, and so on to
-  // where the first is 0.1 from the mean of all.
-  const RigConstraints three = rules(
-      "[[together]]\nshapes = [\"browInnerUp_L\", \"browInnerUp_R\", \"browDown_L\"]\nwithin = 0.1\n");
+  // Of three the mean moves with each clip: 0.9, 0, 0 has mean 0.3, clipped to 0.4, 0.2, 0.2 has 0.267, and
+  // so on to where the first is 0.1 from the mean of all.
+  const RigConstraints three =
+      rules("[[together]]\nshapes = [\"browInnerUp_L\", \"browInnerUp_R\", \"browDown_L\"]\nwithin = 0.1\n");
   w = {};
   w[shape("browInnerUp_L")] = 0.9F;
   three.project(w);
@@ -69,7 +69,8 @@ TEST(RigConstraints, AGroupComesWithinItsBandOfTheMean) {
 
 TEST(RigConstraints, AConditionClipsByItsCurve) {
   const RigConstraints c = rules(
-      "[[conditional]]\na = \"mouthClose\"\nb = \"jawOpen\"\nat_most = [[0.2, 0.1], [0.6, 0.5], [0.8, 0.3]]\n");
+      "[[conditional]]\na = \"mouthClose\"\nb = \"jawOpen\"\nat_most = [[0.2, 0.1], [0.6, 0.5], [0.8, "
+      "0.3]]\n");
   const auto left = [&](float jaw) {
     BlendshapeWeights w;
     w[shape("mouthClose")] = 1;
@@ -107,8 +108,7 @@ TEST(RigConstraints, ProjectionKeepsItsPromisesForAnyRulesThatLoad) {
     std::string toml;
     const auto name = [&] { return "\"" + std::string(kShapeNames[random.below(kShapeCount)]) + "\""; };
     const auto count = random.below(12);
-    for (std::uint64_t k = 0; k < count; ++k)
-      switch (random.below(3)) {
+    for (std::uint64_t k = 0; k < count; ++k) switch (random.below(3)) {
         case 0:
           toml += "[[exclusive]]\na = " + name() + "\nb = " + name() + "\n";
           break;
@@ -185,22 +185,25 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"[[exclusive]]\na = \"jawLeft\"\n", "'b' is missing", 1},
         Refused{"[[exclusive]]\na = 3\nb = \"jawLeft\"\n", "'a' is missing, or names no shape", 2},
         Refused{"[[exclusiv]]\na = \"jawLeft\"\n", "unknown key 'exclusiv'", 1},
-        Refused{"exclusive = 3\n", "no list of rules", 1},
-        Refused{"exclusive = [3]\n", "no table", 1},
+        Refused{"exclusive = 3\n", "no list of rules", 1}, Refused{"exclusive = [3]\n", "no table", 1},
         Refused{"[[together]]\nshapes = [\"jawLeft\"]\n", "two names or more", 2},
         Refused{"[[together]]\nshapes = [\"jawLeft\", \"jawOpen\", \"jawLeft\"]\n", "stands twice", 2},
         Refused{"[[together]]\nshapes = [\"jawLeft\", \"jawOpen\"]\nwithin = -0.1\n", "'within' is -0.1", 3},
         Refused{"[[together]]\nshapes = [\"jawLeft\", \"jawOpen\"]\nwithin = nan\n", "'within' is nan", 3},
         Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\n", "'at_most' is no list", 1},
-        Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0, 0], [0, 1]]\n", "do not ascend", 4},
-        Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0, 2]]\n", "a most of a is 2", 4},
-        Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0]]\n", "'at_most' is no list", 4},
+        Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0, 0], [0, 1]]\n",
+                "do not ascend", 4},
+        Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0, 2]]\n", "a most of a is 2",
+                4},
+        Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0]]\n",
+                "'at_most' is no list", 4},
         Refused{"[[conditional]]\na = \"jawLeft\"\nb = \"jawOpen\"\nat_most = [[0, 0]]\n"
                 "[[conditional]]\na = \"jawOpen\"\nb = \"jawLeft\"\nat_most = [[0, 0]]\n",
                 "is bounded by itself", 5},
         Refused{many(513), "513 rules are more than 512", 0}, Refused{many(10000), "10000 rules", 0},
         // One wants them alike, the other never both: no face with either but zeros.
-        Refused{"[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n[[together]]\nshapes = [\"jawLeft\", \"jawRight\"]\n"
+        Refused{"[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n[[together]]\nshapes = [\"jawLeft\", "
+                "\"jawRight\"]\n"
                 "within = 0.01\n",
                 "fights with others", 0},
         Refused{"[[exclusive\n", "", 1}, Refused{std::string(2U << 20U, '#'), "bytes are more than", 0}));

@@ -98,7 +98,8 @@ TEST(Command, AShapeNamesTheKeyThatItDoesNotKnow) {
   ASSERT_FALSE(command);
   const std::string message = command.error().message();
   EXPECT_NE(message.find("\"gain\""), std::string::npos) << message;
-  EXPECT_NE(message.find("smoothing, gains, limits, merge"), std::string::npos) << message;
+  EXPECT_NE(message.find("smoothing, resting, gains, limits, constraints, merge"), std::string::npos)
+      << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 

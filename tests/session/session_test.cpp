@@ -10,6 +10,7 @@
 
 #include "mien/mocap/marker_packet.h"
 #include "mien/mocap/marker_protocol.h"
+#include "mien/shaping/resting_face.h"
 #include "tests/session/session_run.h"
 
 namespace mien::session::session_test {
@@ -62,7 +63,7 @@ TEST(Session, CalibratesItselfAndTracks) {
 
 TEST(Session, TheSameLogGivesTheSameBits) {
   const virt::VirtualSession performed = performance(3);
-  const std::vector<test::Order> orders = {{6, R"({"command": "shape", "smoothing": 0.3})"},
+  const std::vector<test::Order> orders = {{6, R"({"command": "shape", "smoothing": 0.3, "resting": true})"},
                                            {14, R"({"command": "recentre"})"}};
   const Played live = test::run(*test::session(), performed.entries, orders);
   // As a replay does it: the log's entries and ticks, and nothing of time passing.
@@ -222,6 +223,26 @@ TEST(Session, VersionsCanBeUndone) {
   EXPECT_EQ(run.report.calibration.in_force, 1);
   EXPECT_FALSE(
       session->command(HostTime(from_seconds(100)), R"({"command": "use_calibration", "version": 9})"));
+}
+
+TEST(Session, AVersionCarriesTheRestingFaceLearntSoFar) {
+  const virt::VirtualSession performed = performance(36);
+  const auto session = test::session();
+  test::run(*session, performed.entries,
+            {{6, R"({"command": "shape", "resting": true})"},
+             {34, R"({"command": "recentre"})"},
+             {36, R"({"command": "use_calibration", "version": 1})"},
+             {37, R"({"command": "recentre"})"},
+             {39, R"({"command": "use_calibration", "version": 2})"},
+             {41, R"({"command": "recentre"})"}});
+  ASSERT_EQ(session->versions().size(), 4u);
+  const auto resting = [&](std::size_t i) { return session->versions()[i].resting; };
+  const std::string nothing = shaping::write_resting_face({});
+  EXPECT_EQ(resting(0), nothing);
+  EXPECT_NE(resting(1), nothing);
+  EXPECT_EQ(resting(2), nothing);  // What the first knew.
+  EXPECT_EQ(resting(3), resting(1));
+  EXPECT_NE(session->versions()[3].resting.find("eyeBlink_L"), std::string::npos);
 }
 
 TEST(Session, BindsByRigByPlaceByAnnouncementAndByOrder) {

@@ -57,6 +57,7 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"smoothing": true})",
                            R"({"smooth_head": 1})",
                            R"({"constraints": "ict"})",
+                           R"({"resting": 1})",
                            R"({"gains": []})",
                            R"({"gains": {"jawopen": 1}})",
                            R"({"gains": {"jawOpen": null}})",

@@ -16,6 +16,7 @@ ShaperSettings everything() {
   ShaperSettings settings;
   settings.smoothing = 0.5;
   settings.smooth_head = true;
+  settings.resting = true;
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
     settings.limits.shapes[i] = {.gain = 1.5f, .low = i % 7 == 0 ? 0.1f : 0.0f, .high = 0.9f};
   return settings;
@@ -239,6 +240,69 @@ TEST(Shaper, BeginsAnewWhenTimeRunsBack) {
     fresh.apply(other, 12);
     ASSERT_TRUE(same_bits(frame, other)) << i;
   }
+}
+
+/// A brow that rests at `rest`, and `raised` for the last frame.
+float raised_brow(Shaper& shaper, std::int64_t& index, int frames, float rest, float raised) {
+  face::OutputFrame frame;
+  for (int i = 0; i <= frames; ++i) {
+    frame = measured(index++, i < frames ? rest : raised);
+    shaper.apply(frame, 12);
+  }
+  return frame.weights[shape("browInnerUp_L")];
+}
+
+TEST(Shaper, RestIsNeverTakenOffTwice) {
+  // Rest in the middle of a bin, so that it is learnt without rounding; (0.5 - 1/7) / (6/7) = 5/12.
+  const float rest = 9.0F / 63;
+  ShaperSettings settings;
+  settings.resting = true;
+  std::int64_t index = 0;
+  Shaper centred_first(settings);
+  raised_brow(centred_first, index, 30, rest, rest);
+  centred_first.recentre();
+  EXPECT_NEAR(raised_brow(centred_first, index, 120, rest, 0.5F), 5.0F / 12, 1e-5);
+  EXPECT_EQ(centred_first.resting().learnt(), RestingFace{});
+  EXPECT_NEAR(raised_brow(centred_first, index, 900, rest, 0.5F), 5.0F / 12, 1e-5);
+  EXPECT_NEAR(centred_first.resting().learnt().rest[shape("browInnerUp_L")], rest, 1e-6);
+
+  Shaper learnt_first(settings);
+  index = 0;
+  raised_brow(learnt_first, index, 900, rest, rest);
+  learnt_first.recentre();
+  EXPECT_NEAR(raised_brow(learnt_first, index, 120, rest, 0.5F), 5.0F / 12, 1e-5);
+  // A rest above the usual one is taken off whole: (0.5 - 0.3) / 0.7.
+  learnt_first.recentre();
+  EXPECT_NEAR(raised_brow(learnt_first, index, 120, 0.3F, 0.5F), 2.0F / 7, 1e-5);
+  // Switched off, re-centring alone is left, and takes off the same.
+  settings.resting = false;
+  learnt_first.set(settings);
+  EXPECT_NEAR(raised_brow(learnt_first, index, 60, 0.3F, 0.5F), 2.0F / 7, 1e-5);
+}
+
+TEST(Shaper, AHeldFaceTeachesNoRest) {
+  ShaperSettings settings;
+  settings.resting = true;
+  settings.fallback.hold_s = 10;
+  Shaper shaper(settings);
+  for (int i = 0; i < 1300; ++i) {
+    face::OutputFrame frame = measured(i, 0.25F);
+    shaper.apply(frame, i < 590 ? 12 : 0);
+  }
+  EXPECT_EQ(shaper.resting().learnt(), RestingFace{});
+}
+
+TEST(Shaper, ARestingFaceOfEarlierIsPutInForce) {
+  ShaperSettings settings;
+  settings.resting = true;
+  Shaper shaper(settings);
+  std::int64_t index = 0;
+  RestingFace earlier;
+  earlier.rest[shape("browInnerUp_L")] = 0.2F;
+  shaper.use_resting(earlier);
+  EXPECT_FLOAT_EQ(raised_brow(shaper, index, 40, 0.2F, 0.6F), 0.5F);
+  shaper.use_resting({});
+  EXPECT_FLOAT_EQ(raised_brow(shaper, index, 40, 0.2F, 0.6F), 0.6F);
 }
 
 TEST(Shaper, MouthCloseRuleWinsOverLimits) {
