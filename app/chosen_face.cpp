@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "app/command.h"
 #include "app/one_line.h"
 #include "mien/builtin_face/correctives.h"
 #include "mien/builtin_face/load_face.h"
@@ -44,6 +45,10 @@ Result<face::SkinFolds> skin_folds_of(const std::string& what) {
   if (!builtin_face::names_person(what)) return face::SkinFolds{};
   MIEN_TRY_ASSIGN(const Person person, builtin_face::find_person(what));
   return builtin_face::skin_folds(person.parameters);
+}
+
+Progress face_progress(const std::string& what) {
+  return builtin_face::names_person(what) ? Progress(no_progress) : terminal_progress("reading the face");
 }
 
 Result<face::SkinMarks> skin_marks_of(const std::string& what, const face::Face& face) {

@@ -22,8 +22,12 @@ inline constexpr const char* kFaceHelp =
 /// builtin_face::load_face's.
 [[nodiscard]] Result<face::Face> chosen_face(const std::string& what, const Progress& progress = no_progress);
 
-/// The same with the colours that it has at 850 nm. Errors: as above, unsupported (no built-in face: nobody
-/// knows these of another one).
+/// Shown while chosen_face(what) reads files for long; of a built-in face nothing, so that Ctrl-C ends at
+/// once what is made of it.
+[[nodiscard]] Progress face_progress(const std::string& what);
+
+/// chosen_face(what) with the colours that it has at 850 nm. Errors: its, unsupported (no built-in face:
+/// nobody knows these of another one).
 [[nodiscard]] Result<face::Face> chosen_infrared_face(const std::string& what);
 
 /// What pictures of `face`, which is chosen_face(what), add where shapes meet: none but for the built-in

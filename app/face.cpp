@@ -95,7 +95,7 @@ struct FaceArguments {
 };
 
 Result<void> show(const FaceArguments& arguments) {
-  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(arguments.face, terminal_progress("reading the face")));
+  MIEN_TRY_ASSIGN(const face::Face face, chosen_face(arguments.face, face_progress(arguments.face)));
   if (arguments.json)
     print_json(describe(face));
   else
@@ -114,12 +114,15 @@ Result<void> export_face(const FaceArguments& arguments) {
   if (obj && !arguments.textures.empty() && arguments.textures != "none")
     return fail(ErrorCode::bad_usage, "an .obj has no textures", "--textures", "write a .glb or .gltf");
   MIEN_TRY_ASSIGN(const TexturedFace made, textured_face(arguments.face, obj ? "none" : arguments.textures,
-                                                         terminal_progress("reading the face")));
+                                                         face_progress(arguments.face)));
   if (obj)
     MIEN_TRY(write_file(out, face::format_obj(made.face, made.face.neutral_m)));
   else
     MIEN_TRY(render::write_gltf(out, made.face, nullptr, names, made.textures));
-  if (arguments.json) print_json(Json{{"file", out.string()}, {"face", made.face.name}});
+  if (arguments.json)
+    print_json(Json{{"file", out.string()}, {"face", made.face.name}});
+  else
+    fmt::print("wrote {}\n", out.string());
   return {};
 }
 

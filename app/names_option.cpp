@@ -53,7 +53,10 @@ render::GltfNames gltf_names(const std::string& names, const std::filesystem::pa
 Result<void> check_gltf_output(const std::filesystem::path& file, render::GltfNames names,
                                const std::string& other) {
   if (names == render::GltfNames::vrm) return check_output(file, {".vrm", ".glb"});
-  return check_output(file, {other, ".glb", ".gltf"});
+  if (file.extension() == ".vrm")
+    return fail(ErrorCode::bad_usage, "an avatar has VRM's names", file.string(),
+                "leave --names out, or name it .glb");
+  return check_output(file, {other, ".glb", ".gltf", ".vrm"});
 }
 
 }  // namespace mien::app

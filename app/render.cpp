@@ -116,6 +116,7 @@ Result<void> run_render(RenderOptions options) {
   if (!film && ending != ".png")
     return fail(ErrorCode::bad_usage, "a still is written as .png", options.out,
                 "change the ending, or give a --motion");
+  MIEN_TRY(check_output(options.out, {ending}));
   if (film && !(options.weights.empty() && options.pose.empty()))
     return fail(ErrorCode::bad_usage, "--weights and --pose make a still, --motion a film", "mien render",
                 "choose one");

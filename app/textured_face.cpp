@@ -1,5 +1,7 @@
 #include "app/textured_face.h"
 
+#include <string_view>
+
 #include "app/chosen_face.h"
 #include "mien/builtin_face/texture_layout.h"
 
@@ -9,6 +11,9 @@ Result<TexturedFace> textured_face(const std::string& what, const std::string& o
                                    const Progress& progress) {
   TexturedFace made;
   MIEN_TRY_ASSIGN(made.face, chosen_face(what, progress));
+  // A receiver shows the name: a performer's, or who else was asked for.
+  constexpr std::string_view kFamily = "builtin:";
+  if (what.starts_with(kFamily)) made.face.name = what.substr(kFamily.size());
   const bool builtin = made.face.origin == face::Origin::builtin;
   if (option == "none" || (option.empty() && !builtin)) return made;
   if (!builtin)

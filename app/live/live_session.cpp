@@ -90,11 +90,12 @@ Result<std::vector<live::Asset>> face_files(const std::string& name) {
     MIEN_TRY(gltf().get());
     if (face().get()->textures.side_px == 0) return files;
   }
+  // On one thread: frames go on meanwhile.
   const auto pictures = when_asked<render::TextureFiles>([face]() -> Result<render::TextureFiles> {
     const Result<TexturedFace>& made = face().get();
     if (!made) return std::unexpected(made.error());
     return render::bake_texture_files(made->face, render::SurfacePaint(made->face, made->textures.marks),
-                                      made->textures.side_px);
+                                      made->textures.side_px, 1);
   });
   const auto add = [&](std::string_view path, Bytes render::TextureFiles::*which) {
     const auto make = when_asked<Bytes>([pictures, which]() -> Result<Bytes> {
@@ -104,9 +105,12 @@ Result<std::vector<live::Asset>> face_files(const std::string& name) {
     });
     files.push_back({.path = path, .type = "image/jpeg", .bytes = {}, .open = false, .make = make});
   };
-  add("/face_albedo.jpg", &render::TextureFiles::albedo);
-  add("/face_roughness.jpg", &render::TextureFiles::roughness);
-  add("/face_normal.jpg", &render::TextureFiles::normal);
+  static const std::array<std::string, 3> kPaths = {fmt::format("/{}", render::kAlbedoFile),
+                                                    fmt::format("/{}", render::kRoughnessFile),
+                                                    fmt::format("/{}", render::kNormalFile)};
+  add(kPaths[0], &render::TextureFiles::albedo);
+  add(kPaths[1], &render::TextureFiles::roughness);
+  add(kPaths[2], &render::TextureFiles::normal);
   return files;
 }
 

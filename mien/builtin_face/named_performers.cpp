@@ -147,7 +147,7 @@ std::span<const NamedPerformer> named_performers() {
         .asymmetry_seed = 111,
         .skin_tone = 0.58,
         .hair_tone = 0.98,
-        .hair_grey = 0.22,
+        .hair_grey = 0.06,
         .eye_tone = 0.97,
         .hair = HairStyle::tied}},
       {"goro",

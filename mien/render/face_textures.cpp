@@ -1,5 +1,7 @@
 #include "mien/render/face_textures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <thread>
@@ -20,13 +22,6 @@ float cross(const Vector2f& a, const Vector2f& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-std::vector<face::Material> materials_of(const face::Face& face) {
-  std::vector<face::Material> all(face.triangles.size(), face::Material::other);
-  for (const face::Part& part : face.parts)
-    std::fill_n(all.begin() + part.first_triangle, part.triangle_count, part.material);
-  return all;
-}
-
 /// Shares of the corners at `at`; none negative inside.
 Vec3f shares(const std::array<Vector2f, 3>& uv, const Vector2f& at) {
   const float whole = cross(uv[1] - uv[0], uv[2] - uv[0]);
@@ -37,7 +32,7 @@ Vec3f shares(const std::array<Vector2f, 3>& uv, const Vector2f& at) {
 /// Spreads what is known over what is not: means of ever larger squares.
 void fill(std::vector<std::uint8_t>& rgb, const std::vector<std::uint8_t>& known, int side) {
   if (side <= 1) return;
-  const int half = side / 2;
+  const int half = (side + 1) / 2;
   const auto at = [](int x, int y, int wide) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(wide) + static_cast<std::size_t>(x);
   };
@@ -47,7 +42,9 @@ void fill(std::vector<std::uint8_t>& rgb, const std::vector<std::uint8_t>& known
       std::array<int, 3> sum{};
       int count = 0;
       for (int k = 0; k < 4; ++k) {
-        const std::size_t i = at(2 * x + k % 2, 2 * y + k / 2, side);
+        const int fine_x = 2 * x + k % 2, fine_y = 2 * y + k / 2;
+        if (fine_x >= side || fine_y >= side) continue;
+        const std::size_t i = at(fine_x, fine_y, side);
         if (known[i] == 0) continue;
         ++count;
         for (std::size_t c = 0; c < 3; ++c) sum[c] += rgb[3 * i + c];
@@ -76,7 +73,7 @@ Result<std::vector<std::uint32_t>> claims(const face::Face& face, const std::vec
     if (!is_textured(material[t])) continue;
     const auto uv = uv_of(face, face.triangles[t]);
     for (const Vector2f& corner : uv)
-      if (!(corner.minCoeff() >= 0 && corner.maxCoeff() <= 1))
+      if (!corner.allFinite() || corner.minCoeff() < 0 || corner.maxCoeff() > 1)
         return fail(ErrorCode::bad_usage, "its texture coordinates leave the picture", face.name,
                     "export it with --textures none");
     // Turned over: the hidden cap behind an eyeball.
@@ -119,7 +116,7 @@ std::array<Vector2f, 3> uv_of(const face::Face& face, const std::array<std::uint
 
 std::vector<Eigen::Vector4f> tangents_of(const face::Face& face, std::span<const Vec3f> normals) {
   std::vector<Vec3f> sum(face.neutral_m.size(), Vec3f::Zero());
-  const auto material = materials_of(face);
+  const auto material = material_of_triangles(face);
   for (std::size_t t = 0; t < face.triangles.size(); ++t) {
     if (!is_textured(material[t])) continue;
     const auto& [a, b, c] = face.triangles[t];
@@ -141,8 +138,18 @@ std::vector<Eigen::Vector4f> tangents_of(const face::Face& face, std::span<const
   return out;
 }
 
-Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& paint, int side_px) {
-  const auto material = materials_of(face);
+Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& paint, int side_px,
+                                   int thread_count) {
+  const std::size_t vertices = face.neutral_m.size();
+  const std::size_t marked = paint.marks().amount.size();
+  if (face.uv.size() != vertices || (!face.colour.empty() && face.colour.size() != vertices) ||
+      (marked > 0 && marked != vertices))
+    return fail(ErrorCode::malformed, "texture coordinates, colours or marks do not fit the vertices",
+                face.name);
+  if (side_px < 1 || side_px > kLargestTexture)
+    return fail(ErrorCode::out_of_range, fmt::format("a texture of {} pixels a side", side_px), face.name,
+                fmt::format("give 1 to {}", kLargestTexture));
+  const auto material = material_of_triangles(face);
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
   MIEN_TRY_ASSIGN(const auto owner, claims(face, material, side_px));
@@ -150,7 +157,8 @@ Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& p
   FaceTextures out{.side_px = side_px, .albedo = {}, .roughness = {}, .normal = {}};
   std::vector<std::uint8_t> known(owner.size());
   for (auto* picture : {&out.albedo, &out.roughness, &out.normal}) picture->resize(3 * owner.size());
-  Workers workers(std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  Workers workers(thread_count > 0 ? thread_count
+                                   : std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   parallel(workers, owner.size(), 16384, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const std::uint32_t t = owner[i];
@@ -196,8 +204,9 @@ Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& p
   return out;
 }
 
-Result<TextureFiles> bake_texture_files(const face::Face& face, const SurfacePaint& paint, int side_px) {
-  MIEN_TRY_ASSIGN(const FaceTextures baked, bake_textures(face, paint, side_px));
+Result<TextureFiles> bake_texture_files(const face::Face& face, const SurfacePaint& paint, int side_px,
+                                        int thread_count) {
+  MIEN_TRY_ASSIGN(const FaceTextures baked, bake_textures(face, paint, side_px, thread_count));
   TextureFiles files;
   // As coarse as it may be before a portrait shows it; what is smooth needs little.
   MIEN_TRY_ASSIGN(files.albedo, encode_jpeg(side_px, side_px, JpegPixels::colour, 88, baked.albedo));

@@ -21,9 +21,12 @@ namespace mien::render {
 [[nodiscard]] std::array<Eigen::Vector2f, 3> uv_of(const face::Face& face,
                                                    const std::array<std::uint32_t, 3>& triangle);
 
-/// Of each vertex the direction in which uv.x grows, at a right angle to its normal, and 1: glTF's tangent.
+/// Of each vertex of a face with uv the direction in which uv.x grows, at a right angle to its normal, and 1:
+/// glTF's tangent.
 [[nodiscard]] std::vector<Eigen::Vector4f> tangents_of(const face::Face& face,
                                                        std::span<const Vec3f> normals);
+
+inline constexpr int kLargestTexture = 8192;  ///< Pixels a side.
 
 /// Square pictures of the paint, RGB, rows from the top.
 struct FaceTextures {
@@ -34,18 +37,19 @@ struct FaceTextures {
 };
 
 /// What the paint shows at each texel of the layout in face.uv; beyond its charts the nearest colours go on.
-/// Errors: bad_usage (the layout leaves the picture or lies on itself).
+/// `thread_count` 0: one a core. Errors: bad_usage (the layout leaves the picture or lies on itself),
+/// malformed (coordinates, colours or marks that do not fit the vertices), out_of_range (the side).
 [[nodiscard]] Result<FaceTextures> bake_textures(const face::Face& face, const SurfacePaint& paint,
-                                                 int side_px);
+                                                 int side_px, int thread_count = 0);
 
 /// The same as JPEG.
 struct TextureFiles {
   std::vector<std::byte> albedo, roughness, normal;
 };
 
-/// Errors: bake_textures'.
+/// Errors: bake_textures', encode_jpeg's.
 [[nodiscard]] Result<TextureFiles> bake_texture_files(const face::Face& face, const SurfacePaint& paint,
-                                                      int side_px);
+                                                      int side_px, int thread_count = 0);
 
 /// By what names such files are found beside a glTF asset that holds none.
 inline constexpr std::string_view kAlbedoFile = "face_albedo.jpg", kRoughnessFile = "face_roughness.jpg",

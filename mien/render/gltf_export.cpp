@@ -80,48 +80,50 @@ Result<void> check(const face::Face& face) {
     return bad(ErrorCode::malformed, "colours do not fit the vertices");
   if (!face.uv.empty() && face.uv.size() != n)
     return bad(ErrorCode::malformed, "texture coordinates do not fit the vertices");
+  for (const Eigen::Vector2f& uv : face.uv)
+    if (!uv.allFinite()) return bad(ErrorCode::out_of_range, "a texture coordinate is not finite");
   return {};
 }
 
 /// Of skin, lips and eyeballs.
-struct Dress {
+struct TextureSet {
   bool laid_out = false;  ///< Vertices have texture coordinates.
   bool pictured = false;  ///< And the asset the pictures.
   std::size_t albedo = 0, roughness = 0, normal = 0;
   std::vector<Eigen::Vector4f> tangents;
 };
 
-Result<Dress> add_pictures(GltfAsset& asset, const face::Face& face, const SurfacePaint& paint,
-                           std::span<const Vec3f> normals, const GltfTextures& textures) {
-  Dress dress;
-  dress.pictured = textures.side_px > 0;
-  dress.laid_out = dress.pictured || textures.beside;
-  if (dress.laid_out && face.uv.empty())
+Result<TextureSet> add_pictures(GltfAsset& asset, const face::Face& face, const SurfacePaint& paint,
+                                std::span<const Vec3f> normals, const GltfTextures& textures) {
+  TextureSet set;
+  set.pictured = textures.side_px > 0;
+  set.laid_out = set.pictured || textures.beside;
+  if (set.laid_out && face.uv.empty())
     return fail(ErrorCode::bad_usage, "a face without texture coordinates cannot have textures", face.name,
                 "export it without");
-  if (!dress.pictured) return dress;
+  if (!set.pictured) return set;
   MIEN_TRY_ASSIGN(const TextureFiles files, bake_texture_files(face, paint, textures.side_px));
-  dress.tangents = tangents_of(face, normals);
-  dress.albedo = asset.texture(files.albedo, "image/jpeg");
-  dress.roughness = asset.texture(files.roughness, "image/jpeg");
-  dress.normal = asset.texture(files.normal, "image/jpeg");
-  return dress;
+  set.tangents = tangents_of(face, normals);
+  set.albedo = asset.texture(files.albedo, "image/jpeg");
+  set.roughness = asset.texture(files.roughness, "image/jpeg");
+  set.normal = asset.texture(files.normal, "image/jpeg");
+  return set;
 }
 
 /// The material's entry, made at its first use.
 Result<std::size_t> add_material(GltfAsset& asset, std::map<Material, std::size_t>& materials,
                                  Material material, const face::Face& face, const SurfacePaint& paint,
-                                 const Dress& dress) {
+                                 const TextureSet& set) {
   if (const auto known = materials.find(material); known != materials.end()) return known->second;
   json entry = material_entry(material, paint.at(Vec3f::Zero(), material, nullptr).roughness);
-  if (dress.pictured && is_textured(material)) {
+  if (set.pictured && is_textured(material)) {
     json& pbr = entry["pbrMetallicRoughness"];
     pbr["roughnessFactor"] = 1.0;
-    pbr["baseColorTexture"] = {{"index", dress.albedo}};
-    pbr["metallicRoughnessTexture"] = {{"index", dress.roughness}};
+    pbr["baseColorTexture"] = {{"index", set.albedo}};
+    pbr["metallicRoughnessTexture"] = {{"index", set.roughness}};
     if (material == Material::skin || material == Material::lips)
-      entry["normalTexture"] = {{"index", dress.normal}};
-  } else if (dress.laid_out && is_textured(material)) {
+      entry["normalTexture"] = {{"index", set.normal}};
+  } else if (set.laid_out && is_textured(material)) {
     entry["extras"] = {{"albedo", kAlbedoFile}, {"roughness", kRoughnessFile}, {"normal", kNormalFile}};
   }
   if (material == Material::strands && !face.uv.empty()) {
@@ -137,7 +139,7 @@ Result<std::size_t> add_material(GltfAsset& asset, std::map<Material, std::size_
 Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const SurfacePaint& paint,
                              std::map<Material, std::size_t>& materials, const Piece& piece,
                              std::span<const face::MorphTarget> morphs, std::span<const Vec3f> normals,
-                             const Dress& dress) {
+                             const TextureSet& set) {
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> place(face.neutral_m.size(), kNone);
   std::vector<Material> material_of(face.neutral_m.size(), Material::skin);
@@ -156,9 +158,9 @@ Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const Sur
 
   // Behind the seam a vertex is there twice, the second time at uv.x 0; they come last.
   const std::size_t single = used.size();
-  std::vector<std::uint32_t> twin(dress.laid_out ? place.size() : 0, kNone);
+  std::vector<std::uint32_t> twin(set.laid_out ? place.size() : 0, kNone);
   for (const auto& [material, triangles] : piece.triangles)
-    if (dress.laid_out && is_textured(material))
+    if (set.laid_out && is_textured(material))
       for (const TriangleIndices& t : triangles) {
         const auto uv = uv_of(face, t);
         for (std::size_t k = 0; k < 3; ++k)
@@ -187,7 +189,7 @@ Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const Sur
   json attributes = {{"POSITION", asset.vectors(positions, true)},
                      {"NORMAL", asset.vectors(unit_normals, false)},
                      {"COLOR_0", asset.colours(colours)}};
-  const bool laid_out = dress.laid_out && std::ranges::any_of(piece.triangles, [](const auto& of) {
+  const bool laid_out = set.laid_out && std::ranges::any_of(piece.triangles, [](const auto& of) {
                           return is_textured(of.first);
                         });
   if ((laid_out || piece.triangles.contains(Material::strands)) && !face.uv.empty()) {
@@ -197,13 +199,13 @@ Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const Sur
     attributes["TEXCOORD_0"] = asset.texture_coordinates(uv);
   }
   // A picture has the colours already; importers of ours read them under a name that others leave alone.
-  json in_picture = attributes;
-  if (laid_out && dress.pictured) {
-    in_picture["_COLOR_0"] = in_picture["COLOR_0"];
-    in_picture.erase("COLOR_0");
+  json textured = attributes;
+  if (laid_out && set.pictured) {
+    textured["_COLOR_0"] = textured["COLOR_0"];
+    textured.erase("COLOR_0");
     std::vector<Eigen::Vector4f> tangents;
-    for (const std::uint32_t i : used) tangents.push_back(dress.tangents[i]);
-    if (piece.triangles.contains(Material::skin)) in_picture["TANGENT"] = asset.tangents(tangents);
+    for (const std::uint32_t i : used) tangents.push_back(set.tangents[i]);
+    if (piece.triangles.contains(Material::skin)) textured["TANGENT"] = asset.tangents(tangents);
   }
 
   json targets = json::array(), names = json::array();
@@ -228,18 +230,18 @@ Result<std::size_t> add_mesh(GltfAsset& asset, const face::Face& face, const Sur
   json primitives = json::array();
   for (const auto& [material, triangles] : piece.triangles) {
     std::vector<TriangleIndices> local;
-    const bool charted = laid_out && is_textured(material);
+    const bool is_textured_here = laid_out && is_textured(material);
     for (const TriangleIndices& t : triangles) {
       TriangleIndices corner = {place[t[0]], place[t[1]], place[t[2]]};
-      if (charted) {
+      if (is_textured_here) {
         const auto uv = uv_of(face, t);
         for (std::size_t k = 0; k < 3; ++k)
           if (uv[k] != face.uv[t[k]]) corner[k] = twin[t[k]];
       }
       local.push_back(corner);
     }
-    MIEN_TRY_ASSIGN(const std::size_t dressed, add_material(asset, materials, material, face, paint, dress));
-    json primitive = {{"attributes", charted ? in_picture : attributes},
+    MIEN_TRY_ASSIGN(const std::size_t dressed, add_material(asset, materials, material, face, paint, set));
+    json primitive = {{"attributes", is_textured_here ? textured : attributes},
                       {"indices", asset.indices(local)},
                       {"material", dressed}};
     if (!targets.empty()) primitive["targets"] = targets;
@@ -347,12 +349,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   if (motion != nullptr && motion->frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion->name);
 
-  std::vector<Material> material(face.triangles.size(), Material::skin);
-  for (const face::Part& part : face.parts)
-    for (std::size_t t = part.first_triangle;
-         t < std::min(face.triangles.size(), std::size_t{part.first_triangle} + part.triangle_count); ++t)
-      material[t] = part.material;
-
+  const std::vector<Material> material = material_of_triangles(face);
   std::array<Piece, 4> pieces;  // The face, left eye, right eye, and hair that no shape moves.
   pieces[0] = {.name = "face", .triangles = {}, .origin_m = Vec3f::Zero()};
   for (std::size_t e = 0; e < 2; ++e)
@@ -382,7 +379,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   std::vector<Vec3f> normals(face.neutral_m.size());
   face::vertex_normals(face, face.neutral_m, normals);
   round_hair(face.neutral_m, face.vertices_of(Material::strands), middle_of_head_m(face), normals);
-  MIEN_TRY_ASSIGN(const Dress dress, add_pictures(asset, face, paint, normals, textures));
+  MIEN_TRY_ASSIGN(const TextureSet set, add_pictures(asset, face, paint, normals, textures));
   std::map<Material, std::size_t> materials;
   const std::vector<face::MorphTarget> morphs = face::morph_targets(face, target_names(names));
 
@@ -391,7 +388,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
   const auto add_still = [&](const Piece& piece,
                              std::span<const face::MorphTarget> targets) -> Result<std::size_t> {
     MIEN_TRY_ASSIGN(const std::size_t mesh,
-                    add_mesh(asset, face, paint, materials, piece, targets, normals, dress));
+                    add_mesh(asset, face, paint, materials, piece, targets, normals, set));
     const std::size_t node = asset.add("nodes", {{"name", piece.name}, {"mesh", mesh}});
     if (origin_m != Vec3f::Zero())
       asset.tree["nodes"][node]["translation"] = {-origin_m.x(), -origin_m.y(), -origin_m.z()};
@@ -405,7 +402,7 @@ Result<std::vector<std::byte>> encode_gltf(const face::Face& face, const face::M
     const Vec3f at = pieces[e + 1].origin_m - origin_m;
     nodes.has_eye[e] = true;
     MIEN_TRY_ASSIGN(const std::size_t mesh,
-                    add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals, dress));
+                    add_mesh(asset, face, paint, materials, pieces[e + 1], {}, normals, set));
     nodes.eye[e] = asset.add(
         "nodes", {{"name", pieces[e + 1].name}, {"mesh", mesh}, {"translation", {at.x(), at.y(), at.z()}}});
     children.push_back(nodes.eye[e]);

@@ -34,6 +34,7 @@ struct GltfTextures {
   int side_px = 0;
   /// Without pictures inside: vertices have their texture coordinates, and materials say in `extras` under
   /// which names the pictures lie beside the asset, for a reader that shows the face before they are there.
+  /// Not read where side_px is above 0.
   bool beside = false;
   face::SkinMarks marks;
 };

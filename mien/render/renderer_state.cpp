@@ -14,13 +14,10 @@ using face::Material;
 /// (Jensen et al. 2001, doi:10.1145/383259.383319, table 1), as the deviation of a Gaussian.
 const Vec3f kScatter_m(3.4e-3F, 1.5e-3F, 0.9e-3F);
 
-std::vector<Material> material_of_triangles(const face::Face& face) {
-  std::vector<Material> all(face.triangles.size(), Material::skin);
-  for (const face::Part& part : face.parts)
-    for (std::size_t t = part.first_triangle; t < std::size_t{part.first_triangle} + part.triangle_count; ++t)
-      if (t < all.size())
-        // Without texture coordinates nobody knows where on a ribbon hairs are: then it is hair as one piece.
-        all[t] = part.material == Material::strands && face.uv.empty() ? Material::hair : part.material;
+/// Without texture coordinates nobody knows where on a ribbon hairs are: then it is hair as one piece.
+std::vector<Material> drawn_materials(const face::Face& face) {
+  std::vector<Material> all = material_of_triangles(face);
+  if (face.uv.empty()) std::ranges::replace(all, Material::strands, Material::hair);
   return all;
 }
 
@@ -47,7 +44,7 @@ Renderer::State::State(const face::Face& f, Quality q, int thread_count, const f
       paint(f, marks),
       wrinkles(f, skin_folds),
       middle_m(middle_of_head_m(f)),
-      material(material_of_triangles(f)),
+      material(drawn_materials(f)),
       solid_triangle(pick(material, [](Material m) { return !is_hair(m) && m != Material::cornea; })),
       clear_triangle(pick(material, [](Material m) { return m == Material::cornea; })),
       hair_triangle(pick(material, is_hair)),

@@ -45,10 +45,19 @@ Cell cell_at(const Vec3f& p, float side_m) {
   return cell;
 }
 
-/// A soft dot; one smaller than a pixel pales instead of vanishing.
-float dot_cover(float distance_m, float radius_m, float footprint_m) {
-  const float wide = std::max(radius_m, 0.6F * footprint_m), paler = radius_m / wide;
-  return paler * paler * (1 - smoothstep(0.55F * wide, wide, distance_m));
+/// What a cut through soft balls of radius 1, one in each cube of side 1, covers on average.
+constexpr float kSoftBall = 2.0484F;
+
+/// A soft dot; one smaller than a pixel pales instead of vanishing, as far as it stays in its cube.
+float dot_cover(float distance_m, float radius_m, float footprint_m, float side_m) {
+  const float wide = std::clamp(0.6F * footprint_m, radius_m, std::max(radius_m, 0.25F * side_m));
+  const float paler = radius_m / wide;
+  return paler * paler * paler * (1 - smoothstep(0.55F * wide, wide, distance_m));
+}
+
+/// The dots of a layer, or where a pixel shows several of its cubes their mean.
+float averaged(float cover, float mean, float footprint_m, float side_m) {
+  return cover + (mean - cover) * smoothstep(0.4F * side_m, 0.9F * side_m, footprint_m);
 }
 
 /// Cubes of several people do not coincide.
@@ -83,10 +92,16 @@ float freckle_cover(const Vec3f& neutral_m, float person, float amount, float fo
   float cover = 0;
   const auto add = [&](float side_m, float share) {
     const Cell cell = cell_at(p, side_m);
-    if (cell.chance > share * amount) return;
-    const float radius_m = side_m * (0.13F + 0.12F * cell.size);
-    const float ragged = 1 + 0.3F * solid_noise(p * (1.1F / radius_m));
-    cover += (0.25F + 0.6F * cell.strength) * dot_cover(cell.from_dot.norm() * ragged, radius_m, footprint_m);
+    float here = 0;
+    if (cell.chance <= share * amount) {
+      const float radius_m = side_m * (0.13F + 0.12F * cell.size);
+      const float ragged = 1 + 0.3F * solid_noise(p * (1.1F / radius_m));
+      here = (0.25F + 0.6F * cell.strength) *
+             dot_cover(cell.from_dot.norm() * ragged, radius_m, footprint_m, side_m);
+    }
+    constexpr float kMeanCube = 0.007543F, kMeanStrength = 0.55F;  // Of radius^3 in sides^3.
+    cover += averaged(here, std::min(1.0F, share * amount) * kMeanStrength * kSoftBall * kMeanCube,
+                      footprint_m, side_m);
   };
   add(0.0052F, 0.9F);
   add(0.0033F, 0.9F);
@@ -101,7 +116,10 @@ float stubble_cover(const Vec3f& neutral_m, float person, float amount, float fo
   for (const float side_m : {0.00071F, 0.00093F}) {
     const Cell cell = cell_at(p, side_m);
     const float radius_m = side_m * (0.17F + 0.07F * cell.size);
-    cover += (0.55F + 0.45F * cell.strength) * dot_cover(cell.from_dot.norm(), radius_m, footprint_m);
+    const float here =
+        (0.55F + 0.45F * cell.strength) * dot_cover(cell.from_dot.norm(), radius_m, footprint_m, side_m);
+    constexpr float kMeanCube = 0.008866F, kMeanStrength = 0.775F;
+    cover += averaged(here, kMeanStrength * kSoftBall * kMeanCube, footprint_m, side_m);
   }
   return 0.8F * amount * std::min(cover, 1.0F);
 }

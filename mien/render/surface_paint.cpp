@@ -81,6 +81,15 @@ bool inside(const std::vector<Vector2f>& outline, const Vector2f& p) {
 
 }  // namespace
 
+std::vector<Material> material_of_triangles(const face::Face& face) {
+  std::vector<Material> all(face.triangles.size(), Material::skin);
+  for (const face::Part& part : face.parts)
+    for (std::size_t t = part.first_triangle;
+         t < std::min(all.size(), std::size_t{part.first_triangle} + part.triangle_count); ++t)
+      all[t] = part.material;
+  return all;
+}
+
 SurfacePaint::SurfacePaint(const face::Face& face, face::SkinMarks marks)
     : face_(face), marks_(std::move(marks)) {
   const auto has = [&](Material material) {

@@ -17,6 +17,9 @@ struct Surface {
   float bump = 0;                        ///< Strength of pores.
 };
 
+/// Of each triangle; skin where no part has it.
+[[nodiscard]] std::vector<face::Material> material_of_triangles(const face::Face& face);
+
 /// What is known of a place beside its material and colour.
 struct Place {
   Eigen::Vector2f marks = Eigen::Vector2f::Zero();  ///< face::SkinMarks::amount, interpolated.

@@ -251,6 +251,8 @@ export class FaceView {
     });
     const wanted = this.pictures;
     const pictures = await wanted;
+    // The next face, or the next change of the look, tries again.
+    if (!pictures && this.pictures === wanted) this.pictures = null;
     if (!pictures || wanted !== this.pictures || (avatar !== this.first && avatar !== this.second)) return;
     avatar.wearPictures(pictures);
     this.stage?.wake();

@@ -168,6 +168,8 @@ export function wearPictures(root: Object3D, pictures: SkinPictures | null): voi
       const skin = dressed.pores !== undefined;
       material.map = pictures?.albedo ?? null;
       material.normalMap = skin ? (pictures?.normal ?? null) : null;
+      // glTF's green points up in the picture, three.js' own tangents down it.
+      material.normalScale.set(1, -1);
       material.roughnessMap = skin ? (pictures?.roughness ?? null) : null;
       // The lamps are wide: as in surface() above, where roughness is one number.
       material.roughness = pictures && skin ? 1.2 : dressed.roughness;

@@ -35,7 +35,12 @@ function isPlainMesh(node: Object3D): node is Mesh<BufferGeometry, Material> {
 function joined(pieces: Mesh[]): Mesh {
   const first = pieces[0] as Mesh;
   const geometry = new BufferGeometry();
-  for (const [name, attribute] of Object.entries(first.geometry.attributes)) geometry.setAttribute(name, attribute);
+  // Pieces may have attributes that others lack: colours where no picture shows them.
+  for (const piece of pieces) {
+    for (const [name, attribute] of Object.entries(piece.geometry.attributes)) {
+      if (!geometry.hasAttribute(name)) geometry.setAttribute(name, attribute);
+    }
+  }
   Object.assign(geometry.morphAttributes, first.geometry.morphAttributes);
   geometry.morphTargetsRelative = first.geometry.morphTargetsRelative;
   const indices: number[] = [];

@@ -10,7 +10,7 @@ export interface SkinPictures {
   normal: Texture;
 }
 
-/** Where they lie, relative to the face. */
+/** Where they lie, relative to the page. */
 export type PicturePaths = Record<keyof SkinPictures, string>;
 
 /** What an exported material says of them; null where it has none. */
@@ -36,12 +36,14 @@ export async function loadPictures(paths: PicturePaths, urlOf: (path: string) =>
     texture.needsUpdate = true;
     return texture;
   };
-  const [albedo, roughness, normal] = await Promise.all([
-    load(paths.albedo, true),
-    load(paths.roughness, false),
-    load(paths.normal, false),
-  ]);
-  return { albedo, roughness, normal };
+  const loads = [load(paths.albedo, true), load(paths.roughness, false), load(paths.normal, false)] as const;
+  try {
+    const [albedo, roughness, normal] = await Promise.all(loads);
+    return { albedo, roughness, normal };
+  } catch (error) {
+    for (const one of loads) void one.then((texture) => (texture.image as ImageBitmap).close()).catch(() => undefined);
+    throw error;
+  }
 }
 
 /** Gives back what the graphics card and the browser hold of them. */
