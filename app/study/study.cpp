@@ -13,6 +13,7 @@
 #include "app/study/study_loss.h"
 #include "app/study/study_merged.h"
 #include "app/study/study_motion.h"
+#include "app/study/study_resting.h"
 #include "app/study/study_sensors.h"
 #include "app/study/study_settings.h"
 #include "mien/sensor/rig.h"
@@ -201,6 +202,7 @@ void add_study_command(Commands& commands) {
   add_study_loss(commands, study);
   add_study_merged(commands, study);
   add_study_motion(commands, study);
+  add_study_resting(commands, study);
   add_study_sensors(commands, study);
   add_study_settings(commands, study);
   auto bound = std::make_shared<BoundOptions>();

@@ -16,7 +16,7 @@ namespace mien::shaping {
 /// It learns a shape from frames in which that was measured with a confidence of 0.5 or more: of the newest
 /// 30 s of them; from the tenth second on what it learnt is in force, eased in over 2 s, and changes by at
 /// most 0.02 a second. Off by default: then no bit changes. On frame time, in rising order. No allocation.
-/// 57 KB.
+/// 56 KB.
 class Resting {
  public:
   /// Takes effect at the next frame, eased over half a second. Switched on it learns anew, from what is in
