@@ -225,7 +225,8 @@ TEST(SkinDetail, DotsCoverAsMuchWhateverAPixelShows) {
     constexpr int kSide = 400;
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x)
-        sum += cover(Vec3f(1.7e-4F * static_cast<float>(x), 1.3e-4F * static_cast<float>(y), 0.0101F),
+        sum += cover(Vec3f(1.7e-4F * static_cast<float>(x), 1.3e-4F * static_cast<float>(y),
+                           0.9e-4F * static_cast<float>(x + y)),
                      footprint_m);
     return sum / (kSide * kSide);
   };
