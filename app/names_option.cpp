@@ -1,8 +1,11 @@
 #include "app/names_option.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "app/command.h"
@@ -11,36 +14,37 @@
 
 namespace mien::app {
 
-Option add_names_option(Command command, std::string& names) {
-  const auto check = [](const std::string& word) -> std::string {
-    static const std::vector<std::string> known = {"ict", "arkit", "unified", "vrm"};
+namespace {
+
+/// A check of a word against those that are known; `what` are they, as in "there are no names 'x'".
+auto one_of(std::string what, std::vector<std::string> known) {
+  return [what = std::move(what), known = std::move(known)](const std::string& word) -> std::string {
     if (std::ranges::find(known, word) != known.end()) return {};
     const std::string near = did_you_mean(word, known);
-    return fmt::format("there are no names '{}'{}", one_line(word, 40),
-                       near.empty() ? "; there are ict, arkit, unified and vrm" : near);
+    const std::string all =
+        fmt::format("; there are {} and {}", fmt::join(known.begin(), known.end() - 1, ", "), known.back());
+    return fmt::format("there are no {} '{}'{}", what, one_line(word, 40), near.empty() ? all : near);
   };
+}
+
+}  // namespace
+
+Option add_names_option(Command command, std::string& names) {
   return command
       .add_option("--names", names,
                   "Names of the morph targets in glTF: ict (ours), arkit (Apple's 52), unified (Unified "
                   "Expressions) or vrm (ARKit's, and an avatar by VRM 1.0: bones, expressions, look-at; what "
                   "a .vrm is unless told otherwise)")
-      .check(check, "ict, arkit, unified or vrm");
+      .check(one_of("names", {"ict", "arkit", "unified", "vrm"}), "ict, arkit, unified or vrm");
 }
 
 Option add_textures_option(Command command, std::string& textures) {
-  const auto check = [](const std::string& word) -> std::string {
-    static const std::vector<std::string> known = {"none", "1024", "2048"};
-    if (std::ranges::find(known, word) != known.end()) return {};
-    const std::string near = did_you_mean(word, known);
-    return fmt::format("there are no textures '{}'{}", one_line(word, 40),
-                       near.empty() ? "; there are none, 1024 and 2048" : near);
-  };
   return command
       .add_option(
           "--textures", textures,
           "Pixels a side of the pictures of skin, lips and eyes in glTF, with pores, freckles, moles and "
           "stubble; none: colours at the vertices (default: 2048 for built-in faces, none for others)")
-      .check(check, "none, 1024 or 2048");
+      .check(one_of("textures", {"none", "1024", "2048"}), "none, 1024 or 2048");
 }
 
 render::GltfNames gltf_names(const std::string& names, const std::filesystem::path& file) {
