@@ -21,6 +21,7 @@ void Shaper::reset() {
   last_ = neutral_frame({});
   fallback_.reset();
   recentre_.settle();
+  lids_.reset();
   smoothing_.reset();
 }
 
@@ -30,6 +31,7 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   last_ = frame;
   fallback_.apply(frame, sensors_present);
   recentre_.apply(frame);
+  lids_.apply(frame, settings_.lids_follow_eyes, settings_.fallback.within_range().return_s);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
   if (begun_) bound_steps(frame, shown_);

@@ -4,6 +4,7 @@
 
 #include "mien/face/output_frame.h"
 #include "mien/shaping/fallback.h"
+#include "mien/shaping/lids.h"
 #include "mien/shaping/recentre.h"
 #include "mien/shaping/settings.h"
 #include "mien/shaping/smoothing.h"
@@ -11,7 +12,7 @@
 namespace mien::shaping {
 
 /// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
-/// re-centring, gains and limits, smoothing, bounds ([0, 1], no step above kStepAtMost, mouthClose <=
+/// re-centring, lids, gains and limits, smoothing, bounds ([0, 1], no step above kStepAtMost, mouthClose <=
 /// jawOpen), eyes. Output is finite and within bounds for any input. With default settings and no change of
 /// sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen) and of its head.
 ///
@@ -49,6 +50,7 @@ class Shaper {
   face::OutputFrame shown_;  // The last output.
   Fallback fallback_;
   Recentre recentre_;
+  Lids lids_;
   Smoothing smoothing_;
 };
 

@@ -10,6 +10,7 @@ TEST(Settings, GoThroughJson) {
   EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
   settings.smoothing = 0.35;
   settings.smooth_head = true;
+  settings.lids_follow_eyes = false;
   settings.limits.shapes[face::shape("jawOpen")] = {.gain = 1.3f, .low = 0.1f, .high = 0.9f};
   settings.limits.shapes[face::shape("noseSneer_R")].gain = 0;
   settings.fallback = {.hold_s = 0, .neutral_s = 1.5, .return_s = 0.1};
@@ -55,6 +56,7 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"smoothing": "much"})",
                            R"({"smoothing": true})",
                            R"({"smooth_head": 1})",
+                           R"({"lids_follow_eyes": "yes"})",
                            R"({"gains": []})",
                            R"({"gains": {"jawopen": 1}})",
                            R"({"gains": {"jawOpen": null}})",
