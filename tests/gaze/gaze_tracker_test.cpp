@@ -110,12 +110,12 @@ TEST(GazeTracker, IsAbsentWithoutSamplesAndForgets) {
 
 TEST(GazeTracker, SamplesThatRunBackAreDroppedButThoseOfARestart) {
   Played played;
-  played.see(0, 1000, looking(0.1F, 1, 1));
-  played.see(0, 990, looking(0.2F, 1, 1), 1001);
-  EXPECT_EQ(played.frame(1001).eyes_rad[0].x(), 0.1F);
-  // A sender that begins anew at 0 goes on with the old one's line.
-  played.see(0, 0, looking(0.3F, 1, 1), 1500);
-  EXPECT_EQ(played.frame(1510).eyes_rad[0].x(), 0.3F);
+  played.see(0, 10000, looking(0.1F, 1, 1));
+  played.see(0, 9990, looking(0.2F, 1, 1), 10001);
+  EXPECT_EQ(played.frame(10001).eyes_rad[0].x(), 0.1F);
+  // A sender that begins anew at 0 goes on where the line is.
+  for (int ms = 0; ms < 3000; ms += 20) played.see(0, ms, looking(0.3F, 1, 1), 10500 + ms);
+  EXPECT_EQ(played.frame(13490).eyes_rad[0].x(), 0.3F);
   EXPECT_EQ(played.present, 1U);
 }
 
