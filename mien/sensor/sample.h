@@ -16,7 +16,7 @@ enum class SampleKind : std::uint8_t {
   imu_head_relative =
       3,  ///< Skin rotation from neutral in the head frame, rotation vector, rad (3): the lab profile.
   eyewear_light =
-      4,  ///< Light at a photo-reflective sensor, LED on and LED off (2), as shares of full scale, 0 to 1.
+      4,     ///< Light at a photo-reflective sensor, LED on and LED off (2), as shares of full scale, 0 to 1.
   gaze = 5,  ///< Where both eyes look (10): order and units in mien/gaze/eyes.h.
 };
 

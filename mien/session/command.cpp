@@ -54,7 +54,8 @@ Result<Prompt> prompt_of(const json& object) {
 }
 
 /// The shaping settings that a command may change.
-constexpr std::array<std::string_view, 4> kShapeKeys = {"smoothing", "gains", "limits", "merge"};
+constexpr std::array<std::string_view, 5> kShapeKeys = {"smoothing", "gains", "limits", "lids_follow_eyes",
+                                                        "merge"};
 
 Result<Shape> shape_of(const json& object) {
   json settings = json::object();
