@@ -15,6 +15,8 @@
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/eyewear/eyewear_tracker.h"
 #include "mien/eyewear/marker_network.h"
+#include "mien/gaze/gaze_protocol.h"
+#include "mien/gaze/gaze_tracker.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/packets/node_message.h"
 #include "mien/imu/packets/node_protocol.h"
@@ -56,6 +58,10 @@ MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::
   return eyewear::EyewearTracker::create(rig, *std::move(face), std::move(regressor));
 }
 
+MadeTracker make_gaze_tracker(const sensor::Rig& rig, const std::filesystem::path&) {
+  return gaze::GazeTracker::create(rig);
+}
+
 /// What devices speak, and whether a key seals it.
 struct Language {
   std::unique_ptr<sensor::Protocol> protocol;
@@ -76,6 +82,12 @@ Result<void> add_eyewear_languages(std::uint64_t, std::vector<Language>& languag
   return {};
 }
 
+Result<void> add_gaze_languages(std::uint64_t, std::vector<Language>& languages) {
+  // Its packets; OSC names no device, so it is never sealed.
+  languages.push_back({std::make_unique<gaze::GazeProtocol>(), true});
+  return {};
+}
+
 /// The token of a session, by which devices know it from the one before. Errors: internal.
 Result<std::uint64_t> draw_session() {
   if (sodium_init() < 0) return fail(ErrorCode::internal, "libsodium does not start", "session");
@@ -88,8 +100,9 @@ Result<std::uint64_t> draw_session() {
 /// is a row of mien/virtual/stage.cpp and its training one of mien/train/make_task.cpp, by the same kind.
 /// What a guided calibration asks for is its tracker's to say (tracker::Tracker::guidance()).
 struct Modality {
-  std::string_view kind;                 ///< As rigs and its tracker name it (tracker::Tracker::modality()).
-  std::string_view default_model;        ///< Path of the live model from the program's root.
+  std::string_view kind;  ///< As rigs and its tracker name it (tracker::Tracker::modality()).
+  /// Path of the live model from the program's root; empty for a kind whose tracker needs none.
+  std::string_view default_model;
   bool window_models;                    ///< See has_window_models().
   std::span<const std::uint16_t> ports;  ///< UDP ports that its devices send to, unless told otherwise.
   /// Errors: the model's.
@@ -103,10 +116,17 @@ struct Modality {
 
 constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
 constexpr std::array kEyewearPorts = {imu::kNodePort};
+constexpr std::array kGazePorts = {imu::kNodePort};
 
-/// In the order in which their protocols are asked whether a datagram is theirs: eyewear's packets begin as
-/// IMU nodes' do.
+/// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze and
+/// eyewear begin as IMU nodes' do.
 constexpr std::array kModalities = {
+    Modality{.kind = "gaze",
+             .default_model = "",
+             .window_models = false,
+             .ports = kGazePorts,
+             .make_tracker = make_gaze_tracker,
+             .add_languages = add_gaze_languages},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
              .window_models = false,
@@ -147,6 +167,12 @@ Result<std::vector<const Modality*>> modalities_of(const sensor::Rig& rig) {
   return modalities;
 }
 
+/// Those of them whose trackers need a model.
+std::vector<const Modality*> with_models(std::vector<const Modality*> modalities) {
+  std::erase_if(modalities, [](const Modality* one) { return one->default_model.empty(); });
+  return modalities;
+}
+
 using Reshape = std::function<void(const shaping::ShaperSettings&)>;
 
 /// The rig's tracker; of several kinds one that merges theirs, each with the model of its default name in the
@@ -155,13 +181,15 @@ MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
                  const shaping::ShaperSettings& shaping, Reshape& reshape) {
   MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
   if (modalities.size() == 1) return modalities.front()->make_tracker(rig, model);
-  if (!std::filesystem::is_directory(model))
+  const std::size_t models = with_models(modalities).size();
+  if (models > 1 && !std::filesystem::is_directory(model))
     return fail(ErrorCode::bad_usage, "a rig with sensors of several kinds wants a folder of models",
                 model.string(),
                 "name the folder, with each kind's model under its default name, as models/ has them");
   std::vector<shaping::CombinedTracker::Part> parts;
   for (const Modality* modality : modalities) {
-    const std::filesystem::path its_model = model / std::filesystem::path(modality->default_model).filename();
+    const std::filesystem::path its_model =
+        models > 1 ? model / std::filesystem::path(modality->default_model).filename() : model;
     MIEN_TRY_ASSIGN(std::unique_ptr<tracker::Tracker> one,
                     modality->make_tracker(sensor::part_of(rig, modality->kind), its_model));
     parts.push_back({std::move(one), sensor::sensors_of(rig, modality->kind)});
@@ -186,8 +214,10 @@ std::vector<std::string> default_listen() {
 Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named) {
   if (!named.empty()) return named;
   MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
-  MIEN_TRY_ASSIGN(std::filesystem::path model, find_resource(modalities.front()->default_model));
-  return modalities.size() == 1 ? model : model.parent_path();
+  const std::vector<const Modality*> wanting = with_models(modalities);
+  if (wanting.empty()) return std::filesystem::path();
+  MIEN_TRY_ASSIGN(std::filesystem::path model, find_resource(wanting.front()->default_model));
+  return wanting.size() == 1 ? model : model.parent_path();
 }
 
 bool has_window_models(const sensor::Rig& rig) {

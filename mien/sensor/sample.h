@@ -16,7 +16,11 @@ enum class SampleKind : std::uint8_t {
   imu_head_relative =
       3,  ///< Skin rotation from neutral in the head frame, rotation vector, rad (3): the lab profile.
   eyewear_light =
-      4,  ///< Light at a photo-reflective sensor, LED on and LED off (2), as shares of full scale, 0 to 1.
+      4,     ///< Light at a photo-reflective sensor, LED on and LED off (2), as shares of full scale, 0 to 1.
+  gaze = 5,  ///< Where both eyes look (10): order and units in mien/gaze/eyes.h.
+  weights = 6,             ///< Some of a face's weights as another program tells them: order in mien/phone.
+  weights_confidence = 7,  ///< Their confidences, likewise.
+  head_pose = 8,           ///< Head position, frame W, m (3), q_world_head w,x,y,z (4).
 };
 
 inline constexpr std::size_t kMaxSampleValues = 16;

@@ -37,13 +37,13 @@ bool has_estimate(const Merge::Source& source) {
 
 std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order() {
   return {{
-      {"headset", "eyewear", "imu", "speech"},  // brows
-      {"headset", "eyewear", "imu", "speech"},  // eyes
-      {"imu", "eyewear", "headset", "speech"},  // cheeks
-      {"headset", "imu", "eyewear", "speech"},  // mouth
-      {"headset", "imu", "eyewear", "speech"},  // jaw
-      {"imu", "headset", "eyewear", "speech"},  // head
-      {"headset", "eyewear", "imu", "speech"},  // gaze
+      {"headset", "eyewear", "imu", "speech"},          // brows
+      {"headset", "gaze", "eyewear", "imu", "speech"},  // eyes
+      {"imu", "eyewear", "headset", "speech"},          // cheeks
+      {"headset", "imu", "eyewear", "speech"},          // mouth
+      {"headset", "imu", "eyewear", "speech"},          // jaw
+      {"imu", "headset", "eyewear", "speech"},          // head
+      {"headset", "gaze", "eyewear", "imu", "speech"},  // gaze
   }};
 }
 

@@ -147,6 +147,7 @@ std::string write_settings(const ShaperSettings& settings) {
   json out = {{"smoothing", settings.smoothing},
               {"smooth_head", settings.smooth_head},
               {"resting", settings.resting},
+              {"lids_follow_eyes", settings.lids_follow_eyes},
               {"gains", std::move(gains)},
               {"limits", std::move(limits)},
               {"fallback",
@@ -175,6 +176,10 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "constraints") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
       settings.constraints = value.get<bool>();
+    } else if (key == "lids_follow_eyes") {
+      if (!value.is_boolean())
+        return fail(ErrorCode::malformed, "'lids_follow_eyes' is not true or false", where);
+      settings.lids_follow_eyes = value.get<bool>();
     } else if (key == "gains") {
       MIEN_TRY(read_gains(value, where, settings.limits));
     } else if (key == "limits") {

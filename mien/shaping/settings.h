@@ -12,20 +12,21 @@ namespace mien::shaping {
 
 /// User settings of shaping. Ranges and defaults: docs/reference/shaping_settings.md.
 struct ShaperSettings {
-  double smoothing = 0;       ///< 0 to 1. Raising: less jitter, more delay; 0: none (smoothing_for).
-  bool smooth_head = false;   ///< True: the head is smoothed likewise.
-  bool resting = false;       ///< True: the resting face is learnt from the last 30 s (Resting).
-  Limits limits;              ///< Gains and bounds of each shape (limits.h).
-  bool constraints = false;   ///< True: face::natural_constraints() are obeyed.
-  FallbackSettings fallback;  ///< Times at the loss of sensors (fallback_settings.h).
-  MergeSettings merge;        ///< Selection among several trackers (CombinedTracker); not used by Shaper.
+  double smoothing = 0;          ///< 0 to 1. Raising: less jitter, more delay; 0: none (smoothing_for).
+  bool smooth_head = false;      ///< True: the head is smoothed likewise.
+  bool resting = false;          ///< True: the resting face is learnt from the last 30 s (Resting).
+  bool lids_follow_eyes = true;  ///< False: the eyeLook shapes stay their tracker's (lids.h).
+  Limits limits;                 ///< Gains and bounds of each shape (limits.h).
+  bool constraints = false;      ///< True: face::natural_constraints() are obeyed.
+  FallbackSettings fallback;     ///< Times at the loss of sensors (fallback_settings.h).
+  MergeSettings merge;           ///< Selection among several trackers (CombinedTracker); not used by Shaper.
   bool operator==(const ShaperSettings&) const = default;
 };
 
-/// JSON, from which parse_settings restores equal settings: {"smoothing", "smooth_head", "resting", "gains":
-/// {shape: gain}, "limits": {shape: [low, high]}, "constraints", "fallback": {"hold_s", "neutral_s",
-/// "return_s"}, "merge": {"sure", "unsure", "order": {place: [modality, ...]}}}; default gains, limits,
-/// "constraints" and "merge" are left out.
+/// JSON, from which parse_settings restores equal settings: {"smoothing", "smooth_head", "resting",
+/// "lids_follow_eyes", "gains": {shape: gain}, "limits": {shape: [low, high]}, "constraints", "fallback":
+/// {"hold_s", "neutral_s", "return_s"}, "merge": {"sure", "unsure", "order": {place: [modality, ...]}}};
+/// default gains, limits, "constraints" and "merge" are left out.
 [[nodiscard]] std::string write_settings(const ShaperSettings& settings);
 /// `base` with the fields of the JSON object; all are optional, and shapes that it does not name stay.
 /// Errors: malformed (no JSON object, unknown key or shape, a value of another type), out_of_range (ranges:

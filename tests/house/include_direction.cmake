@@ -3,7 +3,7 @@
 #   cmake -DROOT=<project> -P include_direction.cmake
 cmake_minimum_required(VERSION 3.25)
 
-set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear onnx headset speech shaping
+set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear gaze onnx headset speech shaping
     session modalities sink render measure virtual study media train live)
 set(core_knows)
 set(face_knows core)
@@ -18,11 +18,12 @@ set(imu_packets_knows sensor)
 set(imu_knows imu_packets tracker)
 set(eyewear_knows builtin_face tracker)
 set(onnx_knows eyewear)
+set(gaze_knows tracker)
 set(headset_knows tracker)
 set(speech_knows tracker)
 set(shaping_knows face tracker)
 set(session_knows take tracker shaping)
-set(modalities_knows imu eyewear headset speech mocap session)
+set(modalities_knows imu eyewear gaze headset speech mocap session)
 set(sink_knows face)
 set(render_knows face)
 set(virtual_knows performer modalities render)
@@ -47,7 +48,7 @@ foreach(room IN LISTS rooms ITEMS app app_train app_media)
 endforeach()
 
 # It reaches modalities through their table, and names none of them.
-list(REMOVE_ITEM live_reach imu imu_packets eyewear headset speech mocap)
+list(REMOVE_ITEM live_reach imu imu_packets eyewear gaze headset speech mocap)
 
 function(room_of path out)
   if(path MATCHES "^mien/study/media/")

@@ -31,6 +31,26 @@ TEST(Registry, ARigOfSeveralKindsTakesAFolderOfModels) {
       << missing.error().message();
 }
 
+TEST(Registry, GazeNeedsNoModel) {
+  sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
+  rig.sensors.push_back({.name = "eyes", .kind = "gaze", .role = "face", .device = "02:4D:49:47:5A:00"});
+  const auto model = live_model(rig, "");
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->filename(), "live.safetensors");
+  const auto both = make_tracker(rig, *model);
+  ASSERT_TRUE(both) << both.error().message();
+  EXPECT_EQ((*both)->modality(), "imu+gaze");
+  EXPECT_FALSE(has_window_models(rig));
+
+  rig.reference = "eyes";
+  std::erase_if(rig.sensors, [](const sensor::Mount& mount) { return mount.kind != "gaze"; });
+  EXPECT_EQ(live_model(rig, "").value(), "");
+  const auto alone = make_tracker(rig, "");
+  ASSERT_TRUE(alone) << alone.error().message();
+  EXPECT_EQ((*alone)->modality(), "gaze");
+  EXPECT_TRUE(make_session(rig, ""));
+}
+
 TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
   sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   rig.sensors[3].kind = "camera";

@@ -34,6 +34,9 @@ TEST(Command, TakesOnlyWhatItsKindHas) {
   const auto shape = parse_command(R"({"command": "shape", "limits": {}, "id": 3})");
   ASSERT_TRUE(shape);
   EXPECT_EQ(std::get<Shape>(*shape).json, R"({"limits":{}})");
+  const auto lids = parse_command(R"({"command": "shape", "lids_follow_eyes": false})");
+  ASSERT_TRUE(lids);
+  EXPECT_EQ(std::get<Shape>(*lids).json, R"({"lids_follow_eyes":false})");
   const auto merge = parse_command(R"({"command": "shape", "merge": {"order": {"jaw": ["imu"]}}})");
   ASSERT_TRUE(merge);
   EXPECT_EQ(std::get<Shape>(*merge).json, R"({"merge":{"order":{"jaw":["imu"]}}})");
@@ -98,7 +101,8 @@ TEST(Command, AShapeNamesTheKeyThatItDoesNotKnow) {
   ASSERT_FALSE(command);
   const std::string message = command.error().message();
   EXPECT_NE(message.find("\"gain\""), std::string::npos) << message;
-  EXPECT_NE(message.find("smoothing, resting, gains, limits, constraints, merge"), std::string::npos)
+  EXPECT_NE(message.find("smoothing, resting, lids_follow_eyes, gains, limits, constraints, merge"),
+            std::string::npos)
       << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }

@@ -11,6 +11,7 @@ TEST(Settings, GoThroughJson) {
   settings.smoothing = 0.35;
   settings.smooth_head = true;
   settings.constraints = true;
+  settings.lids_follow_eyes = false;
   settings.limits.shapes[face::shape("jawOpen")] = {.gain = 1.3f, .low = 0.1f, .high = 0.9f};
   settings.limits.shapes[face::shape("noseSneer_R")].gain = 0;
   settings.fallback = {.hold_s = 0, .neutral_s = 1.5, .return_s = 0.1};
@@ -58,6 +59,7 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"smooth_head": 1})",
                            R"({"constraints": "ict"})",
                            R"({"resting": 1})",
+                           R"({"lids_follow_eyes": "yes"})",
                            R"({"gains": []})",
                            R"({"gains": {"jawopen": 1}})",
                            R"({"gains": {"jawOpen": null}})",

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "mien/gaze/eyes.h"
+#include "mien/gaze/osc_eyes.h"
+#include "mien/sensor/estimated_clock.h"
+#include "mien/sensor/protocol.h"
+
+namespace mien::gaze {
+
+/// OSC names no device. Its senders are "02:4D:49:47:5A:00" and up, counted in the order in which they were
+/// first heard; so many at a time.
+inline constexpr std::uint64_t kOscDevice = 0x024D'4947'5A00ULL;
+inline constexpr std::size_t kMostOscDevices = 16;
+
+/// Host side of gaze: our packet (gaze/packet.h) and what EyeTrackVR and Baballonia send by OSC
+/// (gaze/osc_eyes.h), one SampleKind::gaze sample a moment.
+///
+/// OSC comes coordinate by coordinate, each in a datagram of its own. A sample is made when a coordinate of
+/// the round is there that completes what the round before had; one that comes again begins the next round. A
+/// coordinate is good for kFresh. Of several dialects the first is believed while it was heard in the last
+/// kFresh. OSC carries neither time (it is estimated from arrivals, 10 to 250 rounds a second) nor confidence
+/// (a direction that is told counts as sure).
+///
+/// When all devices are there, the one silent for longest, ten seconds at least, gives its place and id to
+/// the next.
+class GazeProtocol final : public sensor::Protocol {
+ public:
+  static constexpr Duration kFresh = std::chrono::milliseconds(500);
+
+  GazeProtocol() { devices_.reserve(kMostOscDevices); }
+
+  [[nodiscard]] std::string_view name() const override { return "gaze"; }
+  [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
+  /// OSC without an address of the table is ignored.
+  sensor::Verdict receive(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                          sensor::Inbox& inbox) override;
+  /// Nothing: trackers of gaze only send.
+  void heartbeats(HostTime, std::vector<Outgoing>&) override {}
+
+ private:
+  struct Told {
+    float value = 0;
+    std::optional<HostTime> at;
+    [[nodiscard]] std::optional<float> fresh(HostTime now) const;
+  };
+  struct OscDevice {
+    sensor::Peer peer = 0;
+    std::uint64_t id = 0;
+    HostTime heard;
+    std::array<std::optional<HostTime>, kDialectCount> dialects{};  // When each told a direction.
+    std::array<std::array<Told, 4>, 2> told{};  // Of each eye: yaw, pitch, openness, pupil.
+    std::array<bool, 2> lost{};
+    unsigned seen = 0;      // Directions of this round: bits, yaw and pitch of the left eye, of the right.
+    unsigned expected = 0;  // Of the round before.
+    bool complete = false;  // This round's sample is made.
+    std::uint64_t rounds = 0;
+    sensor::EstimatedClock clock;
+  };
+
+  static sensor::Verdict take_packet(std::span<const std::byte> packet, sensor::Inbox& inbox);
+  sensor::Verdict take_osc(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
+                           sensor::Inbox& inbox);
+  /// The device of this peer, from now on if it is new; null: all places are taken.
+  OscDevice* meet(sensor::Peer peer, HostTime arrival);
+  /// Notes what was told; returns the bits of its directions.
+  static unsigned note(HostTime arrival, const std::array<SaidOfEye, 2>& said, OscDevice& device);
+  static bool completes_round(unsigned told, OscDevice& device);
+  static Eyes eyes_at(HostTime arrival, const OscDevice& device);
+
+  std::vector<OscDevice> devices_;
+};
+
+}  // namespace mien::gaze

@@ -1,0 +1,215 @@
+#include "mien/gaze/osc_eyes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "mien/core/excerpt.h"
+#include "mien/core/units.h"
+#include "mien/gaze/eyes.h"
+#include "mien/gaze/osc.h"
+
+namespace mien::gaze {
+namespace {
+
+const char* const kOscEyes = "OSC of eyes";
+constexpr std::string_view kAvatar = "/avatar/parameters/";
+constexpr std::string_view kTracking = "/tracking/eye/";
+
+enum class Meaning : std::uint8_t {
+  x,          // To the performer's right, tangent.
+  y,          // Upwards, tangent.
+  openness,   // 0 to 1.
+  closed,     // 1 - openness.
+  lid_v2,     // 0.75 openness + 0.25 wide: 0.75 is open as at rest.
+  lid_v1,     // 0.8 is open as at rest, above is wide, below 0 squeezed.
+  pupil,      // Diameter, cm.
+  pitch_yaw,  // Degrees, down and right; for each eye, or one for both.
+  vector,     // Right, up, ahead; likewise.
+};
+constexpr unsigned kLeft = 1, kRight = 2, kBoth = 3;  // Bits of the eyes.
+
+struct Address {
+  Dialect dialect;
+  std::string_view name;
+  Meaning meaning;
+  unsigned eyes;
+  std::size_t numbers = 1;
+};
+
+constexpr std::array kAddresses = {
+    // VRChat's documentation, "OSC Eye Tracking" (docs.vrchat.com/docs/osc-eye-tracking). EyeTrackVR sends
+    // LeftRightVec and EyesClosedAmount (EyeTrackVR/EyeTrackVR, EyeTrackApp/osc/VRChatOSCSender.py).
+    Address{Dialect::native, "CenterPitchYaw", Meaning::pitch_yaw, kBoth, 2},
+    Address{Dialect::native, "CenterPitchYawDist", Meaning::pitch_yaw, kBoth, 3},
+    Address{Dialect::native, "CenterVec", Meaning::vector, kBoth, 3},
+    Address{Dialect::native, "CenterVecFull", Meaning::vector, kBoth, 3},
+    Address{Dialect::native, "LeftRightPitchYaw", Meaning::pitch_yaw, kBoth, 4},
+    Address{Dialect::native, "LeftRightVec", Meaning::vector, kBoth, 6},
+    Address{Dialect::native, "EyesClosedAmount", Meaning::closed, kBoth},
+    // benaclejames/VRCFaceTracking, VRCFaceTracking.Core/Params/Expressions/UnifiedExpressionsParameters.cs;
+    // of
+    // these EyeTrackVR sends Eye..., EyeLid... (same file as above).
+    Address{Dialect::v2, "EyeLeftX", Meaning::x, kLeft},
+    Address{Dialect::v2, "EyeLeftY", Meaning::y, kLeft},
+    Address{Dialect::v2, "EyeRightX", Meaning::x, kRight},
+    Address{Dialect::v2, "EyeRightY", Meaning::y, kRight},
+    Address{Dialect::v2, "EyeX", Meaning::x, kBoth},
+    Address{Dialect::v2, "EyeY", Meaning::y, kBoth},
+    Address{Dialect::v2, "EyeLidLeft", Meaning::lid_v2, kLeft},
+    Address{Dialect::v2, "EyeLidRight", Meaning::lid_v2, kRight},
+    Address{Dialect::v2, "EyeLid", Meaning::lid_v2, kBoth},
+    Address{Dialect::v2, "EyeOpenLeft", Meaning::openness, kLeft},
+    Address{Dialect::v2, "EyeOpenRight", Meaning::openness, kRight},
+    Address{Dialect::v2, "EyeOpen", Meaning::openness, kBoth},
+    Address{Dialect::v2, "EyeClosedLeft", Meaning::closed, kLeft},
+    Address{Dialect::v2, "EyeClosedRight", Meaning::closed, kRight},
+    Address{Dialect::v2, "EyeClosed", Meaning::closed, kBoth},
+    Address{Dialect::v2, "PupilDiameterLeft", Meaning::pupil, kLeft},
+    Address{Dialect::v2, "PupilDiameterRight", Meaning::pupil, kRight},
+    Address{Dialect::v2, "PupilDiameter", Meaning::pupil, kBoth},
+    // The same program's first parameters (its README); of these EyeTrackVR sends LeftEyeX, RightEyeX, EyesY
+    // and
+    // the lids' ExpandedSqueeze.
+    Address{Dialect::v1, "LeftEyeX", Meaning::x, kLeft},
+    Address{Dialect::v1, "LeftEyeY", Meaning::y, kLeft},
+    Address{Dialect::v1, "RightEyeX", Meaning::x, kRight},
+    Address{Dialect::v1, "RightEyeY", Meaning::y, kRight},
+    Address{Dialect::v1, "EyesX", Meaning::x, kBoth},
+    Address{Dialect::v1, "EyesY", Meaning::y, kBoth},
+    Address{Dialect::v1, "LeftEyeLid", Meaning::openness, kLeft},
+    Address{Dialect::v1, "RightEyeLid", Meaning::openness, kRight},
+    Address{Dialect::v1, "LeftEyeLidExpandedSqueeze", Meaning::lid_v1, kLeft},
+    Address{Dialect::v1, "RightEyeLidExpandedSqueeze", Meaning::lid_v1, kRight},
+    // Project-Babble/Baballonia, src/VRCFaceTracking.Baballonia/BabbleOSC.cs: with either first letter.
+    Address{Dialect::baballonia, "LeftEyeX", Meaning::x, kLeft},
+    Address{Dialect::baballonia, "LeftEyeY", Meaning::y, kLeft},
+    Address{Dialect::baballonia, "RightEyeX", Meaning::x, kRight},
+    Address{Dialect::baballonia, "RightEyeY", Meaning::y, kRight},
+    Address{Dialect::baballonia, "LeftEyeLid", Meaning::openness, kLeft},
+    Address{Dialect::baballonia, "RightEyeLid", Meaning::openness, kRight},
+    Address{Dialect::baballonia, "leftEyeX", Meaning::x, kLeft},
+    Address{Dialect::baballonia, "leftEyeY", Meaning::y, kLeft},
+    Address{Dialect::baballonia, "rightEyeX", Meaning::x, kRight},
+    Address{Dialect::baballonia, "rightEyeY", Meaning::y, kRight},
+    Address{Dialect::baballonia, "leftEyeLid", Meaning::openness, kLeft},
+    Address{Dialect::baballonia, "rightEyeLid", Meaning::openness, kRight},
+};
+
+const Address* find(Dialect dialect, std::string_view name) {
+  const auto found = std::ranges::find_if(
+      kAddresses, [&](const Address& one) { return one.dialect == dialect && one.name == name; });
+  return found == kAddresses.end() ? nullptr : &*found;
+}
+
+/// Avatars nest v2's parameters under any prefix: /avatar/parameters/FT/v2/EyeLeftX.
+const Address* find(std::string_view address) {
+  if (address.starts_with(kTracking)) return find(Dialect::native, address.substr(kTracking.size()));
+  if (!address.starts_with(kAvatar)) return find(Dialect::baballonia, address.substr(1));
+  const std::string_view parameter = address.substr(kAvatar.size());
+  constexpr std::string_view kV2 = "v2/";
+  const std::size_t at = parameter.rfind(kV2);
+  if (at == std::string_view::npos) return find(Dialect::v1, parameter);
+  if (at > 0 && parameter[at - 1] != '/') return nullptr;
+  return find(Dialect::v2, parameter.substr(at + kV2.size()));
+}
+
+float angle(double radians) {
+  return std::clamp(static_cast<float>(radians), -kMostRad, kMostRad);
+}
+
+float share(double value) {
+  return static_cast<float>(std::clamp(value, 0.0, 1.0));
+}
+
+class EyesListener final : public OscListener {
+ public:
+  Result<void> hear(const OscMessage& message) override {
+    const Address* const address = find(message.address);
+    if (address == nullptr) {
+      ++eyes.unknown;
+      return {};
+    }
+    if (!message.numeric || message.count != address->numbers)
+      return fail(ErrorCode::malformed,
+                  fmt::format("{} has not its {} number{}", excerpt(message.address), address->numbers,
+                              address->numbers == 1 ? "" : "s"),
+                  kOscEyes);
+    const auto numbers = std::span(message.numbers).first(message.count);
+    if (!std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }))
+      return fail(ErrorCode::out_of_range, "a number that is not finite", kOscEyes);
+    ++eyes.known;
+    for (std::size_t e = 0; e < 2; ++e) {
+      if ((address->eyes & (1U << e)) == 0) continue;
+      MIEN_TRY(say(*address, numbers, e, eyes.said[static_cast<std::size_t>(address->dialect)][e]));
+    }
+    return {};
+  }
+
+  OscEyes eyes;
+
+ private:
+  static Result<void> say(const Address& address, std::span<const double> numbers, std::size_t eye,
+                          SaidOfEye& out) {
+    const double value = numbers[0];
+    switch (address.meaning) {
+      case Meaning::x:
+        out.lost = out.lost || std::abs(value) > kMostCoordinate;
+        out.yaw_rad = angle(-std::atan(value));
+        return {};
+      case Meaning::y:
+        out.lost = out.lost || std::abs(value) > kMostCoordinate;
+        out.pitch_rad = angle(std::atan(value));
+        return {};
+      case Meaning::openness:
+        out.openness = share(value);
+        return {};
+      case Meaning::closed:
+        out.openness = share(1 - value);
+        return {};
+      case Meaning::lid_v2:
+        out.openness = share(value / 0.75);
+        return {};
+      case Meaning::lid_v1:
+        out.openness = share(value / 0.8);
+        return {};
+      case Meaning::pupil:
+        out.pupil_mm = static_cast<float>(std::clamp<double>(10 * value, 0, kMostPupilMm));
+        return {};
+      case Meaning::pitch_yaw:
+        return say_angles(numbers.subspan(numbers.size() == 4 ? 2 * eye : 0, 2), out);
+      case Meaning::vector:
+        return say_vector(numbers.subspan(numbers.size() == 6 ? 3 * eye : 0, 3), out);
+    }
+    return {};
+  }
+
+  static Result<void> say_angles(std::span<const double> pitch_yaw, SaidOfEye& out) {
+    if (std::max(std::abs(pitch_yaw[0]), std::abs(pitch_yaw[1])) > 90)
+      return fail(ErrorCode::out_of_range, "an angle beyond a quarter turn", kOscEyes);
+    out.pitch_rad = angle(-pitch_yaw[0] * kRadPerDeg);
+    out.yaw_rad = angle(-pitch_yaw[1] * kRadPerDeg);
+    return {};
+  }
+
+  /// A direction of any length. One that does not look ahead is none.
+  static Result<void> say_vector(std::span<const double> v, SaidOfEye& out) {
+    const double most = kMostCoordinate * v[2];
+    out.lost = out.lost || !(v[2] > 0) || std::abs(v[0]) > most || std::abs(v[1]) > most;
+    out.yaw_rad = out.lost ? 0 : angle(-std::atan2(v[0], v[2]));
+    out.pitch_rad = out.lost ? 0 : angle(std::atan2(v[1], std::hypot(v[0], v[2])));
+    return {};
+  }
+};
+
+}  // namespace
+
+Result<OscEyes> parse_osc_eyes(std::span<const std::byte> datagram) {
+  EyesListener listener;
+  MIEN_TRY(read_osc(datagram, listener));
+  return listener.eyes;
+}
+
+}  // namespace mien::gaze
