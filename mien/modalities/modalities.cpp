@@ -226,9 +226,10 @@ bool has_window_models(const sensor::Rig& rig) {
 }
 
 Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
-                                                       const std::filesystem::path& model) {
+                                                       const std::filesystem::path& model,
+                                                       const shaping::ShaperSettings& settings) {
   Reshape nobody_asks;
-  return make(rig, model, {}, nobody_asks);
+  return make(rig, model, settings, nobody_asks);
 }
 
 Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {

@@ -32,11 +32,11 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 [[nodiscard]] bool has_window_models(const sensor::Rig& rig);
 
 /// The tracker for a rig's sensors, with the live model of live_model(); for sensors of several kinds one
-/// that merges those of each (shaping::CombinedTracker), by default settings: a take whose session changed
-/// these is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported
-/// (sensors of a kind that is unknown), the model's (mismatch: another rig's).
-[[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
-                                                                     const std::filesystem::path& model);
+/// that merges those of each (shaping::CombinedTracker), by these settings: a take whose session changed its
+/// own is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported (sensors
+/// of a kind that is unknown), the model's (mismatch: another rig's).
+[[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(
+    const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& settings = {});
 
 /// The protocols of all sensors; with keys one that opens the packets of those which can be sealed, and hears
 /// nobody else. Errors: internal (libsodium), the keys'.

@@ -55,7 +55,9 @@ Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
   reset();
 }
 
-void Merge::set(const MergeSettings& settings, const FallbackSettings& times) {
+void Merge::set(const MergeSettings& settings, const FallbackSettings& times, bool on) {
+  on_ = on;
+  if (!on) reset();
   settings_ = settings;
   settings_.sure = settings.sure > 0 ? std::min(settings.sure, 1.0F) : 0.0F;  // NaN becomes 0.
   settings_.unsure = settings.unsure > 0 ? std::min(settings.unsure, settings_.sure) : 0.0F;
@@ -120,6 +122,10 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
 
 std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   assert(sources.size() == modalities_.size());
+  if (!on_) {
+    out = *sources.front().frame;
+    return sources.front().sensors_present;
+  }
   const DeviceTime time = sources.front().frame->time;
   if (begun_ && time <= shown_.time) reset();
   std::size_t there = 0, behind = 0;

@@ -126,6 +126,32 @@ Result<void> read_merge(const json& table, const std::string& where, MergeSettin
   return {};
 }
 
+/// Errors: malformed (no list, a name that is no step's).
+Result<void> read_off(const json& names, const std::string& where, ChainSteps& off) {
+  if (!names.is_array())
+    return fail(ErrorCode::malformed, "'off' is no list", where, R"(give names of steps, as ["smoothing"])");
+  ChainSteps read;
+  for (const json& name : names) {
+    const auto found = name.is_string() ? std::ranges::find(kChainStepNames, name.get<std::string>())
+                                        : kChainStepNames.end();
+    if (found == kChainStepNames.end())
+      return fail(ErrorCode::malformed,
+                  fmt::format("'off' holds what is no step: {}",
+                              excerpt(name.is_string() ? name.get<std::string>() : "no text")),
+                  where, fmt::format("steps are {}", fmt::join(kChainStepNames, ", ")));
+    read.set(static_cast<std::size_t>(found - kChainStepNames.begin()));
+  }
+  off = read;
+  return {};
+}
+
+json write_off(const ChainSteps& off) {
+  json names = json::array();
+  for (std::size_t step = 0; step < kChainStepCount; ++step)
+    if (off.test(step)) names.push_back(kChainStepNames[step]);
+  return names;
+}
+
 json write_merge(const MergeSettings& merge) {
   json order = json::object();
   for (std::size_t place = 0; place < kMergePlaceCount; ++place)
@@ -156,6 +182,7 @@ std::string write_settings(const ShaperSettings& settings) {
                 {"return_s", settings.fallback.return_s}}}};
   if (settings.constraints) out["constraints"] = true;
   if (settings.merge != MergeSettings{}) out["merge"] = write_merge(settings.merge);
+  if (settings.off.any()) out["off"] = write_off(settings.off);
   return out.dump();
 }
 
@@ -188,6 +215,8 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
       MIEN_TRY(read_fallback(value, where, settings.fallback));
     } else if (key == "merge") {
       MIEN_TRY(read_merge(value, where, settings.merge));
+    } else if (key == "off") {
+      MIEN_TRY(read_off(value, where, settings.off));
     } else {
       return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", excerpt(key)), where);
     }

@@ -20,13 +20,16 @@ struct ShaperSettings {
   bool constraints = false;      ///< True: face::natural_constraints() are obeyed.
   FallbackSettings fallback;     ///< Times at the loss of sensors (fallback_settings.h).
   MergeSettings merge;           ///< Selection among several trackers (CombinedTracker); not used by Shaper.
+  ChainSteps off;  ///< Steps that are left out, whatever else is set: to tell what each is worth.
+
+  [[nodiscard]] bool runs(ChainStep step) const { return !off.test(static_cast<std::size_t>(step)); }
   bool operator==(const ShaperSettings&) const = default;
 };
 
 /// JSON, from which parse_settings restores equal settings: {"smoothing", "smooth_head", "resting",
 /// "lids_follow_eyes", "gains": {shape: gain}, "limits": {shape: [low, high]}, "constraints", "fallback":
-/// {"hold_s", "neutral_s", "return_s"}, "merge": {"sure", "unsure", "order": {place: [modality, ...]}}};
-/// default gains, limits, "constraints" and "merge" are left out.
+/// {"hold_s", "neutral_s", "return_s"}, "merge": {"sure", "unsure", "order": {place: [modality, ...]}},
+/// "off": [step, ...]}; default gains, limits, "constraints", "merge" and "off" are left out.
 [[nodiscard]] std::string write_settings(const ShaperSettings& settings);
 /// `base` with the fields of the JSON object; all are optional, and shapes that it does not name stay.
 /// Errors: malformed (no JSON object, unknown key or shape, a value of another type), out_of_range (ranges:

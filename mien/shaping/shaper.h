@@ -14,10 +14,11 @@
 namespace mien::shaping {
 
 /// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
-/// resting face (off unless asked for), re-centring, lids, gains and limits, smoothing, constraints (off
-/// unless asked for), bounds ([0, 1], no step above kStepAtMost, mouthClose <= jawOpen), eyes. Output is
-/// finite and within bounds for any input. With default settings and no change of sensors a valid frame keeps
-/// the bits of its weights (unless mouthClose is above jawOpen) and of its head.
+/// resting face (off unless asked for), re-centring, gains and limits, smoothing, constraints (off unless
+/// asked for), bounds ([0, 1], no step above kStepAtMost, mouthClose <= jawOpen), gaze (lids from eye
+/// directions, directions from lids). Output is finite and within bounds for any input, unless settings.off
+/// names mend or bounds. With default settings and no change of sensors a valid frame keeps the bits of its
+/// weights (unless mouthClose is above jawOpen) and of its head; with every step off it keeps all of them.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
 /// the state but for settings, centre and resting face. No allocation. Thread: one at a time. Method and

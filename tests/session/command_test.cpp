@@ -101,7 +101,7 @@ TEST(Command, AShapeNamesTheKeyThatItDoesNotKnow) {
   ASSERT_FALSE(command);
   const std::string message = command.error().message();
   EXPECT_NE(message.find("\"gain\""), std::string::npos) << message;
-  EXPECT_NE(message.find("smoothing, resting, lids_follow_eyes, gains, limits, constraints, merge"),
+  EXPECT_NE(message.find("smoothing, resting, lids_follow_eyes, gains, limits, constraints, merge, off"),
             std::string::npos)
       << message;
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;

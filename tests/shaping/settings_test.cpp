@@ -12,6 +12,7 @@ TEST(Settings, GoThroughJson) {
   settings.smooth_head = true;
   settings.constraints = true;
   settings.lids_follow_eyes = false;
+  settings.off.set(static_cast<std::size_t>(ChainStep::merge)).set(static_cast<std::size_t>(ChainStep::gaze));
   settings.limits.shapes[face::shape("jawOpen")] = {.gain = 1.3f, .low = 0.1f, .high = 0.9f};
   settings.limits.shapes[face::shape("noseSneer_R")].gain = 0;
   settings.fallback = {.hold_s = 0, .neutral_s = 1.5, .return_s = 0.1};
@@ -60,6 +61,9 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"constraints": "ict"})",
                            R"({"resting": 1})",
                            R"({"lids_follow_eyes": "yes"})",
+                           R"({"off": "gaze"})",
+                           R"({"off": ["eyes"]})",
+                           R"({"off": [1]})",
                            R"({"gains": []})",
                            R"({"gains": {"jawopen": 1}})",
                            R"({"gains": {"jawOpen": null}})",

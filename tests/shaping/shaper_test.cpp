@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <vector>
 
+#include "mien/shaping/eyes.h"
+#include "tests/allocation_count.h"
 #include "tests/shaping/frames.h"
 
 namespace mien::shaping::shaper_test {
@@ -72,6 +76,76 @@ TEST(Shaper, ObeysTheConstraintsOnlyWhenAskedTo) {
     moved = moved || !(bound.weights == in.weights);
   }
   EXPECT_TRUE(moved);
+}
+
+/// What the whole chain makes of some seconds in which all steps have work, or the chain without some.
+std::vector<face::OutputFrame> shaped(const ChainSteps& off) {
+  ShaperSettings settings = everything();
+  settings.constraints = true;
+  settings.off = off;
+  Shaper shaper(settings);
+  Random random(11);
+  std::vector<face::OutputFrame> out;
+  for (int i = 0; i < 900; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    if (i == 300) shaper.recentre();
+    if (i == 310) frame.weights[3] = std::numeric_limits<float>::quiet_NaN();
+    if (i % 40 == 0) frame.weights[shape("jawOpen")] = 1;
+    frame.eyes_rad.fill({0.3F, 0.1F});
+    frame.eyes_provenance = Provenance::measured;
+    frame.eyes_confidence = 1;
+    for (const EyeShapes& eye : kEyeShapes)
+      for (const std::size_t s : {eye.left, eye.right, eye.up, eye.down})
+        frame.provenance[s] = Provenance::predicted;
+    shaper.apply(frame, i > 600 && i < 700 ? 0 : 12);
+    out.push_back(frame);
+  }
+  return out;
+}
+
+TEST(Shaper, WithEveryStepOffTheFrameIsTheTrackersToTheBit) {
+  ShaperSettings settings = everything();
+  settings.constraints = true;
+  settings.off.set();
+  Shaper shaper(settings);
+  Random random(1);
+  for (int i = 0; i < 1200; ++i) {
+    face::OutputFrame in = moving(i, random);
+    in.weights[5] = 1.5F;  // Out of range, as no tracker's is.
+    in.weights[shape("mouthClose")] = 1;
+    face::OutputFrame out = in;
+    if (i == 300) shaper.recentre();
+    shaper.apply(out, i > 400 && i < 500 ? 0 : 12);
+    ASSERT_TRUE(same_bits(in, out)) << i;
+  }
+}
+
+TEST(Shaper, EachStepCanBeLeftOutByItself) {
+  const std::vector<face::OutputFrame> all = shaped({});
+  for (std::size_t step = 0; step < kChainStepCount; ++step) {
+    ChainSteps off;
+    off.set(step);
+    const std::vector<face::OutputFrame> without = shaped(off);
+    const bool changes = !std::ranges::equal(all, without, same_bits);
+    // Merging is CombinedTracker's.
+    EXPECT_EQ(changes, step != static_cast<std::size_t>(ChainStep::merge)) << kChainStepNames[step];
+  }
+}
+
+TEST(Shaper, AllocatesNothing) {
+  ShaperSettings settings = everything();
+  settings.constraints = true;
+  Shaper shaper(settings);
+  Random random(4);
+  std::size_t allocated = 0;
+  for (int i = 0; i < 1200; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    if (i == 700) shaper.recentre();
+    const std::size_t before = test::allocation_count();
+    shaper.apply(frame, i > 900 && i < 1000 ? 0 : 12);
+    allocated += test::allocation_count() - before;
+  }
+  EXPECT_EQ(allocated, 0U);
 }
 
 TEST(Shaper, KeepsItsPromisesWhateverComesIn) {
