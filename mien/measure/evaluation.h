@@ -33,6 +33,13 @@ struct TakeEstimates {
   std::vector<std::array<face::Provenance, face::kShapeCount>> provenance = {};
 };
 
+/// The estimate with one step of shaping left out.
+struct Ablation {
+  std::string without;   ///< The step's name.
+  bool changed = false;  ///< Whether that changed any bit of the weights.
+  Metrics metrics;
+};
+
 /// The model beside its baselines on the same frames.
 struct Evaluation {
   std::size_t frames = 0;
@@ -45,13 +52,6 @@ struct Evaluation {
   /// that sent. Absent where an estimate does not say.
   std::optional<ProvenanceShares> provenance;
   std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
-};
-
-/// The estimate with one step of shaping left out.
-struct Ablation {
-  std::string without;   ///< The step's name.
-  bool changed = false;  ///< Whether that changed any bit of the weights.
-  Metrics metrics;
 };
 
 /// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).

@@ -132,13 +132,11 @@ Result<void> read_off(const json& names, const std::string& where, ChainSteps& o
     return fail(ErrorCode::malformed, "'off' is no list", where, R"(give names of steps, as ["smoothing"])");
   ChainSteps read;
   for (const json& name : names) {
-    const auto found = name.is_string() ? std::ranges::find(kChainStepNames, name.get<std::string>())
-                                        : kChainStepNames.end();
+    const std::string step = name.is_string() ? name.get<std::string>() : std::string("(no text)");
+    const auto found = std::ranges::find(kChainStepNames, step);
     if (found == kChainStepNames.end())
-      return fail(ErrorCode::malformed,
-                  fmt::format("'off' holds what is no step: {}",
-                              excerpt(name.is_string() ? name.get<std::string>() : "no text")),
-                  where, fmt::format("steps are {}", fmt::join(kChainStepNames, ", ")));
+      return fail(ErrorCode::malformed, fmt::format("'off' holds what is no step: {}", excerpt(step)), where,
+                  fmt::format("steps are {}", fmt::join(kChainStepNames, ", ")));
     read.set(static_cast<std::size_t>(found - kChainStepNames.begin()));
   }
   off = read;

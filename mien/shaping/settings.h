@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "mien/core/error.h"
+#include "mien/shaping/chain_step.h"
 #include "mien/shaping/fallback.h"
 #include "mien/shaping/limits.h"
 #include "mien/shaping/merge_settings.h"
