@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "app/bench/clock.h"
@@ -27,6 +27,7 @@ using face::Provenance;
 using shaping::ChainStep;
 
 constexpr std::size_t kTrackers = 3;
+constexpr std::size_t kRounds = 5;
 constexpr std::size_t kCycle = 600;  ///< Frames that are prepared: ten seconds, over and over.
 
 struct ShapingBench {
@@ -35,7 +36,8 @@ struct ShapingBench {
 };
 
 /// Ten seconds of three trackers, IMUs, glasses and gaze: every shape its own wave with noise on it, with a
-/// confidence that wanders, so that shapes are learnt at rest and change hands.
+/// confidence that wanders, so that shapes are learnt at rest and change hands. (One IMU is lost now and
+/// then.)
 std::vector<std::array<OutputFrame, kTrackers>> prepared_frames() {
   Random random(1);
   std::vector<std::array<OutputFrame, kTrackers>> cycle(kCycle);
@@ -47,7 +49,7 @@ std::vector<std::array<OutputFrame, kTrackers>> prepared_frames() {
       for (std::size_t k = 0; k < face::kShapeCount; ++k) {
         const double phase = static_cast<double>(k) + 0.2 * static_cast<double>(t);
         frame.weights[k] = static_cast<float>(std::clamp(
-            0.3 + 0.4 * std::sin(6.283185307 * 0.2 * time * static_cast<double>(1 + k % 5) + phase) +
+            0.35 + 0.3 * std::sin(6.283185307 * 0.2 * time * static_cast<double>(1 + k % 5) + phase) +
                 random.normal(0, 0.02),
             0.0, 1.0));
         frame.confidence[k] = static_cast<float>(random.uniform(0.3, 1));
@@ -100,7 +102,9 @@ Took measure_chain(const std::vector<std::array<OutputFrame, kTrackers>>& cycle,
     if (f == kCycle) shaper.recentre();
     const auto from = Clock::now();
     const std::array<shaping::Merge::Source, kTrackers> sources = {
-        {{&trackers[0], 12, nullptr}, {&trackers[1], 16, nullptr}, {&trackers[2], 1, nullptr}}};
+        {{&trackers[0], f % 300 < 50 ? 11U : 12U, nullptr},
+         {&trackers[1], 16, nullptr},
+         {&trackers[2], 1, nullptr}}};
     const std::size_t present = merge.apply(sources, out);
     shaper.apply(out, present);
     profile.from_ict(out.weights, out.tongue_out, outside);
@@ -111,7 +115,8 @@ Took measure_chain(const std::vector<std::array<OutputFrame, kTrackers>>& cycle,
   }
   std::ranges::sort(took);
   const auto share = [&](double s) {
-    return 1e6 * took[std::min(took.size() - 1, static_cast<std::size_t>(s * static_cast<double>(took.size())))];
+    return 1e6 *
+           took[std::min(took.size() - 1, static_cast<std::size_t>(s * static_cast<double>(took.size())))];
   };
   return {share(0.5), share(0.99), 1e6 * took.back(), hash.hex()};
 }
@@ -128,31 +133,36 @@ Result<void> run_shaping_bench(const ShapingBench& options) {
   shaping::ShaperSettings nothing = everything;
   nothing.off.set();
 
-  double done = 0;
-  const auto measured = [&](const shaping::ShaperSettings& settings) -> Result<Took> {
-    const Took took = measure_chain(cycle, settings, frames);
-    done += 1.0 / static_cast<double>(shaping::kChainStepCount + 2);
-    if (!progress(done, "the chain of shaping"))
-      return fail(ErrorCode::cancelled, "stopped before it was done", "bench shaping");
-    return took;
+  struct Row {
+    std::string what;
+    shaping::ShaperSettings settings;
+    Took took;
   };
-  MIEN_TRY_ASSIGN(const Took all, measured(everything));
-  MIEN_TRY_ASSIGN(const Took none, measured(nothing));
-  std::vector<std::pair<std::string, Took>> without;
+  std::vector<Row> rows = {{"the whole chain", everything, {}}, {"every step off", nothing, {}}};
   for (std::size_t step = 0; step < shaping::kChainStepCount; ++step) {
-    shaping::ShaperSettings settings = everything;
-    settings.off.set(step);
-    MIEN_TRY_ASSIGN(const Took took, measured(settings));
-    without.emplace_back(shaping::kChainStepNames[step], took);
+    rows.push_back({std::string(shaping::kChainStepNames[step]), everything, {}});
+    rows.back().settings.off.set(step);
   }
+  // In rounds, and of each row that with the smallest median: a neighbour's work falls on all alike.
+  for (std::size_t round = 0; round < kRounds; ++round)
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const Took took = measure_chain(cycle, rows[r].settings, frames);
+      if (round == 0 || took.p50_us < rows[r].took.p50_us) rows[r].took = took;
+      if (!progress(
+              static_cast<double>(round * rows.size() + r + 1) / static_cast<double>(kRounds * rows.size()),
+              "the chain of shaping"))
+        return fail(ErrorCode::cancelled, "stopped before it was done", "bench shaping");
+    }
+  const Took &all = rows[0].took, &none = rows[1].took;
+  const std::span<const Row> without(rows.begin() + 2, rows.end());
   clear_progress();
 
   const double frame_us = 1e6 / kFrameRateHz;
   if (options.json) {
     Json steps = Json::object();
-    for (const auto& [step, took] : without) {
-      steps[step] = as_json(took);
-      steps[step]["costs_us"] = all.p50_us - took.p50_us;
+    for (const Row& row : without) {
+      steps[row.what] = as_json(row.took);
+      steps[row.what]["costs_us"] = all.p50_us - row.took.p50_us;
     }
     Json json = as_json(all);
     json["frames"] = frames;
@@ -169,11 +179,12 @@ Result<void> run_shaping_bench(const ShapingBench& options) {
   const auto line = [](const std::string& what, const Took& took) {
     fmt::print("{:<34} {:8.2f} {:8.2f} {:8.2f}\n", what, took.p50_us, took.p99_us, took.largest_us);
   };
-  line("the whole chain", all);
-  line("every step off", none);
-  for (const auto& [step, took] : without) line("without " + step, took);
+  line(rows[0].what, all);
+  line(rows[1].what, none);
+  for (const Row& row : without) line("without " + row.what, row.took);
   fmt::print(
-      "{} frames of three trackers, out to openxr_fb_70; p50 {:.1f} times that with every step off, {:.2f} % of "
+      "{} frames of three trackers, out to openxr_fb_70; p50 {:.1f} times that with every step off, {:.2f} % "
+      "of "
       "a frame at 60 a second\nhash {}\n",
       frames, all.p50_us / none.p50_us, 100 * all.p50_us / frame_us, all.hash);
   return {};
@@ -183,12 +194,13 @@ Result<void> run_shaping_bench(const ShapingBench& options) {
 
 void add_shaping_bench(Commands& commands, Command bench) {
   auto options = std::make_shared<ShapingBench>();
-  const Command command = commands.add_under(
-      bench, "shaping",
-      "The whole chain between trackers and sinks, with every step at work: three trackers merged, shaped, and "
-      "out to a profile of 70 shapes; beside it the chain without each step",
-      "mien bench shaping --json", [options] { return run_shaping_bench(*options); });
-  command.add_option("--frames", options->frames, "How many frames are measured, once a row")
+  const Command command =
+      commands.add_under(bench, "shaping",
+                         "The whole chain between trackers and sinks, with every step at work: three "
+                         "trackers merged, shaped, and "
+                         "out to a profile of 70 shapes; beside it the chain without each step",
+                         "mien bench shaping --json", [options] { return run_shaping_bench(*options); });
+  command.add_option("--frames", options->frames, "How many frames are measured, five times a row")
       .in_range(600, 10'000'000)
       .show_default();
   command.add_flag("--json", options->json, "Print one JSON object");
