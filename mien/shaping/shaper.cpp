@@ -24,6 +24,7 @@ void Shaper::reset() {
   fallback_.reset();
   resting_.reset();
   recentre_.settle();
+  position_.reset();
   lids_.reset();
   smoothing_.reset();
 }
@@ -36,6 +37,7 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   recentre_.observe(frame);
   resting_.apply(frame);
   recentre_.take_off(frame, resting_.present());
+  position_.apply(frame, settings_.fallback.within_range().return_s);
   lids_.apply(frame, settings_.lids_follow_eyes, settings_.fallback.within_range().return_s);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
