@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -34,10 +33,10 @@ Result<Centre> parse_centre(std::string_view text, const std::string& where) {
       if (!(std::abs(centre.yaw_rad) <= std::numbers::pi))
         return bad(ErrorCode::out_of_range, "'yaw_rad' is not within half a turn");
     } else if (key == "position_m") {
-      if (!value.is_array() || value.size() != 3 ||
-          !std::ranges::all_of(value, [](const json& x) { return x.is_number(); }))
+      if (!value.is_array() || value.size() != 3)
         return bad(ErrorCode::malformed, "'position_m' is not three numbers");
       for (std::size_t a = 0; a < 3; ++a) {
+        if (!value[a].is_number()) return bad(ErrorCode::malformed, "'position_m' is not three numbers");
         double& x = centre.position_m[static_cast<Eigen::Index>(a)];
         x = value[a].get<double>();
         if (!(std::abs(x) <= Centre::kPositionAtMost_m))
