@@ -35,6 +35,14 @@ void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
   } else if (std::abs(length - 1) > 1e-6) {
     frame.head.normalize();
   }
+  if (frame.head_position_known && !frame.head_position_m.allFinite()) {
+    frame.head_position_m = last.head_position_m;
+    frame.head_position_known = last.head_position_known;
+    frame.head_confidence = 0;
+    frame.head_provenance = face::Provenance::held;
+  }
+  if (!frame.head_position_known) frame.head_position_m.setZero();
+  frame.head_position_m = frame.head_position_m.cwiseMax(-kHeadAtMost_m).cwiseMin(kHeadAtMost_m);
   frame.eyes_confidence = share(frame.eyes_confidence);
   if (!frame.eyes_rad[0].allFinite() || !frame.eyes_rad[1].allFinite()) {
     frame.eyes_rad = last.eyes_rad;

@@ -20,6 +20,7 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
     places[i] = static_cast<std::size_t>(face::kShapeRegions[i]);
   places[kTonguePart] = static_cast<std::size_t>(MergePlace::jaw);
   places[kHeadPart] = static_cast<std::size_t>(MergePlace::head);
+  places[kPositionPart] = static_cast<std::size_t>(MergePlace::head);
   places[kEyesPart] = static_cast<std::size_t>(MergePlace::gaze);
   return places;
 }();
@@ -37,13 +38,13 @@ bool has_estimate(const Merge::Source& source) {
 
 std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order() {
   return {{
-      {"headset", "eyewear", "imu", "speech"},          // brows
-      {"headset", "gaze", "eyewear", "imu", "speech"},  // eyes
-      {"imu", "eyewear", "headset", "speech"},          // cheeks
-      {"headset", "imu", "eyewear", "speech"},          // mouth
-      {"headset", "imu", "eyewear", "speech"},          // jaw
-      {"imu", "headset", "eyewear", "speech"},          // head
-      {"headset", "gaze", "eyewear", "imu", "speech"},  // gaze
+      {"headset", "weights", "eyewear", "imu", "speech"},          // brows
+      {"headset", "gaze", "weights", "eyewear", "imu", "speech"},  // eyes
+      {"imu", "eyewear", "headset", "weights", "speech"},          // cheeks
+      {"headset", "weights", "imu", "eyewear", "speech"},          // mouth
+      {"headset", "weights", "imu", "eyewear", "speech"},          // jaw
+      {"weights", "imu", "headset", "eyewear", "speech"},          // head
+      {"headset", "gaze", "weights", "eyewear", "imu", "speech"},  // gaze
   }};
 }
 
@@ -144,7 +145,9 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   out.time = time;
   for (std::size_t part = 0; part < kPartCount; ++part) {
     const std::uint8_t before = answers_[part];
-    const std::uint8_t now = part == kTonguePart ? answers_[kTongueGoesWith] : choose(sources, part);
+    const std::uint8_t now = part == kTonguePart     ? answers_[kTongueGoesWith]
+                             : part == kPositionPart ? answers_[kHeadPart]
+                                                     : choose(sources, part);
     answers_[part] = now;
     if (now != kNobody) {
       copy_part(*sources[now].frame, part, out);

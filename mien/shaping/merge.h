@@ -18,7 +18,8 @@
 namespace mien::shaping {
 
 /// Merges several trackers' frames of one time into one: each shape, the head and the eyes come from one
-/// tracker, value, confidence and provenance together; the tongue from the tracker that gives jawOpen.
+/// tracker, value, confidence and provenance together; the tongue from the tracker that gives jawOpen, the
+/// head's position from the one that gives its rotation.
 /// Selection, for each part:
 ///
 /// 1. the first tracker in the region's order that has sensors and explains at least `sure` of the part, or

@@ -15,7 +15,10 @@ void Shaper::set(const ShaperSettings& settings) {
   const bool constrained = settings.constraints && settings.runs(ChainStep::constraints);
   constraints_ = constrained ? &face::natural_constraints() : nullptr;
   fallback_.set(settings.fallback);
-  if (!settings.runs(ChainStep::fallback)) fallback_.reset();
+  if (!settings.runs(ChainStep::fallback)) {
+    fallback_.reset();
+    position_.reset();
+  }
   resting_.set(settings.resting && settings.runs(ChainStep::resting));
   const bool smooth = settings.runs(ChainStep::smoothing);
   smoothing_.set(smoothing_for(smooth ? settings.smoothing : 0, smooth && settings.smooth_head));
@@ -28,12 +31,14 @@ void Shaper::reset() {
   fallback_.reset();
   resting_.reset();
   recentre_.settle();
+  position_.reset();
   lids_.reset();
   smoothing_.reset();
 }
 
 void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   if (begun_ && frame.time <= last_.time) reset();
+  const double return_s = settings_.fallback.within_range().return_s;
   const bool bounded = settings_.runs(ChainStep::bounds), gazing = settings_.runs(ChainStep::gaze);
   if (settings_.runs(ChainStep::mend)) mend(frame, last_);
   last_ = frame;
@@ -41,11 +46,12 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   recentre_.observe(frame);
   resting_.apply(frame);
   if (settings_.runs(ChainStep::recentring)) recentre_.take_off(frame, resting_.present());
+  if (settings_.runs(ChainStep::fallback)) position_.apply(frame, return_s);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
   if (constraints_ != nullptr) constraints_->project(frame.weights);
   if (bounded && begun_) bound_steps(frame, shown_);
-  if (gazing) lids_.apply(frame, settings_.lids_follow_eyes, settings_.fallback.within_range().return_s);
+  if (gazing) lids_.apply(frame, settings_.lids_follow_eyes, return_s);
   if (bounded) bound(frame);
   if (gazing) eyes_from_weights(frame);
   shown_ = frame;

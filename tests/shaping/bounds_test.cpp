@@ -114,5 +114,29 @@ TEST(BoundSteps, ALargeStepTakesTwoFramesAndASmallOneKeepsItsBits) {
   EXPECT_EQ(late.weights[3], 0.95f);
 }
 
+TEST(Mend, RepairsTheHeadsPosition) {
+  const face::OutputFrame last = standing_at(0, {0.1F, 0.2F, 0.3F});
+  face::OutputFrame frame = standing_at(1, {0, kNan, 0});
+  mend(frame, last);
+  EXPECT_EQ(frame.head_position_m, last.head_position_m);
+  EXPECT_TRUE(frame.head_position_known);
+  EXPECT_EQ(frame.head_provenance, face::Provenance::held);
+  EXPECT_EQ(frame.head_confidence, 0);
+  frame = standing_at(1, {-1e30F, 0.5F, kInf});
+  mend(frame, measured(0));
+  EXPECT_FALSE(frame.head_position_known);
+  EXPECT_EQ(frame.head_position_m, Vec3f(0, 0, 0));
+  frame = standing_at(1, {-1e30F, 0.5F, 11});
+  mend(frame, last);
+  EXPECT_EQ(frame.head_position_m, Vec3f(-kHeadAtMost_m, 0.5F, kHeadAtMost_m));
+  EXPECT_EQ(frame.head_provenance, face::Provenance::measured);
+  // One that is not known is nowhere.
+  frame = standing_at(1, {kNan, 1, 2});
+  frame.head_position_known = false;
+  mend(frame, last);
+  EXPECT_EQ(frame.head_position_m, Vec3f(0, 0, 0));
+  EXPECT_EQ(frame.head_provenance, face::Provenance::measured);
+}
+
 }  // namespace
 }  // namespace mien::shaping::bounds_test
