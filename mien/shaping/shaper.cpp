@@ -12,8 +12,6 @@ Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
 void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
   limited_ = settings.limits != Limits{} && settings.runs(ChainStep::gains);
-  const bool constrained = settings.constraints && settings.runs(ChainStep::constraints);
-  constraints_ = constrained ? &face::natural_constraints() : nullptr;
   fallback_.set(settings.fallback);
   if (!settings.runs(ChainStep::fallback)) {
     fallback_.reset();
@@ -49,10 +47,12 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   if (settings_.runs(ChainStep::fallback)) position_.apply(frame, return_s);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
-  if (constraints_ != nullptr) constraints_->project(frame.weights);
+  const bool ruled = settings_.runs(ChainStep::constraints);
+  if (ruled && settings_.constraints) settings_.rules.live().project(frame.weights);
   if (bounded && begun_) bound_steps(frame, shown_);
   if (gazing) lids_.apply(frame, settings_.lids_follow_eyes, return_s);
   if (bounded) bound(frame);
+  if (ruled) settings_.rules.always().project(frame.weights);
   if (gazing) eyes_from_weights(frame);
   shown_ = frame;
   begun_ = true;
