@@ -198,6 +198,8 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
               {"has_truth", status.replay->has_truth},
               {"error", status.replay->error.empty() ? json(nullptr) : json(status.replay->error)}};
   const Recorder::State& recording = status.recording;
+  json shaping = json::parse(status.report.shaping, nullptr, false);
+  if (shaping.is_object()) shaping.erase("rules");  // A file's whole text, five times a second.
   return dump(
       {{"type", "status"},
        {"time", to_seconds(status.report.time.time_since_epoch())},
@@ -220,7 +222,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"megabytes", rounded(status.recording_megabytes)},
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
-       {"shaping", json::parse(status.report.shaping, nullptr, false)},
+       {"shaping", std::move(shaping)},
        {"replay", std::move(replay)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }

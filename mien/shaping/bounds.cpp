@@ -48,8 +48,6 @@ void bound(face::OutputFrame& frame) {
   const auto share = [](float w) { return w > 0 ? std::min(w, 1.0f) : 0.0f; };  // Not a number: 0.
   for (float& w : frame.weights.values) w = share(w);
   frame.tongue_out = share(frame.tongue_out);
-  float& close = frame.weights[face::shape("mouthClose")];
-  close = std::min(close, frame.weights[face::shape("jawOpen")]);
 }
 
 void bound_steps(face::OutputFrame& frame, const face::OutputFrame& before) {

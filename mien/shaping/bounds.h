@@ -16,8 +16,7 @@ inline constexpr float kEyeAtMostRad = 1.5707964f;
 /// `last`: the previous frame, as mended.
 void mend(face::OutputFrame& frame, const face::OutputFrame& last);
 
-/// Invariants of every output frame: weights and tongue in [0, 1], mouthClose <= jawOpen (it is a corrective
-/// of jawOpen, not "lips closed": alone it turns the lips inside out).
+/// The range of every output frame: weights and tongue in [0, 1]; what is no number becomes 0.
 void bound(face::OutputFrame& frame);
 
 /// Slew-rate limit: largest change of a weight per 60th of a second. A blink, the fastest motion of a face,

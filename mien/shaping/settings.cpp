@@ -155,6 +155,7 @@ std::string write_settings(const ShaperSettings& settings) {
                 {"neutral_s", settings.fallback.neutral_s},
                 {"return_s", settings.fallback.return_s}}}};
   if (settings.constraints) out["constraints"] = true;
+  if (settings.rules != face::natural_constraints()) out["rules"] = settings.rules.text();
   if (settings.merge != MergeSettings{}) out["merge"] = write_merge(settings.merge);
   return out.dump();
 }
@@ -176,6 +177,10 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "constraints") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
       settings.constraints = value.get<bool>();
+    } else if (key == "rules") {
+      if (!value.is_string()) return fail(ErrorCode::malformed, "'rules' is not the text of a file", where);
+      MIEN_TRY_ASSIGN(settings.rules,
+                      face::RigConstraints::parse(value.get<std::string>(), where + ", 'rules'"));
     } else if (key == "lids_follow_eyes") {
       if (!value.is_boolean())
         return fail(ErrorCode::malformed, "'lids_follow_eyes' is not true or false", where);

@@ -12,7 +12,6 @@ Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
 void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
   limited_ = settings.limits != Limits{};
-  constraints_ = settings.constraints ? &face::natural_constraints() : nullptr;
   fallback_.set(settings.fallback);
   resting_.set(settings.resting);
   smoothing_.set(smoothing_for(settings.smoothing, settings.smooth_head));
@@ -39,9 +38,10 @@ void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   lids_.apply(frame, settings_.lids_follow_eyes, settings_.fallback.within_range().return_s);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
-  if (constraints_ != nullptr) constraints_->project(frame.weights);
+  if (settings_.constraints) settings_.rules.live().project(frame.weights);
   if (begun_) bound_steps(frame, shown_);
   bound(frame);
+  settings_.rules.always().project(frame.weights);
   eyes_from_weights(frame);
   shown_ = frame;
   begun_ = true;

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <sstream>
 #include <thread>
 
 #include "mien/core/bytes.h"
@@ -181,6 +182,48 @@ TEST_F(LiveProgram, ATakeReplaysToTheBitsOfTheSessionThatRecordedIt) {
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
+}
+
+/// The column of a CSV with a header.
+std::vector<double> column(const std::string& csv, const std::string& name) {
+  std::vector<double> values;
+  std::istringstream lines(csv);
+  std::string line, cell;
+  std::getline(lines, line);
+  std::istringstream header(line);
+  std::size_t at = 0;
+  while (std::getline(header, cell, ',') && cell != name) ++at;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    for (std::size_t i = 0; i <= at; ++i) std::getline(cells, cell, ',');
+    values.push_back(std::atof(cell.c_str()));
+  }
+  return values;
+}
+
+TEST_F(LiveProgram, RulesOfOnesOwnAreObeyedAndAReplayNeedsNoFile) {
+  const std::string take = folder / "ruled.mien", rules = folder / "rules.toml";
+  write(rules,
+        "# A jaw that hardly opens.\n[[conditional]]\na = \"jawOpen\"\nb = \"jawLeft\"\nat_most = [[0, "
+        "0.05]]\n");
+  const Live live = start_live("ruled", {"--record", take, "--json", "--constraints", rules, "--out",
+                                         "csv:" + (folder / "ruled.csv")});
+  ASSERT_GT(live.port, 0) << content(folder / "ruled.err");
+  {
+    Sender sender(live.port);
+    sender.wait();
+  }
+  ::kill(live.process, SIGINT);
+  ASSERT_EQ(finish(live.process), 0) << content(folder / "ruled.err");
+  const std::vector<double> jaw = column(content(folder / "ruled.csv"), "JawOpen");
+  ASSERT_GT(jaw.size(), 700U);
+  EXPECT_NEAR(*std::ranges::max_element(jaw), 0.05, 1e-3) << "the performer talks";
+  std::filesystem::remove(rules);
+  const Outcome again = run({"live", "--replay", take, "--json"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["hash"],
+            nlohmann::json::parse(content(folder / "ruled.out"))["hash"]);
+  EXPECT_EQ(run({"live", "--replay", take, "--constraints", "off"}).status, 2) << "the log says it";
 }
 
 TEST_F(LiveProgram, RecordAsksForPosesWritesThemAndEndsWithThem) {
@@ -404,6 +447,15 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
        "mien: --out vmc//there: ");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--record", folder / "x.txt"}, ".mien");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--key", folder / "rig.toml"}, "not a key file");
+  // Rules, before anything is opened; all comments that fit into a file do not fit into a command.
+  write(folder / "rules.toml", "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRihgt\"\n");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "rules.toml"},
+       "mien: " + (folder / "rules.toml") + ", line 3: no shape is called 'jawRihgt'");
+  write(folder / "long.toml", "#" + std::string(70'000, '-') + "\n");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "long.toml"},
+       "take comments out");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "none.toml"},
+       "none.toml");
   line({"--model", (std::filesystem::path(project_path("models/default.safetensors"))).string(), "--page",
         "off", "--listen", "udp://127.0.0.1:0"},
        "causal");

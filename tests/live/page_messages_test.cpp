@@ -55,6 +55,13 @@ TEST(PageMessages, StatusNamesWhoIsHeardAsASensorAndWhoIsNot) {
             "two devices send as brow: a is heard, b is not; the page's sensors let you choose");
 }
 
+TEST(PageMessages, StatusDoesNotRepeatTheTextOfRules) {
+  Status now = status();
+  now.report.shaping = R"({"constraints": true, "rules": "[[exclusive]]", "smoothing": 0.5})";
+  const Json said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["shaping"], Json::parse(R"({"constraints": true, "smoothing": 0.5})"));
+}
+
 TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor) {
   Status now = status();
   Json said = Json::parse(status_json(now, glasses()));

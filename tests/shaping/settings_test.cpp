@@ -18,6 +18,24 @@ TEST(Settings, GoThroughJson) {
   EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
 }
 
+TEST(Settings, RulesGoThroughJsonAsAFilesText) {
+  ShaperSettings settings;
+  EXPECT_EQ(write_settings(settings).find("rules"), std::string::npos);
+  const std::string own = "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n";
+  settings.rules = face::RigConstraints::parse(own, "own").value();
+  EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
+  // The switch is another's affair.
+  const ShaperSettings on = parse_settings(R"({"constraints": true})", "page", settings).value();
+  EXPECT_TRUE(on.constraints);
+  EXPECT_EQ(on.rules, settings.rules);
+  const ShaperSettings none = parse_settings(R"({"rules": ""})", "page", on).value();
+  EXPECT_EQ(none.rules, face::RigConstraints());
+  EXPECT_EQ(parse_settings(write_settings(none), "test").value(), none);
+  EXPECT_EQ(
+      parse_settings(R"({"rules": "[[exclusive]]\na = 'jawOpen'\nb = 'jaw'"})", "page").error().message(),
+      "page, 'rules', line 3: no shape is called 'jaw'; names are those of the 53, as eyeBlink_L");
+}
+
 TEST(Settings, OfMergingGoThroughJsonAndAreLeftOutWhileDefault) {
   ShaperSettings settings;
   EXPECT_EQ(write_settings(settings).find("merge"), std::string::npos);
@@ -58,6 +76,8 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"smoothing": true})",
                            R"({"smooth_head": 1})",
                            R"({"constraints": "ict"})",
+                           R"({"rules": true})",
+                           R"({"rules": "[[exclusive"})",
                            R"({"resting": 1})",
                            R"({"lids_follow_eyes": "yes"})",
                            R"({"gains": []})",

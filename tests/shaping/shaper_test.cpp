@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
+#include <string>
 
 #include "tests/shaping/frames.h"
 
@@ -68,10 +71,77 @@ TEST(Shaper, ObeysTheConstraintsOnlyWhenAskedTo) {
     with.apply(bound, 12);
     ASSERT_EQ(kept.weights, in.weights);
     // Steps of the projection are bounded after it.
-    ASSERT_TRUE(i > 0 || face::natural_constraints().obeyed(bound.weights));
+    ASSERT_TRUE(i > 0 || face::natural_constraints().live().obeyed(bound.weights));
     moved = moved || !(bound.weights == in.weights);
   }
   EXPECT_TRUE(moved);
+}
+
+TEST(Shaper, WithoutRulesWeightsAreTheTrackersToTheBit) {
+  ShaperSettings settings;
+  settings.rules = face::RigConstraints();
+  settings.constraints = true;
+  Shaper shaper(settings);
+  Random random(9);
+  int above = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const face::OutputFrame in = moving(i, random);
+    above += in.weights[shape("mouthClose")] > in.weights[shape("jawOpen")] ? 1 : 0;
+    face::OutputFrame out = in;
+    shaper.apply(out, 12);
+    ASSERT_EQ(std::memcmp(&in.weights, &out.weights, sizeof in.weights), 0) << i;
+    ASSERT_EQ(in.tongue_out, out.tongue_out);
+    ASSERT_EQ(in.head.coeffs(), out.head.coeffs());
+  }
+  EXPECT_GT(above, 100);
+}
+
+TEST(Shaper, ObeysRulesOfOnesOwnInPlaceOfItsOwn) {
+  ShaperSettings settings;
+  const std::string pair = "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n";
+  settings.rules = face::RigConstraints::parse(
+                       pair + "[[exclusive]]\na = \"mouthLeft\"\nb = \"mouthRight\"\nalways = true\n", "own")
+                       .value();
+  const auto shaped = [&settings] {
+    Shaper shaper(settings);
+    face::OutputFrame frame = measured(0, 0.4f);
+    frame.weights[shape("jawLeft")] = frame.weights[shape("mouthRight")] = 0.3f;
+    frame.weights[shape("jawOpen")] = 0;
+    shaper.apply(frame, 12);
+    return frame.weights;
+  };
+  // Those that always hold.
+  EXPECT_EQ(shaped()[shape("jawLeft")], 0.3f);
+  EXPECT_EQ(shaped()[shape("mouthRight")], 0);
+  EXPECT_EQ(shaped()[shape("mouthClose")], 0.4f);
+  settings.constraints = true;
+  EXPECT_EQ(shaped()[shape("jawLeft")], 0);
+  EXPECT_EQ(shaped()[shape("jawRight")], 0.4f);
+  EXPECT_EQ(shaped()[shape("mouthRight")], 0);
+  // They come after the smoothing, which would bring the pair back.
+  settings.smoothing = 1;
+  Shaper smooth(settings);
+  Random random(10);
+  for (int i = 0; i < 500; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    for (float& w : frame.weights.values) w *= 0.5f;  // No step is bounded.
+    smooth.apply(frame, 12);
+    ASSERT_EQ(std::min(frame.weights[shape("jawLeft")], frame.weights[shape("jawRight")]), 0) << i;
+  }
+}
+
+TEST(Shaper, WhatAlwaysHoldsHoldsWhileAStepIsBounded) {
+  Shaper shaper;
+  face::OutputFrame frame = measured(0, 0.2f);
+  frame.weights[shape("jawOpen")] = 0.9f;
+  shaper.apply(frame, 12);
+  // The jaw shuts as far as it may in a frame, and the lips rise to there: bounded first, then ruled.
+  frame = measured(1, 0.2f);
+  frame.weights[shape("jawOpen")] = 0.1f;
+  frame.weights[shape("mouthClose")] = 0.5f;
+  shaper.apply(frame, 12);
+  EXPECT_NEAR(frame.weights[shape("jawOpen")], 0.4f, 1e-5f);
+  EXPECT_EQ(frame.weights[shape("mouthClose")], frame.weights[shape("jawOpen")]);
 }
 
 TEST(Shaper, KeepsItsPromisesWhateverComesIn) {
