@@ -102,7 +102,7 @@ class OscPrograms final : public Speech {
 
 /// The device of the rig's sensor of this kind, or a stranger's.
 std::uint64_t device_of(const sensor::Rig& rig, std::string_view kind) {
-  for (const sensor::RigSensor& sensor : rig.sensors)
+  for (const auto& sensor : rig.sensors)
     if (sensor.kind == kind)
       if (const auto device = sensor::parse_device(sensor.device)) return device->device;
   return 0x0200'0000'00F0ULL;
