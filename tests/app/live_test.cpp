@@ -235,15 +235,16 @@ TEST_F(LiveProgram, RulesOfOnesOwnAreObeyedAndAReplayNeedsNoFile) {
   EXPECT_EQ(run({"live", "--replay", take, "--constraints", "off"}).status, 2) << "the log says it";
 }
 
-/// An eye tracker: 0.4 rad to the left and 0.1 up, by OSC, sixty rounds a second.
+/// An eye tracker: about 0.4 rad to the left and 0.1 up, by OSC, sixty rounds a second.
 std::vector<take::LogEntry> osc_of_an_eye_tracker(double seconds) {
   std::vector<take::LogEntry> entries;
   for (int n = 0; n < 60 * seconds; ++n)
     for (const char* eye : {"Left", "Right"})
-      for (const auto& [axis, value] : {std::pair("X", -std::tan(0.4F)), std::pair("Y", std::tan(0.1F))})
+      for (const auto& [axis, rad] : {std::pair("X", -0.4), std::pair("Y", 0.1)})
         entries.push_back(
             {.arrival = HostTime(frame_offset(n)),
-             .bytes = gaze::test::message(fmt::format("/avatar/parameters/v2/Eye{}{}", eye, axis), {value})});
+             .bytes = gaze::test::message(fmt::format("/avatar/parameters/v2/Eye{}{}", eye, axis),
+                                          {static_cast<float>(std::tan(rad + 0.002 * std::sin(n)))})});
   return entries;
 }
 
@@ -264,7 +265,13 @@ std::vector<take::LogEntry> weights_of_a_phone(double seconds) {
 }
 
 TEST_F(LiveProgram, AnEyeTrackerAndAPhoneStandBesideTheImus) {
-  write(folder / "rig.toml", std::string(virt::test::kRig) +
+  std::string imu_rig = virt::test::kRig;
+  for (int i = 3; i-- > 0;) {
+    std::size_t at = 0;
+    for (int n = 0; n <= i; ++n) at = imu_rig.find("kind =", at + 1);
+    imu_rig.insert(at, fmt::format("device = \"02:4D:49:45:4E:0{}\"\n", i));
+  }
+  write(folder / "rig.toml", imu_rig +
                                  "[[sensor]]\nname = \"eyes\"\nkind = \"gaze\"\nrole = \"face\"\n"
                                  "device = \"02:4D:49:47:5A:00\"\n"
                                  "[[sensor]]\nname = \"phone\"\nkind = \"weights\"\nrole = \"face\"\n"
@@ -294,6 +301,8 @@ TEST_F(LiveProgram, AnEyeTrackerAndAPhoneStandBesideTheImus) {
   EXPECT_LT(brow.back(), 0.3);
   EXPECT_NEAR(look.back(), 0.4 / face::kEyeTurnRadPerUnit, 0.01) << "lids follow the eyes";
   EXPECT_GT(*std::ranges::max_element(jaw), 0.1) << "the IMUs'";
+  for (const auto& link : summary["links"])
+    EXPECT_EQ(link["state"] == "lost", link["device"] == "02:4D:49:45:4E:70") << link;
 
   // Each has a clock and a health of its own.
   const auto recorded = take::Take::open(take);
