@@ -106,8 +106,9 @@ void Resting::learn(std::size_t c, const face::OutputFrame& frame, double step_s
   if (seen.count() < (lids ? kLeastValues : kEnoughValues)) return;
   float& rest = learnt_.rest[shape];
   const double mode = seen.mode();
-  const double lowest = seen.upper(1 - kLowestShare) + kHalfBin;
-  const float target = mode <= RestingFace::kRestAtMost ? static_cast<float>(std::min(mode, lowest)) : rest;
+  const double lowest = seen.upper(1 - kLowestShare);
+  const double usual = std::min(mode, lowest > 0 ? lowest + kHalfBin : 0);
+  const float target = mode <= RestingFace::kRestAtMost ? static_cast<float>(usual) : rest;
   if (lids) blinks_.at(lid_of(shape)).add(frame.weights[shape], target);
   if (seen.count() < kEnoughValues) return;
   // What nothing is known of yet may begin where it was seen, eased in; later it creeps.

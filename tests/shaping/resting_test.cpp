@@ -152,9 +152,9 @@ TEST(Resting, WhatIsOftenLowerIsNoRest) {
   EXPECT_EQ(player.resting.learnt(), RestingFace{});
   EXPECT_EQ(player.frame.weights[kBrow], 0.4F);
   // 36 of 1,800 are a fiftieth. With fewer below it is rest.
-  player.play(263, 0.4F);
+  player.play(200, 0.4F);
   EXPECT_EQ(player.resting.learnt(), RestingFace{});
-  player.play(60, 0.4F);
+  player.play(160, 0.4F);
   EXPECT_GT(player.resting.learnt().rest[kBrow], 0.01F);
 }
 
@@ -207,7 +207,7 @@ TEST(Resting, ChangesByAFiftiethASecond) {
   Player player;
   const float rest = of_bin(16);
   player.play(1800, rest);
-  player.play(901, 0);  // By now most of the 30 s are 0.
+  player.play(60, 0);  // More than the lowest fiftieth.
   const float first = player.resting.learnt().rest[kBrow];
   EXPECT_LT(first, rest);
   RestingFace last = player.resting.learnt();
