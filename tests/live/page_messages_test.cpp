@@ -41,6 +41,16 @@ TEST(PageMessages, HelloSaysWhereASensorLooks) {
   EXPECT_FALSE(hello["rig"]["sensors"][1].contains("aim"));
 }
 
+TEST(PageMessages, StatusSaysWhereTheFaceRests) {
+  Status now = status();
+  now.report.shaping = R"({"resting": true})";
+  now.report.resting = R"({"rest": {"eyeBlink_L": 0.25}, "full": {}})";
+  const Json said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["shaping"]["resting"], true);
+  EXPECT_EQ(said["shaping"]["resting_face"]["rest"], Json::parse(R"({"eyeBlink_L": 0.25})"));
+  EXPECT_FALSE(Json::parse(status_json(status(), glasses()))["shaping"].contains("resting_face"));
+}
+
 TEST(PageMessages, StatusNamesWhoIsHeardAsASensorAndWhoIsNot) {
   Status now = status();
   now.report.links[0].source = "udp://10.0.0.1:5005";

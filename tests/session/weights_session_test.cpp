@@ -175,8 +175,8 @@ TEST(WeightsSession, EachAnswersWhatIsItsOwn) {
 
 TEST(WeightsSession, RecentringTurnsAndMovesTheHead) {
   const virt::VirtualSession performed = test::performance(6);
-  const Played run = test::run(*session(), entries_of(performed, {}),
-                               {{.at_s = kPrologue_s + 1, .json = R"({"command": "recentre"})"}});
+  const std::vector<test::Order> orders = {{.at_s = kPrologue_s + 1, .json = R"({"command": "recentre"})"}};
+  const Played run = test::run(*session(), entries_of(performed, {}), orders);
   const face::OutputFrame& last = run.frames.back().frame;
   const double t = fired_s(run.frames.back());
   // Measured over a second, in which the heading and the place were about those of its middle.
@@ -184,7 +184,7 @@ TEST(WeightsSession, RecentringTurnsAndMovesTheHead) {
   const Vec3 moved = exp_rotation({0, -yaw, 0}) * Vec3(left_at(t) - left_at(kPrologue_s + 1.5), 0, 0);
   EXPECT_LT(angle_between(last.head, exp_rotation({0, yaw_at(t) - yaw, 0})), 0.03);
   EXPECT_LT((last.head_position_m.cast<double>() - moved).norm(), 0.015);
-  EXPECT_EQ(test::run(*session(), run.log).hash, run.hash);
+  EXPECT_EQ(test::run(*session(), entries_of(performed, {}), orders).hash, run.hash);
 }
 
 TEST(WeightsSession, WhenThePhoneIsLostTheImusAnswer) {
