@@ -11,9 +11,9 @@ inline constexpr float kEyeAtMostRad = 1.5707964f;
 [[nodiscard]] face::OutputFrame neutral_frame(DeviceTime time);
 
 /// Replaces invalid values: a weight, tongue, confidence, head or eye direction that is not finite, or a head
-/// that is no rotation, becomes that of `last`, with confidence 0 and provenance held. Clamps weights and
-/// confidences to [0, 1] and eyes to kEyeAtMostRad, and normalises the head. Changes no bit of a valid frame.
-/// `last`: the previous frame, as mended.
+/// that is no rotation, becomes that of `last`, with confidence 0 (that of its region too) and provenance
+/// held. Clamps weights and confidences to [0, 1] and eyes to kEyeAtMostRad, and normalises the head. Changes
+/// no bit of a valid frame. `last`: the previous frame, as mended.
 void mend(face::OutputFrame& frame, const face::OutputFrame& last);
 
 /// Invariants of every output frame: weights and tongue in [0, 1], mouthClose <= jawOpen (it is a corrective
