@@ -11,7 +11,9 @@
 #include "mien/eyewear/light_grid.h"
 #include "mien/model/model_file.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/eyewear/faulty_wearer.h"
 #include "mien/study/eyewear/watched_wearer.h"
+#include "mien/study/imu/faulty_person.h"
 #include "mien/study/imu/watched_person.h"
 
 namespace mien::app {
@@ -55,6 +57,10 @@ class StudiedImuModel final : public StudiedModel {
     one.push_back(std::move(person));
     return group(std::move(who), std::move(one));
   }
+  [[nodiscard]] Result<study::FaultyGroup> faulty_people(int people, double seconds, bool shifted,
+                                                         std::uint64_t seed) const override {
+    return study::faulty_people(model_, rig_, virtual_people_are(people), people, seconds, shifted, seed);
+  }
 
  private:
   [[nodiscard]] study::WatchedGroup group(std::string who, std::vector<study::ImuPerson> people) const {
@@ -96,6 +102,11 @@ class StudiedEyewearModel final : public StudiedModel {
     std::vector<study::LightPerson> one;
     one.push_back(std::move(person));
     return group(std::move(who), std::move(one));
+  }
+  [[nodiscard]] Result<study::FaultyGroup> faulty_people(int people, double seconds, bool shifted,
+                                                         std::uint64_t seed) const override {
+    return study::faulty_wearers(model_, marked_, rig_, virtual_people_are(people), people, seconds, shifted,
+                                 seed);
   }
 
  private:

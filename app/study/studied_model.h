@@ -35,6 +35,10 @@ class StudiedModel {
   /// A recorded performance on the built-in face. Errors: the devices'.
   [[nodiscard]] virtual Result<study::WatchedGroup> recorded(std::string who, const face::Motion& motion,
                                                              const Random& random) const = 0;
+  /// Virtual people under every fault that the simulator knows; of every two one unlike those of training,
+  /// where `shifted`. Errors: the devices'.
+  [[nodiscard]] virtual Result<study::FaultyGroup> faulty_people(int people, double seconds, bool shifted,
+                                                                 std::uint64_t seed) const = 0;
 };
 
 /// The model of a file, whichever modality it is of, before the sensors of a rig; of an empty `rig` those of

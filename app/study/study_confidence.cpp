@@ -13,6 +13,7 @@
 #include "app/seed_option.h"
 #include "app/study/studied_model.h"
 #include "mien/core/median.h"
+#include "mien/face/region_names.h"
 #include "mien/study/confidence.h"
 #include "mien/study/confidence_report.h"
 
@@ -29,6 +30,8 @@ struct StudyConfidenceOptions {
   std::string write;
   std::string out;
   int performers = 24;
+  int faulty = 12;
+  bool keep_table = false;
   double seconds = 60;
   std::uint64_t seed = 1;
   bool json = false;
@@ -44,25 +47,61 @@ Json to_json(const study::Reliability& reliability) {
   return {{"expected_calibration_error", reliability.expected_error()}, {"bins", bins}};
 }
 
+Json range_of(const std::vector<double>& ascending) {
+  return {{"median", upper_median(ascending)}, {"least", ascending.front()}, {"most", ascending.back()}};
+}
+
+Json to_json(const study::RegionTally& regions) {
+  Json out = to_json(regions.all);
+  out["area_under_curve"] = regions.roc.area();
+  Json& each = out["each"] = Json::object();
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    each[std::string(face::kShapeRegionNames[r])] = {
+        {"expected_calibration_error", regions.each[r].expected_error()},
+        {"area_under_curve", regions.roc_each[r].area()}};
+  return out;
+}
+
 Json to_json(const study::ConfidenceRow& row) {
-  return {
-      {"who", row.who},
-      {"lost", row.lost},
-      {"people", row.people},
-      {"frames", row.frames},
-      {"measured", row.measured},
-      {"gaze_measured", row.gaze_measured},
-      {"correlations", row.followed.pairs},
-      {"correlations_kept", row.followed.share()},
-      {"all", to_json(row.all)},
-      {"ece_single",
-       {{"median", upper_median(row.single)}, {"least", row.single.front()}, {"most", row.single.back()}}},
-      {"moving", to_json(row.moving)},
-      {"before",
-       {{"correlations", row.followed_before.pairs},
-        {"correlations_kept", row.followed_before.share()},
-        {"all", to_json(row.all_before)}}},
-      {"kept", study::kept(row)}};
+  return {{"who", row.who},
+          {"fault", row.fault},
+          {"lost", row.lost},
+          {"people", row.people},
+          {"frames", row.frames},
+          {"measured", row.measured},
+          {"gaze_measured", row.gaze_measured},
+          {"correlations", row.followed.pairs},
+          {"correlations_kept", row.followed.share()},
+          {"all", to_json(row.all)},
+          {"ece_single", range_of(row.single)},
+          {"moving", to_json(row.moving)},
+          {"before",
+           {{"correlations", row.followed_before.pairs},
+            {"correlations_kept", row.followed_before.share()},
+            {"all", to_json(row.all_before)}}},
+          {"kept", study::kept(row)},
+          {"regions", to_json(row.regions)},
+          {"regions_ece_single", range_of(row.regions_single)},
+          {"regions_kept", study::regions_kept(row)}};
+}
+
+/// Each region's offset and slope; null where the table has no maps.
+Json maps_json(const model::ConfidenceTable& table) {
+  if (!table.regions) return nullptr;
+  Json out = Json::object();
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    out[std::string(face::kShapeRegionNames[r])] = {(*table.regions)[r].offset, (*table.regions)[r].slope};
+  return out;
+}
+
+/// None where nobody is to be under faults.
+Result<std::vector<study::FaultyGroup>> faulty_groups(const StudyConfidenceOptions& options,
+                                                      const StudiedModel& model, bool shifted,
+                                                      std::uint64_t seed) {
+  std::vector<study::FaultyGroup> out;
+  if (options.faulty == 0) return out;
+  MIEN_TRY_ASSIGN(out.emplace_back(), model.faulty_people(options.faulty, options.seconds, shifted, seed));
+  return out;
 }
 
 Json shapes_json(const model::ConfidenceTable& table) {
@@ -72,7 +111,8 @@ Json shapes_json(const model::ConfidenceTable& table) {
   return out;
 }
 
-/// Measures the model's table anew and writes the model with it. Half of the people are unlike those of
+/// Measures the model's table anew, but where it is to be kept, and its regions' maps, and writes the model
+/// with them. Half of the people are unlike those of
 /// training: of a tracker's error on people like those alone, strangers are promised too much.
 Result<void> write_table(const StudyConfidenceOptions& options, StudiedModel& model) {
   MIEN_TRY_ASSIGN(study::WatchedGroup people, model.virtual_people(options.performers, options.seconds,
@@ -80,8 +120,19 @@ Result<void> write_table(const StudyConfidenceOptions& options, StudiedModel& mo
   MIEN_TRY_ASSIGN(study::WatchedGroup others, model.shifted_people(options.performers, options.seconds,
                                                                    kMeasuredOn, "people of other kinds"));
   std::ranges::move(others.people, std::back_inserter(people.people));
-  MIEN_TRY_ASSIGN(model::ConfidenceTable table,
-                  study::measure_confidence(people, kMeasuredOn, terminal_progress("confidence"), 0));
+  model::ConfidenceTable table;
+  if (options.keep_table) {
+    if (!model.table())
+      return fail(ErrorCode::not_found, "the model has no confidence table to keep", options.model);
+    table = *model.table();
+  } else {
+    MIEN_TRY_ASSIGN(table,
+                    study::measure_confidence(people, kMeasuredOn, terminal_progress("confidence"), 0));
+  }
+  MIEN_TRY_ASSIGN(const std::vector<study::FaultyGroup> faulty,
+                  faulty_groups(options, model, true, kMeasuredOn));
+  MIEN_TRY_ASSIGN(table.regions, study::fit_regions(table, people, faulty, kMeasuredOn,
+                                                    terminal_progress("regions' confidence"), 0));
   model.use(std::move(table));
   return model.write(options.write);
 }
@@ -115,24 +166,34 @@ Result<void> run_study_confidence(StudyConfidenceOptions options) {
   MIEN_TRY_ASSIGN(const std::vector<study::WatchedGroup> groups, watch(options, *model));
   MIEN_TRY_ASSIGN(const std::vector<study::ConfidenceRow> rows,
                   study::study_confidence(table, groups, options.seed, terminal_progress("confidence"), 0));
+  MIEN_TRY_ASSIGN(const std::vector<study::FaultyGroup> faulty,
+                  faulty_groups(options, *model, false, options.seed + kMeasuredOn + 1));
+  MIEN_TRY_ASSIGN(const std::vector<study::ConfidenceRow> faults,
+                  study::study_faults(table, faulty, terminal_progress("faults"), 0));
   clear_progress();
   const std::string subtitle = fmt::format(
       "model {}, seed {}", std::filesystem::path(options.model).filename().string(), options.seed);
-  const measure::Report report = study::confidence_report(rows, table, subtitle);
+  const measure::Report report = study::confidence_report(rows, faults, table, subtitle);
   if (!options.out.empty()) MIEN_TRY(report.write(options.out));
   if (options.json) {
     Json all = Json::array();
     for (const study::ConfidenceRow& row : rows) all.push_back(to_json(row));
+    Json under = Json::array();
+    for (const study::ConfidenceRow& row : faults) under.push_back(to_json(row));
     print_json({{"model", options.model},
                 {"rig", model->rig_name()},
                 {"seed", options.seed},
                 {"measured_from", table.measured_from},
                 {"explained", shapes_json(table)},
-                {"rows", all}});
+                {"regions", maps_json(table)},
+                {"rows", all},
+                {"faults", under}});
     return {};
   }
   fmt::print("How true the confidence is: {}\n\n{}", subtitle,
              measure::plain_text(study::confidence_table(rows)));
+  if (!faults.empty()) fmt::print("\n{}", measure::plain_text(study::confidence_table(faults)));
+  if (table.regions) fmt::print("\n{}", measure::plain_text(study::regions_table(rows, faults)));
   if (!options.out.empty()) fmt::print("report: {}\n", options.out);
   if (!options.write.empty()) fmt::print("model with its table: {}\n", options.write);
   return {};
@@ -155,6 +216,9 @@ void add_study_confidence(Commands& commands, Command study) {
                   "Virtual people of each kind: like those of training, and unlike them")
       .in_range(1, 10000)
       .show_default();
+  command.add_option("--faulty", options->faulty, "People like those of training under every fault; 0: none")
+      .in_range(0, 10000)
+      .show_default();
   command.add_option("--seconds", options->seconds, "Length of each one's performance")
       .number_between(1.0, 3600.0)
       .show_default();
@@ -163,6 +227,8 @@ void add_study_confidence(Commands& commands, Command study) {
   add_seed_option(command, options->seed, "Of the people, their devices and the sensors that are lost");
   command.add_option("--write", options->write,
                      "Measure the model's table anew first, on people of their own, and write the model so");
+  command.add_flag("--keep-table", options->keep_table,
+                   "With --write: fit the confidence of regions alone, to the table that the model has");
   command.add_option("--out", options->out,
                      "Write a self-contained HTML page with the reliability diagram and the tables");
   command.add_flag("--json", options->json, "Print one JSON object");

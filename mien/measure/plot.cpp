@@ -174,10 +174,17 @@ std::string svg(const LinePlot& plot) {
     text_at(out, x(t), height - kBottom + 18, "middle", tick_text(t, step_of(x_ticks)));
   text_at(out, 0.5 * (kLeft + kWidth - kRight), height - 6, "middle", plot.x_label);
   // The first is drawn last: what matters most lies on top.
-  for (std::size_t i = plot.lines.size(); i-- > 0;)
+  for (std::size_t i = plot.lines.size(); i-- > 0;) {
+    const Line& line = plot.lines[i];
     fmt::format_to(std::back_inserter(out),
                    "<path class=\"line\" stroke=\"var(--series-{})\" d=\"{}\"><title>{}</title></path>\n",
-                   colour_of(i), path_of(plot.lines[i], x, y), escaped(plot.lines[i].name));
+                   colour_of(i), path_of(line, x, y), escaped(line.name));
+    for (std::size_t p = 0; line.points && p < std::min(line.x.size(), line.y.size()); ++p)
+      if (std::isfinite(line.x[p]) && std::isfinite(line.y[p]))
+        fmt::format_to(std::back_inserter(out),
+                       "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"var(--series-{})\"/>\n",
+                       x(line.x[p]), y(line.y[p]), colour_of(i));
+  }
   return out + "</svg>\n";
 }
 

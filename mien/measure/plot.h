@@ -15,6 +15,7 @@ struct Line {
   std::string name;
   std::vector<double> x;
   std::vector<double> y;
+  bool points = false;  ///< Each is marked.
 };
 
 /// Curves over a common axis. All names are plain text in UTF-8.

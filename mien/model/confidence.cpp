@@ -1,6 +1,7 @@
 #include "mien/model/confidence.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mien::model {
 namespace {
@@ -19,7 +20,15 @@ bool are_edges(std::span<const float> edges) {
   return true;
 }
 
+bool is_sound(const LogisticMap& map) {
+  return std::abs(map.offset) <= LogisticMap::kLargest && std::abs(map.slope) <= LogisticMap::kLargest;
+}
+
 }  // namespace
+
+float LogisticMap::at(float score) const {
+  return 1 / (1 + std::exp(-(offset + slope * score)));
+}
 
 Result<void> check(const ConfidenceTable& table, std::size_t shapes, const std::string& where) {
   const std::size_t coverages = table.coverage_bins(), values = table.value_bins();
@@ -35,6 +44,8 @@ Result<void> check(const ConfidenceTable& table, std::size_t shapes, const std::
   for (std::size_t k = 0; k < shapes; ++k)
     if (!std::ranges::is_sorted(std::span(table.explained).subspan(k * coverages, coverages)))
       return fail(ErrorCode::out_of_range, "a shape's explained share grows as sensors are lost", where);
+  if (table.regions && !std::ranges::all_of(*table.regions, is_sound))
+    return fail(ErrorCode::out_of_range, "the map of a region's confidence is beyond its range", where);
   return {};
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/face/shape_region.h"
 
 namespace mien::model {
 
@@ -15,6 +18,20 @@ inline constexpr float kConfidenceTolerance = 0.1F;
 
 /// Bins are few: a lookup compares with every edge.
 inline constexpr std::size_t kMostConfidenceBins = 16;
+
+/// Logistic regression of one score: the probability 1 / (1 + exp(-(offset + slope * score))).
+struct LogisticMap {
+  float offset = 0, slope = 0;
+  bool operator==(const LogisticMap&) const = default;
+
+  /// Each parameter is within these, either way: beyond them the sum could be no number.
+  static constexpr float kLargest = 1e6F;
+  [[nodiscard]] float at(float score) const;
+};
+
+/// Of each face::ShapeRegion: from its score in a frame (tracker::ShapeConfidence::region_scores) to the
+/// probability that the mean absolute error of its shapes is at most kConfidenceTolerance.
+using RegionMaps = std::array<LogisticMap, face::kShapeRegionCount>;
 
 /// What a model is worth, shape by shape, measured on people it was not trained on
 /// (docs/reference/metrics.md, "Confidence"). A shape's *coverage*, 0 to 1, is how much of what it is read
@@ -31,6 +48,8 @@ struct ConfidenceTable {
   /// From this explained share on a shape is measured, below it predicted; 0 to 1. Raising: fewer shapes are
   /// called measured, each more surely. Chosen on the same people (study::measure_confidence).
   float measured_from = 1;
+  /// None (older files): nobody measured the regions.
+  std::optional<RegionMaps> regions;
   std::size_t people = 0;  ///< Whom it was measured on.
   std::uint64_t seed = 0;  ///< What they were drawn from.
   bool operator==(const ConfidenceTable&) const = default;
@@ -51,7 +70,8 @@ struct ConfidenceTable {
 }
 
 /// Whether it holds together for so many shapes. Errors: mismatch (sizes), out_of_range (edges that do not
-/// ascend, shares outside 0 to 1, a share that grows as coverage shrinks).
+/// ascend, shares outside 0 to 1, a share that grows as coverage shrinks, a region's map beyond
+/// LogisticMap::kLargest).
 [[nodiscard]] Result<void> check(const ConfidenceTable& table, std::size_t shapes, const std::string& where);
 
 }  // namespace mien::model

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mien/core/excerpt.h"
+#include "mien/face/region_names.h"
 
 namespace mien::model {
 namespace {
@@ -18,14 +19,35 @@ constexpr const char* kValueEdges = "confidence.value_edges";
 constexpr const char* kExplained = "confidence.explained";
 constexpr const char* kWithin = "confidence.within";
 
+/// By the regions' names, so that another set of them is not taken for this one.
+nlohmann::json to_json(const RegionMaps& maps) {
+  nlohmann::json out = nlohmann::json::object();
+  for (std::size_t r = 0; r < maps.size(); ++r)
+    out[std::string(face::kShapeRegionNames[r])] = {maps[r].offset, maps[r].slope};
+  return out;
+}
+
+/// Throws nlohmann's exceptions. None: they are not the five regions' two numbers each.
+std::optional<RegionMaps> parse_regions(const nlohmann::json& json) {
+  if (!json.is_object() || json.size() != face::kShapeRegionCount) return std::nullopt;
+  RegionMaps maps;
+  for (std::size_t r = 0; r < maps.size(); ++r) {
+    const nlohmann::json& map = json.at(std::string(face::kShapeRegionNames[r]));
+    if (!map.is_array() || map.size() != 2) return std::nullopt;
+    maps[r] = {map[0].get<float>(), map[1].get<float>()};
+  }
+  return maps;
+}
+
 }  // namespace
 
 void add_confidence(const ConfidenceTable& table, std::size_t shapes, TensorFile& to) {
-  to.metadata[kConfidence] = nlohmann::json{
-      {"tolerance", 0.1},
-      {"measured_from", table.measured_from},
-      {"people", table.people},
-      {"seed", table.seed}}.dump();
+  nlohmann::json json = {{"tolerance", 0.1},
+                         {"measured_from", table.measured_from},
+                         {"people", table.people},
+                         {"seed", table.seed}};
+  if (table.regions) json["regions"] = to_json(*table.regions);
+  to.metadata[kConfidence] = json.dump();
   const auto add = [&](const char* name, std::vector<std::size_t> shape, const std::vector<float>& values) {
     to.tensors.push_back({.name = name, .shape = std::move(shape), .values = values});
   };
@@ -44,6 +66,11 @@ Result<std::optional<ConfidenceTable>> take_confidence(TensorFile& from, const s
     table.measured_from = json.at("measured_from").get<float>();
     table.people = json.at("people").get<std::size_t>();
     table.seed = json.at("seed").get<std::uint64_t>();
+    if (const auto regions = json.find("regions"); regions != json.end()) {
+      table.regions = parse_regions(*regions);
+      if (!table.regions)
+        return fail(ErrorCode::malformed, "the confidence of regions is not two numbers of each", where);
+    }
   } catch (const nlohmann::json::exception& error) {
     return fail(ErrorCode::malformed,
                 fmt::format("the model's description is wrong: {}", excerpt(error.what(), kComplaintLetters)),

@@ -14,7 +14,8 @@ namespace mien::model {
 void add_confidence(const ConfidenceTable& table, std::size_t shapes, TensorFile& to);
 
 /// Takes it out of a file again; none where the file has no such metadata. What is missing is left empty,
-/// which check() refuses. Errors: malformed.
+/// which check() refuses. Errors: malformed (no JSON, a key that is missing or of another type, maps of other
+/// regions).
 [[nodiscard]] Result<std::optional<ConfidenceTable>> take_confidence(TensorFile& from,
                                                                      const std::string& where);
 

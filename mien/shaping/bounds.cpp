@@ -1,6 +1,7 @@
 #include "mien/shaping/bounds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace mien::shaping {
@@ -14,6 +15,8 @@ face::OutputFrame neutral_frame(DeviceTime time) {
 
 void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
   const auto share = [](float x) { return std::isfinite(x) ? std::clamp(x, 0.0f, 1.0f) : 0.0f; };
+  std::array<bool, face::kShapeRegionCount> whole{};
+  whole.fill(true);
   for (std::size_t i = 0; i < face::kShapeCount; ++i) {
     frame.confidence[i] = share(frame.confidence[i]);
     if (std::isfinite(frame.weights[i])) {
@@ -23,7 +26,10 @@ void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
     frame.weights[i] = last.weights[i];
     frame.confidence[i] = 0;
     frame.provenance[i] = face::Provenance::held;
+    whole[static_cast<std::size_t>(face::kShapeRegions[i])] = false;
   }
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    frame.region_confidence[r] = whole[r] ? share(frame.region_confidence[r]) : 0;
   frame.tongue_out =
       std::isfinite(frame.tongue_out) ? std::clamp(frame.tongue_out, 0.0f, 1.0f) : last.tongue_out;
   frame.head_confidence = share(frame.head_confidence);

@@ -14,10 +14,10 @@ inline constexpr float kHeadAtMost_m = 10;
 [[nodiscard]] face::OutputFrame neutral_frame(DeviceTime time);
 
 /// Replaces invalid values: a weight, tongue, confidence, head, position or eye direction that is not finite,
-/// or a head that is no rotation, becomes that of `last`, with confidence 0 and provenance held. Clamps
-/// weights and confidences to [0, 1], eyes to kEyeAtMostRad and the head's position to kHeadAtMost_m, and
-/// normalises the head; a position that is not known is 0. Changes no bit of a valid frame. `last`: the
-/// previous frame, as mended.
+/// or a head that is no rotation, becomes that of `last`, with confidence 0 (that of its region too) and
+/// provenance held. Clamps weights and confidences to [0, 1], eyes to kEyeAtMostRad and the head's position
+/// to kHeadAtMost_m, and normalises the head; a position that is not known is 0. Changes no bit of a valid
+/// frame. `last`: the previous frame, as mended.
 void mend(face::OutputFrame& frame, const face::OutputFrame& last);
 
 /// The range of every output frame: weights and tongue in [0, 1]; what is no number becomes 0.

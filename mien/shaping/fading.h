@@ -17,6 +17,8 @@ class Fading {
   Fading(double age_s, const FallbackSettings& settings);
   /// Fills the part (frame_parts.h) of `frame`. `from`: the last frame shown with the part observed.
   void apply(std::size_t part, const face::OutputFrame& from, face::OutputFrame& frame) const;
+  /// What is left of a confidence.
+  [[nodiscard]] float fade(float confidence) const { return confidence_share_ * confidence; }
 
  private:
   [[nodiscard]] face::Provenance provenance_of(face::Provenance was) const;

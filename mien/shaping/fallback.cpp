@@ -33,6 +33,8 @@ void Fallback::lose(face::OutputFrame& frame) {
   }
   const Fading fading(to_seconds(frame.time - since_), settings_);
   for (std::size_t part = 0; part < kPartCount; ++part) fading.apply(part, from_, frame);
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    frame.region_confidence[r] = fading.fade(from_.region_confidence[r]);
 }
 
 void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_present) {
@@ -60,6 +62,7 @@ void Fallback::fade_in(face::OutputFrame& frame) const {
     frame.confidence[i] *= share;
     if (back < 0.5) frame.provenance[i] = from_.provenance[i];
   }
+  for (float& confidence : frame.region_confidence) confidence *= share;
   frame.head_confidence *= share;
   frame.eyes_confidence *= share;
   if (back < 0.5) {

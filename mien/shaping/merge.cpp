@@ -80,6 +80,7 @@ void Merge::set(const MergeSettings& settings, const FallbackSettings& times, bo
 void Merge::reset() {
   std::ranges::fill(last_, neutral_frame({}));
   answers_.fill(kNobody);
+  leads_.fill(kNobody);
   ease_out_.stop();
   from_ = neutral_frame({});
   begun_ = known_ = false;
@@ -93,10 +94,13 @@ Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
                                 : part == kHeadPart ? frame.head_provenance
                                                     : frame.eyes_provenance;
   out.known = source.sensors_present > 0 && provenance != Provenance::neutral;
-  if (shape)
-    out.share = source.explained != nullptr ? (*source.explained)[part] : frame.confidence[part];
-  else
+  if (shape) {
+    const float region = frame.region_confidence[static_cast<std::size_t>(face::kShapeRegions[part])];
+    const float said = region > 0 ? region : frame.confidence[part];
+    out.share = source.explained != nullptr ? (*source.explained)[part] : said;
+  } else {
     out.share = part == kHeadPart ? frame.head_confidence : frame.eyes_confidence;
+  }
   return out;
 }
 
@@ -119,6 +123,32 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
     most = score;
   }
   return best;
+}
+
+std::uint8_t Merge::lead_of(std::size_t region) const {
+  // The last place counts the shapes that are faded.
+  std::array<std::size_t, kMostSources + 1> shapes{};
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    if (static_cast<std::size_t>(face::kShapeRegions[k]) == region)
+      ++shapes[std::min<std::size_t>(answers_[k], kMostSources)];
+  const auto most = std::ranges::max_element(shapes) - shapes.begin();
+  return most == kMostSources ? kNobody : static_cast<std::uint8_t>(most);
+}
+
+void Merge::copy_regions(std::span<const Source> sources, OutputFrame& out) {
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r) {
+    const std::uint8_t before = std::exchange(leads_[r], lead_of(r));
+    if (leads_[r] != kNobody) {
+      out.region_confidence[r] = sources[leads_[r]].frame->region_confidence[r];
+      continue;
+    }
+    if (before != kNobody) {
+      from_.region_confidence[r] = shown_.region_confidence[r];
+      region_since_[r] = shown_.time;
+    }
+    const Fading fading(to_seconds(out.time - region_since_[r]), times_);
+    out.region_confidence[r] = fading.fade(from_.region_confidence[r]);
+  }
 }
 
 std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
@@ -161,6 +191,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
     }
     Fading(to_seconds(time - since_[part]), times_).apply(part, from_, out);
   }
+  copy_regions(sources, out);
   if (begun_) ease_out_.apply(out, to_seconds(time - shown_.time), times_.return_s);
   shown_ = out;
   begun_ = true;

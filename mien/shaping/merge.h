@@ -29,7 +29,9 @@ namespace mien::shaping {
 /// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
 ///
 /// What a tracker explains of a shape depends on its sensors and not on the weights, so that nothing changes
-/// hands within a smile. Where nobody measured that, and of head and eyes, its confidence stands for it.
+/// hands within a smile. Where nobody measured that, the confidence of the shape's region stands for it,
+/// where that is unknown the shape's own; of head and eyes theirs. A region's confidence is that of the
+/// tracker that answers most of its shapes, of equals the first by number; where most are faded it fades.
 ///
 /// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's
 /// mechanisms and times, part by part, so a tracker that loses its sensors is replaced as smoothly as the
@@ -77,6 +79,9 @@ class Merge {
   };
   [[nodiscard]] static Vote vote_of(const Source& source, std::size_t part);
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;
+  /// The source that answers most of a region's shapes; kNobody where more are faded.
+  [[nodiscard]] std::uint8_t lead_of(std::size_t region) const;
+  void copy_regions(std::span<const Source> sources, face::OutputFrame& out);
 
   std::vector<std::string> modalities_;
   MergeSettings settings_;
@@ -85,9 +90,11 @@ class Merge {
   std::array<std::vector<std::uint8_t>, kMergePlaceCount> order_;  // Sources by number, by place.
   std::vector<face::OutputFrame> last_;                            // Of each source, mended.
   std::array<std::uint8_t, kPartCount> answers_{};                 // Selected source by part.
+  std::array<std::uint8_t, face::kShapeRegionCount> leads_{};      // Source that answers most of a region.
   EaseOut ease_out_;
   face::OutputFrame from_;                      // What was shown of each part when it was lost, ...
   std::array<DeviceTime, kPartCount> since_{};  // ... and when.
+  std::array<DeviceTime, face::kShapeRegionCount> region_since_{};
   face::OutputFrame shown_;
   bool begun_ = false;  // shown_ is valid.
   bool known_ = false;  // A source has had an estimate.

@@ -87,6 +87,7 @@ void write_frame_json(const face::OutputFrame& frame, std::int64_t frame_index,
                  frame_index, ns < 0 ? "-" : "", size / 1'000'000'000, size % 1'000'000'000);
   put_list(out, "weights", frame.weights.values);
   put_list(out, "confidence", frame.confidence);
+  put_list(out, "regions", frame.region_confidence);
   out += ",\"provenance\":\"";
   for (const face::Provenance provenance : frame.provenance) out += provenance_letter(provenance);
   out += "\",\"tongue_out\":";

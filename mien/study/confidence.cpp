@@ -1,9 +1,11 @@
 #include "mien/study/confidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mien/study/confidence_fit.h"
+#include "mien/study/logistic_fit.h"
 #include "mien/study/performers.h"
 #include "mien/tracker/provenance.h"
 
@@ -13,17 +15,32 @@ namespace {
 constexpr std::size_t kLosses = 6;
 constexpr std::array<std::size_t, 4> kStudiedLosses = {0, 1, 3, 6};
 
+/// A person with all sensors, then without some: `random` is drawn from in that order.
+Result<Watched> watch_loss(const WatchedPerson& person, std::size_t number, Random& random) {
+  const std::size_t lost = number == 0 ? 0 : 1 + random.below(person.sensor_count());
+  return person.watch(lost, random.fork("lost", number));
+}
+
 Result<ConfidenceFit> fit_person(const WatchedPerson& person, Random random) {
   ConfidenceFit fit;
   for (std::size_t i = 0; i <= kLosses; ++i) {
-    const std::size_t lost = i == 0 ? 0 : 1 + random.below(person.sensor_count());
-    MIEN_TRY_ASSIGN(const Watched seen, person.watch(lost, random.fork("lost", i)));
+    MIEN_TRY_ASSIGN(const Watched seen, watch_loss(person, i, random));
     for (std::size_t f = 0; f < seen.answer.size(); ++f)
       for (std::size_t k = 0; k < face::kShapeCount; ++k)
         fit.add(k, seen.coverage[f][k], seen.answer[f][k], seen.truth[f][k]);
     fit.end_person();
   }
   return fit;
+}
+
+using RegionFits = std::array<LogisticFit, face::kShapeRegionCount>;
+
+void add(const tracker::ShapeConfidence& confidence, const Watched& seen, RegionFits& fits) {
+  for (std::size_t f = 0; f < seen.answer.size(); ++f) {
+    const tracker::RegionScores scores = confidence.region_scores(seen.coverage[f], seen.answer[f]);
+    const auto within = regions_within(seen.answer[f], seen.truth[f]);
+    for (std::size_t r = 0; r < fits.size(); ++r) fits[r].add(scores[r], within[r]);
+  }
 }
 
 /// Measured frames of one person, shape by shape.
@@ -35,15 +52,16 @@ void follow(const std::array<Correlation, face::kShapeCount>& shapes, Followed& 
   }
 }
 
-Result<ConfidenceRow> study_person(const tracker::ShapeConfidence& confidence, const WatchedPerson& person,
-                                   std::size_t lost, const Random& random) {
-  MIEN_TRY_ASSIGN(const Watched seen, person.watch(lost, random));
-  ConfidenceRow row{.lost = lost, .people = 1, .frames = seen.answer.size()};
+ConfidenceRow study_person(const tracker::ShapeConfidence& confidence, const Watched& seen) {
+  ConfidenceRow row;
+  row.people = 1;
+  row.frames = seen.answer.size();
   std::array<Correlation, face::kShapeCount> now{}, before{};
   face::OutputFrame frame;
   for (std::size_t f = 0; f < seen.answer.size(); ++f) {
     frame.weights = seen.answer[f];
     confidence.write(seen.coverage[f], frame);
+    row.regions.add(frame, seen.truth[f]);
     const bool there = std::ranges::any_of(seen.coverage[f], [](float share) { return share > 0; });
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
       const float estimate = frame.weights[k], truth = seen.truth[f][k];
@@ -61,6 +79,7 @@ Result<ConfidenceRow> study_person(const tracker::ShapeConfidence& confidence, c
   follow(now, row.followed);
   follow(before, row.followed_before);
   row.single = {row.all.expected_error()};
+  row.regions_single = {row.regions.all.expected_error()};
   return row;
 }
 
@@ -78,6 +97,15 @@ void add(const ConfidenceRow& one, ConfidenceRow& row) {
   row.moving.add(one.moving);
   row.all_before.add(one.all_before);
   row.single.insert(row.single.end(), one.single.begin(), one.single.end());
+  row.regions.add(one.regions);
+  row.regions_single.insert(row.regions_single.end(), one.regions_single.begin(), one.regions_single.end());
+}
+
+/// From the sums over people to what the row says.
+void finish(ConfidenceRow& row) {
+  std::ranges::sort(row.single);
+  std::ranges::sort(row.regions_single);
+  row.measured /= std::max(1.0, static_cast<double>(row.frames * face::kShapeCount));
 }
 
 }  // namespace
@@ -97,29 +125,34 @@ Result<model::ConfidenceTable> measure_confidence(const WatchedGroup& group, std
   return table;
 }
 
-void Reliability::add(float confidence, bool within) {
-  const auto bin = static_cast<std::size_t>(confidence * kBins);
-  Bin& into = bins_[std::min(bin, kBins - 1)];
-  into.frames += 1;
-  into.confidence += confidence;
-  into.within += within ? 1 : 0;
-}
-
-void Reliability::add(const Reliability& other) {
-  for (std::size_t b = 0; b < kBins; ++b) {
-    bins_[b].frames += other.bins_[b].frames;
-    bins_[b].confidence += other.bins_[b].confidence;
-    bins_[b].within += other.bins_[b].within;
+Result<model::RegionMaps> fit_regions(const model::ConfidenceTable& table, const WatchedGroup& group,
+                                      const std::vector<FaultyGroup>& faulty, std::uint64_t seed,
+                                      const Progress& progress, unsigned threads) {
+  std::vector<std::shared_ptr<const FaultyPerson>> troubled;
+  for (const FaultyGroup& one : faulty) troubled.insert(troubled.end(), one.people.begin(), one.people.end());
+  const std::size_t sound = group.people.size();
+  if (sound + troubled.size() == 0)
+    return fail(ErrorCode::not_found, "nobody is there to measure confidence on");
+  const tracker::ShapeConfidence confidence(table);
+  std::vector<RegionFits> fits(sound + troubled.size());
+  MIEN_TRY(for_each_performer(fits.size(), threads, progress, [&](std::size_t p) -> Result<void> {
+    const auto see = [&](const Watched& seen) { add(confidence, seen, fits[p]); };
+    if (p >= sound)
+      return troubled[p - sound]->watch_each([&](std::size_t, const Watched& seen) { see(seen); });
+    const WatchedPerson& person = *group.people[p];
+    Random random = Random(seed).fork("confidence", p);
+    for (std::size_t i = 0; i <= kLosses; ++i) {
+      MIEN_TRY_ASSIGN(const Watched seen, watch_loss(person, i, random));
+      see(seen);
+    }
+    return {};
+  }));
+  model::RegionMaps maps;
+  for (std::size_t r = 0; r < maps.size(); ++r) {
+    for (std::size_t p = 1; p < fits.size(); ++p) fits.front()[r].add(fits[p][r]);
+    maps[r] = fits.front()[r].solve();
   }
-}
-
-double Reliability::expected_error() const {
-  double frames = 0, error = 0;
-  for (const Bin& bin : bins_) {
-    frames += bin.frames;
-    error += std::abs(bin.confidence - bin.within);
-  }
-  return frames > 0 ? error / frames : 0;
+  return maps;
 }
 
 Result<std::vector<ConfidenceRow>> study_confidence(const model::ConfidenceTable& table,
@@ -135,7 +168,9 @@ Result<std::vector<ConfidenceRow>> study_confidence(const model::ConfidenceTable
       const WatchedPerson& person = *group.people[i % people];
       const std::size_t lost = std::min(kStudiedLosses[i / people], person.sensor_count());
       const Random random = Random(seed).fork("lost", lost).fork("person", i % people);
-      MIEN_TRY_ASSIGN(each[i], study_person(confidence, person, lost, random));
+      MIEN_TRY_ASSIGN(const Watched seen, person.watch(lost, random));
+      each[i] = study_person(confidence, seen);
+      each[i].lost = lost;
       return {};
     }));
     for (std::size_t l = 0; people > 0 && l < kStudiedLosses.size(); ++l) {
@@ -143,17 +178,44 @@ Result<std::vector<ConfidenceRow>> study_confidence(const model::ConfidenceTable
       row.who = group.who;
       row.lost = each[l * people].lost;
       for (std::size_t p = 0; p < people; ++p) add(each[l * people + p], row);
-      std::ranges::sort(row.single);
-      row.measured /= std::max(1.0, static_cast<double>(row.frames * face::kShapeCount));
+      finish(row);
     }
   }
   if (rows.empty()) return fail(ErrorCode::not_found, "nobody is there to study confidence on");
   return rows;
 }
 
+Result<std::vector<ConfidenceRow>> study_faults(const model::ConfidenceTable& table,
+                                                const std::vector<FaultyGroup>& groups,
+                                                const Progress& progress, unsigned threads) {
+  const tracker::ShapeConfidence confidence(table);
+  std::vector<ConfidenceRow> rows;
+  for (const FaultyGroup& group : groups) {
+    const std::size_t people = group.people.size(), faults = group.faults.size();
+    std::vector<ConfidenceRow> each(people * faults);
+    MIEN_TRY(for_each_performer(people, threads, progress, [&](std::size_t p) {
+      return group.people[p]->watch_each([&](std::size_t fault, const Watched& seen) {
+        each[p * faults + fault] = study_person(confidence, seen);
+      });
+    }));
+    for (std::size_t f = 0; people > 0 && f < faults; ++f) {
+      ConfidenceRow& row = rows.emplace_back();
+      row.who = group.who;
+      row.fault = group.faults[f];
+      for (std::size_t p = 0; p < people; ++p) add(each[p * faults + f], row);
+      finish(row);
+    }
+  }
+  return rows;
+}
+
 bool kept(const ConfidenceRow& row) {
   return row.all.expected_error() <= kErrorAllowed && row.followed.share() >= kMeasuredShare &&
          row.gaze_measured == 0;
+}
+
+bool regions_kept(const ConfidenceRow& row) {
+  return row.regions.all.expected_error() <= kErrorAllowed;
 }
 
 }  // namespace mien::study

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -10,6 +9,8 @@
 #include "mien/core/progress.h"
 #include "mien/face/profile.h"
 #include "mien/model/confidence.h"
+#include "mien/study/region_tally.h"
+#include "mien/study/reliability.h"
 #include "mien/study/watched.h"
 
 namespace mien::study {
@@ -21,25 +22,15 @@ namespace mien::study {
 [[nodiscard]] Result<model::ConfidenceTable> measure_confidence(const WatchedGroup& group, std::uint64_t seed,
                                                                 const Progress& progress, unsigned threads);
 
-/// How true the confidence of many frames and shapes is.
-class Reliability {
- public:
-  static constexpr std::size_t kBins = 10;
-  struct Bin {
-    double frames = 0, confidence = 0, within = 0;  ///< Sums.
-  };
-
-  /// `within`: whether the error was at most model::kConfidenceTolerance.
-  void add(float confidence, bool within);
-  void add(const Reliability& other);
-  /// Expected calibration error: the mean distance between confidence and what came true, over bins of a
-  /// tenth, each by its frames. 0 for no frames.
-  [[nodiscard]] double expected_error() const;
-  [[nodiscard]] const std::array<Bin, kBins>& bins() const { return bins_; }
-
- private:
-  std::array<Bin, kBins> bins_{};
-};
+/// Fits the regions' maps to what this table says of people whom the model was not trained on: of `group`
+/// with all sensors and six times with some lost, as above, and of every one of `faulty` under each of its
+/// faults; a frame counts like any other. Errors and repeatability as measure_confidence(); `faulty` may be
+/// empty.
+[[nodiscard]] Result<model::RegionMaps> fit_regions(const model::ConfidenceTable& table,
+                                                    const WatchedGroup& group,
+                                                    const std::vector<FaultyGroup>& faulty,
+                                                    std::uint64_t seed, const Progress& progress,
+                                                    unsigned threads);
 
 /// How well shapes that are called measured follow the truth: of one person and shape each, where the truth
 /// moves (Correlation::speaks).
@@ -51,9 +42,10 @@ struct Followed {
   }
 };
 
-/// One set of people under one loss of sensors.
+/// One set of people under one loss of sensors, or under one fault.
 struct ConfidenceRow {
   std::string who;
+  std::string fault;     ///< Empty: none.
   std::size_t lost = 0;  ///< Sensors, drawn for each person.
   std::size_t people = 0;
   std::size_t frames = 0;
@@ -69,6 +61,8 @@ struct ConfidenceRow {
   /// there, and the coverage as confidence.
   Followed followed_before;
   Reliability all_before;
+  RegionTally regions;                 ///< Of a table without maps: of confidence 0.
+  std::vector<double> regions_single;  ///< As `single`.
 };
 
 /// What is promised of people that the table was not measured on.
@@ -81,7 +75,14 @@ inline constexpr double kErrorAllowed = 0.05;
                                                                   std::uint64_t seed,
                                                                   const Progress& progress, unsigned threads);
 
-/// Whether the row keeps what is promised: calibration, correlation, gaze.
+/// The same under every fault of each group, with all sensors: a row a fault. None for no group.
+[[nodiscard]] Result<std::vector<ConfidenceRow>> study_faults(const model::ConfidenceTable& table,
+                                                              const std::vector<FaultyGroup>& groups,
+                                                              const Progress& progress, unsigned threads);
+
+/// Whether the row keeps what is promised of shapes: calibration, correlation, gaze.
 [[nodiscard]] bool kept(const ConfidenceRow& row);
+/// And of regions: calibration.
+[[nodiscard]] bool regions_kept(const ConfidenceRow& row);
 
 }  // namespace mien::study

@@ -2,34 +2,78 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
 #include "mien/core/median.h"
+#include "mien/face/region_names.h"
 #include "mien/tracker/provenance.h"
 
 namespace mien::study {
 namespace {
 
 std::string name_of(const ConfidenceRow& row) {
+  if (!row.fault.empty()) return fmt::format("{}: {}", row.who, row.fault);
   return row.lost == 0 ? row.who : fmt::format("{}, {} lost", row.who, row.lost);
 }
 
-measure::LinePlot diagram(const std::vector<ConfidenceRow>& rows) {
+measure::LinePlot empty_diagram(std::string title, std::string y_label) {
   measure::LinePlot plot;
-  plot.title = "Reliability: how often it came true against what was said";
+  plot.title = std::move(title);
   plot.x_label = "confidence";
-  plot.y_label = "share within 0.1";
+  plot.y_label = std::move(y_label);
   plot.y_low = 0;
   plot.y_high = 1;
   plot.height = 420;
   plot.lines.push_back({"true confidence", {0, 1}, {0, 1}});
-  for (const ConfidenceRow& row : rows) {
-    measure::Line line{name_of(row), {}, {}};
-    for (const Reliability::Bin& bin : row.all.bins()) {
-      if (bin.frames == 0) continue;
-      line.x.push_back(bin.confidence / bin.frames);
-      line.y.push_back(bin.within / bin.frames);
-    }
-    plot.lines.push_back(std::move(line));
+  return plot;
+}
+
+measure::Line line_of(std::string name, const Reliability& reliability) {
+  measure::Line line{std::move(name), {}, {}};
+  line.points = true;
+  for (const Reliability::Bin& bin : reliability.bins()) {
+    if (bin.frames == 0) continue;
+    line.x.push_back(bin.confidence / bin.frames);
+    line.y.push_back(bin.within / bin.frames);
   }
+  return line;
+}
+
+measure::LinePlot diagram(const std::vector<ConfidenceRow>& rows) {
+  measure::LinePlot plot =
+      empty_diagram("Reliability: how often it came true against what was said", "share within 0.1");
+  for (const ConfidenceRow& row : rows) plot.lines.push_back(line_of(name_of(row), row.all));
+  return plot;
+}
+
+/// Without faults a line a row; with them one of all together, and the one that is kept the least.
+measure::LinePlot regions_diagram(const std::vector<ConfidenceRow>& rows,
+                                  const std::vector<ConfidenceRow>& faults) {
+  measure::LinePlot plot =
+      empty_diagram("Reliability of regions: a mean error of at most 0.1", "share of frames and regions");
+  for (const ConfidenceRow& row : rows)
+    if (row.lost == 0) plot.lines.push_back(line_of(name_of(row), row.regions.all));
+  if (faults.empty()) return plot;
+  RegionTally all;
+  for (const ConfidenceRow& row : faults) all.add(row.regions);
+  const auto error = [](const ConfidenceRow& row) { return row.regions.all.expected_error(); };
+  const ConfidenceRow& worst = *std::ranges::max_element(faults, {}, error);
+  plot.lines.push_back(line_of("all faults", all.all));
+  plot.lines.push_back(line_of(name_of(worst), worst.regions.all));
+  return plot;
+}
+
+/// Region by region, over all rows together.
+measure::LinePlot each_region(const std::vector<ConfidenceRow>& rows,
+                              const std::vector<ConfidenceRow>& faults) {
+  RegionTally all;
+  for (const ConfidenceRow& row : rows) all.add(row.regions);
+  for (const ConfidenceRow& row : faults) all.add(row.regions);
+  measure::LinePlot plot = empty_diagram("Region by region, all rows together", "share of frames");
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    plot.lines.push_back(line_of(std::string(face::kShapeRegionNames[r]), all.each[r]));
   return plot;
 }
 
@@ -69,11 +113,56 @@ measure::Table confidence_table(const std::vector<ConfidenceRow>& rows) {
   return out;
 }
 
-measure::Report confidence_report(const std::vector<ConfidenceRow>& rows, const model::ConfidenceTable& table,
-                                  const std::string& subtitle) {
+measure::Table regions_table(const std::vector<ConfidenceRow>& rows,
+                             const std::vector<ConfidenceRow>& faults) {
+  measure::Table out;
+  out.caption = "Confidence of regions: calibration error (ECE) and area under the ROC curve (AUC)";
+  out.columns = {"", "people", "within, %", "ECE", "ECE of each one", "AUC"};
+  for (const std::string_view region : face::kShapeRegionNames) {
+    out.columns.push_back(fmt::format("{}: ECE", region));
+    out.columns.emplace_back("AUC");
+  }
+  out.columns.emplace_back("kept");
+  for (const auto* list : {&rows, &faults})
+    for (const ConfidenceRow& row : *list) {
+      double frames = 0, within = 0;
+      for (const Reliability::Bin& bin : row.regions.all.bins()) {
+        frames += bin.frames;
+        within += bin.within;
+      }
+      std::vector<std::string>& cells = out.rows.emplace_back();
+      cells = {name_of(row),
+               fmt::format("{}", row.people),
+               fmt::format("{:.1f}", frames > 0 ? 100 * within / frames : 0),
+               fmt::format("{:.3f}", row.regions.all.expected_error()),
+               fmt::format("{:.3f} ({:.3f} to {:.3f})", upper_median(row.regions_single),
+                           row.regions_single.front(), row.regions_single.back()),
+               fmt::format("{:.3f}", row.regions.roc.area())};
+      for (std::size_t r = 0; r < face::kShapeRegionCount; ++r) {
+        cells.push_back(fmt::format("{:.3f}", row.regions.each[r].expected_error()));
+        cells.push_back(fmt::format("{:.3f}", row.regions.roc_each[r].area()));
+      }
+      cells.emplace_back(regions_kept(row) ? "yes" : "no");
+    }
+  return out;
+}
+
+measure::Report confidence_report(const std::vector<ConfidenceRow>& rows,
+                                  const std::vector<ConfidenceRow>& faults,
+                                  const model::ConfidenceTable& table, const std::string& subtitle) {
   measure::Report report("How true the confidence is", subtitle);
   report.plot(diagram(rows));
   report.table(confidence_table(rows));
+  if (!faults.empty()) {
+    report.heading("Under faults");
+    report.table(confidence_table(faults));
+  }
+  if (table.regions) {
+    report.heading("Regions");
+    report.plot(regions_diagram(rows, faults));
+    report.plot(each_region(rows, faults));
+    report.table(regions_table(rows, faults));
+  }
   report.table(shapes(table));
   return report;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,25 @@ class WatchedPerson {
 struct WatchedGroup {
   std::string who;
   std::vector<std::shared_ptr<const WatchedPerson>> people;
+};
+
+/// A person whose sensors all kinds of things befall, one after another. Each modality's folder derives one.
+/// Immutable, so safe to share between threads.
+class FaultyPerson {
+ public:
+  virtual ~FaultyPerson() = default;
+  /// What the tracker answered under a fault, by its number in FaultyGroup::faults.
+  using See = std::function<void(std::size_t fault, const Watched&)>;
+  /// The same performance under each fault in turn, simulated as it is asked for: nothing of it is kept.
+  /// Errors: the simulator's and the tracker's.
+  [[nodiscard]] virtual Result<void> watch_each(const See& see) const = 0;
+};
+
+/// People of one kind under the same faults; the first of these is none.
+struct FaultyGroup {
+  std::string who;
+  std::vector<std::string> faults;
+  std::vector<std::shared_ptr<const FaultyPerson>> people;
 };
 
 }  // namespace mien::study

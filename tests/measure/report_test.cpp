@@ -94,6 +94,14 @@ TEST(LinePlot, BreaksWhereThereIsNoNumber) {
   EXPECT_EQ(count(drawing, "nan"), 0);
 }
 
+TEST(LinePlot, MarksThePointsOfALineThatAsksForIt) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  LinePlot plot{"p", "x", "y", {{"a", {0, 1, 2}, {1, none, 2}}}, {}, {}};
+  EXPECT_EQ(count(svg(plot), "<circle"), 0);
+  plot.lines[0].points = true;
+  EXPECT_EQ(count(svg(plot), "<circle"), 2) << "where there is a number";
+}
+
 TEST(LinePlot, KeepsEverySpikeOfALongCurve) {
   LinePlot plot{"p", "x", "y", {{"a", {}, {}}}, 0.0, 10.0};
   for (int i = 0; i < 100'000; ++i) {

@@ -75,6 +75,56 @@ TEST(ModelFile, AConfidenceTableRoundTripsAndAnOlderFileHasNone) {
   }
 }
 
+RegionMaps some_maps() {
+  RegionMaps maps;
+  for (std::size_t r = 0; r < maps.size(); ++r) maps[r] = {0.1F * static_cast<float>(r) - 1, 1.0F / 3};
+  return maps;
+}
+
+TEST(ModelFile, RegionsMapsRoundTripAndChangeNothingElse) {
+  ModelFile model = small_causal_model();
+  model.confidence = small_table(model.shapes.size());
+  const auto without = format_model(model);
+  model.confidence->regions = some_maps();
+  const auto bytes = format_model(model);
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  auto back = parse_model(*bytes, "test");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->confidence, model.confidence) << "to the bit";
+  back->confidence->regions.reset();
+  EXPECT_EQ(*format_model(*back), *without);
+  EXPECT_FALSE(parse_model(*without, "test")->confidence->regions);
+}
+
+TEST(ModelFile, RefusesMapsThatAreNotTheFiveRegions) {
+  ModelFile model = small_causal_model();
+  model.confidence = small_table(model.shapes.size());
+  for (const float wrong : {std::nanf(""), 1e7F, -INFINITY}) {
+    model.confidence->regions = some_maps();
+    (*model.confidence->regions)[3].slope = wrong;
+    EXPECT_EQ(format_model(model).error().code, ErrorCode::out_of_range) << wrong;
+    (*model.confidence->regions)[3] = {wrong, 1};
+    EXPECT_EQ(format_model(model).error().code, ErrorCode::out_of_range) << wrong;
+  }
+  model.confidence->regions = some_maps();
+  const TensorFile file = *parse_safetensors(*format_model(model), "test");
+  const std::string& whole = file.metadata.at("confidence");
+  const auto refused = [&](const std::string& from, const std::string& to) {
+    TensorFile other = file;
+    std::string& text = other.metadata["confidence"];
+    text.replace(text.find(from), from.size(), to);
+    return parse_model(write_safetensors(other), "test").error().code;
+  };
+  ASSERT_NE(whole.find("\"brows\":[-1.0,"), std::string::npos) << whole;
+  EXPECT_EQ(refused("\"brows\":[-1.0,", "\"brows\":[null,"), ErrorCode::malformed);
+  EXPECT_EQ(refused("\"brows\":[-1.0,", "\"brows\":[\"-1\","), ErrorCode::malformed);
+  EXPECT_EQ(refused("\"brows\":[-1.0,", "\"brows\":[1e300,"), ErrorCode::out_of_range);
+  EXPECT_EQ(refused("\"brows\":[-1.0,", "\"brows\":[-1.0,2,"), ErrorCode::malformed);
+  EXPECT_EQ(refused("\"brows\":[-1.0,", "\"ears\":[-1.0,"), ErrorCode::malformed);
+  EXPECT_EQ(refused("\"brows\":[-1.0,", "\"ears\":[1,1],\"brows\":[-1.0,"), ErrorCode::malformed);
+  EXPECT_EQ(refused("\"regions\":{", "\"regions\":3,\"r\":{"), ErrorCode::malformed);
+}
+
 TEST(ModelFile, RefusesAConfidenceTableThatDoesNotHoldTogether) {
   const auto refused = [](const auto& spoil) {
     ModelFile model = small_causal_model();

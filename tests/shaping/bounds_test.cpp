@@ -23,6 +23,14 @@ TEST(Mend, ChangesNoBitOfAFrameThatIsWell) {
   }
 }
 
+TEST(Mend, ARegionOfWhichAWeightIsNoNumberIsUnknown) {
+  face::OutputFrame frame = measured(1, 0.6f);
+  frame.region_confidence = {0.5f, kNan, 7, -1, 0.25f};
+  frame.weights[face::shape("jawOpen")] = kNan;
+  mend(frame, neutral_frame({}));
+  EXPECT_EQ(frame.region_confidence, (std::array<float, 5>{0.5f, 0, 1, 0, 0}));
+}
+
 TEST(Mend, TakesTheLastValueForOneThatIsNoNumber) {
   const face::OutputFrame last = measured(0, 0.4f);
   face::OutputFrame frame = measured(1, 0.6f);

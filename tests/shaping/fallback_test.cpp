@@ -128,6 +128,19 @@ TEST(Fallback, ComesBackWithoutAJump) {
   }
 }
 
+TEST(Fallback, ARegionsConfidenceFadesAndComesBackAsAShapesDoes) {
+  Fallback fallback;
+  bool faded = false;
+  for (int i = 0; i < 200; ++i) {
+    face::OutputFrame out = measured(i, 0.5F);
+    out.region_confidence.fill(0.9F);
+    fallback.apply(out, i >= 20 && i < 100 ? 0 : 3);
+    for (const float confidence : out.region_confidence) ASSERT_EQ(confidence, out.confidence[0]) << i;
+    faded = faded || (out.confidence[0] > 0.1F && out.confidence[0] < 0.8F);
+  }
+  EXPECT_TRUE(faded);
+}
+
 TEST(Fallback, TheFacesOwnMovementShowsAtOnceWhileItComesBack) {
   Fallback fallback;
   face::OutputFrame frame = measured(0, 0.0f);

@@ -47,6 +47,7 @@ inline face::OutputFrame standing_at(std::int64_t index, const Vec3f& position_m
 inline bool same_bits(const face::OutputFrame& a, const face::OutputFrame& b) {
   return a.time == b.time && std::memcmp(&a.weights, &b.weights, sizeof a.weights) == 0 &&
          std::memcmp(&a.confidence, &b.confidence, sizeof a.confidence) == 0 &&
+         std::memcmp(&a.region_confidence, &b.region_confidence, sizeof a.region_confidence) == 0 &&
          a.provenance == b.provenance &&
          std::memcmp(a.head.coeffs().data(), b.head.coeffs().data(), 4 * sizeof(double)) == 0 &&
          a.head_confidence == b.head_confidence && a.head_provenance == b.head_provenance &&

@@ -162,6 +162,58 @@ TEST(Merge, WhoExplainsMoreAnswersWhateverTheWeightsSay) {
   }
 }
 
+TEST(Merge, ARegionsConfidenceStandsForItsShapesWhereNobodyMeasuredMore) {
+  Merge both({"imu", "eyewear"});
+  tracker::Explained by_imu{};
+  by_imu.fill(0.6F);
+  int i = 0;
+  const auto answered = [&](float imu_region, float glasses_region, const tracker::Explained* explained) {
+    OutputFrame imu = measured(i, 0.2F), eyewear = glasses(i, 0.8F), out;
+    ++i;
+    imu.confidence.fill(0.1F);
+    eyewear.confidence.fill(0.3F);
+    imu.region_confidence.fill(imu_region);
+    eyewear.region_confidence.fill(glasses_region);
+    const std::array<Merge::Source, 2> sources = {
+        Merge::Source{.frame = &imu, .sensors_present = 12, .explained = explained},
+        Merge::Source{.frame = &eyewear, .sensors_present = 20}};
+    both.reset();
+    both.apply(sources, out);
+    return both.answers(kJaw);
+  };
+  EXPECT_EQ(answered(0, 0, nullptr), kEyewear) << "unknown: the shapes' own, and neither is sure";
+  EXPECT_EQ(answered(0.8F, 0, nullptr), kImu);
+  EXPECT_EQ(answered(0.45F, 0.2F, nullptr), kImu) << "the surer";
+  EXPECT_EQ(answered(0.01F, 0, &by_imu), kImu) << "what is explained goes before";
+}
+
+TEST(Merge, ARegionsConfidenceIsThatOfWhoAnswersMostOfIt) {
+  Merge both({"imu", "eyewear"});
+  tracker::Explained by_imu{}, by_eyewear{};
+  by_imu.fill(0.9F);
+  const auto brows = static_cast<std::size_t>(face::ShapeRegion::brows);
+  OutputFrame out;
+  const auto apply = [&](int i, std::size_t imus, std::size_t lights) {
+    OutputFrame imu = measured(i, 0.2F), eyewear = glasses(i, 0.8F);
+    imu.region_confidence.fill(0.8F);
+    eyewear.region_confidence.fill(0.6F);
+    const std::array<Merge::Source, 2> sources = {
+        Merge::Source{.frame = &imu, .sensors_present = imus, .explained = &by_imu},
+        Merge::Source{.frame = &eyewear, .sensors_present = lights, .explained = &by_eyewear}};
+    both.apply(sources, out);
+    return out.region_confidence[brows];
+  };
+  by_eyewear[kBrow] = 0.9F;  // One of six, for which the glasses are asked first.
+  EXPECT_EQ(apply(0, 12, 20), 0.8F);
+  EXPECT_EQ(both.answers(kBrow), kEyewear);
+  by_eyewear.fill(0.9F);
+  EXPECT_EQ(apply(1, 12, 20), 0.6F);
+  EXPECT_EQ(apply(2, 12, 0), 0.8F);
+  const float half_gone = (apply(3, 0, 0), apply(27, 0, 0));
+  EXPECT_NEAR(half_gone, 0.8F * (1 - 25.0F / 48), 0.01F) << "hold of 0.3 s and 0.5 s to neutral";
+  EXPECT_EQ(apply(80, 0, 0), 0);
+}
+
 TEST(Merge, ChangesHandsOnlyForAClearlyLargerShare) {
   Merge both({"imu", "eyewear"});
   tracker::Explained by_imu{}, by_eyewear{};

@@ -58,6 +58,7 @@ TEST(JsonFrame, SaysAllOfAFrame) {
   frame.eyes_rad = {Eigen::Vector2f(0.1F, -0.2F), Eigen::Vector2f(0.3F, 0)};
   frame.eyes_confidence = 1;
   frame.eyes_provenance = Provenance::audio;
+  frame.region_confidence[2] = 0.875F;
   std::string text = "what stood there before";
   write_frame_json(frame, 7409, nullptr, text);
   const Json json = Json::parse(text);
@@ -69,6 +70,7 @@ TEST(JsonFrame, SaysAllOfAFrame) {
   EXPECT_EQ(json.at("weights")[1], 0);
   EXPECT_EQ(json.at("weights")[52], 0.33333);
   EXPECT_EQ(json.at("confidence")[1], 0.25);
+  EXPECT_EQ(json.at("regions"), Json({0, 0, 0.875, 0, 0})) << "brows, eyes, cheeks, mouth, jaw";
   EXPECT_EQ(json.at("provenance"), "mipha" + std::string(48, 'n'));
   EXPECT_EQ(json.at("tongue_out"), 0.125);
   EXPECT_EQ(json.at("head"), Json({0.5, -0.5, 0.5, -0.5}));
@@ -78,7 +80,7 @@ TEST(JsonFrame, SaysAllOfAFrame) {
   EXPECT_EQ(json.at("eyes_confidence"), 1);
   EXPECT_EQ(json.at("eyes_provenance"), "a");
   EXPECT_FALSE(json.contains("truth"));
-  EXPECT_EQ(json.size(), 13u);
+  EXPECT_EQ(json.size(), 14u);
 
   face::BlendshapeWeights truth;
   truth[3] = 0.5F;

@@ -117,17 +117,6 @@ TEST(ConfidenceFit, WithoutACorrelationNothingIsMeasured) {
   EXPECT_EQ(fit.table().measured_from, 1);
 }
 
-TEST(Reliability, IsTheMeanDistanceOfSaidAndTrue) {
-  Reliability one;
-  EXPECT_EQ(one.expected_error(), 0);
-  for (int i = 0; i < 10; ++i) one.add(0.75F, i < 5);  // A quarter too sure.
-  for (int i = 0; i < 30; ++i) one.add(1, true);
-  EXPECT_NEAR(one.expected_error(), 0.25 * 10 / 40, 1e-6);
-  Reliability two;
-  two.add(one);
-  EXPECT_EQ(two.expected_error(), one.expected_error());
-}
-
 /// Answers as the known tracker does, a sixteenth of what its shapes are read from lost with each sensor.
 class Known final : public WatchedPerson {
  public:
@@ -175,6 +164,57 @@ TEST(MeasureConfidence, IsTheSameOnAnyNumberOfThreadsWhateverTheSensorsAre) {
   }
   EXPECT_EQ(rows->back().lost, 4U) << "no more than there are";
   EXPECT_EQ(measure_confidence({}, 5, no_progress, 1).error().code, ErrorCode::not_found);
+}
+
+/// The known tracker again: clean, and under a fault that leaves its sensors half of what they tell.
+class KnownFaulty final : public FaultyPerson {
+ public:
+  explicit KnownFaulty(std::uint64_t seed) : seed_(seed) {}
+  [[nodiscard]] Result<void> watch_each(const See& see) const override {
+    const Known known(seed_);
+    for (std::size_t fault = 0; fault < 2; ++fault) {
+      const std::size_t lost = fault == 0 ? 0 : known.sensor_count();
+      MIEN_TRY_ASSIGN(const Watched seen, known.watch(lost, Random(seed_).fork("fault", fault)));
+      see(fault, seen);
+    }
+    return {};
+  }
+
+ private:
+  std::uint64_t seed_;
+};
+
+TEST(FitRegions, IsCalibratedOnOthersCleanAndUnderFaults) {
+  WatchedGroup group{"people", {}}, others{"others", {}};
+  FaultyGroup faulty{"people", {"clean", "all but lost"}, {}}, other_faulty = faulty;
+  for (std::uint64_t p = 0; p < 4; ++p) {
+    group.people.push_back(std::make_shared<const Known>(p));
+    others.people.push_back(std::make_shared<const Known>(100 + p));
+    faulty.people.push_back(std::make_shared<const KnownFaulty>(p));
+    other_faulty.people.push_back(std::make_shared<const KnownFaulty>(100 + p));
+  }
+  model::ConfidenceTable table = measure_confidence(group, 5, no_progress, 1).value();
+  const auto maps = fit_regions(table, group, {faulty}, 5, no_progress, 1);
+  ASSERT_TRUE(maps) << maps.error().message();
+  EXPECT_EQ(*maps, fit_regions(table, group, {faulty}, 5, no_progress, 2).value());
+  for (const model::LogisticMap& map : *maps) EXPECT_GT(map.slope, 0) << "surer shapes, a surer region";
+
+  const auto unknown = study_faults(table, {other_faulty}, no_progress, 1);
+  table.regions = *maps;
+  const auto rows = study_faults(table, {other_faulty}, no_progress, 2);
+  ASSERT_TRUE(rows && unknown);
+  ASSERT_EQ(rows->size(), 2U);
+  EXPECT_EQ(rows->back().fault, "all but lost");
+  EXPECT_EQ(rows->back().regions_single.size(), 4U);
+  for (std::size_t r = 0; r < rows->size(); ++r) {
+    EXPECT_LT((*rows)[r].regions.all.expected_error(), 0.08) << r;
+    EXPECT_GT((*rows)[r].regions.roc.area(), 0.6) << r;
+    EXPECT_GT((*unknown)[r].regions.all.expected_error(), 0.3) << "without maps it is 0, and untrue";
+    EXPECT_FALSE(regions_kept((*unknown)[r]));
+    EXPECT_EQ((*rows)[r].all.expected_error(), (*unknown)[r].all.expected_error()) << "shapes are as before";
+  }
+  EXPECT_EQ(study_confidence(table, {others}, 6, no_progress, 1)->size(), 4U);
+  EXPECT_EQ(fit_regions(table, {}, {}, 5, no_progress, 1).error().code, ErrorCode::not_found);
 }
 
 }  // namespace

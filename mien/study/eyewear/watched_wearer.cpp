@@ -7,35 +7,14 @@
 #include "mien/core/time.h"
 #include "mien/eyewear/normalisation.h"
 #include "mien/study/draw_first.h"
-#include "mien/study/eyewear/worn_glasses.h"
 #include "mien/study/performance.h"
 #include "mien/study/performers.h"
 #include "mien/study/shifted_person.h"
-#include "mien/virtual/eyewear/eyewear_faults.h"
 #include "mien/virtual/eyewear/eyewear_simulator.h"
 #include "mien/virtual/eyewear/eyewear_wearer.h"
 
 namespace mien::study {
 namespace {
-
-Result<LightPerson> wear_glasses(const face::Motion& motion, const face::Face& face, const sensor::Rig& rig,
-                                 const virt::EyewearFaults& faults, const Random& random) {
-  MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
-                  virt::seat_eyewear(face, rig, faults, random.fork("wearer")));
-  virt::EyewearSimulator simulator(wearer, faults, random.fork("glasses"));
-  simulator.put_on();
-  WornGlasses session(simulator, rig);
-  const eyewear::Normalisation normalisation = session.first_minute(random.fork("minute"), {});
-  LightPerson out;
-  session.play(motion, motion.duration_s(),
-               [&](const eyewear::GridLight& light, const face::BlendshapeWeights& weights) {
-                 eyewear::read_features(normalisation, light, out.light.emplace_back());
-                 face::BlendshapeWeights& truth = out.truth.emplace_back();
-                 for (std::size_t k = 0; k < face::kShapeCount; ++k)
-                   truth[k] = std::clamp(weights[k], 0.0F, 1.0F);
-               });
-  return out;
-}
 
 /// As many wearers as `people`, each as `watch` (of the index and the rig's faults) has them seen.
 template <typename Watch>
@@ -98,13 +77,42 @@ class WatchedByGlasses final : public WatchedPerson {
 
 }  // namespace
 
+Result<LightPerson> wear_glasses(const face::Motion& motion, const face::Face& face, const sensor::Rig& rig,
+                                 const virt::EyewearFaults& faults, const WornLater& later,
+                                 const Random& random) {
+  MIEN_TRY_ASSIGN(const virt::EyewearWearer wearer,
+                  virt::seat_eyewear(face, rig, faults, random.fork("wearer")));
+  virt::EyewearSimulator simulator(wearer, faults, random.fork("glasses"));
+  simulator.put_on();
+  WornGlasses session(simulator, rig);
+  eyewear::Normalisation normalisation = session.first_minute(random.fork("minute"), {});
+  if (later.remount != WornLater::Remount::no) simulator.put_on();
+  if (later.remount == WornLater::Remount::calibrated)
+    normalisation = session.hold_neutral(normalisation, random.fork("again"));
+  session.spoil(later.spoil);
+  LightPerson out;
+  session.play(motion, motion.duration_s(),
+               [&](const eyewear::GridLight& light, const face::BlendshapeWeights& weights) {
+                 eyewear::read_features(normalisation, light, out.light.emplace_back());
+                 face::BlendshapeWeights& truth = out.truth.emplace_back();
+                 for (std::size_t k = 0; k < face::kShapeCount; ++k)
+                   truth[k] = std::clamp(weights[k], 0.0F, 1.0F);
+               });
+  return out;
+}
+
+Wearer draw_wearer(double seconds, const Random& root) {
+  VirtualPerson person = draw_person(root);
+  return {std::move(person.face), draw_motion(seconds, person.style, root)};
+}
+
 Result<std::vector<LightPerson>> watch_wearers(int people, double seconds, std::uint64_t seed,
                                                const sensor::Rig& rig, const Progress& progress,
                                                unsigned threads) {
   return watch_each(people, rig, progress, threads, [&](std::size_t p, const virt::EyewearFaults& faults) {
     const Random root = Random(seed).fork("wearer", p);
-    const VirtualPerson person = draw_person(root);
-    return wear_glasses(draw_motion(seconds, person.style, root), person.face, rig, faults, root);
+    const Wearer wearer = draw_wearer(seconds, root);
+    return wear_glasses(wearer.motion, wearer.face, rig, faults, {}, root);
   });
 }
 
@@ -114,14 +122,14 @@ Result<std::vector<LightPerson>> watch_shifted_wearers(int people, double second
   return watch_each(people, rig, progress, threads, [&](std::size_t p, const virt::EyewearFaults& faults) {
     const Random root = Random(seed).fork("shifted wearer", p);
     const ShiftedPerson person = draw_shifted_person(p, seconds, root);
-    return wear_glasses(person.motion, person.face, rig, faults, root.fork("devices"));
+    return wear_glasses(person.motion, person.face, rig, faults, {}, root.fork("devices"));
   });
 }
 
 Result<LightPerson> watch_wearer(const face::Motion& motion, const face::Face& face, const sensor::Rig& rig,
                                  const Random& random) {
   MIEN_TRY_ASSIGN(const virt::EyewearFaults faults, virt::parse_eyewear_faults(rig.faults_toml, rig.name));
-  return wear_glasses(motion, face, rig, faults, random);
+  return wear_glasses(motion, face, rig, faults, {}, random);
 }
 
 Result<WatchedGroup> watched_by(const eyewear::MarkerNetworkFile& model, const eyewear::MarkedFace& marked,

@@ -13,7 +13,9 @@
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/eyewear/worn_glasses.h"
 #include "mien/study/watched.h"
+#include "mien/virtual/eyewear/eyewear_faults.h"
 
 namespace mien::study {
 
@@ -23,6 +25,20 @@ struct LightPerson {
   std::vector<eyewear::LightFrame> light;
   std::vector<face::BlendshapeWeights> truth;
 };
+
+/// What befalls a wearer after the first minute.
+struct WornLater {
+  enum class Remount : std::uint8_t { no, uncalibrated, calibrated };
+  /// Whether the glasses are taken off and put on again, and whether a neutral hold follows.
+  Remount remount = Remount::no;
+  WornGlasses::Spoil spoil;  ///< Of the performance's samples; empty: nothing.
+};
+
+/// A wearer in glasses with these faults: the first minute, what befalls then, the performance. Errors:
+/// seat_eyewear's.
+[[nodiscard]] Result<LightPerson> wear_glasses(const face::Motion& motion, const face::Face& face,
+                                               const sensor::Rig& rig, const virt::EyewearFaults& faults,
+                                               const WornLater& later, const Random& random);
 
 /// Virtual wearers of a seed of their own, who are drawn and move as those on whom IMUs' models are measured
 /// do: shares explained by one and by the other are of the same faces. Each has a first minute of
@@ -41,6 +57,13 @@ struct LightPerson {
 /// A recorded performance on a face that wears the rig's glasses. Errors: seat_eyewear's, the faults'.
 [[nodiscard]] Result<LightPerson> watch_wearer(const face::Motion& motion, const face::Face& face,
                                                const sensor::Rig& rig, const Random& random);
+
+/// As virtual wearers of a seed are drawn.
+struct Wearer {
+  face::Face face;
+  face::Motion motion;
+};
+[[nodiscard]] Wearer draw_wearer(double seconds, const Random& root);
 
 /// These people before this model. `sensors`: names of the lights' entries. Errors: mismatch (a model of
 /// other sensors or markers).

@@ -68,15 +68,25 @@ void WornGlasses::play(const face::Motion& motion, double seconds, const See& se
       if (see) see(light_, curve.at(frame_s()).weights);
     }
   };
-  for (double at_s = 0; at_s < seconds; at_s += window_s) {
-    const double end_s = std::min(at_s + window_s, seconds);
-    for (const sensor::Sample& sample :
-         simulator_->play(now_s_ + at_s, kPairs, curve.at(at_s).weights, curve.at(end_s).weights)) {
+  const auto receive = [&](const std::vector<sensor::Sample>& samples) {
+    for (const sensor::Sample& sample : samples) {
       look_until(sample.time);
       lines_.add(HostTime(sample.time.time_since_epoch()), sample);
       grid_.add(sample);
     }
+  };
+  std::vector<sensor::Sample> all;
+  for (double at_s = 0; at_s < seconds; at_s += window_s) {
+    const double end_s = std::min(at_s + window_s, seconds);
+    const std::vector<sensor::Sample> samples =
+        simulator_->play(now_s_ + at_s, kPairs, curve.at(at_s).weights, curve.at(end_s).weights);
+    if (spoil_)
+      all.insert(all.end(), samples.begin(), samples.end());
+    else
+      receive(samples);
   }
+  if (spoil_) spoil_(all);
+  receive(all);
   look_until(simulator_->clock().device(now_s_ + seconds));
   now_s_ += seconds;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/normalisation.h"
@@ -31,6 +33,11 @@ class WornGlasses {
   WornGlasses(virt::EyewearSimulator& simulator, const sensor::Rig& rig);
 
   using See = std::function<void(const eyewear::GridLight&, const face::BlendshapeWeights&)>;
+  /// From now on: what becomes of a performance's samples before they are received, in the order in which
+  /// they are.
+  using Spoil = std::function<void(std::vector<sensor::Sample>&)>;
+  void spoil(Spoil spoil) { spoil_ = std::move(spoil); }
+
   /// Plays the motion's first `seconds`; `see` is called at every frame of 60 Hz, the first at its beginning.
   /// Cost: a fiftieth of real time.
   void play(const face::Motion& motion, double seconds, const See& see);
@@ -50,6 +57,7 @@ class WornGlasses {
   sensor::TimeLines lines_;
   eyewear::LightGrid grid_;
   eyewear::GridLight light_;
+  Spoil spoil_;
   double now_s_ = 0;
 };
 

@@ -56,6 +56,14 @@ std::string LossCondition::name() const {
       return fmt::format("without {:g} at once", amount);
     case Fault::head_silent:
       return fmt::format("head's silent for {:g} s", amount);
+    case Fault::corrupted:
+      return fmt::format("{:g} % corrupted", amount);
+    case Fault::truncated:
+      return fmt::format("{:g} % cut short", amount);
+    case Fault::frozen:
+      return fmt::format("{:g} frozen", amount);
+    case Fault::all_silent:
+      return fmt::format("all silent for {:g} s", amount);
   }
   return {};
 }
@@ -83,10 +91,11 @@ Result<Impairment> impairment(const LossCondition& condition, const sensor::Rig&
                               double end_s, const Random& random) {
   const std::vector<std::uint16_t> drawn = drawn_sensors(rig, random.fork("sensors"));
   const double middle_s = 0.5 * (begin_s + end_s);
-  const std::size_t needed = condition.fault == Fault::restart          ? 1
-                             : condition.fault == Fault::shared_id      ? 2
-                             : condition.fault == Fault::sensors_silent ? std::max(0.0, condition.amount)
-                                                                        : 0;
+  const std::size_t needed = condition.fault == Fault::restart     ? 1
+                             : condition.fault == Fault::shared_id ? 2
+                             : condition.fault == Fault::sensors_silent || condition.fault == Fault::frozen
+                                 ? std::max(0.0, condition.amount)
+                                 : 0;
   if (needed > drawn.size())
     return fail(ErrorCode::not_found, "the rig has too few face sensors for: " + condition.name(), rig.name);
   Impairment out;
@@ -145,6 +154,18 @@ Result<Impairment> impairment(const LossCondition& condition, const sensor::Rig&
       out.troubles.silences.push_back({*sensor, middle_s, middle_s + condition.amount});
       break;
     }
+    case Fault::corrupted:
+      out.network.corrupted = 0.01 * condition.amount;
+      break;
+    case Fault::truncated:
+      out.network.truncated = 0.01 * condition.amount;
+      break;
+    case Fault::frozen:
+      for (std::size_t i = 0; i < needed; ++i) out.troubles.frozen.push_back({drawn[i], begin_s, end_s});
+      break;
+    case Fault::all_silent:
+      out.troubles.silences.push_back({std::nullopt, middle_s, middle_s + condition.amount});
+      break;
   }
   return out;
 }

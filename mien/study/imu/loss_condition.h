@@ -27,6 +27,10 @@ enum class Fault : std::uint8_t {
   sensor_silent,   ///< The face sensor `sensor` is never heard.
   sensors_silent,  ///< `amount` face sensors are never heard.
   head_silent,     ///< The head's sensor is not heard for `amount` seconds, half-way.
+  corrupted,       ///< `amount` percent of the packets have one to four bytes changed.
+  truncated,       ///< Of `amount` percent only a beginning arrives.
+  frozen,          ///< `amount` face sensors say the same from the motion's beginning to its end.
+  all_silent,      ///< Nothing is heard for `amount` seconds, half-way.
 };
 
 /// One setting that performances are heard under. Sensors that are not named are drawn for each performance.

@@ -132,13 +132,18 @@ Result<ImuPerson> watch_recorded(const face::Motion& motion, const face::Face& f
   const virt::VirtualSession& session = played.session;
   MIEN_TRY_ASSIGN(std::vector<model::FeatureFrame> features,
                   trace_features(rig, session.events, session.entries, session.ticks));
+  return evaluated_frames(std::move(features), session.truth);
+}
+
+ImuPerson evaluated_frames(std::vector<model::FeatureFrame> features,
+                           const std::vector<take::TruthFrame>& truth) {
   ImuPerson out;
   for (std::size_t f = 0; f < features.size(); ++f) {
-    const take::TruthFrame& truth = session.truth[f];
-    if (!truth.evaluated || !truth.has_face) continue;
+    if (!truth[f].evaluated || !truth[f].has_face) continue;
     out.features.push_back(std::move(features[f]));
     face::BlendshapeWeights& weights = out.truth.emplace_back();
-    for (std::size_t k = 0; k < face::kShapeCount; ++k) weights[k] = std::clamp(truth.weights[k], 0.0F, 1.0F);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      weights[k] = std::clamp(truth[f].weights[k], 0.0F, 1.0F);
   }
   return out;
 }
@@ -157,10 +162,16 @@ std::vector<model::FeatureFrame> without_sensors(std::span<const model::FeatureF
 
 WatchedGroup watched_by(const model::ModelFile& model, const std::vector<std::string>& sensors,
                         std::string who, std::vector<ImuPerson> people) {
-  const auto shared = std::make_shared<const model::ModelFile>(model);
+  return watched_by(std::make_shared<const model::ModelFile>(model), sensors, std::move(who),
+                    std::move(people));
+}
+
+WatchedGroup watched_by(std::shared_ptr<const model::ModelFile> model,
+                        const std::vector<std::string>& sensors, std::string who,
+                        std::vector<ImuPerson> people) {
   WatchedGroup group{std::move(who), {}};
   for (ImuPerson& person : people)
-    group.people.push_back(std::make_shared<const WatchedByModel>(shared, sensors, std::move(person)));
+    group.people.push_back(std::make_shared<const WatchedByModel>(model, sensors, std::move(person)));
   return group;
 }
 

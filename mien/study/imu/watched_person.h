@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "mien/study/dataset.h"
 #include "mien/study/performance.h"
 #include "mien/study/watched.h"
+#include "mien/take/take.h"
 
 namespace mien::study {
 
@@ -43,6 +45,11 @@ struct ImuPerson {
 [[nodiscard]] Result<ImuPerson> watch_recorded(const face::Motion& motion, const face::Face& face,
                                                const sensor::Rig& rig, const Random& random);
 
+/// Of a session, what the features and the truth are where it is evaluated. Shape: a feature and a truth a
+/// tick.
+[[nodiscard]] ImuPerson evaluated_frames(std::vector<model::FeatureFrame> features,
+                                         const std::vector<take::TruthFrame>& truth);
+
 /// The same without `lost` sensors (at most all), which are drawn.
 [[nodiscard]] std::vector<model::FeatureFrame> without_sensors(std::span<const model::FeatureFrame> features,
                                                                std::size_t lost, Random random);
@@ -50,5 +57,8 @@ struct ImuPerson {
 /// These people before this model, whichever network it has. `sensors`: names of the features' entries.
 [[nodiscard]] WatchedGroup watched_by(const model::ModelFile& model, const std::vector<std::string>& sensors,
                                       std::string who, std::vector<ImuPerson> people);
+[[nodiscard]] WatchedGroup watched_by(std::shared_ptr<const model::ModelFile> model,
+                                      const std::vector<std::string>& sensors, std::string who,
+                                      std::vector<ImuPerson> people);
 
 }  // namespace mien::study

@@ -44,9 +44,24 @@ TEST(LossConditions, DrawWhatTheyDoNotName) {
   EXPECT_DOUBLE_EQ(bursts->network.burst_share, 0.1);
 }
 
+TEST(LossConditions, FreezeSilenceAndSpoil) {
+  const auto frozen = impairment({Fault::frozen, 1, {}}, rig(), 10, 20, Random(1));
+  ASSERT_TRUE(frozen);
+  ASSERT_EQ(frozen->troubles.frozen.size(), 1U);
+  EXPECT_EQ(frozen->troubles.frozen[0].from_s, 10);
+  EXPECT_EQ(frozen->troubles.frozen[0].to_s, 20);
+  const auto silent = impairment({Fault::all_silent, 2, {}}, rig(), 10, 20, Random(1));
+  ASSERT_TRUE(silent);
+  EXPECT_EQ(silent->troubles.silences.at(0).sensor, std::nullopt);
+  EXPECT_EQ(silent->troubles.silences[0].to_s, 17);
+  EXPECT_DOUBLE_EQ(impairment({Fault::corrupted, 5, {}}, rig(), 10, 20, Random(1))->network.corrupted, 0.05);
+  EXPECT_DOUBLE_EQ(impairment({Fault::truncated, 5, {}}, rig(), 10, 20, Random(1))->network.truncated, 0.05);
+}
+
 TEST(LossConditions, SayWhatTheRigLacks) {
   for (const LossCondition& condition :
-       {LossCondition{Fault::sensor_silent, 0, "nose"}, LossCondition{Fault::sensors_silent, 3, {}}}) {
+       {LossCondition{Fault::sensor_silent, 0, "nose"}, LossCondition{Fault::sensors_silent, 3, {}},
+        LossCondition{Fault::frozen, 3, {}}}) {
     const auto wrong = impairment(condition, rig(), 0, 1, Random(1));
     ASSERT_FALSE(wrong);
     EXPECT_EQ(wrong.error().code, ErrorCode::not_found);
