@@ -35,7 +35,7 @@ namespace mien {
 [[nodiscard]] std::string place(const std::string& where, const toml::node& node);
 
 /// Errors: malformed, with the line and the known keys, where the table has another key than the known ones.
-[[nodiscard]] Result<void> only_keys(const toml::table& table,
-                                     std::initializer_list<std::string_view> known, const std::string& where);
+[[nodiscard]] Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
+                                     const std::string& where);
 
 }  // namespace mien
