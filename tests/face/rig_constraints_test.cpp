@@ -179,6 +179,9 @@ TEST(RigConstraints, AGroupDoesNotRaiseWhatOtherRulesHaveLowered) {
   // A lid that widens does not close, and the other one closes with it or not at all.
   expect_projected(exclusive("eyeBlink_L", "eyeWide_L") + together({"eyeBlink_L", "eyeBlink_R"}, 0),
                    {{"eyeBlink_L", 0.6F}, {"eyeWide_L", 0.7F}, {"eyeBlink_R", 0.9F}}, {{"eyeWide_L", 0.7F}});
+  // Alike and never both: neither.
+  expect_projected(exclusive("jawLeft", "jawRight") + together({"jawLeft", "jawRight"}, 0),
+                   {{"jawLeft", 0.6F}, {"jawRight", 0.4F}}, {});
   // What a pair gives up is not there for a condition: funnel goes with the lesser pucker.
   expect_projected(
       conditional("mouthFunnel", "mouthPucker", kLine) + exclusive("mouthPucker", "mouthStretch_L"),
@@ -199,8 +202,9 @@ TEST(RigConstraints, ARuleIsForTheUsesThatItNames) {
   EXPECT_EQ(counts(parsed(pair + "always = true\n")), (Counts{1, 1, 1}));
   EXPECT_EQ(counts(parsed(pair + "always = true\nin = [\"live\"]\n")), (Counts{1, 1, 0}));
   // What the solver weighs against each other does not fight.
-  EXPECT_FALSE(RigConstraints::parse(pair + together({"jawLeft", "jawRight"}, 0.01), "rules.toml"));
-  parsed(pair + together({"jawLeft", "jawRight"}, 0.01) + "in = [\"solve\"]\n");
+  const std::string half = conditional("jawLeft", "jawRight", "[[0, 0], [1, 0.5]]");
+  EXPECT_FALSE(RigConstraints::parse(half + together({"jawLeft", "jawRight"}, 0.01), "rules.toml"));
+  parsed(half + together({"jawLeft", "jawRight"}, 0.01) + "in = [\"solve\"]\n");
 }
 
 /// Rules drawn at random, of which many fight or go in circles.
@@ -405,11 +409,6 @@ INSTANTIATE_TEST_SUITE_P(
                     "in = [\"live\"]\n" + conditional("jawOpen", "mouthFunnel", kLine) +
                     "in = [\"solve\"]\n" + conditional("mouthFunnel", "mouthClose", kLine),
                 "is bounded by itself", 0},
-        // One wants them alike, the other never both: no face with either but zeros.
-        Refused{"[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n[[together]]\nshapes = [\"jawLeft\", "
-                "\"jawRight\"]\n"
-                "within = 0.01\n",
-                "fights with others", 4},
         // Alike, and one at most half of the other.
         Refused{conditional("jawLeft", "jawRight", "[[0, 0], [1, 0.5]]") + exclusive("jawLeft", "mouthLeft") +
                     together({"jawLeft", "jawRight"}, 0) + "always = true\n",
