@@ -8,7 +8,7 @@
 namespace mien::face {
 
 /// As files and messages name the regions, in the order of ShapeRegion.
-inline constexpr std::array<std::string_view, kShapeRegionCount> kShapeRegionNames = {"brows", "eyes",
-                                                                                      "cheeks", "mouth", "jaw"};
+inline constexpr std::array<std::string_view, kShapeRegionCount> kShapeRegionNames = {
+    "brows", "eyes", "cheeks", "mouth", "jaw"};
 
 }  // namespace mien::face

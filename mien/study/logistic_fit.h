@@ -18,8 +18,8 @@ class LogisticFit {
   void add(const LogisticFit& other);
   [[nodiscard]] double frames() const;
 
-  /// Newton's method, each step halved until the likelihood does not fall. A normal prior of kPriorSigma about
-  /// 0 keeps both parameters finite where every frame, or none, came true; without frames they are 0.
+  /// Newton's method, each step halved until the likelihood does not fall. A normal prior of kPriorSigma
+  /// about 0 keeps both parameters finite where every frame, or none, came true; without frames they are 0.
   [[nodiscard]] model::LogisticMap solve() const;
 
   static constexpr float kLimit = 8;

@@ -7,7 +7,7 @@
 namespace mien::study {
 
 std::array<bool, face::kShapeRegionCount> regions_within(const face::BlendshapeWeights& estimate,
-                                                        const face::BlendshapeWeights& truth) {
+                                                         const face::BlendshapeWeights& truth) {
   std::array<float, face::kShapeRegionCount> error{}, shapes{};
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     const auto region = static_cast<std::size_t>(face::kShapeRegions[k]);

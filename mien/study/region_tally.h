@@ -8,8 +8,8 @@
 namespace mien::study {
 
 /// Whether the mean absolute error of each region's shapes is at most model::kConfidenceTolerance.
-[[nodiscard]] std::array<bool, face::kShapeRegionCount> regions_within(const face::BlendshapeWeights& estimate,
-                                                                      const face::BlendshapeWeights& truth);
+[[nodiscard]] std::array<bool, face::kShapeRegionCount> regions_within(
+    const face::BlendshapeWeights& estimate, const face::BlendshapeWeights& truth);
 
 /// How true the regions' confidence of many frames is.
 struct RegionTally {

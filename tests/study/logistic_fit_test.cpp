@@ -19,8 +19,8 @@ TEST(LogisticMap, IsOneOverOnePlusExp) {
 }
 
 TEST(LogisticFit, TwoScoresAreMetExactly) {
-  // With two scores the likelihood is largest where both shares are met: 0.25 at -1, 0.75 at 2, so the log-odds
-  // rise from -ln 3 to ln 3 over 3.
+  // With two scores the likelihood is largest where both shares are met: 0.25 at -1, 0.75 at 2, so the
+  // log-odds rise from -ln 3 to ln 3 over 3.
   LogisticFit fit;
   for (int i = 0; i < 4000; ++i) {
     fit.add(-1, i % 4 == 0);

@@ -19,7 +19,8 @@ TEST(Reliability, IsTheMeanDistanceOfSaidAndTrue) {
 TEST(RocArea, IsTheShareOfPairsInTheRightOrder) {
   RocArea area;
   EXPECT_EQ(area.area(), 0.5) << "of nothing";
-  // Came true at 0.9, 0.5 and 0.3, did not at 0.6 and 0.3: of six pairs 0.9 wins two, 0.5 one, 0.3 half of one.
+  // Came true at 0.9, 0.5 and 0.3, did not at 0.6 and 0.3: of six pairs 0.9 wins two, 0.5 one, 0.3 half of
+  // one.
   for (const float confidence : {0.9F, 0.5F, 0.3F}) area.add(confidence, true);
   EXPECT_EQ(area.area(), 0.5) << "nothing to tell it from";
   RocArea beyond;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -59,7 +60,8 @@ void freeze(Random random, Samples& samples) {
   std::map<std::uint16_t, sensor::Sample> first;
   for (const sensor::Sample& sample : samples) first.try_emplace(sample.sensor, sample);
   if (first.empty()) return;
-  const auto& [number, held] = *std::next(first.begin(), static_cast<std::ptrdiff_t>(random.below(first.size())));
+  const auto& [number, held] =
+      *std::next(first.begin(), static_cast<std::ptrdiff_t>(random.below(first.size())));
   for (sensor::Sample& sample : samples)
     if (sample.sensor == number) sample.values = held.values;
 }
@@ -83,8 +85,8 @@ const std::vector<GlassesFault>& glasses_faults() {
       {"jitter 100 ms", nullptr, [](const Random& r, Samples& s) { send_through({.jitter_ms = 100}, r, s); }},
       {"20 % twice, out of order", nullptr,
        [](const Random& r, Samples& s) {
-         send_through(
-             {.jitter_ms = 20, .jitter = virt::NetworkSettings::Jitter::uniform, .duplicated = 0.2}, r, s);
+         send_through({.jitter_ms = 20, .jitter = virt::NetworkSettings::Jitter::uniform, .duplicated = 0.2},
+                      r, s);
        }},
       {"silent for 2 s", nullptr, [](const Random&, Samples& s) { silence(s); }},
       {"1 frozen", nullptr, [](const Random& r, Samples& s) { freeze(r, s); }},
@@ -102,7 +104,10 @@ const std::vector<GlassesFault>& glasses_faults() {
        }},
       {"ride up 3 times as much", [](Faults& f) { f.ride_up_mm *= 3; }},
       {"folds 3 times as high", [](Faults& f) { f.tissue_mm *= 3; }},
-      {"light that saturates", [](Faults& f) { f.ambient = {0.3, 0.9}; }},
+      {"light that saturates",
+       [](Faults& f) {
+         f.ambient = {0.3, 0.9};
+       }},
       {"lamps that change 5 times as much",
        [](Faults& f) {
          f.ambient_walk_per_sqrt_min *= 5;

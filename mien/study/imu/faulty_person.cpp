@@ -98,8 +98,8 @@ class FaultyImuPerson final : public FaultyPerson {
         const Random random = root_.fork("faults");
         MIEN_TRY_ASSIGN(const Impairment bad,
                         impairment(condition, *rig_, played.begin_s, played.end_s, random));
-        MIEN_TRY_ASSIGN(const virt::VirtualSession heard,
-                        virt::impair(played.session, *rig_, bad.network, random.fork("network"), bad.troubles));
+        MIEN_TRY_ASSIGN(const virt::VirtualSession heard, virt::impair(played.session, *rig_, bad.network,
+                                                                       random.fork("network"), bad.troubles));
         MIEN_TRY(watch(heard, fault++, see));
       }
     }

@@ -11,8 +11,8 @@
 namespace mien::study {
 
 /// Virtual people who wear the rig's IMUs in the *device* profile, before this model, under every fault that
-/// the simulator knows: none; the network's and the nodes' (LossCondition), each at the most that the study of
-/// losses looks at; and sensors that are worse, or worn worse, than the rig says (virt::DeviceFaults), by
+/// the simulator knows: none; the network's and the nodes' (LossCondition), each at the most that the study
+/// of losses looks at; and sensors that are worse, or worn worse, than the rig says (virt::DeviceFaults), by
 /// factors that faulty_person.cpp lists. Every second one of them, where `shifted`, and else none, is unlike
 /// those of training (draw_shifted_person); the others wear, move and have skin as those of training.
 /// Errors: those of the rig's faults; the model's (mismatch). Cost, once they are watched: some 40 s of one

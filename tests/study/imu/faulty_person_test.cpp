@@ -15,13 +15,16 @@ const std::vector<std::string> kSensors = {"mentalis", "buccinator_L"};
 
 sensor::Rig rig() {
   sensor::Rig out = virt::test::three_sensors();
-  out.faults_toml = "mount_rotation_deg = 180\ngyro_bias_dps = 1\nclock_offset_s = [1, 50]\n"
-                    "radio_delay_min_ms = 1\nslip_deg_per_sqrt_min = 0.5\n";
+  out.faults_toml =
+      "mount_rotation_deg = 180\nmount_position_mm = 3\nslip_deg_per_sqrt_min = 0.5\n"
+      "adhesive_lag_ms = [5, 20]\ngyro_bias_dps = 1\ngyro_scale = 0.005\n"
+      "accel_bias_mg = 5\nclock_offset_s = [1, 50]\nradio_delay_min_ms = 1\n";
   return out;
 }
 
 TEST(FaultyPeople, EveryFaultBefallsTheSamePerformance) {
-  const auto group = faulty_people(tracker::test::tiny_causal_model(kSensors), rig(), "people", 2, 3, true, 7);
+  const auto group =
+      faulty_people(tracker::test::tiny_causal_model(kSensors), rig(), "people", 2, 3, true, 7);
   ASSERT_TRUE(group) << group.error().message();
   EXPECT_EQ(std::set<std::string>(group->faults.begin(), group->faults.end()).size(), group->faults.size());
   EXPECT_EQ(group->faults.front(), "clean");
@@ -60,7 +63,8 @@ TEST(FaultyPeople, AreRefusedWithoutAModelOrFaultsThatFit) {
   sensor::Rig wrong = rig();
   wrong.faults_toml = "packet_loss = 2\n";
   EXPECT_FALSE(faulty_people(tracker::test::tiny_causal_model(kSensors), wrong, "people", 1, 1, false, 1));
-  const auto group = faulty_people(tracker::test::tiny_causal_model({"nose"}), rig(), "people", 1, 1, false, 1);
+  const auto group =
+      faulty_people(tracker::test::tiny_causal_model({"nose"}), rig(), "people", 1, 1, false, 1);
   ASSERT_TRUE(group);
   const auto done = group->people.front()->watch_each([](std::size_t, const Watched&) {});
   ASSERT_FALSE(done);
