@@ -7,7 +7,9 @@
 #include <cmath>
 #include <string>
 
+#include "app/bench/attack_programs.h"
 #include "app/bench/clock.h"
+#include "app/bench/damaged.h"
 #include "mien/core/bytes.h"
 #include "mien/core/units.h"
 #include "mien/imu/packets/node_message.h"
@@ -132,27 +134,7 @@ class Replayer final : public Speech {
 class Mutator final : public Speech {
  public:
   Mutator(const Victims& victims, Random random) : overheard_(victims.overheard), random_(random) {}
-  Bytes next(double, std::size_t) override {
-    Bytes bytes = overheard_.draw(random_);
-    switch (random_.below(3)) {
-      case 0:
-        for (std::uint64_t flips = 1 + random_.below(8); flips > 0; --flips)
-          bytes[random_.below(bytes.size())] ^= static_cast<std::byte>(1U << random_.below(8));
-        break;
-      case 1:
-        bytes.resize(1 + random_.below(bytes.size()));
-        break;
-      default:
-        for (std::uint64_t more = 1 + random_.below(64); more > 0; --more)
-          bytes.push_back(static_cast<std::byte>(random_.below(256)));
-    }
-    if (bytes.size() <= sensor::kChecksumBytes || random_.chance(0.5)) return bytes;
-    bytes.resize(bytes.size() - sensor::kChecksumBytes);
-    ByteWriter mended;
-    mended.append(bytes);
-    sensor::write_checksum(0, mended);
-    return mended.release();
-  }
+  Bytes next(double, std::size_t) override { return damaged(overheard_.draw(random_), random_); }
 
  private:
   const Overheard& overheard_;
@@ -239,6 +221,10 @@ const std::array kAttacks = {
     Attack{"junk", "random bytes from a hundred addresses", Begins::second, 50'000, 100, 1, speech<Junk>},
     Attack{"markers", "well-formed marker packets from a hundred addresses", Begins::second, 9000, 100, 1,
            speech<MarkerServers>},
+    Attack{"osc", "eye trackers' OSC, right and wrong, from sixteen ports", Begins::second, 5000, 4, 4,
+           osc_programs},
+    Attack{"programs", "packets of gaze and weights, right and wrong, from sixteen ports", Begins::second,
+           5000, 4, 4, face_programs},
     Attack{"table", "hellos of unknown boards from 300 ports", Begins::first, 600, 1, 300,
            speech<UnknownBoards>},
     Attack{"noise-first", "noise as all boards", Begins::first, kTwelve_hz, 1, 12,

@@ -162,6 +162,10 @@ Option add_session_options(Command command, LiveRequest& request) {
   command.add_option("--model", request.model,
                      "The live model (default: the one in models/ for the rig's sensors); a folder of "
                      "models where the rig has sensors of several kinds");
+  command.add_option(
+      "--constraints", request.constraints,
+      "Rules between shapes that what is shown obeys: a file as rigs/constraints/ict.toml, or off "
+      "for none (default: that file's rule that always holds, mouthClose at most jawOpen)");
   command.add_flag("--force", request.force, "Replace an existing take");
   command
       .add_option(

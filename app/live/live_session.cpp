@@ -16,6 +16,7 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "app/command.h"
@@ -25,6 +26,7 @@
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
 #include "mien/core/host_port.h"
+#include "mien/face/rig_constraints.h"
 #include "mien/modalities/modalities.h"
 #include "mien/render/face_textures.h"
 #include "mien/render/gltf_export.h"
@@ -143,6 +145,21 @@ Result<std::optional<live::PageSettings>> page_settings(const LiveRequest& reque
   return std::optional(std::move(page));
 }
 
+/// What puts the rules of a file in force, or none. Errors: RigConstraints::read's, out_of_range (a command
+/// cannot hold it).
+Result<session::Command> constraints_command(const std::string& file) {
+  face::RigConstraints rules;
+  if (file != "off") {
+    MIEN_TRY_ASSIGN(rules, face::RigConstraints::read(file));
+  }
+  session::Shape shape{nlohmann::json{{"constraints", true}, {"rules", rules.text()}}.dump()};
+  if (const std::size_t bytes = session::write_command(shape).size(); bytes > session::kMaxCommandBytes)
+    return fail(ErrorCode::out_of_range,
+                fmt::format("{} bytes as a command are more than {}", bytes, session::kMaxCommandBytes), file,
+                "take comments out");
+  return shape;
+}
+
 }  // namespace
 
 Result<LiveSession> open_live(LiveRequest request) {
@@ -154,6 +171,9 @@ Result<LiveSession> open_live(LiveRequest request) {
   std::vector<sensor::SealKey> keys;
   if (!request.key.empty()) {
     MIEN_TRY_ASSIGN(keys.emplace_back(), read_pairing_key(request.key));
+  }
+  if (!request.constraints.empty()) {
+    MIEN_TRY_ASSIGN(settings.commands.emplace_back(), constraints_command(request.constraints));
   }
   if (!request.record.empty()) MIEN_TRY(check_output(request.record, {".mien"}));
 

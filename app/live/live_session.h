@@ -27,6 +27,7 @@ struct LiveRequest {
   std::string script = "live";           ///< What is performed: goes into takes.
   std::string key;                       ///< A file; empty: everybody is heard.
   double seconds = 0;                    ///< 0: until it is stopped.
+  std::string constraints;               ///< A file, or "off"; empty: the default.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
   bool only_record = false;              ///< It ends when its prompts or its recording do.
   /// What the temporary log may take, 10^9 bytes.

@@ -9,6 +9,7 @@
 #include "app/json_output.h"
 #include "app/one_line.h"
 #include "app/study/model_option.h"
+#include "app/study/shaping_option.h"
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/measure/evaluation_json.h"
@@ -22,6 +23,8 @@ namespace {
 struct EvaluateOptions {
   std::vector<std::string> takes;
   ModelOption model;
+  ShapingOption shaping;
+  bool ablate = false;
   std::string face;
   std::string report;
   bool no_adapt = false;
@@ -35,9 +38,33 @@ void print_row(const char* name, const measure::Metrics& m) {
   const auto ratio = [](const std::optional<double>& value) {
     return value ? fmt::format("{:.2f}", *value) : "-";
   };
-  fmt::print("{:<10} {:7.3f} {:>7} {:>7} {:8.4f} {:9.4f} {:>7} {:>8}\n", name, m.pve_mm.mean,
+  fmt::print("{:<13} {:7.3f} {:>7} {:>7} {:8.4f} {:9.4f} {:>7} {:>8}\n", name, m.pve_mm.mean,
              mean(m.pve_face_mm), mean(m.lmk_mm), m.mse, m.mse_observed, ratio(m.jitter_ratio),
              ratio(m.blink_f1));
+}
+
+using Track = std::vector<face::BlendshapeWeights>;
+
+Track weights_of(const study::Solution& solution) {
+  Track out;
+  out.reserve(solution.frames.size());
+  for (const face::OutputFrame& frame : solution.frames) out.push_back(frame.weights);
+  return out;
+}
+
+/// What is to be measured of a take, then the same with each step of shaping left out. A take is shaped where
+/// settings or ablations are asked for.
+Result<std::vector<study::Solution>> solve(const OpenModel& model, const take::Take& take,
+                                           const OpenModel::Shaping& shaping,
+                                           const std::vector<Ablated>& ablated) {
+  std::vector<study::Solution> one(1);
+  if (ablated.empty()) {
+    MIEN_TRY_ASSIGN(one.front(), model.solve(take, take.path().string(), shaping));
+    return one;
+  }
+  std::vector<shaping::ShaperSettings> all = {shaping.value_or(shaping::ShaperSettings{})};
+  for (const Ablated& without : ablated) all.push_back(without.settings);
+  return model.solve_by_each(take, take.path().string(), all);
 }
 
 /// The face that `name` asks for; where it asks for none, the one on which all the takes were performed, or
@@ -76,21 +103,30 @@ Result<void> run_evaluate(EvaluateOptions options) {
     if (modalities::has_window_models(take.rig()) != modalities::has_window_models(takes.front().rig()))
       return fail(ErrorCode::bad_usage, "the takes are of sensors that no one model knows",
                   take.path().string(), "evaluate them apart");
+  MIEN_TRY_ASSIGN(const OpenModel::Shaping shaping, options.shaping.read());
   options.model.adapt = !options.no_adapt;
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(takes.front().rig()));
   std::string face_name = options.face;
   MIEN_TRY_ASSIGN(const face::Face face, face_to_measure_on(performed_on, face_name));
   std::vector<measure::TakeEstimates> estimates;
+  const std::vector<Ablated> ablated =
+      options.ablate ? ablations(shaping.value_or(shaping::ShaperSettings{})) : std::vector<Ablated>{};
+  std::vector<std::vector<Track>> without(ablated.size());  // Of each, takes.
   std::size_t adapted = 0;
   double adapt_s = 0;
   for (const take::Take& take : takes) {
-    MIEN_TRY_ASSIGN(const study::Solution solution, model.solve(take, take.path().string()));
+    MIEN_TRY_ASSIGN(const std::vector<study::Solution> solutions, solve(model, take, shaping, ablated));
+    const study::Solution& solution = solutions.front();
     if (solution.personalised && solution.personalised->taken) ++adapted;
     adapt_s += solution.personalise_s;
     MIEN_TRY_ASSIGN(estimates.emplace_back(), study::with_truth(take, solution));
+    for (std::size_t i = 0; i < ablated.size(); ++i) without[i].push_back(weights_of(solutions[i + 1]));
   }
-  MIEN_TRY_ASSIGN(const measure::Evaluation evaluation,
-                  measure::evaluate(measure::Meter(face), estimates, model.mean_pose()));
+  const measure::Meter meter(face);
+  MIEN_TRY_ASSIGN(measure::Evaluation evaluation, measure::evaluate(meter, estimates, model.mean_pose()));
+  for (std::size_t i = 0; i < ablated.size(); ++i)
+    evaluation.ablations.push_back(
+        measure::measure_ablation(meter, estimates, ablated[i].without, without[i]));
   if (adapted > 0 && adapted < takes.size())
     fmt::print(stderr,
                "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
@@ -115,12 +151,16 @@ Result<void> run_evaluate(EvaluateOptions options) {
   const std::vector<std::string> ahead = measure::baselines_ahead(evaluation);
   for (const std::string& sentence : ahead) fmt::print("{}\n", sentence);
   if (!ahead.empty()) fmt::print("\n");
-  fmt::print("{:<10} {:>7} {:>7} {:>7} {:>8} {:>9} {:>7} {:>8}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
+  fmt::print("{:<13} {:>7} {:>7} {:>7} {:>8} {:>9} {:>7} {:>8}\n", "", "PVE mm", "face mm", "LMK mm", "MSE",
              "MSE of 42", "jitter", "blink F1");
   print_row("model", evaluation.model);
   if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
   print_row("hold last", evaluation.hold_last);
   print_row("mean pose", evaluation.mean_pose);
+  if (!evaluation.ablations.empty())
+    fmt::print("\nthe model with a step of shaping left out (=: no bit changes)\n");
+  for (const measure::Ablation& one : evaluation.ablations)
+    print_row((one.without + (one.changed ? "" : " =")).c_str(), one.metrics);
   if (evaluation.model.mse > evaluation.mean_pose.mse &&
       evaluation.model.mse_observed < evaluation.mean_pose.mse_observed)
     fmt::print(
@@ -140,6 +180,9 @@ void add_evaluate_command(Commands& commands) {
       "mien evaluate take.mien --report take.html", [options] { return run_evaluate(*options); });
   command.add_option("takes", options->takes, "Takes with a truth track").required();
   options->model.add_to(command);
+  options->shaping.add_to(command);
+  command.add_flag("--ablate", options->ablate,
+                   "Measure once more with each step of shaping left out: one row a step");
   command.add_option("--face", options->face,
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");

@@ -13,6 +13,7 @@
 #include "mien/modalities/modalities.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/study/prompted.h"
 #include "mien/tracker/causal_tracker.h"
 
@@ -87,22 +88,42 @@ std::string OpenModel::kernels() const {
                                                                              : model::Precision::fp32);
 }
 
-Result<study::Solution> OpenModel::solve(const take::Take& take, const std::string& title) const {
+Result<study::Solution> OpenModel::solve(const take::Take& take, const std::string& title,
+                                         const Shaping& shaping) const {
   study::Solution solution;
   const Progress progress = terminal_progress(title);
   if (const auto* solver = std::get_if<tracker::WindowSolver>(&model_)) {
     MIEN_TRY_ASSIGN(solution, study::solve_take(take, *solver, settings_, progress));
   } else if (const auto* causal = std::get_if<model::ModelFile>(&model_)) {
-    MIEN_TRY_ASSIGN(solution, solve_causal(take, *causal, progress));
+    MIEN_TRY_ASSIGN(solution, solve_causal(take, *causal, progress, shaping));
   } else {
-    MIEN_TRY_ASSIGN(solution, solve_tracked(take, progress));
+    MIEN_TRY_ASSIGN(solution, solve_tracked(take, progress, shaping));
   }
+  if (shaping && !solution.shaped) study::shape(*shaping, solution);
   warn_of_missing_sensors(take, solution);
   return solution;
 }
 
+Result<std::vector<study::Solution>> OpenModel::solve_by_each(
+    const take::Take& take, const std::string& title,
+    std::span<const shaping::ShaperSettings> shaping) const {
+  MIEN_TRY_ASSIGN(const study::Solution raw, solve(take, title));
+  const bool solved_once = !raw.shaped && sensor::kinds_of(take.rig()).size() == 1;
+  std::vector<study::Solution> out;
+  for (const shaping::ShaperSettings& settings : shaping) {
+    if (solved_once) {
+      study::shape(settings, out.emplace_back(raw));
+      continue;
+    }
+    MIEN_TRY_ASSIGN(
+        out.emplace_back(),
+        solve(take, fmt::format("{}, {} of {}", title, out.size() + 1, shaping.size()), settings));
+  }
+  return out;
+}
+
 Result<study::Solution> OpenModel::solve_causal(const take::Take& take, model::ModelFile file,
-                                                const Progress& progress) const {
+                                                const Progress& progress, const Shaping& shaping) const {
   const bool live = study::recorded_live(take);
   std::vector<model::FeatureFrame> features;
   if (!live || adapt_) {
@@ -113,7 +134,7 @@ Result<study::Solution> OpenModel::solve_causal(const take::Take& take, model::M
     progress(0, "learning the wearer");
     MIEN_TRY_ASSIGN(adapted, adapt(take, features, file));
   }
-  if (live && !adapted.personalised) return solve_tracked(take, progress);
+  if (live && !adapted.personalised) return solve_tracked(take, progress, shaping);
   MIEN_TRY_ASSIGN(tracker::CausalTracker tracker,
                   tracker::CausalTracker::create(std::move(file), take.rig().face_sensor_names()));
   MIEN_TRY_ASSIGN(study::Solution solution, study::solve_take(take, features, tracker, progress));
@@ -122,10 +143,12 @@ Result<study::Solution> OpenModel::solve_causal(const take::Take& take, model::M
   return solution;
 }
 
-Result<study::Solution> OpenModel::solve_tracked(const take::Take& take, const Progress& progress) const {
-  if (study::recorded_live(take)) return study::replay_take(take, path_, progress);
+Result<study::Solution> OpenModel::solve_tracked(const take::Take& take, const Progress& progress,
+                                                 const Shaping& shaping) const {
+  const shaping::ShaperSettings settings = shaping.value_or(shaping::ShaperSettings{});
+  if (study::recorded_live(take)) return study::replay_take(take, path_, progress, settings);
   MIEN_TRY_ASSIGN(const std::unique_ptr<tracker::Tracker> tracker,
-                  modalities::make_tracker(take.rig(), path_));
+                  modalities::make_tracker(take.rig(), path_, settings));
   return study::solve_take(take, *tracker, progress);
 }
 

@@ -1,13 +1,17 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "app/command_line.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/sensor/rig.h"
+#include "mien/shaping/settings.h"
 #include "mien/study/solve.h"
 #include "mien/take/take.h"
 #include "mien/tracker/window_solver.h"
@@ -31,16 +35,24 @@ class OpenModel {
   [[nodiscard]] int steps() const;
   /// What its network multiplies with on this CPU (model::kernel_name()).
   [[nodiscard]] std::string kernels() const;
+  using Shaping = std::optional<shaping::ShaperSettings>;
   /// Solves a take, showing progress under `title`; a live take by a live model is its replay, unless it is
-  /// to be personalised first. Says on stderr where the answer stands on few of the sensors or on none.
-  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, const std::string& title) const;
+  /// to be personalised first. `shaping`: that of the session; none: the trackers' own answer, a replay's by
+  /// default settings. Says on stderr where the answer stands on few of the sensors or on none.
+  [[nodiscard]] Result<study::Solution> solve(const take::Take& take, const std::string& title,
+                                              const Shaping& shaping = {}) const;
+  /// The same by each of these settings; solved once where they change no tracker's answer.
+  [[nodiscard]] Result<std::vector<study::Solution>> solve_by_each(
+      const take::Take& take, const std::string& title,
+      std::span<const shaping::ShaperSettings> shaping) const;
 
  private:
   /// Frame by frame; a live take that is not personalised is replayed (solve_tracked()).
   [[nodiscard]] Result<study::Solution> solve_causal(const take::Take& take, model::ModelFile file,
-                                                     const Progress& progress) const;
+                                                     const Progress& progress, const Shaping& shaping) const;
   /// By the rig's own trackers: the replay of a live take, else frame by frame.
-  [[nodiscard]] Result<study::Solution> solve_tracked(const take::Take& take, const Progress& progress) const;
+  [[nodiscard]] Result<study::Solution> solve_tracked(const take::Take& take, const Progress& progress,
+                                                      const Shaping& shaping) const;
 
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
   std::variant<std::monostate, tracker::WindowSolver, model::ModelFile> model_;

@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/study/model_option.h"
+#include "app/study/shaping_option.h"
 #include "app/write_motion.h"
 #include "mien/study/solve.h"
 
@@ -15,6 +16,7 @@ namespace {
 struct SolveOptions {
   std::string take;
   ModelOption model;
+  ShapingOption shaping;
   bool from_log = false;
   std::string out;
   std::string face;
@@ -24,9 +26,10 @@ struct SolveOptions {
 Result<void> run_solve(SolveOptions options) {
   if (!options.out.empty()) MIEN_TRY(check_motion_output(options.out));
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
+  MIEN_TRY_ASSIGN(const OpenModel::Shaping shaping, options.shaping.read());
   MIEN_TRY_ASSIGN(const OpenModel model, options.model.open(take.rig()));
   const auto start = std::chrono::steady_clock::now();
-  MIEN_TRY_ASSIGN(const study::Solution solution, model.solve(take, "solve"));
+  MIEN_TRY_ASSIGN(const study::Solution solution, model.solve(take, "solve", shaping));
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!options.out.empty())
     MIEN_TRY(write_motion(motion_of(solution.frames),
@@ -57,6 +60,7 @@ void add_solve_command(Commands& commands) {
                    "mien solve take.mien --out take.csv", [options] { return run_solve(*options); });
   command.add_option("take", options->take, "The take").required();
   options->model.add_to(command);
+  options->shaping.add_to(command);
   command.add_flag("--from-log", options->from_log,
                    "What solve always does: the take's raw packets are received again. Kept for scripts");
   command.add_option("--out", options->out, "Write the weights: .csv (Live Link Face), .glb or .gltf");

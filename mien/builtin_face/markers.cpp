@@ -22,26 +22,18 @@ constexpr std::size_t kMaxNameBytes = 128;
 /// Farther from the head's origin than this is a mistake of units.
 constexpr double kMaxPositionM = 10.0;
 
-std::string place_of(const std::string& where, const toml::node& node) {
-  const auto line = node.source().begin.line;
-  return line == 0 ? where : fmt::format("{}, line {}", where, line);
-}
-
 Result<std::string> text(const toml::table& table, std::string_view key, const std::string& where) {
   const toml::node* node = table.get(key);
   const auto value = node == nullptr ? std::nullopt : node->value_exact<std::string>();
   const auto printable = [](unsigned char c) { return c >= 0x20 && c < 0x7F; };
   if (!value || value->empty() || value->size() > kMaxNameBytes || !std::ranges::all_of(*value, printable))
     return fail(ErrorCode::malformed, fmt::format("'{}' is not a short, printable text", key),
-                place_of(where, table));
+                place(where, table));
   return *value;
 }
 
 Result<Marker> read_marker(const toml::table& table, const std::string& where) {
-  for (const auto& [key, value] : table)
-    if (key.str() != "name" && key.str() != "region" && key.str() != "position_m")
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
-                  place_of(where, value), "known keys are: name, region, position_m");
+  MIEN_TRY(only_keys(table, {"name", "region", "position_m"}, where));
   Marker marker;
   MIEN_TRY_ASSIGN(marker.name, text(table, "name", where));
   MIEN_TRY_ASSIGN(const std::string region, text(table, "region", where));
@@ -49,17 +41,17 @@ Result<Marker> read_marker(const toml::table& table, const std::string& where) {
     marker.region = MarkerRegion::mouth;
   else if (region != region_name(MarkerRegion::eyes_nose))
     return fail(ErrorCode::malformed, fmt::format("region '{}' is unknown", excerpt(region)),
-                place_of(where, table), "use \"eyes_nose\" or \"mouth\"");
+                place(where, table), "use \"eyes_nose\" or \"mouth\"");
   const toml::array* position = table["position_m"].as_array();
   if (position == nullptr || position->size() != 3)
-    return fail(ErrorCode::malformed, "'position_m' is not a list of three numbers", place_of(where, table));
+    return fail(ErrorCode::malformed, "'position_m' is not a list of three numbers", place(where, table));
   for (std::size_t i = 0; i < 3; ++i) {
     const toml::node& node = (*position)[i];
     const auto number = node.is_number() ? node.value<double>() : std::nullopt;
     if (!number)
-      return fail(ErrorCode::malformed, "'position_m' is not a list of three numbers", place_of(where, node));
+      return fail(ErrorCode::malformed, "'position_m' is not a list of three numbers", place(where, node));
     if (!std::isfinite(*number) || std::abs(*number) > kMaxPositionM)
-      return fail(ErrorCode::out_of_range, "'position_m' is not a place on a head", place_of(where, node),
+      return fail(ErrorCode::out_of_range, "'position_m' is not a place on a head", place(where, node),
                   "give it in metres");
     marker.position_m[static_cast<Eigen::Index>(i)] = *number;
   }
@@ -82,10 +74,7 @@ std::vector<std::size_t> MarkerSet::of(MarkerRegion region) const {
 Result<MarkerSet> parse_markers(std::string_view toml_text, const std::string& where) {
   if (toml_text.size() > kMaxBytes) return fail(ErrorCode::out_of_range, "markers of more than 1 MiB", where);
   MIEN_TRY_ASSIGN(const toml::table root, parse_toml(toml_text, where));
-  for (const auto& [key, value] : root)
-    if (key.str() != "name" && key.str() != "marker")
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
-                  place_of(where, value), "known keys are: name, marker");
+  MIEN_TRY(only_keys(root, {"name", "marker"}, where));
   MarkerSet set;
   MIEN_TRY_ASSIGN(set.name, text(root, "name", where));
   const toml::node* list = root.get("marker");
@@ -98,7 +87,7 @@ Result<MarkerSet> parse_markers(std::string_view toml_text, const std::string& w
     MIEN_TRY_ASSIGN(Marker marker, read_marker(*node.as_table(), where));
     if (!names.insert(marker.name).second)
       return fail(ErrorCode::malformed, fmt::format("two markers are called '{}'", excerpt(marker.name)),
-                  place_of(where, node), "give each its own name");
+                  place(where, node), "give each its own name");
     set.markers.push_back(std::move(marker));
   }
   return set;

@@ -1,7 +1,9 @@
 #include "mien/core/toml.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <string>
 
 #include "mien/core/excerpt.h"
@@ -76,6 +78,20 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& where) 
     return fail(ErrorCode::malformed, one_line(parsed.error().description()),
                 fmt::format("{}, line {}", where, parsed.error().source().begin.line));
   return std::move(parsed).table();
+}
+
+std::string place(const std::string& where, const toml::node& node) {
+  const auto line = node.source().begin.line;
+  return line == 0 ? where : fmt::format("{}, line {}", where, line);
+}
+
+Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
+                       const std::string& where) {
+  for (const auto& [key, value] : table)
+    if (std::ranges::find(known, key.str()) == known.end())
+      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
+                  place(where, value), fmt::format("known keys are: {}", fmt::join(known, ", ")));
+  return {};
 }
 
 }  // namespace mien

@@ -19,6 +19,7 @@
 #define NDEBUG
 #endif
 
+#include <initializer_list>
 #include <string>
 #include <string_view>
 
@@ -29,5 +30,12 @@ namespace mien {
 /// Parses TOML that nobody vouches for. Plain ASCII but for comments: the library's search for exotic blanks
 /// runs off its own table. Errors: malformed, with the line. `where` names the source in messages.
 [[nodiscard]] Result<toml::table> parse_toml(std::string_view text, const std::string& where);
+
+/// Where a node of parse_toml(text, where) stands: "rigs/default.toml, line 12".
+[[nodiscard]] std::string place(const std::string& where, const toml::node& node);
+
+/// Errors: malformed, with the line and the known keys, where the table has another key than the known ones.
+[[nodiscard]] Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
+                                     const std::string& where);
 
 }  // namespace mien

@@ -14,6 +14,8 @@ void FrameHash::add(const OutputFrame& frame) {
   for (const Provenance p : frame.provenance) hash_.add_value(static_cast<std::uint8_t>(p));
   hash_.add_value(static_cast<std::uint8_t>(frame.head_provenance));
   hash_.add_value(static_cast<std::uint8_t>(frame.eyes_provenance));
+  if (frame.head_position_known)
+    for (const float x : frame.head_position_m) hash_.add_value(x);
 }
 
 }  // namespace mien::face

@@ -1,15 +1,14 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "mien/core/excerpt.h"
+#include "mien/core/files.h"
 #include "mien/core/nearest_word.h"
 #include "mien/core/random.h"
 #include "mien/core/toml.h"
@@ -22,17 +21,22 @@ extern const std::string_view kNaturalConstraintsToml;
 
 namespace {
 
-constexpr std::size_t kMostBytes = 1U << 20U;
 constexpr std::size_t kMostPoints = 64;
 /// By which rules are held to settle, and where they are drawn from: no run of chance, or a file would load
 /// today and not tomorrow.
 constexpr int kRandomFaces = 1000;
 constexpr std::uint64_t kSeed = 20260107;
 
-/// A rule and the line on which it stands.
+/// What a rule is for.
+struct Uses {
+  bool live = true, solve = true, always = false;
+};
+
+/// A rule, what it is for, and the line on which it stands.
 template <class Rule>
 struct Told {
   Rule rule;
+  Uses uses;
   std::uint32_t line = 0;
 };
 
@@ -41,20 +45,23 @@ class ConstraintsReader {
   explicit ConstraintsReader(const std::string& where) : where_(where) {}
 
   Result<void> read(const toml::table& file) {
-    MIEN_TRY(only_keys(file, {"name", "exclusive", "together", "conditional"}));
+    MIEN_TRY(only_keys(file, {"name", "exclusive", "together", "conditional"}, where_));
     std::size_t count = 0;
+    const toml::node* beyond = nullptr;  // The first rule that is one too many.
     for (const char* kind : {"exclusive", "together", "conditional"})
       if (const toml::node* node = file.get(kind)) {
         const toml::array* rules = node->as_array();
         if (rules == nullptr)
-          return fail(ErrorCode::malformed, fmt::format("'{}' is no list of rules", kind), place(*node),
-                      fmt::format("begin each with [[{}]]", kind));
+          return fail(ErrorCode::malformed, fmt::format("'{}' is no list of rules", kind),
+                      place(where_, *node), fmt::format("begin each with [[{}]]", kind));
+        if (beyond == nullptr && count + rules->size() > RigConstraints::kMostRules)
+          beyond = &(*rules)[RigConstraints::kMostRules - count];
         count += rules->size();
       }
-    if (count > RigConstraints::kMostRules)
+    if (beyond != nullptr)
       return fail(ErrorCode::out_of_range,
-                  fmt::format("{} rules are more than {}", count, RigConstraints::kMostRules), where_,
-                  "leave out those that others imply");
+                  fmt::format("{} rules are more than {}", count, RigConstraints::kMostRules),
+                  place(where_, *beyond), "leave out those that others imply");
     MIEN_TRY(each(file, "exclusive", [&](const toml::table& rule) { return read_exclusive(rule); }));
     MIEN_TRY(each(file, "together", [&](const toml::table& rule) { return read_together(rule); }));
     return each(file, "conditional", [&](const toml::table& rule) { return read_conditional(rule); });
@@ -105,16 +112,6 @@ class ConstraintsReader {
   std::vector<Told<Condition>> conditions;
 
  private:
-  [[nodiscard]] std::string place(const toml::node& node) const { return line(node.source().begin.line); }
-
-  Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known) const {
-    for (const auto& [key, value] : table)
-      if (std::ranges::find(known, key.str()) == known.end())
-        return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())), place(value),
-                    fmt::format("known keys are: {}", fmt::join(known, ", ")));
-    return {};
-  }
-
   template <class Read>
   Result<void> each(const toml::table& file, const char* kind, Read read) {
     const toml::node* node = file.get(kind);
@@ -122,8 +119,8 @@ class ConstraintsReader {
     for (const toml::node& entry : *node->as_array()) {
       const toml::table* rule = entry.as_table();
       if (rule == nullptr)
-        return fail(ErrorCode::malformed, fmt::format("a rule of '{}' is no table", kind), place(entry),
-                    fmt::format("begin each with [[{}]]", kind));
+        return fail(ErrorCode::malformed, fmt::format("a rule of '{}' is no table", kind),
+                    place(where_, entry), fmt::format("begin each with [[{}]]", kind));
       MIEN_TRY(read(*rule));
     }
     return {};
@@ -133,14 +130,14 @@ class ConstraintsReader {
     const auto name = node == nullptr ? std::nullopt : node->value_exact<std::string>();
     if (!name)
       return fail(ErrorCode::malformed, fmt::format("'{}' is missing, or names no shape", key),
-                  place(node == nullptr ? static_cast<const toml::node&>(rule) : *node),
+                  place(where_, node == nullptr ? static_cast<const toml::node&>(rule) : *node),
                   R"(write a shape's name, as "jawOpen")");
     const std::size_t i = shape_index(*name);
     if (i == kShapeCount) {
       const std::vector<std::string> known(kShapeNames.begin(), kShapeNames.end());
       return fail(ErrorCode::malformed,
                   fmt::format("no shape is called '{}'{}", excerpt(*name), did_you_mean(*name, known)),
-                  place(*node), "names are those of the 53, as eyeBlink_L");
+                  place(where_, *node), "names are those of the 53, as eyeBlink_L");
     }
     return i;
   }
@@ -150,59 +147,89 @@ class ConstraintsReader {
     MIEN_TRY_ASSIGN(const std::size_t b, shape_of(rule.get("b"), "b", rule));
     if (a == b)
       return fail(ErrorCode::malformed, fmt::format("'{}' stands twice in a rule", kShapeNames[a]),
-                  place(*rule.get("b")), "a rule is between two shapes");
+                  place(where_, *rule.get("b")), "a rule is between two shapes");
     return std::pair(a, b);
   }
 
   Result<double> weight_of(const toml::node& node, std::string_view what) const {
     const auto number = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!number) return fail(ErrorCode::malformed, fmt::format("{} is not a number", what), place(node));
+    if (!number)
+      return fail(ErrorCode::malformed, fmt::format("{} is not a number", what), place(where_, node));
     if (!(*number >= 0 && *number <= 1))
-      return fail(ErrorCode::out_of_range, fmt::format("{} is {}", what, *number), place(node),
+      return fail(ErrorCode::out_of_range, fmt::format("{} is {}", what, *number), place(where_, node),
                   "give 0 to 1");
     return *number;
   }
 
+  Result<Uses> uses_of(const toml::table& rule) const {
+    Uses uses;
+    if (const toml::node* node = rule.get("in")) {
+      const toml::array* names = node->as_array();
+      const auto no_uses = [&](const toml::node& at) {
+        return fail(ErrorCode::malformed, "'in' is no list of uses", place(where_, at),
+                    R"(write ["live"], ["solve"], or leave it out for both)");
+      };
+      if (names == nullptr || names->empty()) return no_uses(*node);
+      uses.live = uses.solve = false;
+      for (const toml::node& entry : *names) {
+        const std::string name = entry.value_or(std::string());
+        if (name != "live" && name != "solve") return no_uses(entry);
+        (name == "live" ? uses.live : uses.solve) = true;
+      }
+    }
+    if (const toml::node* node = rule.get("always")) {
+      const auto always = node->value_exact<bool>();
+      if (!always) return fail(ErrorCode::malformed, "'always' is not true or false", place(where_, *node));
+      if (*always && !uses.live)
+        return fail(ErrorCode::malformed, "a rule that is no live one is not obeyed always",
+                    place(where_, *node), R"(leave out 'always', or add "live" to 'in')");
+      uses.always = *always;
+    }
+    return uses;
+  }
+
   Result<void> read_exclusive(const toml::table& rule) {
-    MIEN_TRY(only_keys(rule, {"a", "b"}));
+    MIEN_TRY(only_keys(rule, {"a", "b", "in", "always"}, where_));
     MIEN_TRY_ASSIGN(const auto shapes, two_shapes(rule));
-    exclusive.push_back({{shapes.first, shapes.second}, rule.source().begin.line});
+    MIEN_TRY_ASSIGN(const Uses uses, uses_of(rule));
+    exclusive.push_back({{shapes.first, shapes.second}, uses, rule.source().begin.line});
     return {};
   }
 
   Result<void> read_together(const toml::table& rule) {
-    MIEN_TRY(only_keys(rule, {"shapes", "within"}));
+    MIEN_TRY(only_keys(rule, {"shapes", "within", "in", "always"}, where_));
     const toml::node* node = rule.get("shapes");
     const toml::array* names = node == nullptr ? nullptr : node->as_array();
     if (names == nullptr || names->size() < 2 || names->size() > kShapeCount)
       return fail(ErrorCode::malformed, "'shapes' is no list of two names or more",
-                  place(node == nullptr ? static_cast<const toml::node&>(rule) : *node),
+                  place(where_, node == nullptr ? static_cast<const toml::node&>(rule) : *node),
                   R"(write shapes = ["eyeBlink_L", "eyeBlink_R"])");
     TogetherGroup group;
     for (const toml::node& name : *names) {
       MIEN_TRY_ASSIGN(const std::size_t i, shape_of(&name, "shapes", rule));
       if (std::ranges::find(group.shapes, i) != group.shapes.end())
         return fail(ErrorCode::malformed, fmt::format("'{}' stands twice in a rule", kShapeNames[i]),
-                    place(name), "name each shape once");
+                    place(where_, name), "name each shape once");
       group.shapes.push_back(i);
     }
     if (const toml::node* within = rule.get("within")) {
       MIEN_TRY_ASSIGN(const double band, weight_of(*within, "'within'"));
       group.within = static_cast<float>(band);
     }
-    together.push_back({std::move(group), rule.source().begin.line});
+    MIEN_TRY_ASSIGN(const Uses uses, uses_of(rule));
+    together.push_back({std::move(group), uses, rule.source().begin.line});
     return {};
   }
 
   Result<void> read_conditional(const toml::table& rule) {
-    MIEN_TRY(only_keys(rule, {"a", "b", "at_most"}));
+    MIEN_TRY(only_keys(rule, {"a", "b", "at_most", "in", "always"}, where_));
     MIEN_TRY_ASSIGN(const auto shapes, two_shapes(rule));
     const toml::node* node = rule.get("at_most");
     const toml::array* points = node == nullptr ? nullptr : node->as_array();
     const auto no_points = [&](const toml::node& at) {
       return fail(ErrorCode::malformed,
                   fmt::format("'at_most' is no list of 1 to {} points [weight of b, most of a]", kMostPoints),
-                  place(at), "write at_most = [[0, 0], [1, 1]]");
+                  place(where_, at), "write at_most = [[0, 0], [1, 1]]");
     };
     if (points == nullptr || points->empty() || points->size() > kMostPoints)
       return no_points(node == nullptr ? static_cast<const toml::node&>(rule) : *node);
@@ -214,29 +241,72 @@ class ConstraintsReader {
       MIEN_TRY_ASSIGN(point.b, weight_of((*pair)[0], "a weight of b"));
       MIEN_TRY_ASSIGN(point.a, weight_of((*pair)[1], "a most of a"));
       if (!condition.at_most.empty() && !(point.b > condition.at_most.back().b))
-        return fail(ErrorCode::malformed, "weights of b do not ascend", place(entry), "sort the points by b");
+        return fail(ErrorCode::malformed, "weights of b do not ascend", place(where_, entry),
+                    "sort the points by b");
       condition.at_most.push_back(point);
     }
-    conditions.push_back({std::move(condition), rule.source().begin.line});
+    MIEN_TRY_ASSIGN(const Uses uses, uses_of(rule));
+    conditions.push_back({std::move(condition), uses, rule.source().begin.line});
     return {};
   }
 
   std::string where_;
 };
 
-template <class Rule>
-std::optional<std::uint32_t> line_of_broken(const std::vector<Told<Rule>>& rules,
-                                            const BlendshapeWeights& w) {
-  for (const Told<Rule>& told : rules)
-    if (!told.rule.obeyed(w)) return told.line;
-  return std::nullopt;
-}
+/// The rules of one use, and their lines.
+struct ToldSet {
+  RuleSet rules;
+  std::vector<std::uint32_t> exclusive, together, conditions;
 
-template <class Rule>
-std::vector<Rule> without_lines(std::vector<Told<Rule>> rules) {
-  std::vector<Rule> out;
-  for (Told<Rule>& told : rules) out.push_back(std::move(told.rule));
-  return out;
+  ToldSet(const ConstraintsReader& file, bool Uses::*use) {
+    take(file.exclusive, use, rules.exclusive, exclusive);
+    take(file.together, use, rules.together, together);
+    take(file.conditions, use, rules.conditions, conditions);
+  }
+
+  /// The line of a rule that is broken; 0: none is.
+  [[nodiscard]] std::uint32_t broken(const BlendshapeWeights& w) const {
+    std::uint32_t line = first_broken(rules.exclusive, exclusive, w);
+    if (line == 0) line = first_broken(rules.together, together, w);
+    return line == 0 ? first_broken(rules.conditions, conditions, w) : line;
+  }
+
+ private:
+  template <class Rule>
+  static void take(const std::vector<Told<Rule>>& told, bool Uses::*use, std::vector<Rule>& taken,
+                   std::vector<std::uint32_t>& lines) {
+    for (const Told<Rule>& one : told)
+      if (one.uses.*use) {
+        taken.push_back(one.rule);
+        lines.push_back(one.line);
+      }
+  }
+  template <class Rule>
+  static std::uint32_t first_broken(const std::vector<Rule>& rules, const std::vector<std::uint32_t>& lines,
+                                    const BlendshapeWeights& w) {
+    for (std::size_t i = 0; i < rules.size(); ++i)
+      if (!rules[i].obeyed(w)) return lines[i];
+    return 0;
+  }
+};
+
+/// Errors: malformed (a face does not settle).
+Result<void> try_faces(const ToldSet& set, const std::string& where) {
+  Random random(kSeed);
+  for (int face = 0; face < kRandomFaces; ++face) {
+    BlendshapeWeights weights;
+    // Every other face has shapes at their ends too, where rules pull the farthest.
+    const double at_ends = face % 2 == 0 ? 0 : 0.5;
+    for (float& w : weights.values)
+      w = random.chance(at_ends) ? static_cast<float>(random.below(2)) : static_cast<float>(random.uniform());
+    if (set.rules.settles(weights)) continue;
+    return fail(ErrorCode::malformed,
+                fmt::format("this rule fights with others: after {} passes over all it is still broken",
+                            RuleSet::kPasses),
+                fmt::format("{}, line {}", where, set.broken(weights)),
+                "widen it, or take out what asks for the opposite");
+  }
+  return {};
 }
 
 }  // namespace
@@ -249,26 +319,23 @@ Result<RigConstraints> RigConstraints::parse(std::string_view toml, const std::s
   ConstraintsReader reader(where);
   MIEN_TRY(reader.read(file));
   MIEN_TRY(reader.sort_conditions());
+  const ToldSet live(reader, &Uses::live), always(reader, &Uses::always), solve(reader, &Uses::solve);
+  MIEN_TRY(try_faces(live, where));
+  MIEN_TRY(try_faces(always, where));
   RigConstraints out;
-  out.exclusive_ = without_lines(reader.exclusive);
-  out.together_ = without_lines(reader.together);
-  out.conditions_ = without_lines(reader.conditions);
-  Random random(kSeed);
-  for (int face = 0; face < kRandomFaces; ++face) {
-    BlendshapeWeights weights;
-    for (float& w : weights.values) w = static_cast<float>(random.uniform());
-    for (int i = 0; i < kPasses; ++i)
-      if (!out.pass(weights)) break;
-    if (out.obeyed(weights)) continue;
-    auto line = line_of_broken(reader.exclusive, weights);
-    if (!line) line = line_of_broken(reader.together, weights);
-    if (!line) line = line_of_broken(reader.conditions, weights);
-    return fail(
-        ErrorCode::malformed,
-        fmt::format("this rule fights with others: after {} passes over all it is still broken", kPasses),
-        reader.line(line.value_or(0)), "widen it, or take out what asks for the opposite");
-  }
+  out.live_ = live.rules;
+  out.always_ = always.rules;
+  out.solve_ = solve.rules;
+  if (toml.starts_with("\xEF\xBB\xBF")) toml.remove_prefix(3);  // A byte order mark.
+  out.text_ = toml;
+  for (char& c : out.text_)
+    if (static_cast<unsigned char>(c) >= 0x80) c = '?';
   return out;
+}
+
+Result<RigConstraints> RigConstraints::read(const std::filesystem::path& path) {
+  MIEN_TRY_ASSIGN(const std::string text, read_text(path, kMostBytes));
+  return parse(text, path.string());
 }
 
 const RigConstraints& natural_constraints() {

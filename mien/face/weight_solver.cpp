@@ -27,18 +27,23 @@ Result<WeightSolver> WeightSolver::create(Eigen::VectorXd neutral_m, Eigen::Matr
       return fail(ErrorCode::out_of_range, "a setting below 0, or not finite", "weight solver");
   WeightSolver solver;
   solver.settings_ = settings;
-  solver.rules_ = rules;
+  const RuleSet& solve = rules.solve();
+  solver.conditions_ = solve.conditions;
   const auto index = [](std::size_t shape) { return static_cast<Eigen::Index>(shape); };
-  for (const ExclusivePair& pair : rules.exclusive()) {
+  for (const ExclusivePair& pair : solve.exclusive) {
     solver.sides_[pair.a].exclusive.push_back(index(pair.b));
     solver.sides_[pair.b].exclusive.push_back(index(pair.a));
   }
-  for (const TogetherGroup& group : rules.together())
-    for (const std::size_t a : group.shapes)
+  for (const TogetherGroup& group : solve.together)
+    for (const std::size_t a : group.shapes) {
+      Sides& sides = solver.sides_[a];
+      sides.banded = sides.banded || group.within > 0;
+      const double share = 1 / static_cast<double>(group.shapes.size() - 1);
       for (const std::size_t b : group.shapes)
-        if (a != b) solver.sides_[a].together.push_back(index(b));
-  for (std::size_t i = 0; i < rules.conditions().size(); ++i)
-    solver.sides_[rules.conditions()[i].a].conditions.push_back(i);
+        if (a != b) sides.together.push_back({index(b), share, 2 * static_cast<double>(group.within)});
+    }
+  for (std::size_t i = 0; i < solve.conditions.size(); ++i)
+    solver.sides_[solve.conditions[i].a].conditions.push_back(i);
   solver.neutral_mm_ = kMmPerM * neutral_m;
   solver.shapes_mm_ = kMmPerM * shapes_m;
   const auto shapes = static_cast<Eigen::Index>(kShapeCount);
@@ -74,8 +79,28 @@ void WeightSolver::weigh(const Eigen::VectorXd& points_m, std::span<const double
 }
 
 double WeightSolver::most_of(std::size_t condition) const {
-  const Condition& rule = rules_.conditions()[condition];
+  const Condition& rule = conditions_[condition];
   return rule.most(weights_[static_cast<Eigen::Index>(rule.b)]);
+}
+
+double WeightSolver::best_banded(Eigen::Index k, double slope, double curve, double most) const {
+  const auto slope_at = [&](double weight) {
+    double sum = slope + curve * (weight - weights_[k]);
+    for (const Alike& alike : sides_[static_cast<std::size_t>(k)].together) {
+      const double apart = weight - weights_[alike.other];
+      sum += settings_.together * alike.share * (apart - std::clamp(apart, -alike.free, alike.free));
+    }
+    return sum;
+  };
+  // The slope never falls, so the best is where it becomes 0.
+  if (slope_at(0) >= 0) return 0;
+  if (slope_at(most) <= 0) return most;
+  double low = 0, high = most;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (slope_at(middle) > 0 ? high : low) = middle;
+  }
+  return low;
 }
 
 /// One pass over the shapes; returns the largest change.
@@ -88,13 +113,18 @@ double WeightSolver::sweep(double smooth) {
     double most = 1;
     const Sides& sides = sides_[static_cast<std::size_t>(k)];
     for (const Eigen::Index other : sides.exclusive) slope += settings_.exclusive * weights_[other];
-    for (const Eigen::Index other : sides.together) {
-      slope += settings_.together * (weights_[k] - weights_[other]);
-      curve += settings_.together;
-    }
     for (const std::size_t i : sides.conditions) most = std::min(most, most_of(i));
-    if (!(curve > 0)) continue;  // Nobody sees this shape, and nothing holds it.
-    const double next = std::clamp(weights_[k] - slope / curve, 0.0, most);
+    double next = 0;
+    if (sides.banded) {
+      next = best_banded(k, slope, curve, most);
+    } else {
+      for (const Alike& alike : sides.together) {
+        slope += settings_.together * alike.share * (weights_[k] - weights_[alike.other]);
+        curve += settings_.together * alike.share;
+      }
+      if (!(curve > 0)) continue;  // Nobody sees this shape, and nothing holds it.
+      next = std::clamp(weights_[k] - slope / curve, 0.0, most);
+    }
     const double change = next - weights_[k];
     if (change == 0) continue;
     weights_[k] = next;
@@ -123,8 +153,8 @@ void WeightSolver::solve(const Eigen::VectorXd& points_m, std::span<const double
   for (int i = 0; i < settings_.sweeps; ++i)
     if (sweep(smooth) < kDone) break;
   // A shape that another may not exceed has moved last: its bound holds at the end too.
-  for (std::size_t i = 0; i < rules_.conditions().size(); ++i) {
-    const auto a = static_cast<Eigen::Index>(rules_.conditions()[i].a);
+  for (std::size_t i = 0; i < conditions_.size(); ++i) {
+    const auto a = static_cast<Eigen::Index>(conditions_[i].a);
     const double over = weights_[a] - most_of(i);
     if (over <= 0) continue;
     weights_[a] -= over;

@@ -24,8 +24,9 @@ struct WeightSolverSettings {
   /// Cost of both of an exclusive pair at full weight. Raising takes the lesser one out even where the points
   /// ask for both; lowering lets both share a movement of which the points cannot tell them apart.
   double exclusive = 40.0;
-  /// Cost of a pair that should be alike and is a whole weight apart. Raising makes the two more alike, also
-  /// where the points show a difference; lowering lets noise drive them apart.
+  /// Cost of a pair that should be alike and is a whole weight beyond its band (two `within` apart costs
+  /// nothing); in a group of n each pair has a share of 1 / (n - 1) of it. Raising makes them more alike,
+  /// also where the points show a difference; lowering lets noise drive them apart.
   double together = 1.0;
   /// Sweeps over all shapes at most. A frame that moves little needs three or four. Raising comes nearer to
   /// the optimum after a large movement and costs time in proportion; lowering bounds a frame's cost, and the
@@ -34,15 +35,16 @@ struct WeightSolverSettings {
 };
 
 /// From where points of the skin are to the weights that bring a face's own points there: least squares
-/// within [0, 1] and the rules of the face (of groups only that they are alike, not their band), smoothed
-/// from frame to frame. Starts each frame from the last one's answer, which makes it a pure function of the
-/// calls. Method: coordinate descent on the 53 weights, which minimises exactly along each and keeps bounds
-/// for nothing (Tseng 2001, doi:10.1023/A:1017501703105). Thread: one at a time. No allocation in solve().
+/// within [0, 1] and the rules that a file has for the solver (conditions are bounds, the others costs),
+/// smoothed from frame to frame. Starts each frame from the last one's answer, which makes it a pure function
+/// of the calls. Method: coordinate descent on the 53 weights, which minimises exactly along each and keeps
+/// bounds for nothing (Tseng 2001, doi:10.1023/A:1017501703105). Thread: one at a time. No allocation in
+/// solve().
 class WeightSolver {
  public:
   /// `neutral_m`: the points at neutral, x, y, z of the first, then of the next (size 3V); `shapes_m`: their
   /// displacement per unit weight, 3V x 53; metres, frame H. Errors: mismatch (sizes), out_of_range (numbers
-  /// that are not finite, no points, settings below 0).
+  /// that are not finite, no points, settings below 0). Of `rules` those for the solver are used.
   [[nodiscard]] static Result<WeightSolver> create(Eigen::VectorXd neutral_m, Eigen::MatrixXd shapes_m,
                                                    const RigConstraints& rules = natural_constraints(),
                                                    const WeightSolverSettings& settings = {});
@@ -63,12 +65,24 @@ class WeightSolver {
   [[nodiscard]] double most_of(std::size_t condition) const;
 
   WeightSolverSettings settings_;
-  /// The shapes that each excludes, those that it is like, and the conditions (of rules_) that bound it.
+  /// Another shape of a group.
+  struct Alike {
+    Eigen::Index other;
+    double share;  // Of the cost.
+    double free;   // Apart by so much costs nothing.
+  };
+  /// The shapes that each excludes, those that it is like, and the conditions (of conditions_) that bound it.
   struct Sides {
-    std::vector<Eigen::Index> exclusive, together;
+    std::vector<Eigen::Index> exclusive;
+    std::vector<Alike> together;
+    bool banded = false;  // Some of `together` may be apart for nothing.
     std::vector<std::size_t> conditions;
   };
-  RigConstraints rules_;
+  /// The best weight of shape k between 0 and `most`; where it is now its other costs have this slope and
+  /// curve.
+  [[nodiscard]] double best_banded(Eigen::Index k, double slope, double curve, double most) const;
+
+  std::vector<Condition> conditions_;
   std::array<Sides, kShapeCount> sides_;
   Eigen::VectorXd neutral_mm_;
   Eigen::MatrixXd shapes_mm_;  // 3V x 53.

@@ -549,6 +549,8 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   State& s = *state_;
   s.stop = &stop;
   s.listener = listener;
+  for (const session::Command& command : s.settings.commands)
+    MIEN_TRY(s.loop.execute(session::write_command(command)));
   for (const session::Prompt& prompt : s.settings.prompts)
     MIEN_TRY(s.loop.execute(session::write_command(session::AddPrompt{prompt})));
   s.begun = std::chrono::steady_clock::now();

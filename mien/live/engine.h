@@ -16,6 +16,7 @@
 #include "mien/live/player.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/spool.h"
+#include "mien/session/command.h"
 #include "mien/session/prompt.h"
 #include "mien/session/session.h"
 #include "mien/sink/sink.h"
@@ -45,8 +46,9 @@ struct EngineSettings {
   /// Makes or reads the key that the page shows to whom it lets in; empty: it shows none. Network thread.
   std::function<Result<Pairing>()> pair;
   std::optional<PageSettings> page;
-  std::optional<double> seconds;         ///< Ends by itself after this time.
-  std::vector<session::Prompt> prompts;  ///< Poses to ask for, from the beginning on.
+  std::optional<double> seconds;           ///< Ends by itself after this time.
+  std::vector<session::Command> commands;  ///< The session's first, logged as the page's.
+  std::vector<session::Prompt> prompts;    ///< Poses to ask for, from the beginning on.
   /// The session is there for `record` alone: it ends when its prompts are over, or its recording is.
   bool ends_with_recording = false;
   take::Header header;               ///< Of takes; rig and time are filled in by whoever fills the rest.

@@ -80,6 +80,16 @@ json log_json(const Recorder::State& recording) {
           {"error", recording.unable.empty() ? json(nullptr) : json(recording.unable)}};
 }
 
+/// The settings, and the resting face that is in force.
+json shaping_json(const session::Report& report) {
+  json shaping = json::parse(report.shaping, nullptr, false);
+  json resting = json::parse(report.resting, nullptr, false);
+  if (!shaping.is_object()) return shaping;
+  shaping.erase("rules");  // A file's whole text, five times a second.
+  if (resting.is_object()) shaping["resting_face"] = std::move(resting);
+  return shaping;
+}
+
 json network_json(const NetworkState& network, std::uint64_t refused) {
   json interfaces = json::array();
   for (const NetworkInterface& one : network.interfaces)
@@ -220,7 +230,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"megabytes", rounded(status.recording_megabytes)},
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
-       {"shaping", json::parse(status.report.shaping, nullptr, false)},
+       {"shaping", shaping_json(status.report)},
        {"replay", std::move(replay)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }

@@ -102,16 +102,54 @@ Metrics measure_track(const Meter& meter, std::span<const take::TruthFrame> trut
   return meter.measure(stretches);
 }
 
+namespace {
+
+using Track = std::vector<face::BlendshapeWeights>;
+
+Track truth_of(const TakeEstimates& take) {
+  Track truth;
+  truth.reserve(take.truth.size());
+  for (const take::TruthFrame& frame : take.truth) truth.push_back(frame.weights);
+  return truth;
+}
+
+/// Of all takes as one, what `track_of` gives of each, against its truth.
+template <class TrackOf>
+Metrics measure_takes(const Meter& meter, const std::vector<TakeEstimates>& takes,
+                      const std::vector<Track>& truths, TrackOf&& track_of) {
+  std::vector<Stretch> stretches;
+  for (std::size_t t = 0; t < takes.size(); ++t)
+    for (const auto& [begin, end] : evaluated_runs(takes[t].truth)) {
+      const std::span<const face::BlendshapeWeights> truth(truths[t]);
+      const std::span<const face::BlendshapeWeights> estimate(track_of(t));
+      stretches.push_back({truth.subspan(begin, end - begin), estimate.subspan(begin, end - begin)});
+    }
+  return meter.measure(stretches);
+}
+
+}  // namespace
+
+Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes, std::string without,
+                          std::span<const std::vector<face::BlendshapeWeights>> weights) {
+  std::vector<Track> truths;
+  for (const TakeEstimates& t : takes) truths.push_back(truth_of(t));
+  Ablation out{.without = std::move(without), .changed = false, .metrics = {}};
+  for (std::size_t t = 0; t < takes.size(); ++t)
+    out.changed =
+        out.changed || !std::ranges::equal(weights[t], takes[t].model, {}, &face::BlendshapeWeights::values,
+                                           &face::BlendshapeWeights::values);
+  out.metrics =
+      measure_takes(meter, takes, truths, [&](std::size_t t) -> const Track& { return weights[t]; });
+  return out;
+}
+
 Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>& takes,
                             const face::BlendshapeWeights& mean_pose) {
-  using Track = std::vector<face::BlendshapeWeights>;
   std::vector<Track> truths;
   std::vector<Track> held;
   std::vector<Track> means;
   for (const TakeEstimates& t : takes) {
-    Track truth;
-    for (const take::TruthFrame& frame : t.truth) truth.push_back(frame.weights);
-    truths.push_back(std::move(truth));
+    truths.push_back(truth_of(t));
     held.push_back(hold_last(t.truth));
     means.emplace_back(t.truth.size(), mean_pose);
   }
@@ -120,16 +158,7 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   out.takes = takes.size();
   bool has_ridge = !takes.empty();
   for (const TakeEstimates& t : takes) has_ridge = has_ridge && t.ridge.size() == t.truth.size();
-  const auto measure = [&](auto&& track_of) {
-    std::vector<Stretch> stretches;
-    for (std::size_t t = 0; t < takes.size(); ++t)
-      for (const auto& [begin, end] : evaluated_runs(takes[t].truth)) {
-        const std::span<const face::BlendshapeWeights> truth(truths[t]);
-        const std::span<const face::BlendshapeWeights> estimate(track_of(t));
-        stretches.push_back({truth.subspan(begin, end - begin), estimate.subspan(begin, end - begin)});
-      }
-    return meter.measure(stretches);
-  };
+  const auto measure = [&](auto&& track_of) { return measure_takes(meter, takes, truths, track_of); };
   out.model = measure([&](std::size_t t) -> const Track& { return takes[t].model; });
   if (out.model.frames == 0)
     return fail(ErrorCode::not_found, "no frame of these takes can be evaluated",

@@ -33,6 +33,13 @@ struct TakeEstimates {
   std::vector<std::array<face::Provenance, face::kShapeCount>> provenance = {};
 };
 
+/// The estimate with one step of shaping left out.
+struct Ablation {
+  std::string without;   ///< The step's name.
+  bool changed = false;  ///< Whether that changed any bit of the weights.
+  Metrics metrics;
+};
+
 /// The model beside its baselines on the same frames.
 struct Evaluation {
   std::size_t frames = 0;
@@ -44,6 +51,7 @@ struct Evaluation {
   /// What the answer itself said of its shapes: measured is what the model's table calls so for the sensors
   /// that sent. Absent where an estimate does not say.
   std::optional<ProvenanceShares> provenance;
+  std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
 };
 
 /// The frames that count, those evaluated and with a face, as stretches without a gap: [begin, end).
@@ -61,6 +69,12 @@ struct Evaluation {
 /// One sentence for each baseline that is closer to the truth than the model in any error, which names the
 /// errors with both values; empty where the model is ahead of all. Errors: PVE, landmarks, MSE, MSE of 42.
 [[nodiscard]] std::vector<std::string> baselines_ahead(const Evaluation& evaluation);
+
+/// The same takes with one step of shaping left out, measured as evaluate() measures the model. `weights`: of
+/// each take, one a tick.
+[[nodiscard]] Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& takes,
+                                        std::string without,
+                                        std::span<const std::vector<face::BlendshapeWeights>> weights);
 
 /// Measures over the evaluated frames with a face, of all takes as one. `mean_pose` is the training set's.
 /// Errors: not_found when no frame is left to measure.

@@ -73,6 +73,12 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);
   out["baselines"]["ridge"] = evaluation.ridge ? to_json(*evaluation.ridge) : OrderedJson(nullptr);
+  if (!evaluation.ablations.empty()) {
+    OrderedJson& ablations = out["ablations"] = OrderedJson::array();
+    for (const Ablation& one : evaluation.ablations)
+      ablations.push_back(
+          {{"without", one.without}, {"changed", one.changed}, {"metrics", to_json(one.metrics)}});
+  }
   // A path may be any bytes: what is no UTF-8 is replaced.
   return out.dump(2, ' ', false, OrderedJson::error_handler_t::replace);
 }

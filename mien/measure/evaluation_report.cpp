@@ -130,6 +130,18 @@ Table every_shape(const Evaluation& evaluation) {
   return without_empty_columns(std::move(table));
 }
 
+Table without_steps(const Evaluation& evaluation) {
+  Table table;
+  table.caption = "With one step of shaping left out";
+  table.columns = {"", "PVE, mm", "PVE face, mm", "landmarks, mm", "MSE", "MSE of 42", "jitter", "blink F1"};
+  table.rows.push_back(row("all steps", evaluation.model));
+  for (const Ablation& one : evaluation.ablations)
+    table.rows.push_back(
+        row(fmt::format("without {}{}", one.without, one.changed ? "" : " (no bit changes)"), one.metrics));
+  table.strong_rows = {0};
+  return without_empty_columns(std::move(table));
+}
+
 }  // namespace
 
 Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& context) {
@@ -158,6 +170,14 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
   const Table table = beside_baselines(evaluation);
   report.table(table);
   report.text(baselines_explained(table, evaluation.ridge.has_value()));
+
+  if (!evaluation.ablations.empty()) {
+    report.table(without_steps(evaluation));
+    report.text(
+        "Each row leaves one step of shaping out and keeps the others: what is worse without it is what it "
+        "is "
+        "worth on these takes. What each does: docs/method/shaping.md.");
+  }
 
   LinePlot vertices;
   vertices.title = "Vertex error, frame by frame";

@@ -24,6 +24,8 @@
 #include "mien/imu/packets/slimevr_protocol.h"
 #include "mien/mocap/marker_protocol.h"
 #include "mien/model/model_file.h"
+#include "mien/phone/weights_protocol.h"
+#include "mien/phone/weights_tracker.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/sensor/sealed_protocol.h"
 #include "mien/shaping/combined_tracker.h"
@@ -62,6 +64,10 @@ MadeTracker make_gaze_tracker(const sensor::Rig& rig, const std::filesystem::pat
   return gaze::GazeTracker::create(rig);
 }
 
+MadeTracker make_weights_tracker(const sensor::Rig& rig, const std::filesystem::path&) {
+  return phone::WeightsTracker::create(rig);
+}
+
 /// What devices speak, and whether a key seals it.
 struct Language {
   std::unique_ptr<sensor::Protocol> protocol;
@@ -85,6 +91,11 @@ Result<void> add_eyewear_languages(std::uint64_t, std::vector<Language>& languag
 Result<void> add_gaze_languages(std::uint64_t, std::vector<Language>& languages) {
   // Its packets; OSC names no device, so it is never sealed.
   languages.push_back({std::make_unique<gaze::GazeProtocol>(), true});
+  return {};
+}
+
+Result<void> add_weights_languages(std::uint64_t, std::vector<Language>& languages) {
+  languages.push_back({std::make_unique<phone::WeightsProtocol>(), true});
   return {};
 }
 
@@ -117,9 +128,10 @@ struct Modality {
 constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
 constexpr std::array kEyewearPorts = {imu::kNodePort};
 constexpr std::array kGazePorts = {imu::kNodePort};
+constexpr std::array kWeightsPorts = {imu::kNodePort};
 
-/// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze and
-/// eyewear begin as IMU nodes' do.
+/// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze,
+/// weights and eyewear begin as IMU nodes' do.
 constexpr std::array kModalities = {
     Modality{.kind = "gaze",
              .default_model = "",
@@ -127,6 +139,12 @@ constexpr std::array kModalities = {
              .ports = kGazePorts,
              .make_tracker = make_gaze_tracker,
              .add_languages = add_gaze_languages},
+    Modality{.kind = "weights",
+             .default_model = "",
+             .window_models = false,
+             .ports = kWeightsPorts,
+             .make_tracker = make_weights_tracker,
+             .add_languages = add_weights_languages},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
              .window_models = false,
@@ -226,9 +244,10 @@ bool has_window_models(const sensor::Rig& rig) {
 }
 
 Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
-                                                       const std::filesystem::path& model) {
+                                                       const std::filesystem::path& model,
+                                                       const shaping::ShaperSettings& settings) {
   Reshape nobody_asks;
-  return make(rig, model, {}, nobody_asks);
+  return make(rig, model, settings, nobody_asks);
 }
 
 Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {

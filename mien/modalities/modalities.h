@@ -23,8 +23,8 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 
 /// The live model for a rig's sensors: the file `named`, or where that is empty the default one of such
 /// sensors. A rig with sensors of several kinds that need models takes a folder instead, in which the model
-/// of each has its default name; gaze needs none, and the path for a rig of gaze alone is empty. Errors:
-/// not_found (none is installed), unsupported (sensors of a kind that is unknown).
+/// of each has its default name; gaze and weights need none, and the path for a rig of these alone is empty.
+/// Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
 [[nodiscard]] Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named);
 
 /// Whether there are models that see a whole window of such sensors, past and future; else only the live
@@ -32,11 +32,11 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 [[nodiscard]] bool has_window_models(const sensor::Rig& rig);
 
 /// The tracker for a rig's sensors, with the live model of live_model(); for sensors of several kinds one
-/// that merges those of each (shaping::CombinedTracker), by default settings: a take whose session changed
-/// these is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported
-/// (sensors of a kind that is unknown), the model's (mismatch: another rig's).
-[[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
-                                                                     const std::filesystem::path& model);
+/// that merges those of each (shaping::CombinedTracker), by these settings: a take whose session changed its
+/// own is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported (sensors
+/// of a kind that is unknown), the model's (mismatch: another rig's).
+[[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(
+    const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& settings = {});
 
 /// The protocols of all sensors; with keys one that opens the packets of those which can be sealed, and hears
 /// nobody else. Errors: internal (libsodium), the keys'.

@@ -1,6 +1,7 @@
 #include "mien/sensor/link_health.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -57,6 +58,17 @@ constexpr std::int64_t steps(std::uint32_t from, std::uint32_t to) {
 /// Equal but for the last bits of a float: the sensors' own steps are much coarser.
 bool same(float a, float b) {
   return std::abs(a - b) <= 1e-6f * std::max(1.0f, std::abs(b));
+}
+
+/// Place of a part in the order of its packet's parts; 0 of a sample that is none.
+std::uint32_t part_of(const Sample& sample) {
+  if (sample.kind != SampleKind::weights && sample.kind != SampleKind::weights_confidence &&
+      sample.kind != SampleKind::head_pose)
+    return 0;
+  // Parts of one kind begin with where they belong (mien/phone/told_face.h).
+  const float first = sample.kind == SampleKind::head_pose ? 0 : sample.values[2];
+  return 1000 * static_cast<std::uint32_t>(sample.kind) +
+         static_cast<std::uint32_t>(first > 0 ? std::min(first, 999.0F) : 0);  // Not a number: 0.
 }
 
 }  // namespace
@@ -197,8 +209,22 @@ void LinkHealth::judge_lateness(HostTime arrival, const Sample& sample) {
   ++bucket(arrival).late;
 }
 
+void LinkHealth::judge_parts() {
+  if (!parts_) return;
+  const auto mixed = static_cast<float>(*parts_ >> 8U);  // Exact.
+  still_[0].add(std::span(&mixed, 1), packet_time_);
+  parts_.reset();
+}
+
 void LinkHealth::judge_change(const Sample& sample) {
   const std::span<const float> values = sample.used();
+  if (part_of(sample) != 0) {
+    // FNV-1a by words.
+    std::uint32_t mixed = parts_.value_or(2166136261U);
+    for (const float value : values) mixed = (mixed ^ std::bit_cast<std::uint32_t>(value)) * 16777619U;
+    parts_ = mixed;
+    return;
+  }
   if (sample.kind == SampleKind::imu_raw && values.size() >= 6) {
     // Either chip may freeze alone, and both always have noise. A magnetometer is slow: it proves nothing.
     still_[0].add(values.subspan(0, 3), sample.time);
@@ -210,6 +236,7 @@ void LinkHealth::judge_change(const Sample& sample) {
 
 void LinkHealth::forget_data() {
   still_ = {};
+  parts_.reset();
   least_.reset();
   least_before_.reset();
 }
@@ -240,15 +267,21 @@ void LinkHealth::begin_packet(HostTime arrival, const Sample& sample) {
 
 void LinkHealth::add(HostTime arrival, const Sample& sample, bool saturated) {
   if (!received_) first_arrival_ = arrival;
+  const std::uint32_t part = part_of(sample);
+  const bool further_part = sample.time == packet_time_ && part > packet_part_ && packet_part_ > 0;
   const bool goes_on = received_ && sample.sequence == packet_sequence_ && arrival == packet_arrival_ &&
-                       sample.time > packet_time_;
+                       (sample.time > packet_time_ || further_part);
   received_ = true;
   estimated_ = sample.time_estimated;
   newest_arrival_ = arrival;
-  if (!goes_on) begin_packet(arrival, sample);
+  if (!goes_on) {
+    judge_parts();
+    begin_packet(arrival, sample);
+  }
   packet_time_ = sample.time;
+  packet_part_ = part;
   if (packet_news_ == News::doubled) return;
-  ++bucket(arrival).samples;
+  if (!(goes_on && further_part)) ++bucket(arrival).samples;
   if (saturated) saturated_ = arrival;
   if (packet_news_ == News::forward) judge_change(sample);
 }

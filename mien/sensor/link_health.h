@@ -70,8 +70,9 @@ class LinkHealth {
  public:
   explicit LinkHealth(const LinkSettings& settings = {}) : settings_(settings) {}
 
-  /// One decoded sample. Samples of one packet share sequence and arrival, and their times rise.
-  /// `saturated`: some axis stood at the end of its range.
+  /// One decoded sample. Samples of one packet share sequence and arrival, and their times rise, but for the
+  /// parts of one reading (a face's weights, which no sample holds all): their time is one, they come once
+  /// each and in one order, and count as one sample. `saturated`: some axis stood at the end of its range.
   void add(HostTime arrival, const Sample& sample, bool saturated);
   /// A datagram of this device that broke its protocol's rules.
   void add_malformed() { ++malformed_; }
@@ -116,6 +117,8 @@ class LinkHealth {
   [[nodiscard]] News place(Line& line, const Sample& sample, HostTime arrival);
   void judge_lateness(HostTime arrival, const Sample& sample);
   void judge_change(const Sample& sample);
+  /// The same of the reading in parts that is complete, if there is one.
+  void judge_parts();
   void forget_data();
   Bucket& bucket(HostTime arrival);
   [[nodiscard]] LinkState state(HostTime now, double loss, double late_share, std::int64_t breaks) const;
@@ -129,6 +132,8 @@ class LinkHealth {
   std::uint32_t packet_sequence_ = 0;
   HostTime packet_arrival_;
   DeviceTime packet_time_;  // Of its newest sample.
+  std::uint32_t packet_part_ = 0;
+  std::optional<std::uint32_t> parts_;  // What its parts hold, mixed.
   News packet_news_ = News::forward;
 
   bool received_ = false;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <set>
 #include <sstream>
 
@@ -23,23 +22,8 @@ constexpr double kMaxPositionM = 10.0;
 /// Face sensors of a rig whose skin's motion is told; each frame's work grows with the cube of them.
 constexpr std::size_t kMaxSkinSensors = 64;
 
-std::string place(const std::string& where, const toml::node& node) {
-  const auto line = node.source().begin.line;
-  return line == 0 ? where : fmt::format("{}, line {}", where, line);
-}
-
 bool printable(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
-}
-
-Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
-                       const std::string& where) {
-  for (const auto& [key, value] : table) {
-    if (std::find(known.begin(), known.end(), key.str()) == known.end())
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
-                  place(where, value), fmt::format("known keys are: {}", fmt::join(known, ", ")));
-  }
-  return {};
 }
 
 Result<std::string> text(const toml::table& table, std::string_view key, bool required,

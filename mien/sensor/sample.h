@@ -20,7 +20,7 @@ enum class SampleKind : std::uint8_t {
   gaze = 5,  ///< Where both eyes look (10): order and units in mien/gaze/eyes.h.
   weights = 6,             ///< Some of a face's weights as another program tells them: order in mien/phone.
   weights_confidence = 7,  ///< Their confidences, likewise.
-  head_pose = 8,           ///< Head position, frame W, m (3), q_world_head w,x,y,z (4).
+  head_pose = 8,           ///< Head position, frame W, m (3), q_world_head w,x,y,z (4), mien/phone's (3).
 };
 
 inline constexpr std::size_t kMaxSampleValues = 16;

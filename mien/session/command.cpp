@@ -54,8 +54,8 @@ Result<Prompt> prompt_of(const json& object) {
 }
 
 /// The shaping settings that a command may change.
-constexpr std::array<std::string_view, 7> kShapeKeys = {
-    "smoothing", "resting", "lids_follow_eyes", "gains", "limits", "constraints", "merge"};
+constexpr std::array<std::string_view, 9> kShapeKeys = {
+    "smoothing", "resting", "lids_follow_eyes", "gains", "limits", "constraints", "rules", "merge", "off"};
 
 Result<Shape> shape_of(const json& object) {
   json settings = json::object();

@@ -1,10 +1,7 @@
 #include "mien/session/prompt_script.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <initializer_list>
 #include <utility>
 
 #include "mien/core/excerpt.h"
@@ -16,20 +13,6 @@ namespace mien::session {
 namespace {
 
 constexpr std::size_t kMaxBytes = std::size_t{4} << 20U;
-
-std::string place(const std::string& where, const toml::node& node) {
-  const auto line = node.source().begin.line;
-  return line == 0 ? where : fmt::format("{}, line {}", where, line);
-}
-
-Result<void> only_keys(const toml::table& table, std::initializer_list<std::string_view> known,
-                       const std::string& where) {
-  for (const auto& [key, value] : table)
-    if (std::ranges::find(known, key.str()) == known.end())
-      return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())),
-                  place(where, value), fmt::format("known keys are: {}", fmt::join(known, ", ")));
-  return {};
-}
 
 Result<std::string> text(const toml::table& table, std::string_view key, const std::string& where) {
   const toml::node* node = table.get(key);

@@ -81,6 +81,7 @@ struct Report {
   Calibration calibration;
   Prompts prompts;
   std::string shaping;  ///< JSON: {"smoothing", "gains", "limits"}.
+  std::string resting;  ///< The resting face in force at the newest frame, JSON.
   std::string tap;      ///< The sensor that waits for a tap; empty: none.
   std::uint64_t malformed = 0;
   std::uint64_t refused = 0;

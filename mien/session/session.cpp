@@ -335,6 +335,7 @@ void Session::report(HostTime now, Report& out) const {
   for (std::uint16_t i = 0; i < out.links.size(); ++i)
     out.links[i].heading_sigma_rad = tracker_->heading_sigma_rad(i);
   out.shaping = shaping::write_settings(shaper_.settings());
+  out.resting = shaping::write_resting_face(shaper_.resting().present());
 
   report_prompts(out.prompts);
   Report::Calibration& calibration = out.calibration;

@@ -41,6 +41,14 @@ void mend(face::OutputFrame& frame, const face::OutputFrame& last) {
   } else if (std::abs(length - 1) > 1e-6) {
     frame.head.normalize();
   }
+  if (frame.head_position_known && !frame.head_position_m.allFinite()) {
+    frame.head_position_m = last.head_position_m;
+    frame.head_position_known = last.head_position_known;
+    frame.head_confidence = 0;
+    frame.head_provenance = face::Provenance::held;
+  }
+  if (!frame.head_position_known) frame.head_position_m.setZero();
+  frame.head_position_m = frame.head_position_m.cwiseMax(-kHeadAtMost_m).cwiseMin(kHeadAtMost_m);
   frame.eyes_confidence = share(frame.eyes_confidence);
   if (!frame.eyes_rad[0].allFinite() || !frame.eyes_rad[1].allFinite()) {
     frame.eyes_rad = last.eyes_rad;
@@ -54,8 +62,6 @@ void bound(face::OutputFrame& frame) {
   const auto share = [](float w) { return w > 0 ? std::min(w, 1.0f) : 0.0f; };  // Not a number: 0.
   for (float& w : frame.weights.values) w = share(w);
   frame.tongue_out = share(frame.tongue_out);
-  float& close = frame.weights[face::shape("mouthClose")];
-  close = std::min(close, frame.weights[face::shape("jawOpen")]);
 }
 
 void bound_steps(face::OutputFrame& frame, const face::OutputFrame& before) {

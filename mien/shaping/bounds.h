@@ -6,18 +6,21 @@ namespace mien::shaping {
 
 /// Largest eye yaw and pitch, each way: a quarter turn, rad.
 inline constexpr float kEyeAtMostRad = 1.5707964f;
+/// Largest coordinate of the head's position, each way, m: farther from where they began performers do not
+/// walk before what sees them.
+inline constexpr float kHeadAtMost_m = 10;
 
 /// The neutral frame: weights 0, eyes straight ahead, head upright; confidence 0, provenance neutral.
 [[nodiscard]] face::OutputFrame neutral_frame(DeviceTime time);
 
-/// Replaces invalid values: a weight, tongue, confidence, head or eye direction that is not finite, or a head
-/// that is no rotation, becomes that of `last`, with confidence 0 (that of its region too) and provenance
-/// held. Clamps weights and confidences to [0, 1] and eyes to kEyeAtMostRad, and normalises the head. Changes
-/// no bit of a valid frame. `last`: the previous frame, as mended.
+/// Replaces invalid values: a weight, tongue, confidence, head, position or eye direction that is not finite,
+/// or a head that is no rotation, becomes that of `last`, with confidence 0 (that of its region too) and
+/// provenance held. Clamps weights and confidences to [0, 1], eyes to kEyeAtMostRad and the head's position
+/// to kHeadAtMost_m, and normalises the head; a position that is not known is 0. Changes no bit of a valid
+/// frame. `last`: the previous frame, as mended.
 void mend(face::OutputFrame& frame, const face::OutputFrame& last);
 
-/// Invariants of every output frame: weights and tongue in [0, 1], mouthClose <= jawOpen (it is a corrective
-/// of jawOpen, not "lips closed": alone it turns the lips inside out).
+/// The range of every output frame: weights and tongue in [0, 1]; what is no number becomes 0.
 void bound(face::OutputFrame& frame);
 
 /// Slew-rate limit: largest change of a weight per 60th of a second. A blink, the fastest motion of a face,

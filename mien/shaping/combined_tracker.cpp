@@ -40,6 +40,7 @@ CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& 
     }
     members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}, {}});
   }
+  set(settings);
 }
 
 CombinedTracker::Member* CombinedTracker::received(HostTime arrival, const sensor::Sample& sample) {

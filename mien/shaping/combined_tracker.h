@@ -29,12 +29,14 @@ class CombinedTracker final : public tracker::Tracker {
     std::unique_ptr<tracker::Tracker> tracker;
     std::vector<std::uint16_t> sensors;  ///< Its sensors, by their numbers in the rig.
   };
-  /// `parts`: 1 to Merge::kMostSources, of different modalities. Of `settings` only merge and fallback are
-  /// used.
+  /// `parts`: 1 to Merge::kMostSources, of different modalities. Of `settings` only merge, fallback and
+  /// whether the merge is off are used.
   explicit CombinedTracker(std::vector<Part> parts, const ShaperSettings& settings = {});
 
   /// Takes effect at the next frame.
-  void set(const ShaperSettings& settings) { merge_.set(settings.merge, settings.fallback); }
+  void set(const ShaperSettings& settings) {
+    merge_.set(settings.merge, settings.fallback, settings.runs(ChainStep::merge));
+  }
 
   /// "imu+eyewear".
   [[nodiscard]] std::string_view modality() const override { return modality_; }

@@ -15,6 +15,8 @@ constexpr double kDoneAfter = 3;
 }  // namespace
 
 void EaseOut::begin(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
+  // From or to where nobody knows the position there is no difference: HeadPosition sees to it.
+  if (part == kPositionPart && !(shown.head_position_known && next.head_position_known)) return stop(part);
   const std::size_t first = first_value(part);
   if (part < face::kShapeCount) {
     difference_[first] = static_cast<double>(shown.weights[part]) - next.weights[part];
@@ -23,11 +25,15 @@ void EaseOut::begin(std::size_t part, const face::OutputFrame& shown, const face
   } else if (part == kHeadPart) {
     const Vec3 head = log_rotation(shown.head * next.head.conjugate());
     for (std::size_t a = 0; a < 3; ++a) difference_[first + a] = head[static_cast<Eigen::Index>(a)];
-  } else {
+  } else if (part == kEyesPart) {
     for (std::size_t e = 0; e < 2; ++e) {
       difference_[first + 2 * e] = shown.eyes_rad[e].x() - next.eyes_rad[e].x();
       difference_[first + 2 * e + 1] = shown.eyes_rad[e].y() - next.eyes_rad[e].y();
     }
+  } else {
+    const Vec3f position = shown.head_position_m - next.head_position_m;
+    for (std::size_t a = 0; a < 3; ++a)
+      difference_[first + a] = static_cast<double>(position[static_cast<Eigen::Index>(a)]);
   }
   since_[part] = shown.time;
   if (active_[part]) return;
@@ -57,7 +63,8 @@ void EaseOut::apply(face::OutputFrame& frame, double step_s, double return_s) {
   const double fall = std::exp(-omega * step_s);
   for (std::size_t part = 0; part < kPartCount; ++part) {
     if (!active_[part]) continue;
-    if (to_seconds(frame.time - since_[part]) >= kDoneAfter * return_s) {
+    if (to_seconds(frame.time - since_[part]) >= kDoneAfter * return_s ||
+        (part == kPositionPart && !frame.head_position_known)) {
       stop(part);
       continue;
     }
@@ -75,6 +82,9 @@ void EaseOut::apply(face::OutputFrame& frame, double step_s, double return_s) {
     } else if (part == kHeadPart) {
       const Vec3 head(difference_[first], difference_[first + 1], difference_[first + 2]);
       frame.head = canonical(exp_rotation(head) * frame.head);
+    } else if (part == kPositionPart) {
+      const Vec3 left(difference_[first], difference_[first + 1], difference_[first + 2]);
+      frame.head_position_m += left.cast<float>();
     } else {
       for (std::size_t e = 0; e < 2; ++e) {
         const Eigen::Vector2d left(difference_[first + 2 * e], difference_[first + 2 * e + 1]);

@@ -21,7 +21,7 @@ inline constexpr double kConstantsTo5Percent = 4.744;
 class EaseOut {
  public:
   /// Begins the ease-out of one part: the offset is `shown` less the `next` source's frame. A part that is
-  /// still easing out keeps its speed.
+  /// still easing out keeps its speed. Of the head's position only where both know it.
   void begin(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next);
   /// The same for every part.
   void begin_all(const face::OutputFrame& shown, const face::OutputFrame& next);
@@ -36,12 +36,16 @@ class EaseOut {
 
  private:
   // Values per part: one for each shape and the tongue, 3 for the head (rotation vector, frame W), 4 for the
-  // eyes.
+  // eyes, 3 for the head's position (frame W, m).
   static constexpr std::size_t kHeadValues = kHeadPart;
   static constexpr std::size_t kEyesValues = kHeadValues + 3;
-  static constexpr std::size_t kValues = kEyesValues + 4;
+  static constexpr std::size_t kPositionValues = kEyesValues + 4;
+  static constexpr std::size_t kValues = kPositionValues + 3;
   [[nodiscard]] static constexpr std::size_t first_value(std::size_t part) {
-    return part < kEyesPart ? part : part == kEyesPart ? kEyesValues : kValues;
+    return part < kEyesPart        ? part
+           : part == kEyesPart     ? kEyesValues
+           : part == kPositionPart ? kPositionValues
+                                   : kValues;
   }
 
   std::array<double, kValues> difference_{};    // Shown less source.

@@ -34,10 +34,12 @@ void Fading::apply(std::size_t part, const face::OutputFrame& from, face::Output
                   : from.head;
     frame.head_confidence = confidence_share_ * from.head_confidence;
     frame.head_provenance = provenance_of(from.head_provenance);
-  } else {
+  } else if (part == kEyesPart) {
     for (std::size_t e = 0; e < 2; ++e) frame.eyes_rad[e] = left_ * from.eyes_rad[e];
     frame.eyes_confidence = confidence_share_ * from.eyes_confidence;
     frame.eyes_provenance = provenance_of(from.eyes_provenance);
+  } else {
+    copy_part(from, part, frame);
   }
 }
 

@@ -8,9 +8,9 @@
 namespace mien::shaping {
 
 /// Loss of tracking of one part of a frame: held for hold_s, then eased (smoothstep, neutral_s) to neutral:
-/// weights 0, eyes straight ahead, head upright at its last yaw (a head that turned by itself would look
-/// worse). Provenance: held, then neutral; confidence falls linearly to 0 over both. The largest step per 60
-/// Hz frame is 0.05 of the weight by default. No allocation. Thread-safe.
+/// weights 0, eyes straight ahead, head upright at its last yaw and place (a head that turned or walked by
+/// itself would look worse). Provenance: held, then neutral; confidence falls linearly to 0 over both. The
+/// largest step per 60 Hz frame is 0.05 of the weight by default. No allocation. Thread-safe.
 class Fading {
  public:
   /// `age_s`: since the last frame with the part observed.

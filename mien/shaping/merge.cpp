@@ -20,6 +20,7 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
     places[i] = static_cast<std::size_t>(face::kShapeRegions[i]);
   places[kTonguePart] = static_cast<std::size_t>(MergePlace::jaw);
   places[kHeadPart] = static_cast<std::size_t>(MergePlace::head);
+  places[kPositionPart] = static_cast<std::size_t>(MergePlace::head);
   places[kEyesPart] = static_cast<std::size_t>(MergePlace::gaze);
   return places;
 }();
@@ -37,13 +38,13 @@ bool has_estimate(const Merge::Source& source) {
 
 std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order() {
   return {{
-      {"headset", "eyewear", "imu", "speech"},          // brows
-      {"headset", "gaze", "eyewear", "imu", "speech"},  // eyes
-      {"imu", "eyewear", "headset", "speech"},          // cheeks
-      {"headset", "imu", "eyewear", "speech"},          // mouth
-      {"headset", "imu", "eyewear", "speech"},          // jaw
-      {"imu", "headset", "eyewear", "speech"},          // head
-      {"headset", "gaze", "eyewear", "imu", "speech"},  // gaze
+      {"headset", "weights", "eyewear", "imu", "speech"},          // brows
+      {"headset", "gaze", "weights", "eyewear", "imu", "speech"},  // eyes
+      {"imu", "eyewear", "headset", "weights", "speech"},          // cheeks
+      {"headset", "weights", "imu", "eyewear", "speech"},          // mouth
+      {"headset", "weights", "imu", "eyewear", "speech"},          // jaw
+      {"weights", "imu", "headset", "eyewear", "speech"},          // head
+      {"headset", "gaze", "weights", "eyewear", "imu", "speech"},  // gaze
   }};
 }
 
@@ -55,7 +56,9 @@ Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
   reset();
 }
 
-void Merge::set(const MergeSettings& settings, const FallbackSettings& times) {
+void Merge::set(const MergeSettings& settings, const FallbackSettings& times, bool on) {
+  on_ = on;
+  if (!on) reset();
   settings_ = settings;
   settings_.sure = settings.sure > 0 ? std::min(settings.sure, 1.0F) : 0.0F;  // NaN becomes 0.
   settings_.unsure = settings.unsure > 0 ? std::min(settings.unsure, settings_.sure) : 0.0F;
@@ -150,6 +153,10 @@ void Merge::copy_regions(std::span<const Source> sources, OutputFrame& out) {
 
 std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   assert(sources.size() == modalities_.size());
+  if (!on_) {
+    out = *sources.front().frame;
+    return sources.front().sensors_present;
+  }
   const DeviceTime time = sources.front().frame->time;
   if (begun_ && time <= shown_.time) reset();
   std::size_t there = 0, behind = 0;
@@ -168,7 +175,9 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   out.time = time;
   for (std::size_t part = 0; part < kPartCount; ++part) {
     const std::uint8_t before = answers_[part];
-    const std::uint8_t now = part == kTonguePart ? answers_[kTongueGoesWith] : choose(sources, part);
+    const std::uint8_t now = part == kTonguePart     ? answers_[kTongueGoesWith]
+                             : part == kPositionPart ? answers_[kHeadPart]
+                                                     : choose(sources, part);
     answers_[part] = now;
     if (now != kNobody) {
       copy_part(*sources[now].frame, part, out);

@@ -18,7 +18,8 @@
 namespace mien::shaping {
 
 /// Merges several trackers' frames of one time into one: each shape, the head and the eyes come from one
-/// tracker, value, confidence and provenance together; the tongue from the tracker that gives jawOpen.
+/// tracker, value, confidence and provenance together; the tongue from the tracker that gives jawOpen, the
+/// head's position from the one that gives its rotation.
 /// Selection, for each part:
 ///
 /// 1. the first tracker in the region's order that has sensors and explains at least `sure` of the part, or
@@ -59,8 +60,9 @@ class Merge {
   /// those of all. A single source passes to the bit.
   std::size_t apply(std::span<const Source> sources, face::OutputFrame& out);
 
-  /// Takes effect at the next frame; values are clamped to their ranges.
-  void set(const MergeSettings& settings, const FallbackSettings& times);
+  /// Takes effect at the next frame; values are clamped to their ranges. Not `on`: the first source's frame
+  /// passes as it is, whoever knows better.
+  void set(const MergeSettings& settings, const FallbackSettings& times, bool on = true);
   /// Resets the state: nothing shown, no tracker selected.
   void reset();
   /// The source selected for a part (frame_parts.h) at the last apply, by number; none where it is faded.
@@ -84,6 +86,7 @@ class Merge {
   std::vector<std::string> modalities_;
   MergeSettings settings_;
   FallbackSettings times_;
+  bool on_ = true;
   std::array<std::vector<std::uint8_t>, kMergePlaceCount> order_;  // Sources by number, by place.
   std::vector<face::OutputFrame> last_;                            // Of each source, mended.
   std::array<std::uint8_t, kPartCount> answers_{};                 // Selected source by part.

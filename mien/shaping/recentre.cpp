@@ -36,6 +36,8 @@ void Recentre::begin() {
   headings_ = 0;
   sum_x_ = 0;
   sum_z_ = 0;
+  positions_ = 0;
+  sum_position_m_.setZero();
 }
 
 void Recentre::use(const Centre& centre) {
@@ -43,6 +45,9 @@ void Recentre::use(const Centre& centre) {
   for (float& rest : bounded.rest)
     rest = std::isfinite(rest) ? std::clamp(rest, 0.0f, Centre::kRestAtMost) : 0.0f;
   bounded.yaw_rad = std::isfinite(centre.yaw_rad) ? wrapped(centre.yaw_rad) : 0;
+  if (!bounded.position_m.allFinite()) bounded.position_m.setZero();
+  constexpr double kMost_m = Centre::kPositionAtMost_m;
+  bounded.position_m = bounded.position_m.cwiseMax(-kMost_m).cwiseMin(kMost_m).eval();
   go_to(bounded);
 }
 
@@ -78,6 +83,7 @@ void Recentre::ease_on(DeviceTime time) {
   for (std::size_t i = 0; i < face::kShapeCount; ++i)
     present_.rest[i] = static_cast<float>(from_.rest[i] + s * (target_.rest[i] - from_.rest[i]));
   present_.yaw_rad = wrapped(from_.yaw_rad + s * wrapped(target_.yaw_rad - from_.yaw_rad));
+  present_.position_m = from_.position_m + s * (target_.position_m - from_.position_m);
 }
 
 void Recentre::measure(const face::OutputFrame& frame) {
@@ -90,6 +96,10 @@ void Recentre::measure(const face::OutputFrame& frame) {
       sum_x_ += forward.x();
       sum_z_ += forward.z();
       ++headings_;
+    }
+    if (is_observed(frame.head_provenance) && frame.head_position_known) {
+      sum_position_m_ += frame.head_position_m.cast<double>();
+      ++positions_;
     }
   }
   if (frames_ == kMostFrames || to_seconds(frame.time - *measuring_since_) >= kMeasure_s) conclude();
@@ -112,6 +122,7 @@ void Recentre::conclude() {
       ++performed_;
   }
   if (headings_ >= kEnoughFrames) centre.yaw_rad = std::atan2(sum_x_, sum_z_);
+  if (positions_ >= kEnoughFrames) centre.position_m = sum_position_m_ / static_cast<double>(positions_);
   go_to(centre);
 }
 
@@ -120,7 +131,10 @@ void Recentre::take_off(face::OutputFrame& frame, const RestingFace& applied) co
     const float rest = applied.applied(i, present_.rest[i]);
     if (rest > 0) frame.weights[i] = std::clamp((frame.weights[i] - rest) / (1 - rest), 0.0f, 1.0f);
   }
-  if (present_.yaw_rad != 0) frame.head = canonical(exp_rotation({0, -present_.yaw_rad, 0}) * frame.head);
+  const Quat turn = exp_rotation({0, -present_.yaw_rad, 0});
+  if (present_.yaw_rad != 0) frame.head = canonical(turn * frame.head);
+  if (!frame.head_position_known || (present_.yaw_rad == 0 && present_.position_m.isZero(0))) return;
+  frame.head_position_m = (turn * (frame.head_position_m.cast<double>() - present_.position_m)).cast<float>();
 }
 
 }  // namespace mien::shaping

@@ -15,8 +15,9 @@ namespace mien::shaping {
 /// or word of less than two thirds of the second has no influence); a shape whose rest would be above
 /// Centre::kRestAtMost is being performed and keeps its earlier rest. Then w' = max(0, (w - rest) / (1 -
 /// rest)). The new centre is eased in over half a second. The head is turned about the vertical by that
-/// second's mean heading. On frame time. No allocation. About 30 KB. An all-zero centre changes no bit.
-/// Method: docs/method/shaping.md.
+/// second's mean heading; its position, where a tracker tells it, counts from that second's mean and is
+/// turned likewise. On frame time. No allocation. About 30 KB. An all-zero centre changes no bit. Method:
+/// docs/method/shaping.md.
 class Recentre {
  public:
   enum class State : std::uint8_t {
@@ -72,6 +73,8 @@ class Recentre {
   std::size_t headings_ = 0;
   double sum_x_ = 0;  // Of the forward direction's horizontal part, frame W.
   double sum_z_ = 0;
+  std::size_t positions_ = 0;
+  Vec3 sum_position_m_ = Vec3::Zero();
   std::size_t performed_ = 0;
 };
 

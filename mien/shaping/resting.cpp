@@ -12,8 +12,16 @@ namespace {
 /// Ten seconds of the 60 Hz grid: enough frames to tell rest from what is performed meanwhile.
 constexpr std::size_t kEnoughValues = 600;
 constexpr float kLeastConfidence = 0.5F;
-/// People's lids are closed 5 % of the time; what 2 % exceed is closed, not closing.
-constexpr double kClosedShare = 0.02;
+/// Blinks are looked for from here on: a rest of less than a second is no rest.
+constexpr std::size_t kLeastValues = 60;
+/// Weights rise from rest: a mode above what the lowest 2 % reach is performed. Half a bin is granted: of a
+/// face that keeps still the lowest 2 % reach no further than the lower edge of the bin in whose middle it
+/// rests.
+constexpr double kLowestShare = 0.02;
+constexpr double kHalfBin = 0.5 / (StreamingMode::kBins - 1);
+/// A tracker that reads open lids right is believed of closed ones: only from this rest on the blinks' peak
+/// is taken for closed as it is, and below in proportion.
+constexpr float kUnusualRest = 0.1F;
 constexpr double kEaseIn_s = 2;
 constexpr double kChangeOver_s = 0.5;
 constexpr double kSlew_per_s = 0.02;
@@ -29,6 +37,11 @@ constexpr auto kShapes = [] {
 
 float stepped(float from, float to, double most) {
   return from + static_cast<float>(std::clamp(static_cast<double>(to) - from, -most, most));
+}
+
+/// Which of kLids a shape is.
+std::size_t lid_of(std::size_t shape) {
+  return shape == face::shape_index(kLids[0]) ? 0 : 1;
 }
 
 bool trusted(const face::OutputFrame& frame, std::size_t shape) {
@@ -62,6 +75,7 @@ void Resting::reset() {
 
 void Resting::forget() {
   for (StreamingMode& seen : seen_) seen.reset();
+  for (BlinkPeaks& blinks : blinks_) blinks.reset();
 }
 
 void Resting::apply(face::OutputFrame& frame) {
@@ -75,7 +89,10 @@ void Resting::apply(face::OutputFrame& frame) {
   }
   for (std::size_t c = 0; c < kCalibrated; ++c) {
     const std::size_t shape = kShapes[c];
-    if (on_ && trusted(frame, shape)) learn(c, frame, step_s);
+    if (on_ && trusted(frame, shape))
+      learn(c, frame, step_s);
+    else if (on_ && kRestingRules[shape] == RestingRule::lids)
+      blinks_.at(lid_of(shape)).lose();
     ease_on(c, frame.time);
     frame.weights[shape] = present_.applied(shape, frame.weights[shape]);
   }
@@ -86,11 +103,15 @@ void Resting::learn(std::size_t c, const face::OutputFrame& frame, double step_s
   const std::size_t shape = kShapes[c];
   StreamingMode& seen = seen_[c];
   seen.add(frame.weights[shape]);
-  if (seen.count() < kEnoughValues) return;
+  const bool lids = kRestingRules[shape] == RestingRule::lids;
+  if (seen.count() < (lids ? kLeastValues : kEnoughValues)) return;
   float& rest = learnt_.rest[shape];
-  float& full = learnt_.full[shape];
-  const auto usual = static_cast<float>(seen.mode());
-  const float target = usual <= RestingFace::kRestAtMost ? usual : rest;
+  const double mode = seen.mode();
+  const double lowest = seen.upper(1 - kLowestShare);
+  const double usual = std::min(mode, lowest > 0 ? lowest + kHalfBin : 0);
+  const float target = mode <= RestingFace::kRestAtMost ? static_cast<float>(usual) : rest;
+  if (lids) blinks_.at(lid_of(shape)).add(frame.weights[shape], target);
+  if (seen.count() < kEnoughValues) return;
   // What nothing is known of yet may begin where it was seen, eased in; later it creeps.
   if (!learnt_.changes(shape) && seen.count() == kEnoughValues) {
     begin_ease(c, frame.time, kEaseIn_s);
@@ -98,11 +119,17 @@ void Resting::learn(std::size_t c, const face::OutputFrame& frame, double step_s
   }
   const double most = kSlew_per_s * step_s;
   rest = stepped(rest, target, most);
-  if (kRestingRules[shape] == RestingRule::lids) {
-    const auto closed = static_cast<float>(seen.upper(kClosedShare));
-    full = stepped(full, std::max(closed, target + RestingFace::kLeastRange), most);
-    full = std::max(full, rest + RestingFace::kLeastRange);
+  if (lids) learn_full(shape, most);
+}
+
+void Resting::learn_full(std::size_t shape, double most) {
+  const float rest = learnt_.rest[shape];
+  float& full = learnt_.full[shape];
+  if (const std::optional<float> closed = blinks_.at(lid_of(shape)).largest()) {
+    const float believed = 1 - std::min(1.0F, rest / kUnusualRest) * (1 - *closed);
+    full = stepped(full, std::clamp(believed, rest + RestingFace::kLeastRange, 1.0F), most);
   }
+  full = std::max(full, rest + RestingFace::kLeastRange);
 }
 
 void Resting::begin_ease(std::size_t c, DeviceTime time, double length_s) {

@@ -5,13 +5,14 @@
 
 #include "mien/core/streaming_mode.h"
 #include "mien/face/output_frame.h"
+#include "mien/shaping/blink_peaks.h"
 #include "mien/shaping/resting_face.h"
 
 namespace mien::shaping {
 
 /// Streaming calibration: what a tracker answers most of the time for brows, cheeks, nose, smile, ... is
-/// taken for the wearer's face at rest, and what lids exceed 2 % of the time for closed
-/// (docs/method/shaping.md; REFA, arXiv 2601.03507, supplement 1.3).
+/// taken for the wearer's face at rest, and the furthest that lids which rest otherwise close in blinks for
+/// closed (docs/method/shaping.md; after REFA, arXiv 2601.03507, supplement 1.3).
 ///
 /// It learns a shape from frames in which that was measured with a confidence of 0.5 or more: of the newest
 /// 30 s of them; from the tenth second on what it learnt is in force, eased in over 2 s, and changes by at
@@ -46,6 +47,7 @@ class Resting {
   };
 
   void learn(std::size_t c, const face::OutputFrame& frame, double step_s);
+  void learn_full(std::size_t shape, double most);
   void begin_ease(std::size_t c, DeviceTime time, double length_s);
   void ease_on(std::size_t c, DeviceTime time);
   void forget();
@@ -58,6 +60,7 @@ class Resting {
   RestingFace learnt_;
   RestingFace present_;
   std::array<StreamingMode, kCalibrated> seen_;
+  std::array<BlinkPeaks, kLids.size()> blinks_;
   std::array<Ease, kCalibrated> eases_;
 };
 

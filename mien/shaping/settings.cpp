@@ -126,6 +126,30 @@ Result<void> read_merge(const json& table, const std::string& where, MergeSettin
   return {};
 }
 
+/// Errors: malformed (no list, a name that is no step's).
+Result<void> read_off(const json& names, const std::string& where, ChainSteps& off) {
+  if (!names.is_array())
+    return fail(ErrorCode::malformed, "'off' is no list", where, R"(give names of steps, as ["smoothing"])");
+  ChainSteps read;
+  for (const json& name : names) {
+    const std::string step = name.is_string() ? name.get<std::string>() : std::string("(no text)");
+    const auto found = std::ranges::find(kChainStepNames, step);
+    if (found == kChainStepNames.end())
+      return fail(ErrorCode::malformed, fmt::format("'off' holds what is no step: {}", excerpt(step)), where,
+                  fmt::format("steps are {}", fmt::join(kChainStepNames, ", ")));
+    read.set(static_cast<std::size_t>(found - kChainStepNames.begin()));
+  }
+  off = read;
+  return {};
+}
+
+json write_off(const ChainSteps& off) {
+  json names = json::array();
+  for (std::size_t step = 0; step < kChainStepCount; ++step)
+    if (off.test(step)) names.push_back(kChainStepNames[step]);
+  return names;
+}
+
 json write_merge(const MergeSettings& merge) {
   json order = json::object();
   for (std::size_t place = 0; place < kMergePlaceCount; ++place)
@@ -155,7 +179,9 @@ std::string write_settings(const ShaperSettings& settings) {
                 {"neutral_s", settings.fallback.neutral_s},
                 {"return_s", settings.fallback.return_s}}}};
   if (settings.constraints) out["constraints"] = true;
+  if (settings.rules != face::natural_constraints()) out["rules"] = settings.rules.text();
   if (settings.merge != MergeSettings{}) out["merge"] = write_merge(settings.merge);
+  if (settings.off.any()) out["off"] = write_off(settings.off);
   return out.dump();
 }
 
@@ -176,6 +202,10 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "constraints") {
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
       settings.constraints = value.get<bool>();
+    } else if (key == "rules") {
+      if (!value.is_string()) return fail(ErrorCode::malformed, "'rules' is not the text of a file", where);
+      MIEN_TRY_ASSIGN(settings.rules,
+                      face::RigConstraints::parse(value.get<std::string>(), where + ", 'rules'"));
     } else if (key == "lids_follow_eyes") {
       if (!value.is_boolean())
         return fail(ErrorCode::malformed, "'lids_follow_eyes' is not true or false", where);
@@ -188,6 +218,8 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
       MIEN_TRY(read_fallback(value, where, settings.fallback));
     } else if (key == "merge") {
       MIEN_TRY(read_merge(value, where, settings.merge));
+    } else if (key == "off") {
+      MIEN_TRY(read_off(value, where, settings.off));
     } else {
       return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", excerpt(key)), where);
     }

@@ -11,11 +11,16 @@ Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
 
 void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
-  limited_ = settings.limits != Limits{};
-  constraints_ = settings.constraints ? &face::natural_constraints() : nullptr;
+  limited_ = settings.limits != Limits{} && settings.runs(ChainStep::gains);
   fallback_.set(settings.fallback);
-  resting_.set(settings.resting);
-  smoothing_.set(smoothing_for(settings.smoothing, settings.smooth_head));
+  if (!settings.runs(ChainStep::fallback)) {
+    fallback_.reset();
+    position_.reset();
+  }
+  resting_.set(settings.resting && settings.runs(ChainStep::resting));
+  const bool smooth = settings.runs(ChainStep::smoothing);
+  smoothing_.set(smoothing_for(smooth ? settings.smoothing : 0, smooth && settings.smooth_head));
+  if (!settings.runs(ChainStep::gaze)) lids_.reset();
 }
 
 void Shaper::reset() {
@@ -24,25 +29,31 @@ void Shaper::reset() {
   fallback_.reset();
   resting_.reset();
   recentre_.settle();
+  position_.reset();
   lids_.reset();
   smoothing_.reset();
 }
 
 void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
   if (begun_ && frame.time <= last_.time) reset();
-  mend(frame, last_);
+  const double return_s = settings_.fallback.within_range().return_s;
+  const bool bounded = settings_.runs(ChainStep::bounds), gazing = settings_.runs(ChainStep::gaze);
+  if (settings_.runs(ChainStep::mend)) mend(frame, last_);
   last_ = frame;
-  fallback_.apply(frame, sensors_present);
+  if (settings_.runs(ChainStep::fallback)) fallback_.apply(frame, sensors_present);
   recentre_.observe(frame);
   resting_.apply(frame);
-  recentre_.take_off(frame, resting_.present());
-  lids_.apply(frame, settings_.lids_follow_eyes, settings_.fallback.within_range().return_s);
+  if (settings_.runs(ChainStep::recentring)) recentre_.take_off(frame, resting_.present());
+  if (settings_.runs(ChainStep::fallback)) position_.apply(frame, return_s);
   if (limited_) settings_.limits.apply(frame);
   smoothing_.apply(frame);
-  if (constraints_ != nullptr) constraints_->project(frame.weights);
-  if (begun_) bound_steps(frame, shown_);
-  bound(frame);
-  eyes_from_weights(frame);
+  const bool ruled = settings_.runs(ChainStep::constraints);
+  if (ruled && settings_.constraints) settings_.rules.live().project(frame.weights);
+  if (bounded && begun_) bound_steps(frame, shown_);
+  if (gazing) lids_.apply(frame, settings_.lids_follow_eyes, return_s);
+  if (bounded) bound(frame);
+  if (ruled) settings_.rules.always().project(frame.weights);
+  if (gazing) eyes_from_weights(frame);
   shown_ = frame;
   begun_ = true;
 }

@@ -3,8 +3,8 @@
 #include <cstddef>
 
 #include "mien/face/output_frame.h"
-#include "mien/face/rig_constraints.h"
 #include "mien/shaping/fallback.h"
+#include "mien/shaping/head_position.h"
 #include "mien/shaping/lids.h"
 #include "mien/shaping/recentre.h"
 #include "mien/shaping/resting.h"
@@ -14,10 +14,12 @@
 namespace mien::shaping {
 
 /// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
-/// resting face (off unless asked for), re-centring, lids, gains and limits, smoothing, constraints (off
-/// unless asked for), bounds ([0, 1], no step above kStepAtMost, mouthClose <= jawOpen), eyes. Output is
-/// finite and within bounds for any input. With default settings and no change of sensors a valid frame keeps
-/// the bits of its weights (unless mouthClose is above jawOpen) and of its head.
+/// resting face (off unless asked for), re-centring, the head's position, gains and limits, smoothing,
+/// constraints (off unless asked for), bounds ([0, 1], no step above kStepAtMost, the constraints that always
+/// hold: mouthClose <= jawOpen), gaze (lids from eye directions, directions from lids). Output is finite and
+/// within bounds for any input, unless settings.off names mend or bounds. With default settings and no change
+/// of sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen; without rules
+/// even then) and of its head; with every step off it keeps all of them.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
 /// the state but for settings, centre and resting face. No allocation. Thread: one at a time. Method and
@@ -52,14 +54,14 @@ class Shaper {
 
  private:
   ShaperSettings settings_;
-  bool limited_ = false;                               // Some gain or limit differs from the default.
-  const face::RigConstraints* constraints_ = nullptr;  // None: the step is off.
+  bool limited_ = false;  // Some gain or limit differs from the default.
   bool begun_ = false;
   face::OutputFrame last_;   // The last input, mended.
   face::OutputFrame shown_;  // The last output.
   Fallback fallback_;
   Resting resting_;
   Recentre recentre_;
+  HeadPosition position_;
   Lids lids_;
   Smoothing smoothing_;
 };

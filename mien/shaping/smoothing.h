@@ -8,10 +8,12 @@
 
 namespace mien::shaping {
 
-/// One Euro settings of weights and head; none: not smoothed. core/one_euro.h explains the fields.
+/// One Euro settings of weights, head and its position; none: not smoothed. core/one_euro.h explains the
+/// fields.
 struct SmoothingSettings {
   std::optional<OneEuroSettings> weights;
   std::optional<OneEuroSettings> head;
+  std::optional<OneEuroSettings> position;
   bool operator==(const SmoothingSettings&) const = default;
 };
 
@@ -20,8 +22,8 @@ struct SmoothingSettings {
 /// delay of fast movement: at a sustained 2 weights a second the cutoff is 6 Hz higher.
 [[nodiscard]] SmoothingSettings smoothing_for(double amount, bool head);
 
-/// One Euro filter (Casiez et al. 2012) on each weight and the tongue, and on the head's rotation. Off by
-/// default. On frame time; no allocation. Leaves confidence and provenance.
+/// One Euro filter (Casiez et al. 2012) on each weight and the tongue, and on the head's rotation and, while
+/// it is known, its position. Off by default. On frame time; no allocation. Leaves confidence and provenance.
 class Smoothing {
  public:
   void apply(face::OutputFrame& frame);
@@ -31,9 +33,12 @@ class Smoothing {
   void reset();
 
  private:
+  void smooth_position(face::OutputFrame& frame);
+
   SmoothingSettings settings_;
   std::array<OneEuro, face::kShapeCount + 1> weights_;  // The tongue's is the last.
   OneEuroRotation head_;
+  std::array<OneEuro, 3> position_;
 };
 
 }  // namespace mien::shaping

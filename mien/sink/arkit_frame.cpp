@@ -36,6 +36,10 @@ ArkitFrame arkit_frame(const face::OutputFrame& frame) {
   for (std::size_t i = 0; i < face::kShapeCount; ++i) weights[i] = within(frame.weights[i], 0.0F, 1.0F);
   arkit.weights = face::arkit_from_ict(weights, within(frame.tongue_out, 0.0F, 1.0F), true);
   arkit.head = sendable_rotation(frame.head);
+  arkit.head_position_known = frame.head_position_known;
+  if (frame.head_position_known)
+    for (int k = 0; k < 3; ++k)
+      arkit.head_position_m[k] = within(frame.head_position_m[k], -kMostHead_m, kMostHead_m);
   for (std::size_t eye = 0; eye < 2; ++eye)
     for (int k = 0; k < 2; ++k)
       arkit.eyes_rad[eye][k] = within(frame.eyes_rad[eye][k], -kMaxEyeRad, kMaxEyeRad);

@@ -13,6 +13,10 @@ namespace mien::sink {
 struct ArkitFrame {
   face::ArkitWeights weights;    ///< In face::ArkitOrder::live_link_udp.
   Quat head = Quat::Identity();  ///< q_world_head, w >= 0; +X the performer's left, +Y up, +Z forward.
+  /// Where the head is from where it began or was re-centred, m, same axes, within kMostHead_m; 0 where
+  /// nobody knows it.
+  Vec3f head_position_m = Vec3f::Zero();
+  bool head_position_known = false;
   /// Yaw to the performer's left and pitch upwards, rad, in the head's frame, within +-1.5; left eye, right
   /// eye.
   std::array<Eigen::Vector2f, 2> eyes_rad = {Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()};
@@ -22,6 +26,9 @@ struct ArkitFrame {
   /// A lid (eyeBlink) is measured, interpolated, predicted from the sensors that are there, or held.
   bool lids_tracked = false;
 };
+
+/// Largest coordinate of a head's position that is sent, each way, m.
+inline constexpr float kMostHead_m = 100;
 
 /// The rotation as it may be sent: unit, w >= 0; the identity for what is none.
 [[nodiscard]] Quat sendable_rotation(const Quat& q);

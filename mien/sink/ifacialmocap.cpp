@@ -78,7 +78,11 @@ void encode_ifacialmocap(const ArkitFrame& frame, IFacialMocapVersion version, D
     put(out, "{}{}{}|", short_names()[i], separator, std::lround(100 * frame.weights.values[i]));
   // Yaw to the right, pitch down and roll to the right are turns about -Y, +X and +Z.
   const Vec3 head = face::livelink_from_head(frame.head) * kDegPerRad;
-  put(out, "=head#{:.4f},{:.4f},{:.4f},0,0,0|", head.y() + 0.0, 0.0 - head.x(), head.z() + 0.0);
+  put(out, "=head#{:.4f},{:.4f},{:.4f},", head.y() + 0.0, 0.0 - head.x(), head.z() + 0.0);
+  if (const Vec3f& p = frame.head_position_m; frame.head_position_known)
+    put(out, "{:.4f},{:.4f},{:.4f}|", p.x() + 0.0F, p.y() + 0.0F, p.z() + 0.0F);
+  else
+    out.append("0,0,0|");
   put_eye(out, "rightEye", frame.eyes_rad[1]);
   put_eye(out, "leftEye", frame.eyes_rad[0]);
 }

@@ -32,8 +32,9 @@ enum class IFacialMocapRequest {
 /// head, right eye and left eye in degrees: turns about X, Y, Z of axes with +X to the performer's left, +Y
 /// up and +Z forward (so X is positive down, Y positive to the performer's left), taken apart as Y X Z. For
 /// the eyes these signs are those of the vendor's sample line, whose angles agree with its eyeLook weights;
-/// for the head they are UNVERIFIED. The head's position is 0. Version 2 begins with `trackingStatus&1`, as
-/// phones do. Allocates only while `out` grows. Layout: docs/reference/sinks.md.
+/// for the head they are UNVERIFIED. The head's position is in m, by the same axes (UNVERIFIED), and 0 where
+/// it is not known. Version 2 begins with `trackingStatus&1`, as phones do. Allocates only while `out` grows.
+/// Layout: docs/reference/sinks.md.
 void encode_ifacialmocap(const ArkitFrame& frame, IFacialMocapVersion version, Datagrams& out);
 
 }  // namespace mien::sink

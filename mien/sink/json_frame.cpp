@@ -101,6 +101,7 @@ void write_frame_json(const face::OutputFrame& frame, std::int64_t frame_index,
   }
   out += ']';
   put_sureness(out, "head", frame.head_confidence, frame.head_provenance);
+  if (frame.head_position_known) put_list(out, "head_position_m", {frame.head_position_m.data(), 3});
   const std::array<float, 4> eyes = {frame.eyes_rad[0].x(), frame.eyes_rad[0].y(), frame.eyes_rad[1].x(),
                                      frame.eyes_rad[1].y()};
   put_list(out, "eyes", eyes);

@@ -28,6 +28,12 @@ void add_bone(OscBundles& bundles, const char* bone, const Quat& q) {
               static_cast<float>(0.0 - q.y()), static_cast<float>(0.0 - q.z()), static_cast<float>(q.w()));
 }
 
+/// Where the whole avatar stands; its heading stays.
+void add_root(OscBundles& bundles, const Vec3f& position_m) {
+  bundles.add("/VMC/Ext/Root/Pos", "root", 0.0F - position_m.x(), position_m.y(), position_m.z(), 0.0F, 0.0F,
+              0.0F, 1.0F);
+}
+
 Quat eye_rotation(const Eigen::Vector2f& yaw_left_pitch_up) {
   return canonical(Quat(Eigen::AngleAxisd(static_cast<double>(yaw_left_pitch_up.x()), Vec3::UnitY()) *
                         Eigen::AngleAxisd(-static_cast<double>(yaw_left_pitch_up.y()), Vec3::UnitX())));
@@ -69,6 +75,7 @@ void encode_vmc(const ArkitFrame& frame, DeviceTime time, const VmcOptions& opti
   bundles.add("/VMC/Ext/OK", osc::int32{1});
   bundles.add("/VMC/Ext/T", static_cast<float>(to_seconds(time.time_since_epoch())));
   if (options.bones) {
+    if (frame.head_position_known) add_root(bundles, frame.head_position_m);
     add_bone(bundles, "Head", frame.head);
     add_bone(bundles, "LeftEye", eye_rotation(frame.eyes_rad[0]));
     add_bone(bundles, "RightEye", eye_rotation(frame.eyes_rad[1]));

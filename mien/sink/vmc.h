@@ -23,7 +23,7 @@ enum class VmcShapes {
 
 struct VmcOptions {
   VmcShapes shapes = VmcShapes::both;
-  bool bones = true;  ///< Head and eyes too; without them a body tracker's head stays its own.
+  bool bones = true;  ///< Head, eyes and root too; without them a body tracker's head stays its own.
 };
 
 /// VRM 0's presets as this room makes them; VRM 1 receivers map them to their own names. Fun is not among
@@ -41,8 +41,10 @@ inline constexpr std::array<std::string_view, 10> kVmcPresets = {
 /// Head, LeftEye and RightEye, /VMC/Ext/Blend/Val a clip, and /VMC/Ext/Blend/Apply as the last message of
 /// all. Bones are turned as in Unity, which is left-handed with +X the performer's right: (w, x, -y, -z) of
 /// ours. The whole turn of the head goes to the bone Head, its position is 0, as other senders of faces have
-/// it: a face knows no body. That every receiver then keeps the position of the avatar's own bone is
-/// UNVERIFIED. Allocates only while `out` grows. Layout: docs/reference/sinks.md.
+/// it: a face knows no body. Where the head's position is known it is the avatar's, /VMC/Ext/Root/Pos "root",
+/// (-x, y, z) of ours in m, not turned: a bone that moved away from its neck would tear. That every receiver
+/// keeps the position of the avatar's own bone, and moves its root, is UNVERIFIED. Allocates only while `out`
+/// grows. Layout: docs/reference/sinks.md.
 void encode_vmc(const ArkitFrame& frame, DeviceTime time, const VmcOptions& options, Datagrams& out);
 
 }  // namespace mien::sink

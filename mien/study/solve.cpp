@@ -6,6 +6,7 @@
 #include <map>
 
 #include "mien/face/frame_hash.h"
+#include "mien/shaping/shaper.h"
 #include "mien/study/imu/trace_features.h"
 #include "mien/tracker/model_input.h"
 
@@ -16,9 +17,12 @@ namespace {
 void complete(const take::Take& take, const model::ModelFile& file,
               std::span<const model::FeatureFrame> features, Solution& out) {
   std::size_t observed = 0, all = 0;
+  out.sensors_present.clear();
   for (const model::FeatureFrame& frame : features) {
-    const auto there = std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation);
-    observed += static_cast<std::size_t>(there);
+    const auto there =
+        static_cast<std::size_t>(std::ranges::count_if(frame.sensors, &model::SensorFeature::has_rotation));
+    out.sensors_present.push_back(there);
+    observed += there;
     if (observed > 0) all += frame.sensors.size();
   }
   out.observed = all > 0 ? static_cast<double>(observed) / static_cast<double>(all) : 0;
@@ -41,6 +45,13 @@ model::SamplerSettings sampler_of(const model::ModelFile& file, std::size_t step
   settings.steps = steps;
   settings.kind = steps == file.schedule.levels ? model::SamplerKind::ddpm : model::SamplerKind::ddim;
   return settings;
+}
+
+void shape(const shaping::ShaperSettings& settings, Solution& solution) {
+  shaping::Shaper shaper(settings);
+  for (std::size_t i = 0; i < solution.frames.size(); ++i)
+    shaper.apply(solution.frames[i], solution.sensors_present[i]);
+  solution.hash = hash_frames(solution.frames);
 }
 
 bool recorded_live(const take::Take& take) {

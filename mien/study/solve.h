@@ -9,6 +9,7 @@
 #include "mien/core/progress.h"
 #include "mien/face/output_frame.h"
 #include "mien/measure/evaluation.h"
+#include "mien/shaping/settings.h"
 #include "mien/take/take.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/personalise.h"
@@ -19,7 +20,8 @@ namespace mien::study {
 
 /// A take's answer.
 struct Solution {
-  std::vector<face::OutputFrame> frames;  ///< One a tick.
+  std::vector<face::OutputFrame> frames;     ///< One a tick.
+  std::vector<std::size_t> sensors_present;  ///< How many stood behind it; one a tick.
   std::vector<face::BlendshapeWeights>
       ridge;  ///< One a tick; empty when the model file has none for the profile.
   /// Share of the sensors' rotations that were there from the first on (before it they are calibrated); the
@@ -28,7 +30,8 @@ struct Solution {
   /// What the model learnt of the wearer on the take's own prologue first, and how long it took; else none.
   std::optional<tracker::Personalisation> personalised;
   double personalise_s = 0;
-  std::string hash;  ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
+  bool shaped = false;  ///< A replay: shaping is in its frames.
+  std::string hash;     ///< SHA-256 over each tick's device time, the 53 weights, head, eyes and provenance.
 };
 
 /// As face::FrameHash has it.
@@ -69,10 +72,16 @@ void guide_by_events(std::span<const take::Event> events, tracker::Tracker& trac
                                           const Progress& progress);
 
 /// Replays a live take with this live model (a file, or a folder of them where the rig has several kinds of
-/// sensors): the frames that the session gave, to the bit, where it ran with the same model and kernels; no
-/// ridge. Errors: the take's; not_found (no ticks); modalities::make_session's; cancelled.
+/// sensors): the frames that the session gave, to the bit, where it ran with the same model, kernels and
+/// settings of shaping (those that it began with; what it changed later is in its log); no ridge. Errors: the
+/// take's; not_found (no ticks); modalities::make_session's; cancelled.
 [[nodiscard]] Result<Solution> replay_take(const take::Take& take, const std::filesystem::path& model,
-                                           const Progress& progress);
+                                           const Progress& progress,
+                                           const shaping::ShaperSettings& settings = {});
+
+/// Sends a tracker's frames through the shaping that a live session has (shaping::Shaper); not for a replay,
+/// which is shaped.
+void shape(const shaping::ShaperSettings& settings, Solution& solution);
 
 /// Whether a take can be measured: to be asked before it is solved, which takes long. Errors: not_found.
 [[nodiscard]] Result<void> check_has_truth(const take::Take& take);

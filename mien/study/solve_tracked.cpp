@@ -32,11 +32,13 @@ class Collected {
   Collected(const take::Take& take, std::size_t ticks, const Progress& progress)
       : sensors_(take.rig().sensors.size()), ticks_(ticks), progress_(progress) {
     out_.frames.reserve(ticks);
+    out_.sensors_present.reserve(ticks);
   }
   /// False when it is to stop.
   bool add(const face::OutputFrame& frame, std::size_t sensors_present) {
     constexpr std::size_t kShownEvery = 600;
     out_.frames.push_back(frame);
+    out_.sensors_present.push_back(sensors_present);
     const bool neutral = std::ranges::count(frame.provenance, face::Provenance::neutral) > 0;
     if (!neutral) {
       present_ += sensors_present;
@@ -108,15 +110,17 @@ Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker, c
 }
 
 Result<Solution> replay_take(const take::Take& take, const std::filesystem::path& model,
-                             const Progress& progress) {
+                             const Progress& progress, const shaping::ShaperSettings& settings) {
   MIEN_TRY_ASSIGN(const std::vector<take::Tick> ticks, take.ticks());
   MIEN_TRY_ASSIGN(const std::unique_ptr<session::Session> session,
-                  modalities::make_session(take.rig(), model));
+                  modalities::make_session(take.rig(), model, settings));
   Collected out(take, ticks.size(), progress);
   MIEN_TRY(session::replay(take, *session, [&](const take::Tick&, const face::OutputFrame& frame) {
     return out.add(frame, session->sensors_present());
   }));
-  return out.finish();
+  Solution replayed = out.finish();
+  replayed.shaped = true;
+  return replayed;
 }
 
 }  // namespace mien::study

@@ -1,6 +1,7 @@
 // `mien live` from outside: packets into its port, a take and a hash out; killed, and with a full disk.
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <signal.h>
@@ -10,19 +11,25 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <sstream>
 #include <thread>
 
 #include "mien/core/bytes.h"
 #include "mien/core/random.h"
+#include "mien/core/time.h"
+#include "mien/face/profile.h"
 #include "mien/performer/prologue.h"
+#include "mien/phone/packet.h"
 #include "mien/sensor/seal.h"
 #include "mien/take/take.h"
 #include "mien/virtual/imu/imu_session.h"
 #include "tests/app/program.h"
+#include "tests/gaze/osc_bytes.h"
 #include "tests/project_path.h"
 #include "tests/virtual/three_sensors.h"
 
@@ -45,11 +52,13 @@ const virt::VirtualSession& performance() {
   return performed;
 }
 
-/// Sends its packets to a port as they would arrive, from a socket of its own; those of its first seconds.
+/// Sends packets, those of the performance unless told others, to a port as they would arrive, from a socket
+/// of its own; those of its first seconds.
 class Sender {
  public:
-  explicit Sender(std::uint16_t port, double seconds = 60)
-      : seconds_(seconds), thread_([this, port] { send(port); }) {}
+  explicit Sender(std::uint16_t port, double seconds = 60,
+                  const std::vector<take::LogEntry>& entries = performance().entries)
+      : seconds_(seconds), entries_(entries), thread_([this, port] { send(port); }) {}
   ~Sender() {
     stop_ = true;
     thread_.join();
@@ -67,7 +76,7 @@ class Sender {
     to.sin_port = htons(port);
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const auto begun = Clock::now();
-    for (const take::LogEntry& entry : performance().entries) {
+    for (const take::LogEntry& entry : entries_) {
       if (stop_ || entry.arrival.time_since_epoch() > from_seconds(seconds_)) break;
       std::this_thread::sleep_until(begun + entry.arrival.time_since_epoch());
       ::sendto(out, entry.bytes.data(), entry.bytes.size(), 0, reinterpret_cast<const sockaddr*>(&to),
@@ -78,6 +87,7 @@ class Sender {
     done_ = true;
   }
   double seconds_;
+  const std::vector<take::LogEntry>& entries_;
   std::atomic<bool> stop_ = false;
   std::atomic<bool> done_ = false;
   std::atomic<int> sent_ = 0;
@@ -181,6 +191,131 @@ TEST_F(LiveProgram, ATakeReplaysToTheBitsOfTheSessionThatRecordedIt) {
   // The CSV is one that any importer takes.
   const Outcome imported = run({"import", folder / "live.csv", "--take", folder / "again.mien"});
   EXPECT_EQ(imported.status, 0) << imported.err;
+}
+
+/// The column of a CSV with a header.
+std::vector<double> column(const std::string& csv, const std::string& name) {
+  std::vector<double> values;
+  std::istringstream lines(csv);
+  std::string line, cell;
+  std::getline(lines, line);
+  std::istringstream header(line);
+  std::size_t at = 0;
+  while (std::getline(header, cell, ',') && cell != name) ++at;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    for (std::size_t i = 0; i <= at; ++i) std::getline(cells, cell, ',');
+    values.push_back(std::atof(cell.c_str()));
+  }
+  return values;
+}
+
+TEST_F(LiveProgram, RulesOfOnesOwnAreObeyedAndAReplayNeedsNoFile) {
+  const std::string take = folder / "ruled.mien", rules = folder / "rules.toml";
+  write(rules,
+        "# A jaw that hardly opens.\n[[conditional]]\na = \"jawOpen\"\nb = \"jawLeft\"\nat_most = [[0, "
+        "0.05]]\n");
+  const Live live = start_live("ruled", {"--record", take, "--json", "--constraints", rules, "--out",
+                                         "csv:" + (folder / "ruled.csv")});
+  ASSERT_GT(live.port, 0) << content(folder / "ruled.err");
+  {
+    Sender sender(live.port);
+    sender.wait();
+  }
+  ::kill(live.process, SIGINT);
+  ASSERT_EQ(finish(live.process), 0) << content(folder / "ruled.err");
+  const std::vector<double> jaw = column(content(folder / "ruled.csv"), "JawOpen");
+  ASSERT_GT(jaw.size(), 700U);
+  EXPECT_NEAR(*std::ranges::max_element(jaw), 0.05, 1e-3) << "the performer talks";
+  std::filesystem::remove(rules);
+  const Outcome again = run({"live", "--replay", take, "--json"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["hash"],
+            nlohmann::json::parse(content(folder / "ruled.out"))["hash"]);
+  EXPECT_EQ(run({"live", "--replay", take, "--constraints", "off"}).status, 2) << "the log says it";
+}
+
+/// An eye tracker: about 0.4 rad to the left and 0.1 up, by OSC, sixty rounds a second.
+std::vector<take::LogEntry> osc_of_an_eye_tracker(double seconds) {
+  std::vector<take::LogEntry> entries;
+  for (int n = 0; n < 60 * seconds; ++n)
+    for (const char* eye : {"Left", "Right"})
+      for (const auto& [axis, rad] : {std::pair("X", -0.4), std::pair("Y", 0.1)})
+        entries.push_back(
+            {.arrival = HostTime(frame_offset(n)),
+             .bytes = gaze::test::message(fmt::format("/avatar/parameters/v2/Eye{}{}", eye, axis),
+                                          {static_cast<float>(std::tan(rad + 0.002 * std::sin(n)))})});
+  return entries;
+}
+
+/// A phone that sees a brow and the head: ARKit's names, thirty packets a second.
+std::vector<take::LogEntry> weights_of_a_phone(double seconds) {
+  std::vector<take::LogEntry> entries;
+  for (int n = 0; n < 30 * seconds; ++n) {
+    phone::Packet packet{.device = 0x024D'4945'4E70ULL, .sequence = static_cast<std::uint32_t>(n)};
+    packet.time = DeviceTime(std::chrono::seconds(300) + std::chrono::microseconds(n * 1'000'000LL / 30));
+    packet.face.set = phone::ShapeSet::arkit52;
+    packet.face.origin = phone::Origin::measured;
+    packet.face.weights[face::arkit_index("browOuterUpLeft")] = 0.4F;
+    packet.face.head = phone::ToldHead{.position_m = {0, 1, 0}, .position_known = true};
+    entries.push_back(
+        {.arrival = HostTime(2 * frame_offset(n)), .bytes = phone::encode_packet(packet).value()});
+  }
+  return entries;
+}
+
+TEST_F(LiveProgram, AnEyeTrackerAndAPhoneStandBesideTheImus) {
+  std::string imu_rig = virt::test::kRig;
+  for (int i = 3; i-- > 0;) {
+    std::size_t at = 0;
+    for (int n = 0; n <= i; ++n) at = imu_rig.find("kind =", at + 1);
+    imu_rig.insert(at, fmt::format("device = \"02:4D:49:45:4E:0{}\"\n", i));
+  }
+  write(folder / "rig.toml", imu_rig +
+                                 "[[sensor]]\nname = \"eyes\"\nkind = \"gaze\"\nrole = \"face\"\n"
+                                 "device = \"02:4D:49:47:5A:00\"\n"
+                                 "[[sensor]]\nname = \"phone\"\nkind = \"weights\"\nrole = \"face\"\n"
+                                 "device = \"02:4D:49:45:4E:70\"\n");
+  const std::string take = folder / "three.mien";
+  const Live live =
+      start_live("three", {"--record", take, "--json", "--out", "csv:" + (folder / "three.csv")});
+  ASSERT_GT(live.port, 0) << content(folder / "three.err");
+  {
+    constexpr double kAll_s = 15, kPhone_s = 10;  // The phone is lost.
+    const auto gaze = osc_of_an_eye_tracker(kAll_s);
+    const auto phone = weights_of_a_phone(kPhone_s);
+    Sender imus(live.port), eyes(live.port, kAll_s, gaze), other(live.port, kPhone_s, phone);
+    imus.wait();
+  }
+  ::kill(live.process, SIGINT);
+  ASSERT_EQ(finish(live.process), 0) << content(folder / "three.err");
+  const auto summary = nlohmann::json::parse(content(folder / "three.out"));
+  EXPECT_EQ(summary["malformed"], 0);
+
+  const std::string csv = content(folder / "three.csv");
+  const std::vector<double> brow = column(csv, "BrowOuterUpLeft"), look = column(csv, "EyeLookOutLeft"),
+                            jaw = column(csv, "JawOpen");
+  ASSERT_GT(brow.size(), 700U);
+  // While the phone is there the brow is its; the last seconds' brow is the IMUs'.
+  EXPECT_NEAR(brow[brow.size() / 2], 0.4, 1e-3);
+  EXPECT_LT(brow.back(), 0.3);
+  EXPECT_NEAR(look.back(), 0.4 / face::kEyeTurnRadPerUnit, 0.01) << "lids follow the eyes";
+  EXPECT_GT(*std::ranges::max_element(jaw), 0.1) << "the IMUs'";
+  for (const auto& link : summary["links"])
+    EXPECT_EQ(link["state"] == "lost", link["device"] == "02:4D:49:45:4E:70") << link;
+
+  // Each has a clock and a health of its own.
+  const auto recorded = take::Take::open(take);
+  ASSERT_TRUE(recorded) << recorded.error().message();
+  std::vector<take::Event> lost = recorded->events().value();
+  std::erase_if(lost, [](const take::Event& event) { return event.kind != "sensor_lost"; });
+  ASSERT_FALSE(lost.empty());
+  EXPECT_THAT(lost.front().json, HasSubstr("phone"));
+  for (int i = 0; i < 10; ++i) {
+    const Outcome again = run({"live", "--replay", take, "--json"});
+    ASSERT_EQ(again.status, 0) << again.err;
+    ASSERT_EQ(nlohmann::json::parse(again.out)["hash"], summary["hash"]) << i;
+  }
 }
 
 TEST_F(LiveProgram, RecordAsksForPosesWritesThemAndEndsWithThem) {
@@ -404,6 +539,15 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
        "mien: --out vmc//there: ");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--record", folder / "x.txt"}, ".mien");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--key", folder / "rig.toml"}, "not a key file");
+  // Rules, before anything is opened; all comments that fit into a file do not fit into a command.
+  write(folder / "rules.toml", "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRihgt\"\n");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "rules.toml"},
+       "mien: " + (folder / "rules.toml") + ", line 3: no shape is called 'jawRihgt'");
+  write(folder / "long.toml", "#" + std::string(70'000, '-') + "\n");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "long.toml"},
+       "take comments out");
+  line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "none.toml"},
+       "none.toml");
   line({"--model", (std::filesystem::path(project_path("models/default.safetensors"))).string(), "--page",
         "off", "--listen", "udp://127.0.0.1:0"},
        "causal");

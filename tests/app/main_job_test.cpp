@@ -98,6 +98,24 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
   }
   EXPECT_THAT(content(folder_ / "a.html"), HasSubstr("</html>"));
 
+  // Shaped as a session would, and with each step left out.
+  write(folder_ / "smooth.json", R"({"smoothing": 1})");
+  const auto shaped = json_of({"solve", take, "--model", model_, "--shaping", folder_ / "smooth.json"});
+  EXPECT_NE(shaped["hash"], solved["hash"]);
+  const auto ablated =
+      json_of({"evaluate", take, "--model", model_, "--shaping", folder_ / "smooth.json", "--ablate"});
+  ASSERT_EQ(ablated["ablations"].size(), 11U);
+  for (const auto& one : ablated["ablations"]) {
+    if (one["without"] == "smoothing") {
+      EXPECT_EQ(one["changed"], true);
+      EXPECT_GT(one["metrics"]["jitter_ratio"], ablated["model"]["jitter_ratio"]);
+    } else if (one["without"] == "constraints") {
+      EXPECT_EQ(one["changed"], false) << "not asked for";
+    } else if (one["without"] == "every step") {
+      EXPECT_EQ(one["metrics"]["mse"], evaluated["model"]["mse"]) << "the tracker's own";
+    }
+  }
+
   // The capture as a CSV: as many frames as the take has ticks.
   json_of({"solve", take, "--model", model_, "--out", folder_ / "capture.csv"});
   const auto capture = face::parse_livelink_csv(content(folder_ / "capture.csv"), "capture.csv");

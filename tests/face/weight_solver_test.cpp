@@ -1,5 +1,6 @@
 #include "mien/face/weight_solver.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -94,7 +95,7 @@ TEST(WeightSolver, KeepsBoundsAndTheRulesOfTheFaceWhateverItIsGiven) {
     BlendshapeWeights w;
     solver.solve(wild, {}, 1 / 60.0, w);
     for (const float x : w.values) ASSERT_TRUE(x >= 0 && x <= 1);
-    for (const Condition& rule : natural_constraints().conditions()) ASSERT_TRUE(rule.obeyed(w));
+    ASSERT_LE(w[shape("mouthClose")], w[shape("jawOpen")]);
   }
 }
 
@@ -152,6 +153,64 @@ TEST(WeightSolver, LeavesOutWhatIsNotTrustedOrNotThere) {
   // And comes back to all of them.
   for (int i = 0; i < 20; ++i) solver.solve(points().at(truth), {}, 1 / 60.0, found);
   EXPECT_LT(points().apart_mm(truth, found), 0.7);
+}
+
+WeightSolver solver_with(const std::string& rules, const WeightSolverSettings& settings = {}) {
+  return WeightSolver::create(points().neutral_m, points().shapes_m,
+                              RigConstraints::parse(rules, "test").value(), settings)
+      .value();
+}
+
+TEST(WeightSolver, ConditionsAreBoundsThroughChains) {
+  WeightSolver solver = solver_with(
+      "[[conditional]]\na = \"mouthFunnel\"\nb = \"mouthClose\"\nat_most = [[0, 0.1], [1, 0.6]]\n"
+      "[[conditional]]\na = \"mouthClose\"\nb = \"jawOpen\"\nat_most = [[0, 0], [0.5, 0.2], [1, 1]]\n"
+      "in = [\"solve\"]\n");
+  Random random(3);
+  float funnel = 0;
+  for (int i = 0; i < 200; ++i) {
+    Eigen::VectorXd wild = points().neutral_m;
+    for (double& x : wild) x += random.normal(0, 0.02);
+    BlendshapeWeights w;
+    solver.solve(wild, {}, 1 / 60.0, w);
+    const float jaw = w[shape("jawOpen")];
+    const float most = jaw < 0.5F ? 0.4F * jaw : 0.2F + 1.6F * (jaw - 0.5F);
+    ASSERT_LE(w[shape("mouthClose")], most + 1e-6F);
+    ASSERT_LE(w[shape("mouthFunnel")], 0.1F + 0.5F * w[shape("mouthClose")] + 1e-6F);
+    funnel = std::max(funnel, w[shape("mouthFunnel")]);
+  }
+  EXPECT_GT(funnel, 0.05F);
+}
+
+TEST(WeightSolver, LeavesOutRulesThatAreNotForIt) {
+  BlendshapeWeights both;
+  both[shape("mouthSmile_L")] = both[shape("mouthFrown_L")] = 0.6F;
+  const std::string pair = "[[exclusive]]\na = \"mouthSmile_L\"\nb = \"mouthFrown_L\"\n";
+  BlendshapeWeights none, live, all;
+  solver_with("").solve(points().at(both), {}, 10, none);
+  solver_with(pair + "in = [\"live\"]\n").solve(points().at(both), {}, 10, live);
+  solver_with(pair).solve(points().at(both), {}, 10, all);
+  EXPECT_EQ(live, none);
+  EXPECT_NE(all, none);
+}
+
+TEST(WeightSolver, AGroupIsDrawnTogetherBeyondItsBandAlone) {
+  BlendshapeWeights one;
+  one[shape("mouthSmile_L")] = 0.8F;
+  const auto apart = [&](double within, double cost) {
+    BlendshapeWeights found;
+    solver_with(fmt::format("[[together]]\nshapes = [\"mouthSmile_L\", \"mouthSmile_R\", \"cheekPuff_L\"]\n"
+                            "within = {}\n",
+                            within),
+                {.together = cost})
+        .solve(points().at(one), {}, 10, found);
+    return found[shape("mouthSmile_L")] - found[shape("mouthSmile_R")];
+  };
+  const float free = apart(0, 0);
+  EXPECT_GT(free, 0.7F);
+  EXPECT_LT(apart(0, 1e4), 0.1F);
+  EXPECT_NEAR(apart(0.1, 1e4), 0.2F, 0.06F);
+  EXPECT_NEAR(apart(0.5, 1e4), free, 1e-3F);
 }
 
 TEST(WeightSolver, IsAPureFunctionOfItsCalls) {

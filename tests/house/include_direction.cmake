@@ -3,7 +3,7 @@
 #   cmake -DROOT=<project> -P include_direction.cmake
 cmake_minimum_required(VERSION 3.25)
 
-set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear gaze onnx headset speech shaping
+set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear gaze phone onnx headset speech shaping
     session modalities sink render measure virtual study media train live)
 set(core_knows)
 set(face_knows core)
@@ -19,11 +19,12 @@ set(imu_knows imu_packets tracker)
 set(eyewear_knows builtin_face tracker)
 set(onnx_knows eyewear)
 set(gaze_knows tracker)
+set(phone_knows tracker)
 set(headset_knows tracker)
 set(speech_knows tracker)
 set(shaping_knows face tracker)
 set(session_knows take tracker shaping)
-set(modalities_knows imu eyewear gaze headset speech mocap session)
+set(modalities_knows imu eyewear gaze phone headset speech mocap session)
 set(sink_knows face)
 set(render_knows face)
 set(virtual_knows performer modalities render)
@@ -48,7 +49,7 @@ foreach(room IN LISTS rooms ITEMS app app_train app_media)
 endforeach()
 
 # It reaches modalities through their table, and names none of them.
-list(REMOVE_ITEM live_reach imu imu_packets eyewear gaze headset speech mocap)
+list(REMOVE_ITEM live_reach imu imu_packets eyewear gaze phone headset speech mocap)
 
 function(room_of path out)
   if(path MATCHES "^mien/study/media/")

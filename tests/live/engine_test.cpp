@@ -223,6 +223,7 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   EngineSettings asked = settings(folder);
   asked.record = folder / "whole.mien";
+  asked.commands.emplace_back(session::Shape{R"({"constraints":true,"rules":"","smoothing":0.25})"});
   asked.seconds = 3;
   Running running(std::move(asked));
   ASSERT_TRUE(running.engine()) << running.engine().error().message();
@@ -241,6 +242,13 @@ TEST(Engine, ATakeOfTheWholeSessionReplaysToItsBitsAndItEndsByItself) {
   EXPECT_EQ(session->frames(), summary.frames);
   EXPECT_EQ(session->hash(), summary.hash);
   EXPECT_EQ(take->note("live.hash").value(), summary.hash);
+  // Its first command too.
+  session::Report report;
+  session->report(HostTime(), report);
+  for (const std::string& shaping : {summary.report.shaping, report.shaping}) {
+    EXPECT_EQ(Json::parse(shaping)["rules"], "");
+    EXPECT_EQ(Json::parse(shaping)["smoothing"], 0.25);
+  }
 }
 
 TEST(Engine, OneOfTwoSendersIsChosenOnThePageAndAReplayDoesTheSame) {

@@ -41,6 +41,16 @@ TEST(PageMessages, HelloSaysWhereASensorLooks) {
   EXPECT_FALSE(hello["rig"]["sensors"][1].contains("aim"));
 }
 
+TEST(PageMessages, StatusSaysWhereTheFaceRests) {
+  Status now = status();
+  now.report.shaping = R"({"resting": true})";
+  now.report.resting = R"({"rest": {"eyeBlink_L": 0.25}, "full": {}})";
+  const Json said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["shaping"]["resting"], true);
+  EXPECT_EQ(said["shaping"]["resting_face"]["rest"], Json::parse(R"({"eyeBlink_L": 0.25})"));
+  EXPECT_FALSE(Json::parse(status_json(status(), glasses()))["shaping"].contains("resting_face"));
+}
+
 TEST(PageMessages, StatusNamesWhoIsHeardAsASensorAndWhoIsNot) {
   Status now = status();
   now.report.links[0].source = "udp://10.0.0.1:5005";
@@ -53,6 +63,13 @@ TEST(PageMessages, StatusNamesWhoIsHeardAsASensorAndWhoIsNot) {
   EXPECT_EQ(said["links"][1]["rivals"], Json::array());
   EXPECT_EQ(event_text({"contested", {}, {}, R"({"sensor": "brow", "accepted": "a", "other": "b"})"}),
             "two devices send as brow: a is heard, b is not; the page's sensors let you choose");
+}
+
+TEST(PageMessages, StatusDoesNotRepeatTheTextOfRules) {
+  Status now = status();
+  now.report.shaping = R"({"constraints": true, "rules": "[[exclusive]]", "smoothing": 0.5})";
+  const Json said = Json::parse(status_json(now, glasses()));
+  EXPECT_EQ(said["shaping"], Json::parse(R"({"constraints": true, "smoothing": 0.5})"));
 }
 
 TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor) {

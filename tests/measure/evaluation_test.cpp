@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "mien/builtin_face/builtin_face.h"
 
 namespace mien::measure::evaluation_test {
@@ -44,6 +46,23 @@ TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
   EXPECT_EQ(one.pve_mm.mean, whole->model.pve_mm.mean);
   EXPECT_EQ(one.jitter_ratio, whole->model.jitter_ratio);
   EXPECT_EQ(measure_track(meter, take.truth, hold_last(take.truth)).mse, whole->hold_last.mse);
+}
+
+TEST(Evaluate, MeasuresTheSameWithAStepLeftOut) {
+  const Meter meter(builtin_face::make_builtin());
+  TakeEstimates take{.take = "one", .truth = opening(120, 10, 60), .model = {}, .ridge = {}};
+  for (const take::TruthFrame& frame : take.truth) take.model.push_back(frame.weights);
+  std::vector<face::BlendshapeWeights> without = take.model;
+  EXPECT_FALSE(measure_ablation(meter, {take}, "mend", std::array{without}).changed);
+  without[0][face::shape("mouthSmile_L")] = 1;  // Not evaluated, but other bits.
+  const Ablation unseen = measure_ablation(meter, {take}, "mend", std::array{without});
+  EXPECT_TRUE(unseen.changed);
+  EXPECT_EQ(unseen.metrics.mse, 0);
+  for (auto& weights : without) weights[face::shape("mouthSmile_L")] += 0.53F;
+  const Ablation worse = measure_ablation(meter, {take}, "smoothing", std::array{without});
+  EXPECT_EQ(worse.without, "smoothing");
+  EXPECT_NEAR(worse.metrics.mse, 0.53 * 0.53 / face::kShapeCount, 1e-6);
+  EXPECT_EQ(worse.metrics.frames, 109U);
 }
 
 TEST(Evaluate, CountsHowShapesCameAboutInTheEvaluatedFrames) {

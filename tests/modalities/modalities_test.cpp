@@ -51,6 +51,23 @@ TEST(Registry, GazeNeedsNoModel) {
   EXPECT_TRUE(make_session(rig, ""));
 }
 
+TEST(Registry, WeightsNeedNoModelAndArePutTogetherWithGaze) {
+  sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
+  rig.sensors.push_back({.name = "eyes", .kind = "gaze", .role = "face", .device = "02:4D:49:47:5A:00"});
+  rig.sensors.push_back({.name = "phone", .kind = "weights", .role = "face", .device = "02:4D:49:45:4E:70"});
+  const auto model = live_model(rig, "");
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->filename(), "live.safetensors");
+  const auto all = make_tracker(rig, *model);
+  ASSERT_TRUE(all) << all.error().message();
+  EXPECT_EQ((*all)->modality(), "imu+gaze+weights");
+
+  rig.reference = "phone";
+  std::erase_if(rig.sensors, [](const sensor::Mount& mount) { return mount.kind != "weights"; });
+  EXPECT_EQ(live_model(rig, "").value(), "");
+  EXPECT_TRUE(make_session(rig, ""));
+}
+
 TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
   sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   rig.sensors[3].kind = "camera";

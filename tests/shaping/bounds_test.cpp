@@ -81,21 +81,18 @@ TEST(Mend, RepairsHeadAndEyes) {
   EXPECT_NEAR(frame.eyes_rad[0].x(), std::numbers::pi / 2, 1e-6);
 }
 
-TEST(Bound, HoldsTheRangeAndMouthClose) {
+TEST(Bound, HoldsTheRange) {
   face::OutputFrame frame = measured(0, 0.5f);
   frame.weights[0] = kNan;
   frame.weights[1] = kInf;
   frame.weights[2] = -kInf;
-  frame.weights[face::shape("jawOpen")] = 0.2f;
+  frame.tongue_out = 2;
   bound(frame);
   EXPECT_EQ(frame.weights[0], 0);
   EXPECT_EQ(frame.weights[1], 1);
   EXPECT_EQ(frame.weights[2], 0);
-  EXPECT_EQ(frame.weights[face::shape("mouthClose")], 0.2f);
-  frame.weights[face::shape("jawOpen")] = 0.6f;
-  frame.weights[face::shape("mouthClose")] = 0.5f;
-  bound(frame);
-  EXPECT_EQ(frame.weights[face::shape("mouthClose")], 0.5f);
+  EXPECT_EQ(frame.weights[3], 0.5f);
+  EXPECT_EQ(frame.tongue_out, 1);
 }
 
 TEST(NeutralFrame, SaysThatItIsNeutral) {
@@ -120,6 +117,30 @@ TEST(BoundSteps, ALargeStepTakesTwoFramesAndASmallOneKeepsItsBits) {
   late.time = DeviceTime(frame_offset(2));
   bound_steps(late, before);
   EXPECT_EQ(late.weights[3], 0.95f);
+}
+
+TEST(Mend, RepairsTheHeadsPosition) {
+  const face::OutputFrame last = standing_at(0, {0.1F, 0.2F, 0.3F});
+  face::OutputFrame frame = standing_at(1, {0, kNan, 0});
+  mend(frame, last);
+  EXPECT_EQ(frame.head_position_m, last.head_position_m);
+  EXPECT_TRUE(frame.head_position_known);
+  EXPECT_EQ(frame.head_provenance, face::Provenance::held);
+  EXPECT_EQ(frame.head_confidence, 0);
+  frame = standing_at(1, {-1e30F, 0.5F, kInf});
+  mend(frame, measured(0));
+  EXPECT_FALSE(frame.head_position_known);
+  EXPECT_EQ(frame.head_position_m, Vec3f(0, 0, 0));
+  frame = standing_at(1, {-1e30F, 0.5F, 11});
+  mend(frame, last);
+  EXPECT_EQ(frame.head_position_m, Vec3f(-kHeadAtMost_m, 0.5F, kHeadAtMost_m));
+  EXPECT_EQ(frame.head_provenance, face::Provenance::measured);
+  // One that is not known is nowhere.
+  frame = standing_at(1, {kNan, 1, 2});
+  frame.head_position_known = false;
+  mend(frame, last);
+  EXPECT_EQ(frame.head_position_m, Vec3f(0, 0, 0));
+  EXPECT_EQ(frame.head_provenance, face::Provenance::measured);
 }
 
 }  // namespace

@@ -14,11 +14,14 @@ TEST(EaseOut, EachPartIsIndependentAndLeavesTheOthersBits) {
   for (std::size_t part = 0; part < kPartCount; ++part) {
     EaseOut ease_out;
     face::OutputFrame shown = measured(0, 0.2F);
+    shown.head_position_known = true;
     const auto next = [](int i) {
       face::OutputFrame frame = measured(i, 0.7F);
       frame.tongue_out = 0.4F;
       frame.head = exp_rotation({0.1, 0.5, 0});
       frame.eyes_rad = {Eigen::Vector2f(0.2F, 0.1F), Eigen::Vector2f(-0.1F, 0.3F)};
+      frame.head_position_m = {0.2F, -0.4F, 0};
+      frame.head_position_known = true;
       return frame;
     };
     ease_out.begin(part, shown, next(1));
@@ -40,7 +43,11 @@ TEST(EaseOut, EachPartIsIndependentAndLeavesTheOthersBits) {
       if (part != kEyesPart) {
         ASSERT_EQ(out.eyes_rad, plain.eyes_rad);
       }
-      // At 0.3 s 5 % are left: of the weight 0.5, of the tongue 0.4, of the head and of each eye.
+      if (part != kPositionPart) {
+        ASSERT_EQ(out.head_position_m, plain.head_position_m);
+      }
+      // At 0.3 s 5 % are left: of the weight 0.5, of the tongue 0.4, of the head, of each eye and of the
+      // place.
       if (i != 18) continue;
       if (part < face::kShapeCount) {
         EXPECT_NEAR(out.weights[part], 0.7 - 0.05 * 0.5, 1e-3);
@@ -54,6 +61,9 @@ TEST(EaseOut, EachPartIsIndependentAndLeavesTheOthersBits) {
       if (part == kEyesPart) {
         EXPECT_NEAR(out.eyes_rad[0].x(), 0.95 * 0.2, 1e-3);
         EXPECT_NEAR(out.eyes_rad[1].y(), 0.95 * 0.3, 1e-3);
+      }
+      if (part == kPositionPart) {
+        EXPECT_NEAR(out.head_position_m.y(), 0.95 * -0.4, 1e-3);
       }
     }
     EXPECT_FALSE(ease_out.active()) << "done after 3 return_s";
@@ -92,6 +102,21 @@ TEST(EaseOut, ABeginInTheMiddleKeepsTheSpeed) {
   EXPECT_NEAR(one.weights[0], other.weights[0], 1e-6);
   again.stop();
   EXPECT_FALSE(again.active());
+}
+
+TEST(EaseOut, APositionThatOneDoesNotKnowIsNotEased) {
+  EaseOut ease_out;
+  ease_out.begin(kPositionPart, standing_at(0, {1, 0, 0}), measured(1));
+  EXPECT_FALSE(ease_out.active());
+  ease_out.begin(kPositionPart, measured(0), standing_at(1, {1, 0, 0}));
+  EXPECT_FALSE(ease_out.active());
+  // Nor is one that stops being told.
+  ease_out.begin(kPositionPart, standing_at(0, {1, 0, 0}), standing_at(1, {0, 0, 0}));
+  EXPECT_TRUE(ease_out.active());
+  face::OutputFrame out = measured(1);
+  ease_out.apply(out, kStep_s, kReturn_s);
+  EXPECT_TRUE(same_bits(out, measured(1)));
+  EXPECT_FALSE(ease_out.active());
 }
 
 }  // namespace

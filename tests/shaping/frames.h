@@ -36,6 +36,14 @@ inline face::OutputFrame moving(std::int64_t index, Random& random) {
   return frame;
 }
 
+/// The same of a head whose position is known.
+inline face::OutputFrame standing_at(std::int64_t index, const Vec3f& position_m) {
+  face::OutputFrame frame = measured(index);
+  frame.head_position_m = position_m;
+  frame.head_position_known = true;
+  return frame;
+}
+
 inline bool same_bits(const face::OutputFrame& a, const face::OutputFrame& b) {
   return a.time == b.time && std::memcmp(&a.weights, &b.weights, sizeof a.weights) == 0 &&
          std::memcmp(&a.confidence, &b.confidence, sizeof a.confidence) == 0 &&
@@ -44,7 +52,8 @@ inline bool same_bits(const face::OutputFrame& a, const face::OutputFrame& b) {
          std::memcmp(a.head.coeffs().data(), b.head.coeffs().data(), 4 * sizeof(double)) == 0 &&
          a.head_confidence == b.head_confidence && a.head_provenance == b.head_provenance &&
          a.eyes_rad[0] == b.eyes_rad[0] && a.eyes_rad[1] == b.eyes_rad[1] && a.tongue_out == b.tongue_out &&
-         a.eyes_confidence == b.eyes_confidence && a.eyes_provenance == b.eyes_provenance;
+         a.eyes_confidence == b.eyes_confidence && a.eyes_provenance == b.eyes_provenance &&
+         a.head_position_known == b.head_position_known && a.head_position_m == b.head_position_m;
 }
 
 /// The largest change of a weight between two frames.

@@ -63,6 +63,18 @@ TEST(Merge, ALoneTrackerPassesToTheBit) {
   }
 }
 
+TEST(Merge, LeftOutTheFirstSourcePassesAsItIs) {
+  Merge merging({"imu", "eyewear"});
+  merging.set({}, {}, false);
+  OutputFrame imu = uncalibrated(0);
+  imu.weights[kSmile] = 1.5F;
+  const Merged off = merge(merging, imu, 12, glasses(0, 0.25F), 16);
+  EXPECT_TRUE(same_bits(off.frame, imu));
+  EXPECT_EQ(off.behind, 12U);
+  merging.set({}, {});
+  EXPECT_EQ(merge(merging, uncalibrated(1), 12, glasses(1, 0.25F), 16).frame.weights[kSmile], 0.25F);
+}
+
 TEST(Merge, EachRegionIsAnsweredByTheFirstOfItsOrder) {
   Merge both({"imu", "eyewear"});
   OutputFrame imu = measured(0, 0.2F);

@@ -155,5 +155,35 @@ TEST(Recentre, BringsACentreIntoRange) {
   EXPECT_NEAR(recentre.centre().yaw_rad, 7 - 2 * std::numbers::pi, 1e-12);
 }
 
+TEST(Recentre, ThePresentPlaceIsZeroAndTurnsWithTheHeading) {
+  Recentre recentre;
+  recentre.begin();
+  const auto standing = [](int i, const Vec3f& position_m) {
+    face::OutputFrame frame = standing_at(i, position_m);
+    frame.head = exp_rotation({0, std::numbers::pi / 2, 0});  // Looks along +X.
+    return frame;
+  };
+  Vec3f before = {1, 1.5F, -0.25F};
+  for (int i = 0; i < 120; ++i) {
+    const Vec3f now = run(recentre, standing(i, {1, 1.5F, -0.25F})).head_position_m;
+    ASSERT_LE((now - before).norm(), 1.9 * 0.06) << i;
+    before = now;
+  }
+  EXPECT_EQ(recentre.state(), Recentre::State::done);
+  EXPECT_LT((recentre.centre().position_m - Vec3(1, 1.5, -0.25)).norm(), 1e-6);
+  EXPECT_LT(run(recentre, standing(120, {1, 1.5F, -0.25F})).head_position_m.norm(), 1e-6);
+  // A step ahead, where the performer looks, is a step along +Z.
+  const Vec3f ahead = run(recentre, standing(121, {1.5F, 1.5F, -0.25F})).head_position_m;
+  EXPECT_LT((ahead - Vec3f(0, 0, 0.5F)).norm(), 1e-6);
+  // Where nobody knows the place it stays 0.
+  const face::OutputFrame unknown = run(recentre, measured(122));
+  EXPECT_FALSE(unknown.head_position_known);
+  EXPECT_EQ(unknown.head_position_m, Vec3f(0, 0, 0));
+  // The next re-centring without a position keeps this one.
+  recentre.begin();
+  for (int i = 123; i < 240; ++i) run(recentre, measured(i));
+  EXPECT_LT((recentre.centre().position_m - Vec3(1, 1.5, -0.25)).norm(), 1e-6);
+}
+
 }  // namespace
 }  // namespace mien::shaping::recentre_test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 #include "tests/allocation_count.h"
@@ -86,32 +87,75 @@ TEST(Resting, AFaceThatRestsAtZeroKeepsItsBits) {
   }
 }
 
-TEST(Resting, LidsCloseAtWhatTheTopFiftiethExceeds) {
+TEST(Resting, LidsCloseAtTheLargestOfTheirBlinks) {
   Player player;
   const float open = of_bin(19);
-  const float closed = of_bin(50);
-  for (int i = 0; i < 120; ++i) {  // Closed a tenth of the time, for two minutes.
+  const std::array peaks = {of_bin(50), of_bin(40), of_bin(45)};
+  for (int i = 0; i < 120; ++i) {  // A blink a second, for two minutes.
     player.play(54, 0, open);
-    player.play(6, 0, closed);
+    player.play(6, 0, peaks.at(static_cast<std::size_t>(i) % 3));
   }
-  // 180 of 1,800 in bin 50: a fiftieth of the window, 36, is the upper fifth of the bin.
-  const float full = (50.5F - 0.2F) / 63;
   EXPECT_NEAR(player.resting.learnt().rest[kLid], open, 1e-6);
-  EXPECT_NEAR(player.resting.learnt().full[kLid], full, 1e-6);
+  EXPECT_NEAR(player.resting.learnt().full[kLid], peaks[0], 1e-6);
   player.play(1, 0, 0.55F);
-  EXPECT_NEAR(player.frame.weights[kLid], (0.55F - open) / (full - open), 1e-6);
+  EXPECT_NEAR(player.frame.weights[kLid], (0.55F - open) / (peaks[0] - open), 1e-6);
   player.play(1, 0, 0.9F);
   EXPECT_EQ(player.frame.weights[kLid], 1);
   player.play(1, 0, 0.1F);
   EXPECT_EQ(player.frame.weights[kLid], 0);
 }
 
-TEST(Resting, LidsThatHardlyMoveAreNotExaggeratedMoreThanFourfold) {
+TEST(Resting, LidsThatRestNearZeroAreBelievedToCloseAtOne) {
+  const auto full_of = [](float open, float closed) {
+    Player player;
+    for (int i = 0; i < 120; ++i) {
+      player.play(54, 0, open);
+      player.play(6, 0, closed);
+    }
+    return player.resting.learnt().full[kLid];
+  };
+  EXPECT_EQ(full_of(0, 0.7F), 1);
+  // In proportion up to a rest of 0.1: 1 - (0.05 / 0.1) (1 - 0.7) = 0.85 for a rest of 0.05.
+  EXPECT_NEAR(full_of(of_bin(3), 0.7F), 1 - of_bin(3) / 0.1F * 0.3F, 1e-6);
+  EXPECT_NEAR(full_of(of_bin(7), 0.7F), 0.7F, 1e-6);
+}
+
+TEST(Resting, LidsWithoutBlinksKeepTheirFull) {
   Player player;
   player.play(60 * 60, 0, of_bin(19));
-  EXPECT_FLOAT_EQ(player.resting.learnt().full[kLid], of_bin(19) + 0.25F);
-  player.play(1, 0, of_bin(19) + 0.125F);
+  EXPECT_EQ(player.resting.learnt().full[kLid], 1);
+  RestingFace earlier;
+  earlier.rest[kLid] = of_bin(19);
+  earlier.full[kLid] = 0.8F;
+  player.resting.use(earlier);
+  player.play(60 * 60, 0, of_bin(19));
+  EXPECT_EQ(player.resting.learnt().full[kLid], 0.8F);
+}
+
+TEST(Resting, LidsThatHardlyMoveAreNotExaggeratedMoreThanFourfold) {
+  Player player;
+  const float open = of_bin(19);
+  for (int i = 0; i < 120; ++i) {
+    player.play(54, 0, open);
+    player.play(6, 0, open + 0.2F);
+  }
+  EXPECT_FLOAT_EQ(player.resting.learnt().full[kLid], open + 0.25F);
+  player.play(1, 0, open + 0.125F);
   EXPECT_NEAR(player.frame.weights[kLid], 0.5F, 1e-5);
+}
+
+TEST(Resting, WhatIsOftenLowerIsNoRest) {
+  // A smile of 0.4 that is held for 25 of the 30 s is the mode, but not the face at rest.
+  Player player;
+  player.play(300, 0);
+  player.play(1500, 0.4F);
+  EXPECT_EQ(player.resting.learnt(), RestingFace{});
+  EXPECT_EQ(player.frame.weights[kBrow], 0.4F);
+  // 36 of 1,800 are a fiftieth. With fewer below it is rest.
+  player.play(200, 0.4F);
+  EXPECT_EQ(player.resting.learnt(), RestingFace{});
+  player.play(160, 0.4F);
+  EXPECT_GT(player.resting.learnt().rest[kBrow], 0.01F);
 }
 
 TEST(Resting, WhatIsUsuallyAboveAHalfIsPerformed) {
@@ -163,7 +207,7 @@ TEST(Resting, ChangesByAFiftiethASecond) {
   Player player;
   const float rest = of_bin(16);
   player.play(1800, rest);
-  player.play(901, 0);  // Now most of the 30 s are 0.
+  player.play(60, 0);  // More than the lowest fiftieth.
   const float first = player.resting.learnt().rest[kBrow];
   EXPECT_LT(first, rest);
   RestingFace last = player.resting.learnt();

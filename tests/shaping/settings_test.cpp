@@ -12,10 +12,29 @@ TEST(Settings, GoThroughJson) {
   settings.smooth_head = true;
   settings.constraints = true;
   settings.lids_follow_eyes = false;
+  settings.off.set(static_cast<std::size_t>(ChainStep::merge)).set(static_cast<std::size_t>(ChainStep::gaze));
   settings.limits.shapes[face::shape("jawOpen")] = {.gain = 1.3f, .low = 0.1f, .high = 0.9f};
   settings.limits.shapes[face::shape("noseSneer_R")].gain = 0;
   settings.fallback = {.hold_s = 0, .neutral_s = 1.5, .return_s = 0.1};
   EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
+}
+
+TEST(Settings, RulesGoThroughJsonAsAFilesText) {
+  ShaperSettings settings;
+  EXPECT_EQ(write_settings(settings).find("rules"), std::string::npos);
+  const std::string own = "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n";
+  settings.rules = face::RigConstraints::parse(own, "own").value();
+  EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
+  // The switch is another's affair.
+  const ShaperSettings on = parse_settings(R"({"constraints": true})", "page", settings).value();
+  EXPECT_TRUE(on.constraints);
+  EXPECT_EQ(on.rules, settings.rules);
+  const ShaperSettings none = parse_settings(R"({"rules": ""})", "page", on).value();
+  EXPECT_EQ(none.rules, face::RigConstraints());
+  EXPECT_EQ(parse_settings(write_settings(none), "test").value(), none);
+  EXPECT_EQ(
+      parse_settings(R"({"rules": "[[exclusive]]\na = 'jawOpen'\nb = 'jaw'"})", "page").error().message(),
+      "page, 'rules', line 3: no shape is called 'jaw'; names are those of the 53, as eyeBlink_L");
 }
 
 TEST(Settings, OfMergingGoThroughJsonAndAreLeftOutWhileDefault) {
@@ -58,8 +77,13 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"smoothing": true})",
                            R"({"smooth_head": 1})",
                            R"({"constraints": "ict"})",
+                           R"({"rules": true})",
+                           R"({"rules": "[[exclusive"})",
                            R"({"resting": 1})",
                            R"({"lids_follow_eyes": "yes"})",
+                           R"({"off": "gaze"})",
+                           R"({"off": ["eyes"]})",
+                           R"({"off": [1]})",
                            R"({"gains": []})",
                            R"({"gains": {"jawopen": 1}})",
                            R"({"gains": {"jawOpen": null}})",

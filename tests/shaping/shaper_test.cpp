@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
+#include <string>
+#include <vector>
 
+#include "mien/shaping/eyes.h"
+#include "tests/allocation_count.h"
 #include "tests/shaping/frames.h"
 
 namespace mien::shaping::shaper_test {
@@ -68,10 +74,147 @@ TEST(Shaper, ObeysTheConstraintsOnlyWhenAskedTo) {
     with.apply(bound, 12);
     ASSERT_EQ(kept.weights, in.weights);
     // Steps of the projection are bounded after it.
-    ASSERT_TRUE(i > 0 || face::natural_constraints().obeyed(bound.weights));
+    ASSERT_TRUE(i > 0 || face::natural_constraints().live().obeyed(bound.weights));
     moved = moved || !(bound.weights == in.weights);
   }
   EXPECT_TRUE(moved);
+}
+
+/// What the whole chain makes of some seconds in which all steps have work, or the chain without some.
+std::vector<face::OutputFrame> shaped(const ChainSteps& off) {
+  ShaperSettings settings = everything();
+  settings.constraints = true;
+  settings.off = off;
+  Shaper shaper(settings);
+  Random random(11);
+  std::vector<face::OutputFrame> out;
+  for (int i = 0; i < 900; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    if (i == 300) shaper.recentre();
+    if (i == 310) frame.weights[3] = std::numeric_limits<float>::quiet_NaN();
+    if (i % 40 == 0) frame.weights[shape("jawOpen")] = 1;
+    frame.eyes_rad.fill({0.3F, 0.1F});
+    frame.eyes_provenance = Provenance::measured;
+    frame.eyes_confidence = 1;
+    for (const EyeShapes& eye : kEyeShapes)
+      for (const std::size_t s : {eye.left, eye.right, eye.up, eye.down})
+        frame.provenance[s] = Provenance::predicted;
+    shaper.apply(frame, i > 600 && i < 700 ? 0 : 12);
+    out.push_back(frame);
+  }
+  return out;
+}
+
+TEST(Shaper, WithEveryStepOffTheFrameIsTheTrackersToTheBit) {
+  ShaperSettings settings = everything();
+  settings.constraints = true;
+  settings.off.set();
+  Shaper shaper(settings);
+  Random random(1);
+  for (int i = 0; i < 1200; ++i) {
+    face::OutputFrame in = moving(i, random);
+    in.weights[5] = 1.5F;  // Out of range, as no tracker's is.
+    in.weights[shape("mouthClose")] = 1;
+    face::OutputFrame out = in;
+    if (i == 300) shaper.recentre();
+    shaper.apply(out, i > 400 && i < 500 ? 0 : 12);
+    ASSERT_TRUE(same_bits(in, out)) << i;
+  }
+}
+
+TEST(Shaper, EachStepCanBeLeftOutByItself) {
+  const std::vector<face::OutputFrame> all = shaped({});
+  for (std::size_t step = 0; step < kChainStepCount; ++step) {
+    ChainSteps off;
+    off.set(step);
+    const std::vector<face::OutputFrame> without = shaped(off);
+    const bool changes = !std::ranges::equal(all, without, same_bits);
+    // Merging is CombinedTracker's.
+    EXPECT_EQ(changes, step != static_cast<std::size_t>(ChainStep::merge)) << kChainStepNames[step];
+  }
+}
+
+TEST(Shaper, AllocatesNothing) {
+  ShaperSettings settings = everything();
+  settings.constraints = true;
+  Shaper shaper(settings);
+  Random random(4);
+  std::size_t allocated = 0;
+  for (int i = 0; i < 1200; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    if (i == 700) shaper.recentre();
+    const std::size_t before = test::allocation_count();
+    shaper.apply(frame, i > 900 && i < 1000 ? 0 : 12);
+    allocated += test::allocation_count() - before;
+  }
+  EXPECT_EQ(allocated, 0U);
+}
+
+TEST(Shaper, WithoutRulesWeightsAreTheTrackersToTheBit) {
+  ShaperSettings settings;
+  settings.rules = face::RigConstraints();
+  settings.constraints = true;
+  Shaper shaper(settings);
+  Random random(9);
+  int above = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const face::OutputFrame in = moving(i, random);
+    above += in.weights[shape("mouthClose")] > in.weights[shape("jawOpen")] ? 1 : 0;
+    face::OutputFrame out = in;
+    shaper.apply(out, 12);
+    ASSERT_EQ(std::memcmp(&in.weights, &out.weights, sizeof in.weights), 0) << i;
+    ASSERT_EQ(in.tongue_out, out.tongue_out);
+    ASSERT_EQ(in.head.coeffs(), out.head.coeffs());
+  }
+  EXPECT_GT(above, 100);
+}
+
+TEST(Shaper, ObeysRulesOfOnesOwnInPlaceOfItsOwn) {
+  ShaperSettings settings;
+  const std::string pair = "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRight\"\n";
+  settings.rules = face::RigConstraints::parse(
+                       pair + "[[exclusive]]\na = \"mouthLeft\"\nb = \"mouthRight\"\nalways = true\n", "own")
+                       .value();
+  const auto shaped = [&settings] {
+    Shaper shaper(settings);
+    face::OutputFrame frame = measured(0, 0.4f);
+    frame.weights[shape("jawLeft")] = frame.weights[shape("mouthRight")] = 0.3f;
+    frame.weights[shape("jawOpen")] = 0;
+    shaper.apply(frame, 12);
+    return frame.weights;
+  };
+  // Those that always hold.
+  EXPECT_EQ(shaped()[shape("jawLeft")], 0.3f);
+  EXPECT_EQ(shaped()[shape("mouthRight")], 0);
+  EXPECT_EQ(shaped()[shape("mouthClose")], 0.4f);
+  settings.constraints = true;
+  EXPECT_EQ(shaped()[shape("jawLeft")], 0);
+  EXPECT_EQ(shaped()[shape("jawRight")], 0.4f);
+  EXPECT_EQ(shaped()[shape("mouthRight")], 0);
+  // They come after the smoothing, which would bring the pair back.
+  settings.smoothing = 1;
+  Shaper smooth(settings);
+  Random random(10);
+  for (int i = 0; i < 500; ++i) {
+    face::OutputFrame frame = moving(i, random);
+    for (float& w : frame.weights.values) w *= 0.5f;  // No step is bounded.
+    smooth.apply(frame, 12);
+    ASSERT_EQ(std::min(frame.weights[shape("jawLeft")], frame.weights[shape("jawRight")]), 0) << i;
+  }
+}
+
+TEST(Shaper, WhatAlwaysHoldsHoldsWhileAStepIsBounded) {
+  Shaper shaper;
+  face::OutputFrame frame = measured(0, 0.2f);
+  frame.weights[shape("jawOpen")] = 0.9f;
+  shaper.apply(frame, 12);
+  // The jaw shuts as far as it may in a frame, and the lips rise to there: bounded first, then ruled.
+  frame = measured(1, 0.2f);
+  frame.weights[shape("jawOpen")] = 0.1f;
+  frame.weights[shape("mouthClose")] = 0.5f;
+  shaper.apply(frame, 12);
+  EXPECT_NEAR(frame.weights[shape("jawOpen")], 0.4f, 1e-5f);
+  EXPECT_EQ(frame.weights[shape("mouthClose")], frame.weights[shape("jawOpen")]);
 }
 
 TEST(Shaper, KeepsItsPromisesWhateverComesIn) {

@@ -104,5 +104,26 @@ TEST(Smoothing, SmoothsTheHeadWhenAsked) {
   EXPECT_LT(out, 0.3 * in);
 }
 
+TEST(Smoothing, AKnownPositionIsOneEuroACoordinate) {
+  Smoothing smoothing;
+  smoothing.set(smoothing_for(0.7, true));
+  OneEuro filter(*smoothing_for(0.7, true).position);
+  for (int i = 0; i < 100; ++i) {
+    face::OutputFrame frame = standing_at(i, {0, static_cast<float>(0.1 * std::sin(0.3 * i)), 1});
+    const double expected = filter.filter(frame.time, static_cast<double>(frame.head_position_m.y()));
+    smoothing.apply(frame);
+    ASSERT_EQ(frame.head_position_m.y(), static_cast<float>(expected));
+    ASSERT_EQ(frame.head_position_m.x(), 0);
+  }
+  face::OutputFrame unknown = measured(100);
+  smoothing.apply(unknown);
+  EXPECT_FALSE(unknown.head_position_known);
+  EXPECT_EQ(unknown.head_position_m, Vec3f(0, 0, 0));
+  // What is known again passes as it is.
+  face::OutputFrame back = standing_at(101, {3, 0, 0});
+  smoothing.apply(back);
+  EXPECT_EQ(back.head_position_m, Vec3f(3, 0, 0));
+}
+
 }  // namespace
 }  // namespace mien::shaping::smoothing_test

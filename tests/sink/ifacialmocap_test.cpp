@@ -105,5 +105,16 @@ TEST(IFacialMocap, TurnsTheHeadAboutTheSameAxes) {
   EXPECT_THAT(encoded(frame, IFacialMocapVersion::v2), HasSubstr("=head#5.7296,11.4592,-17.1887,0,0,0|"));
 }
 
+TEST(IFacialMocap, SendsAKnownPositionInMetres) {
+  face::OutputFrame frame;
+  frame.head_position_m = {0.25F, -0.0F, -1.5F};
+  EXPECT_THAT(encoded(frame, IFacialMocapVersion::v2), HasSubstr("=head#0.0000,0.0000,0.0000,0,0,0|"));
+  frame.head_position_known = true;
+  EXPECT_THAT(encoded(frame, IFacialMocapVersion::v2),
+              HasSubstr("=head#0.0000,0.0000,0.0000,0.2500,0.0000,-1.5000|rightEye#"));
+  frame.head_position_m = {std::nanf(""), 1e30F, 0};
+  EXPECT_THAT(encoded(frame, IFacialMocapVersion::v1), HasSubstr(",0.0000,100.0000,0.0000|rightEye#"));
+}
+
 }  // namespace
 }  // namespace mien::sink::ifacialmocap_test

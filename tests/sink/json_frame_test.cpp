@@ -109,5 +109,19 @@ TEST(JsonFrame, StaysJsonWhateverIsInTheFrame) {
   EXPECT_EQ(text.data(), storage);
 }
 
+TEST(JsonFrame, SaysAPositionWhereItIsKnown) {
+  face::OutputFrame frame;
+  frame.head_position_m = {0.25F, -1.0F / 3, 0};
+  std::string text;
+  write_frame_json(frame, 0, nullptr, text);
+  EXPECT_FALSE(Json::parse(text).contains("head_position_m"));
+  frame.head_position_known = true;
+  write_frame_json(frame, 0, nullptr, text);
+  EXPECT_EQ(Json::parse(text).at("head_position_m"), Json({0.25, -0.33333, 0}));
+  frame.head_position_m[1] = std::numeric_limits<float>::quiet_NaN();
+  write_frame_json(frame, 0, nullptr, text);
+  EXPECT_EQ(Json::parse(text).at("head_position_m"), Json({0.25, 0, 0}));
+}
+
 }  // namespace
 }  // namespace mien::sink::json_frame_test

@@ -135,5 +135,27 @@ TEST(Vmc, PresetsStayWithinBounds) {
   }
 }
 
+TEST(Vmc, AKnownPositionMovesTheWholeAvatar) {
+  face::OutputFrame frame;
+  EXPECT_EQ(std::ranges::count(encoded(frame), "/VMC/Ext/Root/Pos", &test::OscMessage::address), 0);
+  frame.head_position_m = {0.25F, 0.5F, -1};  // To the performer's left, up, back.
+  frame.head_position_known = true;
+  const auto messages = encoded(frame);
+  EXPECT_EQ(std::ranges::count(messages, "/VMC/Ext/Root/Pos", &test::OscMessage::address), 1);
+  const auto root = std::ranges::find(messages, "/VMC/Ext/Root/Pos", &test::OscMessage::address);
+  EXPECT_EQ(*root, (test::OscMessage{"/VMC/Ext/Root/Pos",
+                                     {std::string("root"), -0.25F, 0.5F, -1.0F, 0.0F, 0.0F, 0.0F, 1.0F}}));
+  unity_bone(messages, "Head");  // Whose own position stays 0.
+  EXPECT_EQ(
+      std::ranges::count(encoded(frame, {.bones = false}), "/VMC/Ext/Root/Pos", &test::OscMessage::address),
+      0);
+  frame.head_position_m = {std::nanf(""), 1e30F, -1e30F};
+  const auto mended = encoded(frame);
+  const auto at = std::ranges::find(mended, "/VMC/Ext/Root/Pos", &test::OscMessage::address);
+  EXPECT_EQ(std::get<float>(at->arguments[1]), 0);
+  EXPECT_EQ(std::get<float>(at->arguments[2]), kMostHead_m);
+  EXPECT_EQ(std::get<float>(at->arguments[3]), -kMostHead_m);
+}
+
 }  // namespace
 }  // namespace mien::sink::vmc_test

@@ -158,6 +158,10 @@ export interface SinkStatus {
 
 export interface Shaping {
   smoothing: number;
+  /** The face at rest is learnt while it is worn. */
+  resting: boolean;
+  /** What is taken for each shape's rest now, where that is not 0. */
+  rests: Map<string, number>;
   gains: Map<string, number>;
   limits: Map<string, readonly [number, number]>;
 }
@@ -243,7 +247,7 @@ export type Command =
   | { command: "bind"; sensor: string; device: string }
   | { command: "hear"; sensor: string; source: string }
   | { command: "tap"; sensor: string }
-  | { command: "shape"; smoothing?: number; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
+  | { command: "shape"; smoothing?: number; resting?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "listen"; only: string }
   | { command: "pair" }
   | { command: "takes" }
@@ -450,7 +454,13 @@ function readShaping(fields: Fields): Shaping {
     const limit = sentLimits[name];
     if (Array.isArray(limit)) limits.set(name, [number(limit[0], 0), number(limit[1], 1)]);
   }
-  return { smoothing: share(fields["smoothing"]), gains, limits };
+  const rests = new Map<string, number>();
+  const sentRests = fieldsOf(fieldsOf(fields["resting_face"])["rest"]);
+  for (const name of SHAPES) {
+    const rest = share(sentRests[name]);
+    if (rest > 0) rests.set(name, rest);
+  }
+  return { smoothing: share(fields["smoothing"]), resting: fields["resting"] === true, rests, gains, limits };
 }
 
 function readReplay(value: unknown): ReplayStatus | null {

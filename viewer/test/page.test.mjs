@@ -315,6 +315,11 @@ test("output: receivers on, off, added, removed; smoothing; refusals are said", 
   await obeyed("sink", (command) => command.remove === true && command.sink === 4);
   await page.getByLabel("Smoothing").fill("0.6");
   await obeyed("shape", (command) => command.smoothing === 0.6);
+  const learning = page.getByRole("switch", { name: "Learn the face at rest" });
+  assert.equal(await learning.getAttribute("aria-checked"), "false");
+  await learning.click();
+  await obeyed("shape", (command) => command.resting === true);
+  await settled(page, () => document.querySelector(".resting-row .switch").getAttribute("aria-checked") === "true", "a face that is learnt");
   await page.getByRole("button", { name: "Undo the shaping of jawOpen" }).click();
   await obeyed("shape", (command) => command.gains?.jawOpen === 1);
   assert.match(await page.locator(".output-panel").innerText(), /99 % within \d/);

@@ -1,11 +1,9 @@
 #include "mien/face/compiler/profile_toml.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <utility>
 
 #include "mien/core/excerpt.h"
@@ -15,8 +13,6 @@
 namespace mien::face {
 namespace {
 
-constexpr std::array<std::string_view, 8> kKeys = {"name", "title", "source", "extends",
-                                                   "map",  "share", "none",   "lacks"};
 /// Of a sum of shares: numbers written by hand, in decimals.
 constexpr double kShareTolerance = 1e-6;
 
@@ -37,10 +33,8 @@ class Reader {
       : where_(where), earlier_(earlier) {}
 
   Result<ProfileTable> read(const toml::table& file) {
-    for (const auto& [key, value] : file)
-      if (std::ranges::find(kKeys, key.str()) == kKeys.end())
-        return fail(ErrorCode::malformed, fmt::format("unknown key '{}'", excerpt(key.str())), place(value),
-                    fmt::format("known keys are: {}", fmt::join(kKeys, ", ")));
+    MIEN_TRY(
+        only_keys(file, {"name", "title", "source", "extends", "map", "share", "none", "lacks"}, where_));
     MIEN_TRY(read_head(file));
     MIEN_TRY(each(file, "map", [&](auto shape, const toml::node& node) { return read_gains(shape, node); }));
     MIEN_TRY(each(file, "none", [&](auto shape, const toml::node& node) { return read_none(shape, node); }));
@@ -53,17 +47,12 @@ class Reader {
   }
 
  private:
-  [[nodiscard]] std::string place(const toml::node& node) const {
-    const auto line = node.source().begin.line;
-    return line == 0 ? where_ : fmt::format("{}, line {}", where_, line);
-  }
-
   /// Text that is there and not empty. Errors: malformed.
   [[nodiscard]] Result<std::string> text(const toml::node* node, std::string_view name) const {
     if (node == nullptr) return fail(ErrorCode::malformed, fmt::format("'{}' is missing", name), where_);
     const auto value = node->value_exact<std::string>();
     if (!value || value->empty())
-      return fail(ErrorCode::malformed, fmt::format("'{}' is no text", excerpt(name)), place(*node),
+      return fail(ErrorCode::malformed, fmt::format("'{}' is no text", excerpt(name)), place(where_, *node),
                   "write it in quotes");
     return *value;
   }
@@ -71,7 +60,7 @@ class Reader {
   [[nodiscard]] Result<double> number(const toml::node& node, std::string_view what) const {
     const auto value = node.value<double>();
     if (!value || !node.is_number())
-      return fail(ErrorCode::malformed, fmt::format("{} is not a number", what), place(node));
+      return fail(ErrorCode::malformed, fmt::format("{} is not a number", what), place(where_, node));
     return *value;
   }
 
@@ -85,7 +74,7 @@ class Reader {
     if (table_.names == nullptr)
       return fail(ErrorCode::malformed,
                   fmt::format("there is no profile '{}'{}", excerpt(name), did_you_mean(name, known)),
-                  place(*file.get("name")), "mien/face/profile_names.h names their shapes");
+                  place(where_, *file.get("name")), "mien/face/profile_names.h names their shapes");
     shape_names_ = strings(table_.names->shapes);
     table_.rows.resize(shape_names_.size());
     MIEN_TRY_ASSIGN(table_.title, text(file.get("title"), "title"));
@@ -101,7 +90,7 @@ class Reader {
         earlier_, [&](const ProfileTable& table) { return table.names->profile == name; });
     if (base == earlier_.end())
       return fail(ErrorCode::malformed, fmt::format("no profile '{}' was read before", excerpt(name)),
-                  place(node));
+                  place(where_, node));
     for (std::size_t i = 0; i < base->rows.size(); ++i) {
       MIEN_TRY_ASSIGN(const std::size_t shape,
                       find(base->names->shapes[i], shape_names_, table_.names->profile, node));
@@ -116,7 +105,7 @@ class Reader {
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
     return fail(ErrorCode::malformed,
                 fmt::format("{} has no shape '{}'{}", whose, excerpt(name), did_you_mean(name, names)),
-                place(node));
+                place(where_, node));
   }
 
   template <class Read>
@@ -125,7 +114,7 @@ class Reader {
     if (node == nullptr) return {};
     const toml::table* const table = node->as_table();
     if (table == nullptr)
-      return fail(ErrorCode::malformed, fmt::format("'{}' is no table", key), place(*node));
+      return fail(ErrorCode::malformed, fmt::format("'{}' is no table", key), place(where_, *node));
     for (const auto& [name, value] : *table) {
       MIEN_TRY_ASSIGN(const std::size_t shape, find(name.str(), shape_names_, table_.names->profile, value));
       MIEN_TRY(read(shape, value));
@@ -137,7 +126,7 @@ class Reader {
     return !table_.rows[shape].gains.empty() || !table_.rows[shape].reason.empty();
   }
   [[nodiscard]] std::unexpected<Error> twice(std::string_view name, const toml::node& node) const {
-    return fail(ErrorCode::malformed, fmt::format("'{}' is told of twice", name), place(node));
+    return fail(ErrorCode::malformed, fmt::format("'{}' is told of twice", name), place(where_, node));
   }
 
   Result<void> read_gains(std::size_t shape, const toml::node& node) {
@@ -145,7 +134,7 @@ class Reader {
     if (is_told(shape)) return twice(name, node);
     const toml::table* const gains = node.as_table();
     if (gains == nullptr || gains->empty())
-      return fail(ErrorCode::malformed, fmt::format("'{}' has no gain", name), place(node),
+      return fail(ErrorCode::malformed, fmt::format("'{}' has no gain", name), place(where_, node),
                   "write { jawOpen = 1 }, or a reason in [none]");
     for (const auto& [inner, value] : *gains) {
       MIEN_TRY_ASSIGN(const std::size_t k, find(inner.str(), inner_names(), "the inner profile", value));
@@ -153,7 +142,7 @@ class Reader {
       MIEN_TRY_ASSIGN(const double gain, number(value, what));
       const float factor = static_cast<float>(gain);
       if (!std::isfinite(factor) || !(factor > 0))
-        return fail(ErrorCode::out_of_range, fmt::format("{} is {:g}", what, gain), place(value),
+        return fail(ErrorCode::out_of_range, fmt::format("{} is {:g}", what, gain), place(where_, value),
                     "gains are finite and above 0");
       table_.rows[shape].gains.push_back({static_cast<std::uint16_t>(k), factor});
     }
@@ -171,12 +160,12 @@ class Reader {
     const std::string what = fmt::format("the share of '{}'", shape_names_[shape]);
     MIEN_TRY_ASSIGN(const double share, number(node, what));
     if (!(share >= 0 && share <= 1))
-      return fail(ErrorCode::out_of_range, fmt::format("{} is {:g}", what, share), place(node),
+      return fail(ErrorCode::out_of_range, fmt::format("{} is {:g}", what, share), place(where_, node),
                   "shares go from 0 to 1");
     ProfileRow& row = table_.rows[shape];
     if (row.gains.empty())
       return fail(ErrorCode::malformed, fmt::format("'{}' has a share but no gain", shape_names_[shape]),
-                  place(node));
+                  place(where_, node));
     row.share = share;
     return {};
   }
@@ -185,7 +174,7 @@ class Reader {
     const toml::node* const node = file.get("lacks");
     if (node == nullptr) return {};
     const toml::table* const table = node->as_table();
-    if (table == nullptr) return fail(ErrorCode::malformed, "'lacks' is no table", place(*node));
+    if (table == nullptr) return fail(ErrorCode::malformed, "'lacks' is no table", place(where_, *node));
     for (const auto& [name, value] : *table) {
       MIEN_TRY_ASSIGN(const std::size_t k, find(name.str(), inner_names(), "the inner profile", value));
       if (tellers(k).empty()) {

@@ -22,6 +22,10 @@ const SINK_KINDS: readonly (readonly [string, string])[] = [
 export class OutputPanel {
   readonly element = h("div", { class: "panel output-panel" });
   private readonly smoothing = slider("Smoothing", 0, 1, 0.01);
+  private readonly resting = h("button", {
+    type: "button", class: "switch", role: "switch", "aria-label": "Learn the face at rest",
+    onclick: () => void this.actions.send({ command: "shape", resting: !this.session.status.value?.shaping.resting }),
+  });
   private readonly shaped = h("ul", { class: "shaped-list" });
   private readonly shapedEmpty = h("p", { class: "quiet", text: "No gains or limits. Press a bar in Weights, then open its gain." });
   private readonly about = h("dl", { class: "facts" });
@@ -43,6 +47,12 @@ export class OutputPanel {
       this.makeAdd(),
       h("h3", { text: "Shaping" }),
       this.smoothing.element,
+      h(
+        "div",
+        { class: "resting-row" },
+        this.resting,
+        h("span", {}, "Learn the face at rest ", h("span", { class: "quiet", text: "What it mostly is, of the last 30 s, becomes neutral." })),
+      ),
       this.shaped,
       this.shapedEmpty,
       h("h3", { text: "Latency" }),
@@ -61,6 +71,7 @@ export class OutputPanel {
       if (!status) return;
       sinks.update(status.sinks);
       if (this.timer === 0 && document.activeElement !== this.smoothing.input) this.smoothing.set(status.shaping.smoothing);
+      this.resting.setAttribute("aria-checked", String(status.shaping.resting));
       this.drawShaped(status);
       this.drawAbout(status);
       this.drawLatency();

@@ -32,6 +32,8 @@ interface Track {
   fill: HTMLElement;
   sure: HTMLElement;
   truth: HTMLElement;
+  /** Where the shape rests on this wearer. */
+  rest: HTMLElement;
 }
 
 export class WeightsPanel {
@@ -83,6 +85,7 @@ export class WeightsPanel {
     const weight = tongue ? frame.tongueOut : (frame.weights[cell.shape] ?? 0);
     const sure = tongue ? 0 : (frame.confidence[cell.shape] ?? 0);
     const letter: Letter = tongue ? (frame.tongueOut > 0 ? "p" : "n") : letterOf(frame.provenance, cell.shape);
+    const rest = this.session.status.value?.shaping.rests.get(shapeName(cell.shape)) ?? 0;
     const truth = tongue ? undefined : frame.truth?.[cell.shape];
     for (const track of cell.tracks) {
       track.fill.style.transform = `scaleX(${weight.toFixed(3)})`;
@@ -102,7 +105,7 @@ export class WeightsPanel {
       setAttribute(
         cell.element,
         "aria-label",
-        `${shapeLabel(cell.shape)}: ${shown} percent, ${how}, confidence ${Math.round(sure * 100)} percent`,
+        `${shapeLabel(cell.shape)}: ${shown} percent, ${how}, confidence ${Math.round(sure * 100)} percent${restWords(rest)}`,
       );
     }
   }
@@ -178,12 +181,17 @@ export class WeightsPanel {
     else this.view.plotted.set([...plotted, shape].slice(-MOST_PLOTTED));
   }
 
-  /** A small mark where a gain or a limit changes what sinks get. */
+  /** A small mark where a gain or a limit changes what sinks get, and one on the bar where a shape was found to rest. */
   private markShaping(shaping: Shaping): void {
     for (const cell of this.cells) {
       const name = shapeName(cell.shape);
       const shaped = (shaping.gains.get(name) ?? 1) !== 1 || isLimited(shaping.limits.get(name));
       cell.element.classList.toggle("shaped", shaped);
+      const rest = shaping.rests.get(name) ?? 0;
+      for (const track of cell.tracks) {
+        track.rest.style.display = Math.round(rest * 100) > 0 ? "" : "none";
+        track.rest.style.setProperty("--at", rest.toFixed(3));
+      }
     }
   }
 }
@@ -192,7 +200,14 @@ function makeTrack(side: "left" | "right"): Track {
   const fill = h("span", { class: "fill" });
   const sure = h("span", { class: "sure" });
   const truth = h("span", { class: "truth-mark" });
-  return { element: h("span", { class: `track ${side}` }, fill, truth, sure), fill, sure, truth };
+  const rest = h("span", { class: "rest-mark" });
+  return { element: h("span", { class: `track ${side}` }, fill, rest, truth, sure), fill, sure, truth, rest };
+}
+
+/** For who does not see the mark. */
+export function restWords(rest: number): string {
+  const percent = Math.round(rest * 100);
+  return percent > 0 ? `, rests at ${percent} percent` : "";
 }
 
 export function isLimited(limit: readonly [number, number] | undefined): boolean {

@@ -127,6 +127,18 @@ test("a status is read", () => {
   assert.equal(message.replay, null);
 });
 
+test("of the face at rest the rests are read that are in force", () => {
+  const shaping = { smoothing: 0, resting: true, resting_face: { rest: { eyeBlink_L: 0.3, browDown_R: 0, nonsense: 0.4, mouthSmile_L: 7 }, full: { eyeBlink_L: 0.8 } } };
+  const { shaping: shown } = read({ type: "status", shaping });
+  assert.equal(shown.resting, true);
+  assert.deepEqual([...shown.rests], [["eyeBlink_L", 0.3], ["mouthSmile_L", 1]]);
+  for (const odd of [null, [], 3, { rest: [] }, { rest: { eyeBlink_L: "much" } }]) {
+    const { shaping: none } = read({ type: "status", shaping: { resting: "yes", resting_face: odd } });
+    assert.equal(none.resting, false);
+    assert.equal(none.rests.size, 0);
+  }
+});
+
 test("prompts are read, and none where there are none", () => {
   const prompts = {
     state: "running", name: "smile", say: "Smile", target: { mouthSmile_L: 0.6, nothing: 1 }, next: { name: "open", target: { jawOpen: 1 } },
