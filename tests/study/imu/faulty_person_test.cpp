@@ -49,7 +49,7 @@ TEST(FaultyPeople, EveryFaultBefallsTheSamePerformance) {
       EXPECT_EQ(seen[f].coverage.size(), seen[f].truth.size());
       EXPECT_NEAR(longest(seen[f]), longest(seen[0]), 0.02) << "another performance: " << group->faults[f];
       if (f > 0) {
-        EXPECT_NE(seen[f].answer, seen[0].answer) << "nothing befell: " << group->faults[f];
+        EXPECT_FALSE(seen[f].answer == seen[0].answer) << "nothing befell: " << group->faults[f];
       }
     }
     // Two seconds of three without any sensor.
