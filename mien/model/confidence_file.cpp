@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -27,6 +29,13 @@ nlohmann::json to_json(const RegionMaps& maps) {
   return out;
 }
 
+/// Beyond a map's range it is no number, which check() refuses: not every double is a float.
+float parameter_of(const nlohmann::json& json) {
+  const auto value = json.get<double>();
+  return std::abs(value) <= LogisticMap::kLargest ? static_cast<float>(value)
+                                                  : std::numeric_limits<float>::quiet_NaN();
+}
+
 /// Throws nlohmann's exceptions. None: they are not the five regions' two numbers each.
 std::optional<RegionMaps> parse_regions(const nlohmann::json& json) {
   if (!json.is_object() || json.size() != face::kShapeRegionCount) return std::nullopt;
@@ -34,7 +43,7 @@ std::optional<RegionMaps> parse_regions(const nlohmann::json& json) {
   for (std::size_t r = 0; r < maps.size(); ++r) {
     const nlohmann::json& map = json.at(std::string(face::kShapeRegionNames[r]));
     if (!map.is_array() || map.size() != 2) return std::nullopt;
-    maps[r] = {map[0].get<float>(), map[1].get<float>()};
+    maps[r] = {parameter_of(map[0]), parameter_of(map[1])};
   }
   return maps;
 }

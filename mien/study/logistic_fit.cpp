@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kMostSteps = 100;
 constexpr int kMostHalvings = 40;
-constexpr double kStill = 1e-10;
+constexpr double kConverged = 1e-10;
 constexpr double kPrecision = 1 / (LogisticFit::kPriorSigma * LogisticFit::kPriorSigma);
 
 /// ln(1 + exp(x)) without overflow.
@@ -82,7 +82,7 @@ model::LogisticMap LogisticFit::solve() const {
     offset += d0;
     slope += d1;
     likelihood = reached;
-    if (std::abs(d0) + std::abs(d1) < kStill) break;
+    if (std::abs(d0) + std::abs(d1) < kConverged) break;
   }
   return {static_cast<float>(offset), static_cast<float>(slope)};
 }
