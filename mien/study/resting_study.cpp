@@ -22,7 +22,7 @@ using shaping::RestingFace;
 using shaping::RestingRule;
 
 constexpr std::array kScripts = {Block::expressions, Block::reading, Block::acted};
-constexpr std::size_t kKinds = kRestingKindNames.size();
+constexpr std::size_t kRestingKinds = kRestingKindNames.size();
 constexpr double kLearnt_s = 30;
 constexpr float kAtRest = 0.02F;
 constexpr float kActive = 0.3F;
@@ -211,18 +211,18 @@ Result<RestingStudy> study_resting(const RestingRequest& request, const Progress
     return fail(ErrorCode::bad_usage, "too few wearers or too short a performance", "study resting",
                 "ask for 3 wearers and more than 60 seconds");
   const auto people = static_cast<std::size_t>(request.wearers) / 3;
-  std::vector<Worn> watched(kScripts.size() * kKinds * people);
+  std::vector<Worn> watched(kScripts.size() * kRestingKinds * people);
   MIEN_TRY(for_each_performer(watched.size(), request.threads, progress, [&](std::size_t n) -> Result<void> {
-    const std::size_t kind = n / people % kKinds;
+    const std::size_t kind = n / people % kRestingKinds;
     const Random person = Random(request.seed).fork("wearer", kind * people + n % people);
     watched[n] =
-        watch(static_cast<RestingKind>(kind), kScripts[n / people / kKinds], request.seconds, person);
+        watch(static_cast<RestingKind>(kind), kScripts[n / people / kRestingKinds], request.seconds, person);
     return {};
   }));
   RestingStudy out;
   for (std::size_t n = 0; n < watched.size(); n += people)
-    out.results.push_back(summary(static_cast<RestingKind>(n / people % kKinds),
-                                  kScripts[n / people / kKinds], std::span(watched).subspan(n, people)));
+    out.results.push_back(summary(static_cast<RestingKind>(n / people % kRestingKinds),
+                                  kScripts[n / people / kRestingKinds], std::span(watched).subspan(n, people)));
   for (const float smile : {0.25F, 0.4F, 0.8F}) out.smiles.push_back(smile_for_40_s(smile));
   return out;
 }

@@ -158,6 +158,16 @@ TEST(Resting, WhatIsOftenLowerIsNoRest) {
   EXPECT_GT(player.resting.learnt().rest[kBrow], 0.01F);
 }
 
+TEST(Resting, BlinksDoNotHideThatEyesRestWide) {
+  Player player;
+  for (int i = 0; i < 30; ++i) {  // Closed a tenth of the time, which brings eyeWide to 0.
+    player.play(54, of_bin(20));
+    player.play(6, 0, 1);
+  }
+  EXPECT_NEAR(player.resting.learnt().rest[shape("eyeWide_L")], of_bin(20), 1e-6);
+  EXPECT_EQ(player.resting.learnt().rest[kBrow], 0);
+}
+
 TEST(Resting, WhatIsUsuallyAboveAHalfIsPerformed) {
   Player player;
   player.play(1800, of_bin(31));  // 0.492.
