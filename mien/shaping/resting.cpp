@@ -38,7 +38,7 @@ float stepped(float from, float to, double most) {
   return from + static_cast<float>(std::clamp(static_cast<double>(to) - from, -most, most));
 }
 
-/// Shapes that blinks bring to 0: lower values say nothing of their rest.
+/// Shapes that blinks and lowered eyes bring to 0: lower values say nothing of their rest.
 bool falls_in_blinks(std::size_t shape) {
   return shape == face::shape_index("eyeWide_L") || shape == face::shape_index("eyeWide_R");
 }
