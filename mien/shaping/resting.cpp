@@ -14,12 +14,13 @@ constexpr std::size_t kEnoughValues = 600;
 constexpr float kLeastConfidence = 0.5F;
 /// Blinks are looked for from here on: a rest of less than a second is no rest.
 constexpr std::size_t kLeastValues = 60;
-/// Weights rise from rest: a mode above what the lowest 2 % reach is performed. Half a bin is granted: of a face
-/// that keeps still the lowest 2 % reach no further than the lower edge of the bin in whose middle it rests.
+/// Weights rise from rest: a mode above what the lowest 2 % reach is performed. Half a bin is granted: of a
+/// face that keeps still the lowest 2 % reach no further than the lower edge of the bin in whose middle it
+/// rests.
 constexpr double kLowestShare = 0.02;
 constexpr double kHalfBin = 0.5 / (StreamingMode::kBins - 1);
-/// A tracker that reads open lids right is believed of closed ones: only from this rest on the blinks' peak is
-/// taken for closed as it is, and below in proportion.
+/// A tracker that reads open lids right is believed of closed ones: only from this rest on the blinks' peak
+/// is taken for closed as it is, and below in proportion.
 constexpr float kUnusualRest = 0.1F;
 constexpr double kEaseIn_s = 2;
 constexpr double kChangeOver_s = 0.5;

@@ -222,7 +222,8 @@ Result<RestingStudy> study_resting(const RestingRequest& request, const Progress
   RestingStudy out;
   for (std::size_t n = 0; n < watched.size(); n += people)
     out.results.push_back(summary(static_cast<RestingKind>(n / people % kRestingKinds),
-                                  kScripts[n / people / kRestingKinds], std::span(watched).subspan(n, people)));
+                                  kScripts[n / people / kRestingKinds],
+                                  std::span(watched).subspan(n, people)));
   for (const float smile : {0.25F, 0.4F, 0.8F}) out.smiles.push_back(smile_for_40_s(smile));
   return out;
 }
