@@ -39,6 +39,11 @@ float stepped(float from, float to, double most) {
   return from + static_cast<float>(std::clamp(static_cast<double>(to) - from, -most, most));
 }
 
+/// Shapes that blinks and lowered eyes bring to 0: lower values say nothing of their rest.
+bool falls_in_blinks(std::size_t shape) {
+  return shape == face::shape_index("eyeWide_L") || shape == face::shape_index("eyeWide_R");
+}
+
 /// Which of kLids a shape is.
 std::size_t lid_of(std::size_t shape) {
   return shape == face::shape_index(kLids[0]) ? 0 : 1;
@@ -107,7 +112,7 @@ void Resting::learn(std::size_t c, const face::OutputFrame& frame, double step_s
   if (seen.count() < (lids ? kLeastValues : kEnoughValues)) return;
   float& rest = learnt_.rest[shape];
   const double mode = seen.mode();
-  const double lowest = seen.upper(1 - kLowestShare);
+  const double lowest = falls_in_blinks(shape) ? mode : seen.upper(1 - kLowestShare);
   const double usual = std::min(mode, lowest > 0 ? lowest + kHalfBin : 0);
   const float target = mode <= RestingFace::kRestAtMost ? static_cast<float>(usual) : rest;
   if (lids) blinks_.at(lid_of(shape)).add(frame.weights[shape], target);

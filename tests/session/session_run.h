@@ -23,8 +23,10 @@
 namespace mien::session::test {
 
 /// A model that can be checked by hand: the jaw from the chin's turn, the left smile from the cheek's.
+/// The left inner brow is read at a constant weight.
 class TwoShapes final : public tracker::FrameModel {
  public:
+  explicit TwoShapes(float brow = 0) : brow_(brow) {}
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override {
     out = {};
     out.time = features.time;
@@ -36,6 +38,7 @@ class TwoShapes final : public tracker::FrameModel {
     };
     out.weights[face::shape("jawOpen")] = weight(0, 0.3);
     out.weights[face::shape("mouthSmile_L")] = weight(1, 0.5);
+    out.weights[face::shape("browInnerUp_L")] = brow_;
     const auto there = std::ranges::count_if(features.sensors, &model::SensorFeature::has_rotation);
     out.provenance.fill(there > 0 ? face::Provenance::measured : face::Provenance::predicted);
     out.confidence.fill(static_cast<float>(there) / static_cast<float>(features.sensors.size()));
@@ -44,12 +47,16 @@ class TwoShapes final : public tracker::FrameModel {
     out.head_confidence = features.has_head ? 1 : 0;
   }
   void reset() override {}
+
+ private:
+  float brow_;
 };
 
-inline std::unique_ptr<Session> session(const sensor::Rig& rig = virt::test::three_sensors()) {
+inline std::unique_ptr<Session> session(const sensor::Rig& rig = virt::test::three_sensors(),
+                                        float brow = 0) {
   Session::Parts parts;
   parts.rig = rig;
-  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<TwoShapes>());
+  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<TwoShapes>(brow));
   parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
   parts.protocols.push_back(std::make_unique<imu::SlimeVrProtocol>());
   return Session::create(std::move(parts)).value();

@@ -149,13 +149,23 @@ TEST(Resting, WhatIsOftenLowerIsNoRest) {
   Player player;
   player.play(300, 0);
   player.play(1500, 0.4F);
-  EXPECT_EQ(player.resting.learnt(), RestingFace{});
+  EXPECT_EQ(player.resting.learnt().rest[kBrow], 0);
   EXPECT_EQ(player.frame.weights[kBrow], 0.4F);
   // 36 of 1,800 are a fiftieth. With fewer below it is rest.
   player.play(200, 0.4F);
-  EXPECT_EQ(player.resting.learnt(), RestingFace{});
+  EXPECT_EQ(player.resting.learnt().rest[kBrow], 0);
   player.play(160, 0.4F);
   EXPECT_GT(player.resting.learnt().rest[kBrow], 0.01F);
+}
+
+TEST(Resting, BlinksDoNotHideThatEyesRestWide) {
+  Player player;
+  for (int i = 0; i < 30; ++i) {  // Closed a twentieth of the time, which brings eyeWide to 0.
+    player.play(57, of_bin(20));
+    player.play(3, 0, 1);
+  }
+  EXPECT_NEAR(player.resting.learnt().rest[shape("eyeWide_L")], of_bin(20), 1e-6);
+  EXPECT_EQ(player.resting.learnt().rest[kBrow], 0);
 }
 
 TEST(Resting, WhatIsUsuallyAboveAHalfIsPerformed) {
