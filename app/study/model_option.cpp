@@ -107,12 +107,19 @@ Result<study::Solution> OpenModel::solve(const take::Take& take, const std::stri
 Result<std::vector<study::Solution>> OpenModel::solve_by_each(
     const take::Take& take, const std::string& title,
     std::span<const shaping::ShaperSettings> shaping) const {
-  MIEN_TRY_ASSIGN(const study::Solution raw, solve(take, title));
-  const bool solved_once = !raw.shaped && sensor::kinds_of(take.rig()).size() == 1;
+  const bool merged = sensor::kinds_of(take.rig()).size() > 1;
+  study::Solution raw;
+  if (!merged) {
+    MIEN_TRY_ASSIGN(raw, solve(take, title));
+  }
   std::vector<study::Solution> out;
   for (const shaping::ShaperSettings& settings : shaping) {
-    if (solved_once) {
+    if (!merged && !raw.shaped) {
       study::shape(settings, out.emplace_back(raw));
+      continue;
+    }
+    if (raw.shaped && settings == shaping::ShaperSettings{}) {  // Which is how it was replayed.
+      out.push_back(raw);
       continue;
     }
     MIEN_TRY_ASSIGN(

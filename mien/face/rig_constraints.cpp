@@ -165,7 +165,9 @@ double Condition::most(double b_weight) const noexcept {
   if (after == at_most.end()) return at_most.back().a;
   if (after == at_most.begin()) return after->a;
   const Point &low = *(after - 1), &high = *after;
-  return low.a + (high.a - low.a) * (b_weight - low.b) / (high.b - low.b);
+  const double between = low.a + (high.a - low.a) * (b_weight - low.b) / (high.b - low.b);
+  // Rounding must not lead beyond the points, least of all below 0.
+  return std::clamp<double>(between, std::min(low.a, high.a), std::max(low.a, high.a));
 }
 
 bool RuleSet::settles(BlendshapeWeights& w) const noexcept {

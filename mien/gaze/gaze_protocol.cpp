@@ -13,8 +13,8 @@ using sensor::Inbox;
 using sensor::Verdict;
 
 constexpr std::size_t kYaw = 0, kPitch = 1, kOpenness = 2, kPupil = 3;
-/// A device that was silent for so long gives its place to another where all are taken.
-constexpr Duration kGone = std::chrono::seconds(10);
+/// A device that was silent for so long gives its place to the next that is new.
+constexpr Duration kGone = std::chrono::seconds(2);
 const sensor::EstimatedClockSettings kOscClock = {.first_period = std::chrono::microseconds(16'667),
                                                   .min_period = std::chrono::milliseconds(4),
                                                   .max_period = std::chrono::milliseconds(100)};
@@ -63,12 +63,13 @@ GazeProtocol::OscDevice* GazeProtocol::meet(sensor::Peer peer, HostTime arrival)
   if (known != devices_.end()) return &*known;
   OscDevice made{.peer = peer, .id = kOscDevice + devices_.size(), .heard = arrival};
   made.clock = sensor::EstimatedClock(kOscClock);
-  if (devices_.size() < kMostOscDevices) return &devices_.emplace_back(made);
   const auto silent = std::ranges::min_element(devices_, {}, &OscDevice::heard);
-  if (arrival - silent->heard <= kGone) return nullptr;
-  made.id = silent->id;
-  *silent = made;
-  return &*silent;
+  if (silent != devices_.end() && arrival - silent->heard > kGone) {
+    made.id = silent->id;
+    *silent = made;
+    return &*silent;
+  }
+  return devices_.size() < kMostOscDevices ? &devices_.emplace_back(made) : nullptr;
 }
 
 Verdict GazeProtocol::take_osc(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
@@ -106,11 +107,16 @@ unsigned GazeProtocol::note(HostTime arrival, const std::array<SaidOfEye, 2>& sa
       device.told[e][what] = {*value, arrival};
       return true;
     };
-    if (tell(kYaw, said[e].yaw_rad)) directions |= 1U << (2 * e);
-    if (tell(kPitch, said[e].pitch_rad)) directions |= 2U << (2 * e);
+    if (tell(kYaw, said[e].yaw_rad)) {
+      directions |= 1U << (2 * e);
+      device.lost[e][kYaw] = said[e].lost[kYaw];
+    }
+    if (tell(kPitch, said[e].pitch_rad)) {
+      directions |= 2U << (2 * e);
+      device.lost[e][kPitch] = said[e].lost[kPitch];
+    }
     tell(kOpenness, said[e].openness);
     tell(kPupil, said[e].pupil_mm);
-    if (tells_direction(said[e])) device.lost[e] = said[e].lost;
   }
   return directions;
 }
@@ -137,7 +143,7 @@ Eyes GazeProtocol::eyes_at(HostTime arrival, const OscDevice& device) {
     eyes[e].pupil_mm = told[kPupil].fresh(arrival);
     const auto yaw = told[kYaw].fresh(arrival);
     const auto pitch = told[kPitch].fresh(arrival);
-    if (!yaw || !pitch || device.lost[e]) continue;
+    if (!yaw || !pitch || device.lost[e][kYaw] || device.lost[e][kPitch]) continue;
     eyes[e].yaw_rad = *yaw;
     eyes[e].pitch_rad = *pitch;
     eyes[e].confidence = 1;

@@ -27,8 +27,8 @@ inline constexpr std::size_t kMostOscDevices = 16;
 /// kFresh. OSC carries neither time (it is estimated from arrivals, 10 to 250 rounds a second) nor confidence
 /// (a direction that is told counts as sure).
 ///
-/// When all devices are there, the one silent for longest, ten seconds at least, gives its place and id to
-/// the next.
+/// A program that starts anew comes from another port: who is new takes the place and id of the one silent
+/// for longest, two seconds at least, before a place of its own.
 class GazeProtocol final : public sensor::Protocol {
  public:
   static constexpr Duration kFresh = std::chrono::milliseconds(500);
@@ -55,7 +55,7 @@ class GazeProtocol final : public sensor::Protocol {
     HostTime heard;
     std::array<std::optional<HostTime>, kDialectCount> dialects{};  // When each told a direction.
     std::array<std::array<Told, 4>, 2> told{};  // Of each eye: yaw, pitch, openness, pupil.
-    std::array<bool, 2> lost{};
+    std::array<std::array<bool, 2>, 2> lost{};  // Of each eye: its yaw, its pitch.
     unsigned seen = 0;      // Directions of this round: bits, yaw and pitch of the left eye, of the right.
     unsigned expected = 0;  // Of the round before.
     bool complete = false;  // This round's sample is made.

@@ -50,6 +50,7 @@ void GazeTracker::add(HostTime, const sensor::Sample& sample) {
 void GazeTracker::forget(std::uint16_t sensor) {
   for (Channel& channel : channels_)
     if (channel.sensor == sensor) channel.next = 0;
+  last_rad_.reset();
 }
 
 tracker::TickResult GazeTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,

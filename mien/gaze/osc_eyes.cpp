@@ -156,11 +156,11 @@ class EyesListener final : public OscListener {
     const double value = numbers[0];
     switch (address.meaning) {
       case Meaning::x:
-        out.lost = out.lost || std::abs(value) > kMostCoordinate;
+        out.lost[0] = std::abs(value) > kMostCoordinate;
         out.yaw_rad = angle(-std::atan(value));
         return {};
       case Meaning::y:
-        out.lost = out.lost || std::abs(value) > kMostCoordinate;
+        out.lost[1] = std::abs(value) > kMostCoordinate;
         out.pitch_rad = angle(std::atan(value));
         return {};
       case Meaning::openness:
@@ -197,9 +197,10 @@ class EyesListener final : public OscListener {
   /// A direction of any length. One that does not look ahead is none.
   static Result<void> say_vector(std::span<const double> v, SaidOfEye& out) {
     const double most = kMostCoordinate * v[2];
-    out.lost = out.lost || !(v[2] > 0) || std::abs(v[0]) > most || std::abs(v[1]) > most;
-    out.yaw_rad = out.lost ? 0 : angle(-std::atan2(v[0], v[2]));
-    out.pitch_rad = out.lost ? 0 : angle(std::atan2(v[1], std::hypot(v[0], v[2])));
+    const bool lost = !(v[2] > 0) || std::abs(v[0]) > most || std::abs(v[1]) > most;
+    out.lost.fill(lost);
+    out.yaw_rad = lost ? 0 : angle(-std::atan2(v[0], v[2]));
+    out.pitch_rad = lost ? 0 : angle(std::atan2(v[1], std::hypot(v[0], v[2])));
     return {};
   }
 };

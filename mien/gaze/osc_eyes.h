@@ -27,9 +27,9 @@ struct SaidOfEye {
   std::optional<float> pitch_rad;
   std::optional<float> openness;  ///< 0 closed to 1 open as at rest; wider is 1.
   std::optional<float> pupil_mm;
-  /// A coordinate beyond kMostCoordinate was sent: the program has no direction of this eye (EyeTrackVR sends
-  /// 621 until it has).
-  bool lost = false;
+  /// Of yaw and of pitch: a coordinate beyond kMostCoordinate was sent, so the program has no direction of
+  /// this eye (EyeTrackVR sends 621 until it has).
+  std::array<bool, 2> lost{};
   bool operator==(const SaidOfEye&) const = default;
 };
 /// 63 degrees: farther than eyes turn.

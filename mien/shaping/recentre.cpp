@@ -91,13 +91,15 @@ void Recentre::measure(const face::OutputFrame& frame) {
   if (std::ranges::any_of(frame.provenance, is_observed)) {
     for (std::size_t i = 0; i < face::kShapeCount; ++i) seen_[i][frames_] = frame.weights[i];
     ++frames_;
+  }
+  if (is_observed(frame.head_provenance)) {
     const Vec3 forward = frame.head * Vec3::UnitZ();
-    if (is_observed(frame.head_provenance) && std::hypot(forward.x(), forward.z()) > kLeastHorizontal) {
+    if (std::hypot(forward.x(), forward.z()) > kLeastHorizontal) {
       sum_x_ += forward.x();
       sum_z_ += forward.z();
       ++headings_;
     }
-    if (is_observed(frame.head_provenance) && frame.head_position_known) {
+    if (frame.head_position_known) {
       sum_position_m_ += frame.head_position_m.cast<double>();
       ++positions_;
     }
@@ -106,13 +108,14 @@ void Recentre::measure(const face::OutputFrame& frame) {
 }
 
 void Recentre::conclude() {
-  if (frames_ < kEnoughFrames) {
+  performed_ = 0;
+  const bool shapes = frames_ >= kEnoughFrames;
+  if (!shapes && headings_ < kEnoughFrames && positions_ < kEnoughFrames) {
     state_ = State::failed;
     return;
   }
   Centre centre = target_;
-  performed_ = 0;
-  for (std::size_t i = 0; i < face::kShapeCount; ++i) {
+  for (std::size_t i = 0; shapes && i < face::kShapeCount; ++i) {
     const auto first = seen_[i].begin();
     const auto third = first + static_cast<std::ptrdiff_t>(frames_ / 3);
     std::nth_element(first, third, first + static_cast<std::ptrdiff_t>(frames_));

@@ -11,13 +11,13 @@
 namespace mien::shaping {
 
 /// Re-centring: the performer's present face becomes neutral and their present heading ahead, within 1.5 s.
-/// Over one second of frames with observed values, each shape's resting weight is the lower tercile (a blink
-/// or word of less than two thirds of the second has no influence); a shape whose rest would be above
-/// Centre::kRestAtMost is being performed and keeps its earlier rest. Then w' = max(0, (w - rest) / (1 -
-/// rest)). The new centre is eased in over half a second. The head is turned about the vertical by that
-/// second's mean heading; its position, where a tracker tells it, counts from that second's mean and is
-/// turned likewise. On frame time. No allocation. About 30 KB. An all-zero centre changes no bit. Method:
-/// docs/method/shaping.md.
+/// It is measured over one second; shapes, heading and position each by itself, where they are observed for
+/// half of it. Each shape's resting weight is the lower tercile (a blink or word of less than two thirds of
+/// the second has no influence); a shape whose rest would be above Centre::kRestAtMost is being performed and
+/// keeps its earlier rest. Then w' = max(0, (w - rest) / (1 - rest)). The new centre is eased in over half a
+/// second. The head is turned about the vertical by that second's mean heading; its position, where a tracker
+/// tells it, counts from that second's mean and is turned likewise. On frame time. No allocation. About 30
+/// KB. An all-zero centre changes no bit. Method: docs/method/shaping.md.
 class Recentre {
  public:
   enum class State : std::uint8_t {
@@ -25,7 +25,7 @@ class Recentre {
     measuring,  ///< Within the second of measurement.
     easing,     ///< A new centre is being eased in.
     done,       ///< The centre is fully in force.
-    failed,     ///< Less than half a second of observed frames: nothing was changed.
+    failed,     ///< Neither shapes nor head were observed for half a second: nothing was changed.
   };
 
   /// Measures where begun, and applies the centre in place. Frames come in rising order of time.

@@ -15,11 +15,12 @@ namespace mien::shaping {
 
 /// Post-processing of a tracker's frames before the sinks, in a fixed order: mend (invalid values), fallback,
 /// resting face (off unless asked for), re-centring, the head's position, gains and limits, smoothing,
-/// constraints (off unless asked for), bounds ([0, 1], no step above kStepAtMost, the constraints that always
-/// hold: mouthClose <= jawOpen), gaze (lids from eye directions, directions from lids). Output is finite and
-/// within bounds for any input, unless settings.off names mend or bounds. With default settings and no change
-/// of sensors a valid frame keeps the bits of its weights (unless mouthClose is above jawOpen; without rules
-/// even then) and of its head; with every step off it keeps all of them.
+/// constraints (off unless asked for), bounds (no step above kStepAtMost), gaze (lids from eye directions:
+/// the eyes' own step), again bounds ([0, 1]) and the constraints that always hold (mouthClose <= jawOpen),
+/// eye directions from lids. Output is finite and within bounds for any input, unless settings.off names mend
+/// or bounds. With default settings and no change of sensors a valid frame keeps the bits of its weights
+/// (unless mouthClose is above jawOpen; without rules even then) and of its head; with every step off it
+/// keeps all of them.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last (a replay wound back) resets
 /// the state but for settings, centre and resting face. No allocation. Thread: one at a time. Method and

@@ -29,7 +29,7 @@ ShapeConfidence::ShapeConfidence(std::optional<model::ConfidenceTable> table) : 
     for (std::size_t bin = 0; bin < table_->coverage_bins(); ++bin)
       provenance_.push_back(provenance_of(*table_, k, bin));
   for (const float within : table_->within) {
-    const float held = std::clamp(within, kLeastOdds, 1 - kLeastOdds);
+    const float held = std::clamp(within, kLeastProbability, 1 - kLeastProbability);
     log_odds_.push_back(std::log(held / (1 - held)));
   }
 }

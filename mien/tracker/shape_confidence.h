@@ -21,7 +21,7 @@ using RegionScores = std::array<float, face::kShapeRegionCount>;
 class ShapeConfidence {
  public:
   /// No shape is surer of itself, or less sure, than this: a share of frames is known no better.
-  static constexpr float kLeastOdds = 0.01F;
+  static constexpr float kLeastProbability = 0.01F;
 
   /// Without a table nothing is measured or explained, and every confidence is 0.
   explicit ShapeConfidence(std::optional<model::ConfidenceTable> table);
@@ -35,7 +35,7 @@ class ShapeConfidence {
   Explained write(const Coverage& coverage, face::OutputFrame& out) const;
 
   /// What a region's map is fitted to and reads: the mean log-odds, ln(c / (1 - c)), of its shapes'
-  /// confidences c, each held to kLeastOdds and 1 - kLeastOdds. Zeros without a table.
+  /// confidences c, each held to kLeastProbability and 1 - kLeastProbability. Zeros without a table.
   [[nodiscard]] RegionScores region_scores(const Coverage& coverage,
                                            const face::BlendshapeWeights& weights) const;
 

@@ -155,6 +155,19 @@ TEST(RigConstraints, AConditionClipsByItsCurve) {
   EXPECT_NEAR(left(1), 0.3F, 1e-6) << "level after the last";
 }
 
+TEST(RigConstraints, ACurveRoundsToNothingBelowItsPoints) {
+  const RigConstraints rules = parsed(conditional("jawLeft", "jawOpen", "[[0.94, 0.01], [1, 0]]"));
+  BlendshapeWeights obeys = face_of({{"jawOpen", 1}});
+  EXPECT_TRUE(rules.live().obeyed(obeys));
+  const BlendshapeWeights before = obeys;
+  rules.live().project(obeys);
+  EXPECT_EQ(std::memcmp(&obeys, &before, sizeof before), 0);
+  BlendshapeWeights breaks = face_of({{"jawOpen", 1}, {"jawLeft", 0.5F}});
+  rules.live().project(breaks);
+  EXPECT_EQ(breaks[shape("jawLeft")], 0);
+  EXPECT_FALSE(std::signbit(breaks[shape("jawLeft")]));
+}
+
 TEST(RigConstraints, AChainOfConditionsSettlesInWhateverOrderItIsWritten) {
   // Ten of them, the last written first: each is bounded by half of the next.
   std::string toml;

@@ -117,6 +117,39 @@ TEST(GazeProtocol, AnEyeThatIsNotSeenHasNoConfidence) {
   EXPECT_EQ((*host.eyes())[1].confidence, 1);
 }
 
+TEST(GazeProtocol, AnEyeOfWhichOneCoordinateIsLostIsNotSeen) {
+  for (const bool lost_x : {true, false}) {
+    Host host;
+    for (int round = 0; round < 5; ++round) {
+      host.hear(16 * round, "/avatar/parameters/v2/EyeLeftX", {lost_x ? 621.0F : 0.0F});
+      host.hear(16 * round, "/avatar/parameters/v2/EyeLeftY", {lost_x ? 0.0F : 621.0F});
+      host.hear(16 * round, "/avatar/parameters/v2/EyeRightX", {0});
+      host.hear(16 * round, "/avatar/parameters/v2/EyeRightY", {0});
+      ASSERT_TRUE(host.eyes());
+      EXPECT_EQ((*host.eyes())[0].confidence, 0);
+      EXPECT_EQ((*host.eyes())[1].confidence, 1);
+    }
+    host.hear(100, "/avatar/parameters/v2/EyeLeftX", {0.5F});
+    host.hear(100, "/avatar/parameters/v2/EyeLeftY", {0});
+    host.hear(100, "/avatar/parameters/v2/EyeRightX", {0});
+    host.hear(100, "/avatar/parameters/v2/EyeRightY", {0});
+    ASSERT_TRUE(host.eyes());
+    EXPECT_EQ((*host.eyes())[0].confidence, 1) << "found again";
+  }
+}
+
+TEST(GazeProtocol, AProgramThatStartsAnewOnAnotherPortIsTheSameDevice) {
+  Host host;
+  const std::vector<float> ahead = {0, 0, 1, 0, 0, 1};
+  host.hear(0, "/tracking/eye/LeftRightVec", ahead, 1);
+  host.hear(0, "/tracking/eye/LeftRightVec", ahead, 2);
+  host.hear(1'900, "/tracking/eye/LeftRightVec", ahead, 2);
+  host.hear(2'500, "/tracking/eye/LeftRightVec", ahead, 3);
+  EXPECT_EQ(host.inbox.readings.at(0).from.device, kOscDevice) << "the first one's, which is gone";
+  host.hear(2'600, "/tracking/eye/LeftRightVec", ahead, 4);
+  EXPECT_EQ(host.inbox.readings.at(0).from.device, kOscDevice + 2) << "nobody is gone";
+}
+
 TEST(GazeProtocol, OtherOscIsIgnoredAndDamagedOscIsMalformed) {
   Host host;
   EXPECT_EQ(host.hear(0, "/avatar/parameters/v2/JawOpen", {1}), Verdict::ignored);

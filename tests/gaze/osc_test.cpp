@@ -192,12 +192,12 @@ TEST(OscEyes, RefusesWrongTypesAndNumbers) {
 }
 
 TEST(OscEyes, WhatNoEyeCanDoSaysThatItIsNotSeen) {
-  EXPECT_TRUE(said(parsed("/avatar/parameters/v2/EyeLeftY", {621}), Dialect::v2, 0).lost);
-  EXPECT_FALSE(said(parsed("/avatar/parameters/v2/EyeLeftY", {1}), Dialect::v2, 0).lost);
+  EXPECT_TRUE(said(parsed("/avatar/parameters/v2/EyeLeftY", {621}), Dialect::v2, 0).lost[1]);
+  EXPECT_FALSE(said(parsed("/avatar/parameters/v2/EyeLeftY", {1}), Dialect::v2, 0).lost[1]);
   const OscEyes eyes = parsed("/tracking/eye/LeftRightVec", {0, 621, 1, 0, 0, 1});
-  EXPECT_TRUE(said(eyes, Dialect::native, 0).lost);
-  EXPECT_FALSE(said(eyes, Dialect::native, 1).lost);
-  EXPECT_TRUE(said(parsed("/tracking/eye/CenterVec", {0, 0, -1}), Dialect::native, 0).lost);
+  EXPECT_TRUE(said(eyes, Dialect::native, 0).lost[0]);
+  EXPECT_FALSE(said(eyes, Dialect::native, 1).lost[0]);
+  EXPECT_TRUE(said(parsed("/tracking/eye/CenterVec", {0, 0, -1}), Dialect::native, 0).lost[0]);
 }
 
 TEST(OscEyes, RandomBytesBehindAnAddressNeverHarm) {

@@ -112,6 +112,24 @@ TEST(Recentre, MeasuresOnlyFramesThatSensorsStandBehind) {
   EXPECT_TRUE(same_bits(in, run(recentre, in)));
 }
 
+TEST(Recentre, AHeadAloneIsCentredWithoutAFace) {
+  Recentre recentre;
+  const Centre before{.rest = {0.1F}};
+  recentre.use(before);
+  recentre.begin();
+  for (int i = 0; i < 120; ++i) {
+    face::OutputFrame frame = resting(i);
+    frame.provenance.fill(Provenance::neutral);
+    frame.head_position_m = {1, 2, 3};
+    frame.head_position_known = true;
+    run(recentre, frame);
+  }
+  EXPECT_EQ(recentre.state(), Recentre::State::done);
+  EXPECT_NEAR(recentre.centre().yaw_rad, 0.5, 1e-6);
+  EXPECT_LT((recentre.centre().position_m - Vec3(1, 2, 3)).norm(), 1e-6);
+  EXPECT_EQ(recentre.centre().rest, before.rest) << "no shape was seen";
+}
+
 TEST(Recentre, AnEaseGoesOnWhileTheNextRestIsMeasured) {
   Recentre recentre;
   Centre centre;
