@@ -109,7 +109,7 @@ TEST_F(MainJob, GoesFromAMotionToFilesThatOthersOpen) {
     if (one["without"] == "smoothing") {
       EXPECT_EQ(one["changed"], true);
       EXPECT_GT(one["metrics"]["jitter_ratio"], ablated["model"]["jitter_ratio"]);
-    } else if (one["without"] == "constraints") {
+    } else if (one["without"] == "recentring") {
       EXPECT_EQ(one["changed"], false) << "not asked for";
     } else if (one["without"] == "every step") {
       EXPECT_EQ(one["metrics"]["mse"], evaluated["model"]["mse"]) << "the tracker's own";
