@@ -104,6 +104,7 @@ TEST(Recentre, MeasuresOnlyFramesThatSensorsStandBehind) {
   for (int i = 0; i < 120; ++i) {
     face::OutputFrame frame = resting(i);
     if (i % 3 != 0) frame.provenance.fill(i % 3 == 1 ? Provenance::held : Provenance::neutral);
+    frame.head_provenance = frame.provenance[0];
     run(recentre, frame);
   }
   EXPECT_EQ(recentre.state(), Recentre::State::failed);
