@@ -160,6 +160,9 @@ export interface Shaping {
   smoothing: number;
   /** The face at rest is learnt while it is worn. */
   resting: boolean;
+  /** All rules between shapes are obeyed, not only those that always hold. */
+  constraints: boolean;
+  lids_follow_eyes: boolean;
   /** What is taken for each shape's rest now, where that is not 0. */
   rests: Map<string, number>;
   gains: Map<string, number>;
@@ -247,7 +250,7 @@ export type Command =
   | { command: "bind"; sensor: string; device: string }
   | { command: "hear"; sensor: string; source: string }
   | { command: "tap"; sensor: string }
-  | { command: "shape"; smoothing?: number; resting?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
+  | { command: "shape"; smoothing?: number; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "listen"; only: string }
   | { command: "pair" }
   | { command: "takes" }
@@ -460,7 +463,15 @@ function readShaping(fields: Fields): Shaping {
     const rest = share(sentRests[name]);
     if (rest > 0) rests.set(name, rest);
   }
-  return { smoothing: share(fields["smoothing"]), resting: fields["resting"] === true, rests, gains, limits };
+  return {
+    smoothing: share(fields["smoothing"]),
+    resting: fields["resting"] === true,
+    constraints: fields["constraints"] === true,
+    lids_follow_eyes: fields["lids_follow_eyes"] !== false,
+    rests,
+    gains,
+    limits,
+  };
 }
 
 function readReplay(value: unknown): ReplayStatus | null {

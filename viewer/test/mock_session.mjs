@@ -164,7 +164,7 @@ class MockSession {
     this.recording = { on: false, path: "", since: 0, error: null };
     if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
-    this.shaping = { smoothing: 0.25, resting: false, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
+    this.shaping = { smoothing: 0.25, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
     this.replay = null;
     this.tap = null;
     this.network = {
@@ -417,6 +417,7 @@ class MockSession {
         return null;
       case "shape":
         if (command.smoothing !== undefined) this.shaping.smoothing = command.smoothing;
+        for (const key of ["constraints", "lids_follow_eyes"]) if (command[key] !== undefined) this.shaping[key] = command[key];
         if (command.resting !== undefined) {
           this.shaping.resting = command.resting;
           this.shaping.resting_face.rest = command.resting ? { eyeBlink_L: 0.3, eyeBlink_R: 0.28, browInnerUp_L: 0.22, browInnerUp_R: 0.25, mouthSmile_L: 0.12 } : {};

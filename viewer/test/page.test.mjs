@@ -319,7 +319,11 @@ test("output: receivers on, off, added, removed; smoothing; refusals are said", 
   assert.equal(await learning.getAttribute("aria-checked"), "false");
   await learning.click();
   await obeyed("shape", (command) => command.resting === true);
-  await settled(page, () => document.querySelector(".resting-row .switch").getAttribute("aria-checked") === "true", "a face that is learnt");
+  await settled(page, () => document.querySelector("[aria-label='Learn the face at rest']").getAttribute("aria-checked") === "true", "a face that is learnt");
+  await page.getByRole("switch", { name: "Obey the constraints" }).click();
+  await obeyed("shape", (command) => command.constraints === true);
+  await page.getByRole("switch", { name: "Lids follow the eyes" }).click();
+  await obeyed("shape", (command) => command.lids_follow_eyes === false);
   await page.getByRole("button", { name: "Undo the shaping of jawOpen" }).click();
   await obeyed("shape", (command) => command.gains?.jawOpen === 1);
   assert.match(await page.locator(".output-panel").innerText(), /99 % within \d/);

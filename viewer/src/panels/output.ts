@@ -19,13 +19,23 @@ const SINK_KINDS: readonly (readonly [string, string])[] = [
   ["csv:face.csv", "A file, Live Link Face CSV"],
 ];
 
+/** Steps of shaping that are switched here: key of the command, label, what it does. */
+const SWITCHES = [
+  ["resting", "Learn the face at rest", "What it mostly is, of the last 30 s, becomes neutral."],
+  ["constraints", "Obey the constraints", "What a face cannot do at once is not shown."],
+  ["lids_follow_eyes", "Lids follow the eyes", "Where a tracker gave eye directions and saw no lids."],
+] as const;
+
 export class OutputPanel {
   readonly element = h("div", { class: "panel output-panel" });
   private readonly smoothing = slider("Smoothing", 0, 1, 0.01);
-  private readonly resting = h("button", {
-    type: "button", class: "switch", role: "switch", "aria-label": "Learn the face at rest",
-    onclick: () => void this.actions.send({ command: "shape", resting: !this.session.status.value?.shaping.resting }),
-  });
+  private readonly switches = SWITCHES.map(([key, label]) => ({
+    key,
+    element: h("button", {
+      type: "button", class: "switch", role: "switch", "aria-label": label,
+      onclick: () => void this.actions.send({ command: "shape", [key]: !this.session.status.value?.shaping[key] }),
+    }),
+  }));
   private readonly shaped = h("ul", { class: "shaped-list" });
   private readonly shapedEmpty = h("p", { class: "quiet", text: "No gains or limits. Press a bar in Weights, then open its gain." });
   private readonly about = h("dl", { class: "facts" });
@@ -47,11 +57,8 @@ export class OutputPanel {
       this.makeAdd(),
       h("h3", { text: "Shaping" }),
       this.smoothing.element,
-      h(
-        "div",
-        { class: "resting-row" },
-        this.resting,
-        h("span", {}, "Learn the face at rest ", h("span", { class: "quiet", text: "What it mostly is, of the last 30 s, becomes neutral." })),
+      ...SWITCHES.map(([, label, words], at) =>
+        h("div", { class: "switch-row" }, this.switches[at]!.element, h("span", {}, `${label} `, h("span", { class: "quiet", text: words }))),
       ),
       this.shaped,
       this.shapedEmpty,
@@ -71,7 +78,7 @@ export class OutputPanel {
       if (!status) return;
       sinks.update(status.sinks);
       if (this.timer === 0 && document.activeElement !== this.smoothing.input) this.smoothing.set(status.shaping.smoothing);
-      this.resting.setAttribute("aria-checked", String(status.shaping.resting));
+      for (const { key, element } of this.switches) element.setAttribute("aria-checked", String(status.shaping[key]));
       this.drawShaped(status);
       this.drawAbout(status);
       this.drawLatency();

@@ -131,6 +131,9 @@ test("of the face at rest the rests are read that are in force", () => {
   const shaping = { smoothing: 0, resting: true, resting_face: { rest: { eyeBlink_L: 0.3, browDown_R: 0, nonsense: 0.4, mouthSmile_L: 7 }, full: { eyeBlink_L: 0.8 } } };
   const { shaping: shown } = read({ type: "status", shaping });
   assert.equal(shown.resting, true);
+  assert.deepEqual([shown.constraints, shown.lids_follow_eyes], [false, true]);
+  const other = read({ type: "status", shaping: { constraints: true, lids_follow_eyes: false } }).shaping;
+  assert.deepEqual([other.constraints, other.lids_follow_eyes], [true, false]);
   assert.deepEqual([...shown.rests], [["eyeBlink_L", 0.3], ["mouthSmile_L", 1]]);
   for (const odd of [null, [], 3, { rest: [] }, { rest: { eyeBlink_L: "much" } }]) {
     const { shaping: none } = read({ type: "status", shaping: { resting: "yes", resting_face: odd } });
