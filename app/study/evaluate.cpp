@@ -181,8 +181,10 @@ void add_evaluate_command(Commands& commands) {
   command.add_option("takes", options->takes, "Takes with a truth track").required();
   options->model.add_to(command);
   options->shaping.add_to(command);
-  command.add_flag("--ablate", options->ablate,
-                   "Measure once more with each step of shaping left out: one row a step");
+  command.add_flag(
+      "--ablate", options->ablate,
+      "Measure once more with each step of shaping left out: one row a step. Shapes by the defaults "
+      "where no --shaping says otherwise");
   command.add_option("--face", options->face,
                      "Face to measure on (default: the take's own where it is found, else builtin)");
   command.add_option("--report", options->report, "Write a self-contained HTML page with plots");

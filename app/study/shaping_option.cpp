@@ -5,9 +5,11 @@
 namespace mien::app {
 
 void ShapingOption::add_to(Command command) {
-  command.add_option("--shaping", path,
-                     "Shape the frames as a session with these settings would: a JSON file, {} for the "
-                     "defaults (docs/reference/shaping_settings.md)");
+  command.add_option(
+      "--shaping", path,
+      "Shape the frames as a session with these settings would: a JSON file, {} for the "
+      "defaults (docs/reference/shaping_settings.md). Without it a performed take is not shaped, "
+      "and one recorded live as its session was");
 }
 
 Result<std::optional<shaping::ShaperSettings>> ShapingOption::read() const {

@@ -22,6 +22,11 @@ namespace {
 std::string virtual_people_are(int people) {
   return fmt::format("{} virtual people", people);
 }
+
+/// `shifted`: every second one is unlike those of training.
+std::string faulty_people_are(int people, bool shifted) {
+  return shifted ? fmt::format("{} of both kinds", people) : virtual_people_are(people);
+}
 std::string shifted_people_are(int people) {
   return fmt::format("{} of other kinds", people);
 }
@@ -59,7 +64,8 @@ class StudiedImuModel final : public StudiedModel {
   }
   [[nodiscard]] Result<study::FaultyGroup> faulty_people(int people, double seconds, bool shifted,
                                                          std::uint64_t seed) const override {
-    return study::faulty_people(model_, rig_, virtual_people_are(people), people, seconds, shifted, seed);
+    return study::faulty_people(model_, rig_, faulty_people_are(people, shifted), people, seconds, shifted,
+                                seed);
   }
 
  private:
@@ -105,8 +111,8 @@ class StudiedEyewearModel final : public StudiedModel {
   }
   [[nodiscard]] Result<study::FaultyGroup> faulty_people(int people, double seconds, bool shifted,
                                                          std::uint64_t seed) const override {
-    return study::faulty_wearers(model_, marked_, rig_, virtual_people_are(people), people, seconds, shifted,
-                                 seed);
+    return study::faulty_wearers(model_, marked_, rig_, faulty_people_are(people, shifted), people, seconds,
+                                 shifted, seed);
   }
 
  private:

@@ -144,6 +144,10 @@ Result<std::vector<study::WatchedGroup>> watch(const StudyConfidenceOptions& opt
                                                               options.seed + kMeasuredOn + 1, "people"));
   MIEN_TRY_ASSIGN(groups.emplace_back(), model.shifted_people(options.performers, options.seconds,
                                                               options.seed + kMeasuredOn + 1, "others"));
+  // The table and the maps are made on both kinds, half and half: so they are judged on both together, too.
+  study::WatchedGroup both{fmt::format("{} of both kinds", 2 * options.performers), groups[0].people};
+  both.people.insert(both.people.end(), groups[1].people.begin(), groups[1].people.end());
+  groups.push_back(std::move(both));
   for (std::size_t m = 0; m < options.motions.size(); ++m) {
     MIEN_TRY_ASSIGN(const Performance performance, load_performance(options.motions[m]));
     MIEN_TRY_ASSIGN(groups.emplace_back(),
@@ -167,7 +171,7 @@ Result<void> run_study_confidence(StudyConfidenceOptions options) {
   MIEN_TRY_ASSIGN(const std::vector<study::ConfidenceRow> rows,
                   study::study_confidence(table, groups, options.seed, terminal_progress("confidence"), 0));
   MIEN_TRY_ASSIGN(const std::vector<study::FaultyGroup> faulty,
-                  faulty_groups(options, *model, false, options.seed + kMeasuredOn + 1));
+                  faulty_groups(options, *model, true, options.seed + kMeasuredOn + 1));
   MIEN_TRY_ASSIGN(const std::vector<study::ConfidenceRow> faults,
                   study::study_faults(table, faulty, terminal_progress("faults"), 0));
   clear_progress();
@@ -216,7 +220,9 @@ void add_study_confidence(Commands& commands, Command study) {
                   "Virtual people of each kind: like those of training, and unlike them")
       .in_range(1, 10000)
       .show_default();
-  command.add_option("--faulty", options->faulty, "People like those of training under every fault; 0: none")
+  command
+      .add_option("--faulty", options->faulty,
+                  "People under every fault, every second one unlike those of training; 0: none")
       .in_range(0, 10000)
       .show_default();
   command.add_option("--seconds", options->seconds, "Length of each one's performance")
@@ -227,8 +233,10 @@ void add_study_confidence(Commands& commands, Command study) {
   add_seed_option(command, options->seed, "Of the people, their devices and the sensors that are lost");
   command.add_option("--write", options->write,
                      "Measure the model's table anew first, on people of their own, and write the model so");
-  command.add_flag("--keep-table", options->keep_table,
-                   "With --write: fit the confidence of regions alone, to the table that the model has");
+  command
+      .add_flag("--keep-table", options->keep_table,
+                "With --write: fit the confidence of regions alone, to the table that the model has")
+      .needs(command.option("--write"));
   command.add_option("--out", options->out,
                      "Write a self-contained HTML page with the reliability diagram and the tables");
   command.add_flag("--json", options->json, "Print one JSON object");
