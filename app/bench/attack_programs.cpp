@@ -73,7 +73,7 @@ class OscPrograms final : public Speech {
         const std::array wrong = {any_number(random_)};
         return osc_message(address, ",f", wrong);
       }
-      case 1:  // Other types than the bytes are, a text and a blob of 1.9 GB among them.
+      case 1:  // Other types than the bytes are, among them a blob of a gigabyte and more by its length.
         return osc_message(address, std::array{",s", ",d", ",ffff", ",b", ",["}[random_.below(5)], right);
       case 2:  // An element of 4 GB by its length.
         return in_bundle(whole, 0xFFFF'FFFCU);

@@ -12,9 +12,6 @@ namespace {
 constexpr std::uint8_t kTypeGaze = 11;
 const char* const kGazePacket = "gaze packet";
 
-/// A share from 0 to 1 is so many steps; one more says that it is not known.
-constexpr std::uint8_t kShareSteps = 254;
-constexpr std::uint8_t kShareUnknown = 255;
 constexpr float kPupilStepsPerMm = 100;
 constexpr std::uint16_t kPupilUnknown = 0xFFFF;
 
@@ -28,15 +25,11 @@ Result<void> check(const Packet& packet) {
   return {};
 }
 
-std::uint8_t share_steps(float share) {
-  return static_cast<std::uint8_t>(std::lround(share * kShareSteps));
-}
-
 void write_eye(const Eye& eye, ByteWriter& out) {
   out.little(eye.yaw_rad);
   out.little(eye.pitch_rad);
-  out.little(eye.openness ? share_steps(*eye.openness) : kShareUnknown);
-  out.little(share_steps(eye.confidence));
+  out.little(eye.openness ? sensor::share_steps(*eye.openness) : sensor::kShareUnknown);
+  out.little(sensor::share_steps(eye.confidence));
   out.little(eye.pupil_mm ? static_cast<std::uint16_t>(std::lround(*eye.pupil_mm * kPupilStepsPerMm))
                           : kPupilUnknown);
 }
@@ -48,10 +41,10 @@ Result<Eye> read_eye(ByteReader& reader) {
   const auto openness = reader.little<std::uint8_t>();
   const auto confidence = reader.little<std::uint8_t>();
   const auto pupil = reader.little<std::uint16_t>();
-  if (confidence > kShareSteps)
+  if (confidence > sensor::kShareSteps)
     return fail(ErrorCode::out_of_range, "a confidence above 254 steps", kGazePacket);
-  if (openness != kShareUnknown) eye.openness = static_cast<float>(openness) / kShareSteps;
-  eye.confidence = static_cast<float>(confidence) / kShareSteps;
+  if (openness != sensor::kShareUnknown) eye.openness = sensor::share_of(openness);
+  eye.confidence = sensor::share_of(confidence);
   if (pupil != kPupilUnknown) eye.pupil_mm = static_cast<float>(pupil) / kPupilStepsPerMm;
   return eye;
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "mien/core/bytes.h"
 
@@ -23,16 +22,13 @@ constexpr std::size_t kHeadBytes = 28;
 constexpr std::size_t kPresentBytes = 12;
 static_assert(8 * kPresentBytes >= kMostShapes);
 
-/// A share from 0 to 1 is so many steps; one more says that it is not known.
-constexpr std::uint8_t kShareSteps = 254;
-constexpr std::uint8_t kShareUnknown = 255;
-
-std::uint8_t share_steps(float share) {
-  return share == kUntold ? kShareUnknown : static_cast<std::uint8_t>(std::lround(share * kShareSteps));
+/// Confidences, of which some are not told.
+std::uint8_t confidence_steps(float confidence) {
+  return confidence == kUntold ? sensor::kShareUnknown : sensor::share_steps(confidence);
 }
 
-float share_of(std::uint8_t steps) {
-  return steps == kShareUnknown ? kUntold : static_cast<float>(steps) / kShareSteps;
+float confidence_of_steps(std::uint8_t steps) {
+  return steps == sensor::kShareUnknown ? kUntold : sensor::share_of(steps);
 }
 
 Result<void> check(const Packet& packet) {
@@ -130,8 +126,9 @@ Result<Packet> parse_packet(std::span<const std::byte> bytes) {
     if (face.weights[i] == kUntold) return fail(ErrorCode::out_of_range, "a weight of -1", kWeightsPacket);
   }
   for (std::size_t i = 0; i < count && has_confidence; ++i)
-    if (present.has(i)) face.confidence[i] = share_of(reader.little<std::uint8_t>());
-  if (has_head) face.head = read_head(reader, (flags & kHasPosition) != 0, share_of(head_confidence));
+    if (present.has(i)) face.confidence[i] = confidence_of_steps(reader.little<std::uint8_t>());
+  if (has_head)
+    face.head = read_head(reader, (flags & kHasPosition) != 0, confidence_of_steps(head_confidence));
   MIEN_TRY(check(packet));
   return packet;
 }
@@ -157,14 +154,14 @@ Result<std::vector<std::byte>> encode_packet(const Packet& packet) {
   writer.little(static_cast<std::uint8_t>(face.set));
   writer.little(static_cast<std::uint8_t>(face.origin));
   writer.little(static_cast<std::uint8_t>(face.told()));
-  writer.little(face.head ? share_steps(face.head->confidence) : std::uint8_t{0});
+  writer.little(face.head ? confidence_steps(face.head->confidence) : std::uint8_t{0});
   sensor::write_device_time(packet.time, writer);
   writer.little(names_checksum(face.set));
   for (const std::uint8_t bits : present.bits) writer.little(bits);
   for (std::size_t i = 0; i < count; ++i)
     if (present.has(i)) writer.little(face.weights[i]);
   for (std::size_t i = 0; i < count && has_confidence; ++i)
-    if (present.has(i)) writer.little(share_steps(face.confidence[i]));
+    if (present.has(i)) writer.little(confidence_steps(face.confidence[i]));
   if (face.head) {
     for (const float x : face.head->position_m) writer.little(x);
     for (const float q : face.head->rotation) writer.little(q);

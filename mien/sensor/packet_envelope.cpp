@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace mien::sensor {
 namespace {
@@ -70,6 +71,14 @@ Result<void> check_device_time(DeviceTime time, const char* where) {
 
 void write_device_time(DeviceTime time, ByteWriter& out) {
   out.little(static_cast<std::uint64_t>((time.time_since_epoch().count() + 500) / 1000));
+}
+
+std::uint8_t share_steps(float share) {
+  return static_cast<std::uint8_t>(std::lround(share * kShareSteps));
+}
+
+float share_of(std::uint8_t steps) {
+  return static_cast<float>(steps) / kShareSteps;
 }
 
 Result<void> check_battery(std::uint8_t percent, const char* where) {

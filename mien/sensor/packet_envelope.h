@@ -41,6 +41,14 @@ void write_checksum(std::size_t begin, ByteWriter& out);
 /// Rounds to microseconds.
 void write_device_time(DeviceTime time, ByteWriter& out);
 
+/// A share from 0 to 1 stands in one byte as so many steps; one more says that it is not known.
+inline constexpr std::uint8_t kShareSteps = 254;
+inline constexpr std::uint8_t kShareUnknown = 255;
+/// The nearest step. `share`: 0 to 1.
+[[nodiscard]] std::uint8_t share_steps(float share);
+/// `steps`: at most kShareSteps.
+[[nodiscard]] float share_of(std::uint8_t steps);
+
 /// 0 to 100, or kBatteryUnknown. Errors: out_of_range.
 [[nodiscard]] Result<void> check_battery(std::uint8_t percent, const char* where);
 
