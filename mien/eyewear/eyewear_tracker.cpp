@@ -13,7 +13,7 @@ using tracker::Step;
 constexpr Duration kFirstWorn = std::chrono::seconds(10);
 constexpr Duration kRemounted = std::chrono::seconds(5);
 
-/// Longest time between frames that the solver's smoothing is given, s.
+/// Longest time between frames that drift and the solver's smoothing are given, s.
 constexpr double kLongestStepS = 1;
 
 }  // namespace
@@ -27,7 +27,7 @@ Result<std::unique_ptr<EyewearTracker>> EyewearTracker::create(const sensor::Rig
 }
 
 EyewearTracker::EyewearTracker(const sensor::Rig& rig, LightModel model)
-    : sensors_(photo_sensors(rig)), grid_(rig), calibrator_(rig), model_(std::move(model)) {
+    : sensors_(photo_sensors(rig)), grid_(rig), calibrator_(rig), drift_(rig), model_(std::move(model)) {
   features_.values.resize(sensors_.size());
   features_.present.resize(sensors_.size());
 }
@@ -42,8 +42,9 @@ void EyewearTracker::forget(std::uint16_t sensor) {
   if (place != sensors_.end()) calibrator_.forget(static_cast<std::size_t>(place - sensors_.begin()));
 }
 
-std::size_t EyewearTracker::normalise() {
+std::size_t EyewearTracker::normalise(double since_s) {
   read_features(calibrator_.in_force(), light_, features_);
+  drift_.apply(since_s, features_);
   return static_cast<std::size_t>(std::ranges::count(features_.present, std::uint8_t{1}));
 }
 
@@ -68,11 +69,15 @@ tracker::TickResult EyewearTracker::tick(DeviceTime frame, const sensor::TimeLin
     result.sensors_present = sensors_.size();  // Not a loss: there was no calibration yet.
     return result;
   }
-  if (std::exchange(renewed_, false)) model_.reset();
-  result.sensors_present = normalise();
-  const double since_s = last_frame_ ? to_seconds(frame - *last_frame_) : 1 / kFrameRateHz;
+  if (std::exchange(renewed_, false)) {
+    drift_.reset();
+    model_.reset();
+  }
+  const double passed_s = last_frame_ ? to_seconds(frame - *last_frame_) : 0;
+  const double since_s = passed_s > 0 ? std::min(passed_s, kLongestStepS) : 1 / kFrameRateHz;
   last_frame_ = frame;
-  model_.step(features_, since_s > 0 ? std::min(since_s, kLongestStepS) : 1 / kFrameRateHz, out);
+  result.sensors_present = normalise(since_s);
+  model_.step(features_, since_s, out);
   result.explained = model_.explained();
   return result;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mien/eyewear/calibrator.h"
+#include "mien/eyewear/light_drift.h"
 #include "mien/eyewear/light_grid.h"
 #include "mien/eyewear/light_model.h"
 #include "mien/tracker/tracker.h"
@@ -40,17 +41,20 @@ class EyewearTracker final : public tracker::Tracker {
 
  private:
   EyewearTracker(const sensor::Rig& rig, LightModel model);
-  /// Features of light_ by the calibration in force; returns the number of sensors present.
-  std::size_t normalise();
+  /// Features of light_, `since_s` seconds after the last ones, by the calibration in force and less what has
+  /// drifted; returns the number of sensors present.
+  std::size_t normalise(double since_s);
 
   std::vector<std::uint16_t> sensors_;  // Numbers in the rig.
   LightGrid grid_;
   Calibrator calibrator_;
+  LightDrift drift_;
   LightModel model_;
 
   GridLight light_;
   LightFrame features_;
-  bool renewed_ = false;  // The calibration has changed since the regressor's last frame: it is reset first.
+  bool renewed_ =
+      false;  // The calibration has changed since the last frame: drift and regressor are reset first.
   std::optional<DeviceTime> last_frame_;
 };
 

@@ -84,9 +84,10 @@ Result<std::optional<Vec3>> unit_vector(const toml::table& table, std::string_vi
 }
 
 Result<Mount> read_mount(const toml::table& table, const std::string& where) {
-  MIEN_TRY(only_keys(
-      table, {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward", "aim"},
-      where));
+  MIEN_TRY(only_keys(table,
+                     {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward",
+                      "aim", "recentre"},
+                     where));
   Mount mount;
   MIEN_TRY_ASSIGN(mount.name, text(table, "name", true, where));
   MIEN_TRY_ASSIGN(mount.kind, text(table, "kind", true, where));
@@ -116,6 +117,16 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
                 "give it in metres");
   MIEN_TRY_ASSIGN(mount.outward, unit_vector(table, "outward", where));
   MIEN_TRY_ASSIGN(mount.aim, unit_vector(table, "aim", where));
+  if (const toml::node* node = table.get("recentre")) {
+    const auto recentre = node->value_exact<bool>();
+    if (!recentre)
+      return fail(ErrorCode::malformed, "'recentre' is neither true nor false", place(where, *node));
+    if (*recentre && mount.kind != "eyewear")
+      return fail(ErrorCode::malformed,
+                  fmt::format("'recentre' of a sensor of kind '{}'", excerpt(mount.kind)),
+                  place(where, *node), "only the light of kind \"eyewear\" is re-centred");
+    mount.recentre = *recentre;
+  }
   return mount;
 }
 
@@ -344,6 +355,7 @@ std::string write_rig(const Rig& rig) {
     if (mount.position_m) line(out, "position_m", numbers(*mount.position_m));
     if (mount.outward) line(out, "outward", numbers(*mount.outward));
     if (mount.aim) line(out, "aim", numbers(*mount.aim));
+    if (mount.recentre) line(out, "recentre", true);
   }
   if (rig.skin) out << '\n' << write_skin(*rig.skin);
   if (!rig.faults_toml.empty()) {

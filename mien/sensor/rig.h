@@ -27,6 +27,8 @@ struct Mount {
   std::optional<Vec3> outward;  ///< Outward axis in the sensor's own frame (unit), if the sensor has one.
   /// Which way a sensor that looks at the skin from afar looks (unit), built-in head, frame H.
   std::optional<Vec3> aim;
+  /// Follow how what it reads at rest drifts (eyewear::LightDrift); only of a kind whose tracker does so.
+  bool recentre = false;
 };
 
 /// How the skin under face sensors turns, over many people and performances: mean and covariance of the

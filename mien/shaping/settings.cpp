@@ -3,15 +3,36 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "mien/core/excerpt.h"
+#include "mien/core/nearest_word.h"
 
 namespace mien::shaping {
 namespace {
 
 using nlohmann::json;
+
+/// Where an object or list may hold only these names. `what`: "'merge' has no".
+template <class Names>
+std::unexpected<Error> unknown_name(std::string_view what, std::string_view name, const Names& known,
+                                    const std::string& where, std::string hint = {}) {
+  const std::vector<std::string> names(known.begin(), known.end());
+  return fail(ErrorCode::malformed, fmt::format("{} '{}'{}", what, excerpt(name), did_you_mean(name, names)),
+              where, std::move(hint));
+}
+
+using Name = std::string_view;
+constexpr std::array<Name, 11> kKeys = {
+    "smoothing", "smooth_head", "resting",  "constraints", "rules", "lids_follow_eyes",
+    "gains",     "limits",      "fallback", "merge",       "off"};
+constexpr std::array<Name, 3> kFallbackKeys = {"hold_s", "neutral_s", "return_s"};
+constexpr std::array<Name, 3> kMergeKeys = {"sure", "unsure", "order"};
 
 /// A number of the object within low to high. Errors: malformed, out_of_range.
 template <class T>
@@ -29,8 +50,8 @@ Result<void> read_within(const json& value, const std::string& name, T low, T hi
 Result<std::size_t> read_shape(const std::string& name, const std::string& where) {
   const std::size_t i = face::shape_index(name);
   if (i == face::kShapeCount)
-    return fail(ErrorCode::malformed, fmt::format("no shape is called '{}'", excerpt(name)), where,
-                "names are those of the 53, as eyeBlink_L");
+    return unknown_name("no shape is called", name, face::kShapeNames, where,
+                        "names are those of the 53, as eyeBlink_L");
   return i;
 }
 
@@ -70,7 +91,7 @@ Result<void> read_fallback(const json& table, const std::string& where, Fallback
     } else if (key == "return_s") {
       MIEN_TRY(read_within(value, "'return_s'", kShortest_s, kLongest_s, where, fallback.return_s));
     } else {
-      return fail(ErrorCode::malformed, fmt::format("'fallback' has no '{}'", excerpt(key)), where);
+      return unknown_name("'fallback' has no", key, kFallbackKeys, where);
     }
   }
   return {};
@@ -81,8 +102,8 @@ Result<void> read_order(const std::string& place, const json& names, const std::
                         MergeSettings& merge) {
   const auto found = std::ranges::find(kMergePlaceNames, place);
   if (found == kMergePlaceNames.end())
-    return fail(ErrorCode::malformed, fmt::format("'order' has no '{}'", excerpt(place)), where,
-                fmt::format("places are {}", fmt::join(kMergePlaceNames, ", ")));
+    return unknown_name("'order' has no", place, kMergePlaceNames, where,
+                        fmt::format("places are {}", fmt::join(kMergePlaceNames, ", ")));
   if (!names.is_array())
     return fail(ErrorCode::malformed, fmt::format("the order of {} is no list", place), where,
                 R"(give names of trackers, as ["eyewear", "imu"])");
@@ -118,12 +139,22 @@ Result<void> read_merge(const json& table, const std::string& where, MergeSettin
       if (!value.is_object()) return fail(ErrorCode::malformed, "'order' is no table of places", where);
       for (const auto& [place, names] : value.items()) MIEN_TRY(read_order(place, names, where, merge));
     } else {
-      return fail(ErrorCode::malformed, fmt::format("'merge' has no '{}'", excerpt(key)), where);
+      return unknown_name("'merge' has no", key, kMergeKeys, where);
     }
   }
   if (merge.unsure > merge.sure)
     return fail(ErrorCode::out_of_range, "'unsure' is above 'sure'", where, "give it at most as much");
   return {};
+}
+
+/// Errors: malformed (no text, a file's name instead of its text), as face::RigConstraints::parse.
+Result<face::RigConstraints> read_rules(const json& value, const std::string& where) {
+  if (!value.is_string()) return fail(ErrorCode::malformed, "'rules' is not the text of a file", where);
+  const auto& text = value.get_ref<const std::string&>();
+  if (text.ends_with(".toml") && text.find_first_of("\n[=") == std::string::npos)
+    return fail(ErrorCode::malformed, "'rules' is a file's name, not its text", where,
+                "give the text, or the file with --constraints");
+  return face::RigConstraints::parse(text, where + ", 'rules'");
 }
 
 /// Errors: malformed (no list, a name that is no step's).
@@ -135,8 +166,8 @@ Result<void> read_off(const json& names, const std::string& where, ChainSteps& o
     const std::string step = name.is_string() ? name.get<std::string>() : std::string("(no text)");
     const auto found = std::ranges::find(kChainStepNames, step);
     if (found == kChainStepNames.end())
-      return fail(ErrorCode::malformed, fmt::format("'off' holds what is no step: {}", excerpt(step)), where,
-                  fmt::format("steps are {}", fmt::join(kChainStepNames, ", ")));
+      return unknown_name("'off' holds what is no step:", step, kChainStepNames, where,
+                          fmt::format("steps are {}", fmt::join(kChainStepNames, ", ")));
     read.set(static_cast<std::size_t>(found - kChainStepNames.begin()));
   }
   off = read;
@@ -203,9 +234,7 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
       if (!value.is_boolean()) return fail(ErrorCode::malformed, "'constraints' is not true or false", where);
       settings.constraints = value.get<bool>();
     } else if (key == "rules") {
-      if (!value.is_string()) return fail(ErrorCode::malformed, "'rules' is not the text of a file", where);
-      MIEN_TRY_ASSIGN(settings.rules,
-                      face::RigConstraints::parse(value.get<std::string>(), where + ", 'rules'"));
+      MIEN_TRY_ASSIGN(settings.rules, read_rules(value, where));
     } else if (key == "lids_follow_eyes") {
       if (!value.is_boolean())
         return fail(ErrorCode::malformed, "'lids_follow_eyes' is not true or false", where);
@@ -221,7 +250,7 @@ Result<ShaperSettings> parse_settings(std::string_view text, const std::string& 
     } else if (key == "off") {
       MIEN_TRY(read_off(value, where, settings.off));
     } else {
-      return fail(ErrorCode::malformed, fmt::format("shaping has no '{}'", excerpt(key)), where);
+      return unknown_name("shaping has no", key, kKeys, where);
     }
   }
   return settings;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "mien/builtin_face/builtin_face.h"
@@ -249,6 +250,30 @@ TEST(EyewearTracker, AnotherCalibrationForgetsTheRegressorsMemory) {
   ASSERT_TRUE(worn.tracker->restore(worn.tracker->calibration()));
   worn.play(0.5, rest);
   EXPECT_EQ(worn.linear->resets, 2);
+}
+
+TEST(EyewearTracker, FollowsADriftingLightWhereTheRigAsksForIt) {
+  sensor::Rig rig = test::glasses_rig(kSensors);
+  rig.sensors[0].recentre = true;
+  Worn left, followed;
+  followed.tracker =
+      EyewearTracker::create(rig, test::marked_mouth(), std::make_unique<test::LinearRegressor>(gain_m()))
+          .value();
+  const auto slipped = [](std::size_t s, double t) {
+    return kNeutral + (s == 0 ? 0.3 * kJawLight * std::min(t / 30, 1.0) : 0);
+  };
+  for (Worn* worn : {&left, &followed}) {
+    worn->play(2.5, rest);
+    worn->play(80, slipped);
+  }
+  EXPECT_NEAR(left.frame.weights[kJaw], 0.3, 0.05);
+  EXPECT_NEAR(followed.frame.weights[kJaw], 0, 0.05);
+  // Another neutral begins anew.
+  const double begin_s = followed.glasses.now_s() + 0.1;
+  followed.tracker->guide(tracker::Step::neutral, Glasses::at(begin_s), Glasses::at(begin_s + 2));
+  followed.play(3, rest);
+  followed.play(1, jaw(0.6));
+  EXPECT_NEAR(followed.frame.weights[kJaw], 0.6, 0.05);
 }
 
 TEST(EyewearTracker, TheSameCallsGiveTheSameBits) {

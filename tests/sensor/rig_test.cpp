@@ -104,8 +104,18 @@ TEST(Rig, WritesWhatItReads) {
       EXPECT_TRUE(a.position_m == b.position_m);
       EXPECT_TRUE(a.outward == b.outward);
       EXPECT_TRUE(a.aim == b.aim);
+      EXPECT_EQ(a.recentre, b.recentre);
     }
   }
+}
+
+TEST(Rig, LightMayBeRecentred) {
+  const std::string light = with("kind = \"imu\"\nsite", "kind = \"eyewear\"\nrecentre = true\nsite");
+  const auto rig = parse_rig(light, "t");
+  ASSERT_TRUE(rig) << rig.error().message();
+  EXPECT_TRUE(rig->sensors[0].recentre);
+  EXPECT_FALSE(rig->sensors[1].recentre);
+  EXPECT_TRUE(parse_rig(write_rig(*rig), "again")->sensors[0].recentre);
 }
 
 struct Wrong {
@@ -155,6 +165,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Wrong{"[0.0, -0.05, 0.09]", "[0.0, 0.1]", ErrorCode::malformed},
                     Wrong{"[0, 0, 1]", "[0, 0, 0]", ErrorCode::out_of_range},
                     Wrong{"[0.6, 0, -0.8]", "[0.6, 0, -8]", ErrorCode::out_of_range},
+                    Wrong{"role = \"face\"", "role = \"face\"\nrecentre = 1", ErrorCode::malformed},
+                    Wrong{"role = \"face\"", "role = \"face\"\nrecentre = true", ErrorCode::malformed},
                     Wrong{"[0.6, 0, -0.8]", "\"down\"", ErrorCode::malformed},
                     Wrong{"[0.6, 0, -0.8]", "[0.6, inf, -0.8]", ErrorCode::out_of_range},
                     Wrong{"gyro_bias_dps = 1.0", "gyro_bias_dps = inf", ErrorCode::out_of_range}));

@@ -121,5 +121,18 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
             "page: 'smoothing' is 2; give 0 to 1");
 }
 
+TEST(Settings, SayWhatMayHaveBeenMeant) {
+  const auto message = [](const char* text) { return parse_settings(text, "page").error().message(); };
+  EXPECT_EQ(message(R"({"smoothign": 1})"), "page: shaping has no 'smoothign'; did you mean smoothing?");
+  EXPECT_EQ(message(R"({"colour": 1})"), "page: shaping has no 'colour'");
+  EXPECT_EQ(message(R"({"fallback": {"holds": 1}})"),
+            "page: 'fallback' has no 'holds'; did you mean hold_s?");
+  EXPECT_EQ(message(R"({"gains": {"jawopen": 1}})"),
+            "page: no shape is called 'jawopen'; did you mean jawOpen?; names are those of the 53, as "
+            "eyeBlink_L");
+  EXPECT_EQ(message(R"({"rules": "rigs/constraints/own.toml"})"),
+            "page: 'rules' is a file's name, not its text; give the text, or the file with --constraints");
+}
+
 }  // namespace
 }  // namespace mien::shaping::settings_test

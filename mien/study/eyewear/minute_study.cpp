@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "mien/eyewear/light_drift.h"
 #include "mien/eyewear/marker_model.h"
 #include "mien/mocap/outliers.h"
 #include "mien/performer/mimic.h"
@@ -31,14 +32,19 @@ constexpr double kRemountM = 0.002;
 /// How a wearer's glasses are treated after the first minute.
 struct Condition {
   std::string_view name;
-  double light = 1;     ///< Times as much of other light.
-  double moved_m = 0;   ///< Taken off, and put on again this far off.
-  bool renewed = true;  ///< Then five seconds of neutral.
+  double light = 1;        ///< Times as much of other light.
+  double moved_m = 0;      ///< Taken off, and put on again this far off.
+  bool renewed = true;     ///< Then five seconds of neutral.
+  bool recentred = false;  ///< What a sensor reads at rest is followed as it drifts (eyewear::LightDrift).
 };
 constexpr std::array kConditions = {
-    Condition{.name = "as they were"}, Condition{.name = "remounted", .moved_m = kRemountM, .renewed = false},
-    Condition{.name = "remounted_5s", .moved_m = kRemountM}, Condition{.name = "dark", .light = 0},
-    Condition{.name = "bright", .light = 3}};
+    Condition{.name = "as they were"},
+    Condition{.name = "remounted", .moved_m = kRemountM, .renewed = false},
+    Condition{.name = "remounted_5s", .moved_m = kRemountM},
+    Condition{.name = "dark", .light = 0},
+    Condition{.name = "bright", .light = 3},
+    Condition{.name = "recentred", .recentred = true},
+    Condition{.name = "remounted_recentred", .moved_m = kRemountM, .renewed = false, .recentred = true}};
 
 constexpr std::array<std::string_view, 4> kMethods = {"neutral", "linear", "learned", "learned16"};
 
@@ -100,13 +106,21 @@ class LinearFit {
 
 using SeeFeatures = std::function<void(std::size_t test, const LightFrame&, const Eigen::VectorXd& truth_m)>;
 
+sensor::Rig recentring(sensor::Rig rig, bool recentre) {
+  for (sensor::Mount& mount : rig.sensors) mount.recentre = recentre;
+  return rig;
+}
+
 /// The tests one after the other.
-void make_tests(const MinuteCourse& course, const Random& root, const builtin_face::PlacedMarkers& placed,
-                const Normalisation& normalisation, WornGlasses& session, const SeeFeatures& see) {
+void make_tests(const MinuteCourse& course, const Condition& condition, const Random& root,
+                const builtin_face::PlacedMarkers& placed, const Normalisation& normalisation,
+                WornGlasses& session, const SeeFeatures& see) {
   LightFrame light;
+  eyewear::LightDrift drift(recentring(course.rig, condition.recentred));
   for (std::size_t t = 0; t < course.tests.size(); ++t) {
     const auto look = [&](const GridLight& grid, const BlendshapeWeights& weights) {
       eyewear::read_features(normalisation, grid, light);
+      drift.apply(1 / kFrameRateHz, light);
       see(t, light, placed.at(weights));
     };
     if (!course.scene.motions.empty()) {
@@ -154,7 +168,7 @@ Result<void> wear_for_minute(const MinuteCourse& course, const virt::EyewearWear
   std::vector<MarkerSums>& sums = out.conditions[which];
   sums.resize(course.tests.size());
   if (which != 0) {
-    make_tests(course, root, placed, normalisation, session,
+    make_tests(course, condition, root, placed, normalisation, session,
                [&](std::size_t t, const LightFrame& light, const Eigen::VectorXd& truth_m) {
                  all->step(light, displacement_m);
                  sums[t].add(Eigen::VectorXd(neutral_m + displacement_m), truth_m);
@@ -163,7 +177,7 @@ Result<void> wear_for_minute(const MinuteCourse& course, const virt::EyewearWear
   }
   MIEN_TRY_ASSIGN(const eyewear::MarkerModel fitted, linear.fit(normalisation));
   for (std::vector<MarkerSums>& method : out.methods) method.resize(course.tests.size());
-  make_tests(course, root, placed, normalisation, session,
+  make_tests(course, condition, root, placed, normalisation, session,
              [&](std::size_t t, const LightFrame& light, const Eigen::VectorXd& truth_m) {
                out.methods[0][t].add(neutral_m, truth_m);
                out.methods[1][t].add(fitted.markers(as_vector(light)), truth_m);

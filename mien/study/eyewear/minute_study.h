@@ -24,7 +24,8 @@ struct MinuteStudy {
   /// to the minute, under motion capture; "learned": the network; "learned16": without the ear hooks.
   std::vector<SensorsMethod> methods;
   /// The network under other conditions: "remounted" (2 mm off, nothing done), "remounted_5s" (the same, and
-  /// five seconds of neutral), "dark", "bright" (no other light, and three times as much).
+  /// five seconds of neutral), "dark", "bright" (no other light, and three times as much), "recentred",
+  /// "remounted_recentred" (as they were, and 2 mm off, but what has drifted is taken off every sensor).
   std::vector<SensorsMethod> conditions;
 
   [[nodiscard]] const SensorsMethod& learned() const { return methods[2]; }
