@@ -9,22 +9,24 @@
 
 namespace mien::eyewear {
 
-/// Follows how what each sensor reads of the resting face drifts away from its calibrated neutral, as glasses slip and
-/// skin sweats: the mode of the newest 30 s of its feature (StreamingMode) is taken for rest, and taken off. From the
-/// tenth second on, by at most 0.02 ranges a second and kMost in all; a mode beyond kMost is a face that is held, and
-/// moves nothing. Only of sensors whose Mount asks for it: for the others no bit changes. On frames of the 60 Hz grid.
-/// No allocation; 2 KB a sensor. What it gains and costs: docs/experiments/shaping.md, "Inputs".
+/// Follows how what each sensor reads of the resting face drifts away from its calibrated neutral, as glasses
+/// slip and skin sweats: the mode of the newest 30 s of its feature (StreamingMode) is taken for rest, and
+/// taken off. From the tenth second on, by at most 0.02 ranges a second and kMost in all; a mode beyond kMost
+/// is a face that is held, and moves nothing. Only of sensors whose Mount asks for it: for the others no bit
+/// changes. On frames of the 60 Hz grid. No allocation; 2 KB a sensor. What it gains and costs:
+/// docs/experiments/shaping.md, "Inputs".
 class LightDrift {
  public:
-  /// Most drift that is followed either way, in ranges of the sensor (SensorNormalisation::range). Raising: expressions
-  /// that are held for half a minute pass for rest. Lowering: a frame that slipped far is not followed.
+  /// Most drift that is followed either way, in ranges of the sensor (SensorNormalisation::range). Raising:
+  /// expressions that are held for half a minute pass for rest. Lowering: a frame that slipped far is not
+  /// followed.
   static constexpr float kMost = 0.5F;
 
   /// Of the rig's photo-reflective sensors, in its order.
   explicit LightDrift(const sensor::Rig& rig);
 
-  /// Learns from a frame's features, `since_s` seconds after the last one's, and takes off what has drifted, in place.
-  /// Missing sensors keep what was learnt of them.
+  /// Learns from a frame's features, `since_s` seconds after the last one's, and takes off what has drifted,
+  /// in place. Missing sensors keep what was learnt of them.
   void apply(double since_s, LightFrame& features);
   /// There is another neutral: nothing has drifted yet.
   void reset();
