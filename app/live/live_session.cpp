@@ -22,6 +22,7 @@
 #include "app/command.h"
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
+#include "app/live/sound_feed.h"
 #include "app/textured_face.h"
 #include "mien/core/files.h"
 #include "mien/core/hex.h"
@@ -165,8 +166,14 @@ Result<session::Command> constraints_command(const std::string& file) {
 Result<LiveSession> open_live(LiveRequest request) {
   live::EngineSettings settings;
   MIEN_TRY_ASSIGN(request.rig, path_or(request.rig, "rigs/default.toml"));
-  MIEN_TRY_ASSIGN(const std::string rig_toml, read_text(request.rig));
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
+  MIEN_TRY_ASSIGN(std::string rig_toml, read_text(request.rig));
+  MIEN_TRY_ASSIGN(sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
+  if (!request.audio.empty()) {
+    MIEN_TRY_ASSIGN(HearingRig hearing, with_microphone(std::move(rig)));
+    MIEN_TRY_ASSIGN(settings.feeds.emplace_back(), sound_feed(request.audio, hearing.device));
+    rig = std::move(hearing.rig);
+    rig_toml = sensor::write_rig(rig);
+  }
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));
   std::vector<sensor::SealKey> keys;
   if (!request.key.empty()) {

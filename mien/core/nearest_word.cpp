@@ -32,6 +32,8 @@ std::string nearest_word(std::string_view word, std::span<const std::string> kno
   std::string best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& candidate : known) {
+    const std::size_t longer = std::max(word.size(), candidate.size());
+    if (longer - std::min(word.size(), candidate.size()) >= least) continue;
     const std::size_t far = distance(word, candidate);
     if (far >= least) continue;
     least = far;

@@ -9,7 +9,7 @@
 namespace mien::eyewear {
 namespace {
 
-/// Ten seconds of the grid: enough to tell rest from what is performed meanwhile.
+/// Ten seconds of the grid and this speed are those of shaping::Resting; neither was tuned for light.
 constexpr std::size_t kEnoughValues = 600;
 constexpr double kSlew_per_s = 0.02;
 

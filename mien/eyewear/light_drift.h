@@ -9,12 +9,13 @@
 
 namespace mien::eyewear {
 
-/// Follows how what each sensor reads of the resting face drifts away from its calibrated neutral, as glasses
-/// slip and skin sweats: the mode of the newest 30 s of its feature (StreamingMode) is taken for rest, and
-/// taken off. From the tenth second on, by at most 0.02 ranges a second and kMost in all; a mode beyond kMost
-/// is a face that is held, and moves nothing. Only of sensors whose Mount asks for it: for the others no bit
-/// changes. On frames of the 60 Hz grid. No allocation; 2 KB a sensor. What it gains and costs:
-/// docs/experiments/shaping.md, "Inputs".
+/// Takes drift off the features of photo-reflective sensors: as glasses slip and skin sweats, a resting face
+/// no longer reads what it read when it was calibrated. The mode of the newest 30 s of a sensor's feature
+/// (StreamingMode) is taken for the resting face and subtracted; it is followed by at most 0.02 ranges a
+/// second and kMost in all, and a mode beyond kMost is a face that is held, and moves nothing. Only frames in
+/// which the sensor is there count; the first ten seconds of them change nothing. Only of sensors whose Mount
+/// asks for it: for the others no bit changes. On frames of the 60 Hz grid. No allocation; 2 KB a sensor.
+/// What it gains and costs: docs/experiments/shaping.md, "Inputs".
 class LightDrift {
  public:
   /// Most drift that is followed either way, in ranges of the sensor (SensorNormalisation::range). Raising:
@@ -25,8 +26,8 @@ class LightDrift {
   /// Of the rig's photo-reflective sensors, in its order.
   explicit LightDrift(const sensor::Rig& rig);
 
-  /// Learns from a frame's features, `since_s` seconds after the last one's, and takes off what has drifted,
-  /// in place. Missing sensors keep what was learnt of them.
+  /// Learns from a frame's features, `since_s` seconds (above 0) after the last one's, and takes off what has
+  /// drifted, in place. Missing sensors keep what was learnt of them.
   void apply(double since_s, LightFrame& features);
   /// There is another neutral: nothing has drifted yet.
   void reset();

@@ -122,6 +122,7 @@ struct Engine::State {
   Intake intake;
   Recorder recorder;
   TrackerLoop loop;
+  Feeds feeds;  // Before what they fill is gone they have ended.
   Player player;
   TakeListing listing;
   asio::posix::stream_descriptor wake;
@@ -512,6 +513,7 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
     MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address));
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
+  MIEN_TRY(state->feeds.open(std::move(state->settings.feeds), state->intake));
   state->look_at_interfaces();
   for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
   if (state->settings.page) {
@@ -558,7 +560,11 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   s.wait_for_answers();
   s.wait_for_beat();
   s.loop.start();
+  s.feeds.begin([&s](std::string kind, std::string said) {
+    asio::post(s.network, [&s, kind = std::move(kind), said = std::move(said)] { s.tell(kind, said); });
+  });
   s.network.run();
+  s.feeds.end();
   s.loop.stop();
   s.take_answers();
   s.wake.release();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/live/feeds.h"
 #include "mien/live/latency.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
@@ -34,6 +35,7 @@ struct Pairing {
 /// What a live session is asked for.
 struct EngineSettings {
   std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
+  std::vector<Feed> feeds;          ///< Beside them.
   std::vector<std::string> out;     ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.

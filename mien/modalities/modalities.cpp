@@ -29,6 +29,9 @@
 #include "mien/sensor/rig_part.h"
 #include "mien/sensor/sealed_protocol.h"
 #include "mien/shaping/combined_tracker.h"
+#include "mien/speech/listeners.h"
+#include "mien/speech/sound_protocol.h"
+#include "mien/speech/speech_tracker.h"
 #include "mien/tracker/causal_tracker.h"
 
 namespace mien::modalities {
@@ -68,34 +71,55 @@ MadeTracker make_weights_tracker(const sensor::Rig& rig, const std::filesystem::
   return phone::WeightsTracker::create(rig);
 }
 
-/// What devices speak, and whether a key seals it.
+MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::path&) {
+  // It is loaded when there is sound; that it is missing is said before.
+  MIEN_TRY(speech::PhoneDecoder::check());
+  return speech::SpeechTracker::create(rig, []() -> Result<std::unique_ptr<speech::Listener>> {
+    MIEN_TRY_ASSIGN(speech::PhoneDecoder decoder, speech::PhoneDecoder::create());
+    return std::make_unique<speech::PhoneListener>(std::move(decoder));
+  });
+}
+
+/// What devices speak, and what a session with keys makes of it.
 struct Language {
+  enum class Sealing : std::uint8_t {
+    never,     ///< It names no device: not heard.
+    possible,  ///< Heard where it is sealed.
+    inside,    ///< Only devices inside this program speak it: heard as it is.
+  };
   std::unique_ptr<sensor::Protocol> protocol;
-  bool sealable = false;
+  Sealing sealing = Sealing::never;
 };
 
 Result<void> add_imu_languages(std::uint64_t session, std::vector<Language>& languages) {
   MIEN_TRY_ASSIGN(imu::NodeProtocol nodes, imu::NodeProtocol::create({.session = session}));
-  languages.push_back({std::make_unique<imu::NodeProtocol>(std::move(nodes)), true});
-  languages.push_back({std::make_unique<imu::SlimeVrProtocol>(), false});
+  languages.push_back({std::make_unique<imu::NodeProtocol>(std::move(nodes)), Language::Sealing::possible});
+  languages.push_back({std::make_unique<imu::SlimeVrProtocol>(), Language::Sealing::never});
   return {};
 }
 
 Result<void> add_eyewear_languages(std::uint64_t, std::vector<Language>& languages) {
   MIEN_TRY_ASSIGN(eyewear::EyewearProtocol protocol, eyewear::EyewearProtocol::create());
   // Its packets; lines of text name no device, so they are never sealed.
-  languages.push_back({std::make_unique<eyewear::EyewearProtocol>(std::move(protocol)), true});
+  languages.push_back(
+      {std::make_unique<eyewear::EyewearProtocol>(std::move(protocol)), Language::Sealing::possible});
   return {};
 }
 
 Result<void> add_gaze_languages(std::uint64_t, std::vector<Language>& languages) {
   // Its packets; OSC names no device, so it is never sealed.
-  languages.push_back({std::make_unique<gaze::GazeProtocol>(), true});
+  languages.push_back({std::make_unique<gaze::GazeProtocol>(), Language::Sealing::possible});
   return {};
 }
 
 Result<void> add_weights_languages(std::uint64_t, std::vector<Language>& languages) {
-  languages.push_back({std::make_unique<phone::WeightsProtocol>(), true});
+  languages.push_back({std::make_unique<phone::WeightsProtocol>(), Language::Sealing::possible});
+  return {};
+}
+
+Result<void> add_speech_languages(std::uint64_t, std::vector<Language>& languages) {
+  // Its samples are payloads, which no datagram of a network has.
+  languages.push_back({std::make_unique<speech::SoundProtocol>(), Language::Sealing::inside});
   return {};
 }
 
@@ -129,9 +153,10 @@ constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
 constexpr std::array kEyewearPorts = {imu::kNodePort};
 constexpr std::array kGazePorts = {imu::kNodePort};
 constexpr std::array kWeightsPorts = {imu::kNodePort};
+constexpr std::array<std::uint16_t, 0> kSpeechPorts = {};
 
-/// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze,
-/// weights and eyewear begin as IMU nodes' do.
+/// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze, weights,
+/// sound and eyewear begin as IMU nodes' do.
 constexpr std::array kModalities = {
     Modality{.kind = "gaze",
              .default_model = "",
@@ -145,6 +170,12 @@ constexpr std::array kModalities = {
              .ports = kWeightsPorts,
              .make_tracker = make_weights_tracker,
              .add_languages = add_weights_languages},
+    Modality{.kind = "speech",
+             .default_model = "",
+             .window_models = false,
+             .ports = kSpeechPorts,
+             .make_tracker = make_speech_tracker,
+             .add_languages = add_speech_languages},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
              .window_models = false,
@@ -255,17 +286,21 @@ Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
   std::vector<Language> languages;
   // Markers are truth, no sensors of a rig. Their packets begin as nodes' do, so they are asked about first;
   // no key seals them.
-  languages.push_back({std::make_unique<mocap::MarkerProtocol>(), false});
+  languages.push_back({std::make_unique<mocap::MarkerProtocol>(), Language::Sealing::never});
   for (const Modality& modality : kModalities) MIEN_TRY(modality.add_languages(session, languages));
   Protocols protocols;
-  for (Language& language : languages)
-    if (keys.empty() || language.sealable) protocols.push_back(std::move(language.protocol));
+  Protocols inside;
+  for (Language& language : languages) {
+    if (language.sealing == Language::Sealing::inside && !keys.empty())
+      inside.push_back(std::move(language.protocol));
+    else if (language.sealing != Language::Sealing::never || keys.empty())
+      protocols.push_back(std::move(language.protocol));
+  }
   if (keys.empty()) return protocols;
   MIEN_TRY_ASSIGN(sensor::SealedProtocol sealed,
                   sensor::SealedProtocol::create(session, keys, std::move(protocols)));
-  Protocols one;
-  one.push_back(std::make_unique<sensor::SealedProtocol>(std::move(sealed)));
-  return one;
+  inside.push_back(std::make_unique<sensor::SealedProtocol>(std::move(sealed)));
+  return inside;
 }
 
 Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig,

@@ -23,8 +23,8 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 
 /// The live model for a rig's sensors: the file `named`, or where that is empty the default one of such
 /// sensors. A rig with sensors of several kinds that need models takes a folder instead, in which the model
-/// of each has its default name; gaze and weights need none, and the path for a rig of these alone is empty.
-/// Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
+/// of each has its default name; gaze, weights and speech need none, and the path for a rig of these alone is
+/// empty. Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
 [[nodiscard]] Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named);
 
 /// Whether there are models that see a whole window of such sensors, past and future; else only the live
@@ -38,8 +38,8 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 [[nodiscard]] Result<std::unique_ptr<tracker::Tracker>> make_tracker(
     const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& settings = {});
 
-/// The protocols of all sensors; with keys one that opens the packets of those which can be sealed, and hears
-/// nobody else. Errors: internal (libsodium), the keys'.
+/// The protocols of all sensors; with keys one that opens the packets of those which can be sealed, beside
+/// what devices inside this program speak, and nobody else is heard. Errors: internal (libsodium), the keys'.
 [[nodiscard]] Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys = {});
 
 /// A session for a rig: its sensors' tracker with this live model, and the protocols of all sensors. With

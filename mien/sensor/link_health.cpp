@@ -217,6 +217,7 @@ void LinkHealth::judge_parts() {
 }
 
 void LinkHealth::judge_change(const Sample& sample) {
+  if (sample.kind == SampleKind::sound) return;  // A quiet room does not vary.
   const std::span<const float> values = sample.used();
   if (part_of(sample) != 0) {
     // FNV-1a by words.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <string_view>
 #include <utility>
 
 #include "mien/shaping/bounds.h"
@@ -24,6 +25,8 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
   places[kEyesPart] = static_cast<std::size_t>(MergePlace::gaze);
   return places;
 }();
+/// The modality that fills in what nobody senses.
+constexpr std::string_view kListening = "speech";
 /// The tongue has no confidence of its own.
 constexpr std::size_t kTongueGoesWith = face::shape("jawOpen");
 
@@ -52,6 +55,7 @@ Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
              const FallbackSettings& times)
     : modalities_(std::move(modalities)), last_(modalities_.size(), neutral_frame({})) {
   assert(!modalities_.empty() && modalities_.size() <= kMostSources);
+  for (const std::string& modality : modalities_) listens_.push_back(modality == kListening ? 1 : 0);
   set(settings, times);
   reset();
 }
@@ -81,19 +85,23 @@ void Merge::reset() {
   std::ranges::fill(last_, neutral_frame({}));
   answers_.fill(kNobody);
   leads_.fill(kNobody);
+  unsensed_since_.fill(std::nullopt);
+  heard_.fill(false);
   ease_out_.stop();
   from_ = neutral_frame({});
   begun_ = known_ = false;
 }
 
-Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
+Merge::Vote Merge::vote_of(std::span<const Source> sources, std::size_t which, std::size_t part) const {
   Vote out;
+  const Source& source = sources[which];
   const OutputFrame& frame = *source.frame;
   const bool shape = part < face::kShapeCount;
   const Provenance provenance = shape               ? frame.provenance[part]
                                 : part == kHeadPart ? frame.head_provenance
                                                     : frame.eyes_provenance;
   out.known = source.sensors_present > 0 && provenance != Provenance::neutral;
+  out.heard = listens_[which] != 0;
   if (shape) {
     const float region = frame.region_confidence[static_cast<std::size_t>(face::kShapeRegions[part])];
     const float said = region > 0 ? region : frame.confidence[part];
@@ -107,22 +115,47 @@ Merge::Vote Merge::vote_of(const Source& source, std::size_t part) {
 std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) const {
   const std::vector<std::uint8_t>& order = order_[kPlaces[part]];
   const std::uint8_t present = answers_[part];
+  if (part < face::kShapeCount && heard_[static_cast<std::size_t>(face::kShapeRegions[part])])
+    for (const std::uint8_t s : order)
+      if (const Vote vote = vote_of(sources, s, part); vote.known && vote.heard) return s;
   for (const std::uint8_t s : order) {
-    const Vote vote = vote_of(sources[s], part);
-    if (vote.known && vote.share >= (s == present ? settings_.unsure : settings_.sure)) return s;
+    const Vote vote = vote_of(sources, s, part);
+    if (vote.known && !vote.heard && vote.share >= (s == present ? settings_.unsure : settings_.sure))
+      return s;
   }
   const float hysteresis = settings_.sure - settings_.unsure;
   std::uint8_t best = kNobody;
   float most = 0;
   for (const std::uint8_t s : order) {
-    const Vote vote = vote_of(sources[s], part);
+    const Vote vote = vote_of(sources, s, part);
     // Who explains nothing has no hold on the part: else whoever came first would keep it for good.
     const float score = vote.share + (s == present && vote.share > 0 ? hysteresis : 0);
-    if (!vote.known || (best != kNobody && score <= most)) continue;
+    if (!vote.known || vote.heard || (best != kNobody && score <= most)) continue;
     best = s;
     most = score;
   }
   return best;
+}
+
+void Merge::look_for_gaps(std::span<const Source> sources, DeviceTime time) {
+  if (std::ranges::count(listens_, 1) == 0) return;
+  for (const face::ShapeRegion region : {face::ShapeRegion::mouth, face::ShapeRegion::jaw}) {
+    const auto r = static_cast<std::size_t>(region);
+    float most = 0;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      if (face::kShapeRegions[k] != region) continue;
+      for (std::size_t i = 0; i < sources.size(); ++i)
+        if (const Vote vote = vote_of(sources, i, k); vote.known && !vote.heard)
+          most = std::max(most, vote.share);
+    }
+    if (most > 0 && most >= (heard_[r] ? settings_.sure : settings_.unsure)) {
+      unsensed_since_[r].reset();
+      heard_[r] = false;
+    } else if (!unsensed_since_[r]) {
+      unsensed_since_[r] = time;
+    }
+    heard_[r] = heard_[r] || (unsensed_since_[r] && time - *unsensed_since_[r] >= kUnheard);
+  }
 }
 
 std::uint8_t Merge::lead_of(std::size_t region) const {
@@ -171,6 +204,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
     return there;
   }
   known_ = known_ || behind > 0;
+  look_for_gaps(sources, time);
 
   out.time = time;
   for (std::size_t part = 0; part < kPartCount; ++part) {

@@ -33,10 +33,13 @@ namespace mien::shaping {
 /// where that is unknown the shape's own; of head and eyes theirs. A region's confidence is that of the
 /// tracker that answers most of its shapes, of equals the first by number; where most are faded it fades.
 ///
+/// What the modality "speech" hears is taken where nobody senses: all of a region, mouth or jaw, from it,
+/// once no other tracker explained any of the region's shapes by `unsure` for kUnheard, until one explains
+/// one of them by `sure` again. In silence, where it has no estimate, the rules above go on among the others.
+///
 /// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's
 /// mechanisms and times, part by part, so a tracker that loses its sensors is replaced as smoothly as the
-/// fallback returns. A tracker that only fills in (speech, from audio) needs no more than a place at the
-/// order's end.
+/// fallback returns.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last resets it. No allocation in
 /// apply. Thread: one at a time. Method: docs/method/shaping.md.
@@ -54,6 +57,8 @@ class Merge {
   explicit Merge(std::vector<std::string> modalities, const MergeSettings& settings = {},
                  const FallbackSettings& times = {});
   static constexpr std::size_t kMostSources = 8;
+  /// How long a region is not sensed before it is heard. Raising: sound answers later, and for fewer gaps.
+  static constexpr Duration kUnheard = std::chrono::milliseconds(100);
 
   /// Fills `out`; `sources` as many as `modalities`. Returns the number of sensors for Shaper::apply: those
   /// of all trackers with an estimate (any provenance but neutral); 0 when none is left; before any had one,
@@ -75,15 +80,19 @@ class Merge {
   /// One source's claim to a part of the frame.
   struct Vote {
     bool known = false;  // It has sensors and an estimate.
+    bool heard = false;  // It is the modality that listens.
     float share = 0;     // Of the part that it explains; else its confidence.
   };
-  [[nodiscard]] static Vote vote_of(const Source& source, std::size_t part);
+  [[nodiscard]] Vote vote_of(std::span<const Source> sources, std::size_t which, std::size_t part) const;
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;
+  /// Follows which regions no tracker senses.
+  void look_for_gaps(std::span<const Source> sources, DeviceTime time);
   /// The source that answers most of a region's shapes; kNobody where more are faded.
   [[nodiscard]] std::uint8_t lead_of(std::size_t region) const;
   void copy_regions(std::span<const Source> sources, face::OutputFrame& out);
 
   std::vector<std::string> modalities_;
+  std::vector<std::uint8_t> listens_;  // 1: the source is of the modality "speech".
   MergeSettings settings_;
   FallbackSettings times_;
   bool on_ = true;
@@ -91,6 +100,8 @@ class Merge {
   std::vector<face::OutputFrame> last_;                            // Of each source, mended.
   std::array<std::uint8_t, kPartCount> answers_{};                 // Selected source by part.
   std::array<std::uint8_t, face::kShapeRegionCount> leads_{};      // Source that answers most of a region.
+  std::array<std::optional<DeviceTime>, face::kShapeRegionCount> unsensed_since_;
+  std::array<bool, face::kShapeRegionCount> heard_{};  // Sound may answer for the region.
   EaseOut ease_out_;
   face::OutputFrame from_;                      // What was shown of each part when it was lost, ...
   std::array<DeviceTime, kPartCount> since_{};  // ... and when.

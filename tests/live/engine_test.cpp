@@ -11,6 +11,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
 #include <map>
+#include <stdexcept>
 #include <stop_token>
 #include <thread>
 
@@ -416,6 +417,40 @@ TEST(Engine, ARecordingAsksForItsPosesWritesThemAndEndsWithThem) {
   }
 }
 
+TEST(Engine, FeedsHandOverUntilTheyAreOverFailOrAreStopped) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  EngineSettings asked = settings(folder);
+  std::atomic<int> handed = 0;
+  std::atomic<bool> was_stopped = false;
+  const std::vector<std::byte> rubbish(40, std::byte{7});
+  asked.feeds.push_back({"toy:short", [&](PayloadSource& out, const std::atomic<bool>&) {
+                           for (int i = 0; i < 3; ++i) handed += out.hand_over(rubbish, rubbish) ? 1 : 0;
+                         }});
+  asked.feeds.push_back({"toy:broken", [](PayloadSource&, const std::atomic<bool>&) {
+                           throw std::runtime_error("the lens fell off");
+                         }});
+  asked.feeds.push_back({"toy:endless", [&](PayloadSource&, const std::atomic<bool>& stop) {
+                           while (!stop) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                           was_stopped = true;
+                         }});
+  auto engine = Engine::open(std::move(asked), session::test::session());
+  ASSERT_TRUE(engine) << engine.error().message();
+  std::vector<std::string> told;
+  std::atomic<bool> stop = false;
+  EngineListener listener;
+  listener.told = [&](const std::string& text) {
+    told.push_back(text);
+    if (told.size() == 2) stop = true;
+  };
+  const auto summary = (*engine)->run(stop, listener);
+  ASSERT_TRUE(summary) << summary.error().message();
+  EXPECT_THAT(told,
+              ::testing::UnorderedElementsAre("toy:short is over", "toy:broken ended: the lens fell off"));
+  EXPECT_EQ(handed, 3);
+  EXPECT_TRUE(was_stopped);
+  EXPECT_EQ(summary->datagrams, 3U);
+}
+
 TEST(Engine, SaysWhyItCannotBegin) {
   const mien::test::Folder folder(mien::test::Folder::On::memory);
   const auto error_of = [&](auto change) {
@@ -428,6 +463,7 @@ TEST(Engine, SaysWhyItCannotBegin) {
   ASSERT_TRUE(first);
   EXPECT_THAT(error_of([&](EngineSettings& s) { s.listen = (*first)->listening(); }), HasSubstr("--listen"));
   EXPECT_THAT(error_of([](EngineSettings& s) { s.listen = {"udp://nowhere"}; }), HasSubstr("address"));
+  EXPECT_THAT(error_of([](EngineSettings& s) { s.feeds = {{"toy", {}}, {"toy", {}}}; }), HasSubstr("twice"));
   EXPECT_THAT(error_of([](EngineSettings& s) { s.out = {"pigeon://127.0.0.1"}; }), HasSubstr("pigeon"));
   EXPECT_THAT(error_of([](EngineSettings& s) {
                 s.page = PageSettings{.host = "0.0.0.0", .port = 0, .token = {}, .assets = {}};

@@ -7,6 +7,7 @@
 #include "mien/core/bytes.h"
 #include "mien/eyewear/packet.h"
 #include "mien/imu/packets/node_message.h"
+#include "mien/speech/sound_block.h"
 #include "tests/project_path.h"
 
 namespace mien::modalities::modalities_test {
@@ -119,8 +120,10 @@ TEST(Registry, AKeyAdmitsSealedNodesAndGlassesInOneSessionAndNothingPlain) {
   constexpr std::uint64_t kGlasses = 0x024D'4945'4E40, kNode = 0x024D'4945'4E07;
   const sensor::SealKey key{.id = 4, .secret = {std::byte{9}}};
   const Protocols protocols = make_protocols({key}).value();
-  ASSERT_EQ(protocols.size(), 1U);
-  sensor::Protocol& session = *protocols.front();
+  // Beside it only what devices inside this program speak, by payloads that no datagram has.
+  ASSERT_EQ(protocols.size(), 2U);
+  EXPECT_EQ(protocols.front()->name(), "sound");
+  sensor::Protocol& session = *protocols.back();
   Paired node(session, key, kNode), glasses(session, key, kGlasses);
   EXPECT_EQ(glasses.send(scan(kGlasses)), sensor::Verdict::taken);
   ASSERT_EQ(glasses.inbox.readings.size(), 3U);
@@ -135,6 +138,8 @@ TEST(Registry, AKeyAdmitsSealedNodesAndGlassesInOneSessionAndNothingPlain) {
   sensor::Inbox inbox;
   EXPECT_EQ(session.receive(HostTime(), 1, scan(kGlasses), inbox), sensor::Verdict::refused);
   EXPECT_EQ(session.receive(HostTime(), 1, pulse.bytes(), inbox), sensor::Verdict::refused);
+  const std::vector<std::byte> block = speech::encode_header({.device = kNode, .block = 1}).value();
+  EXPECT_EQ(protocols.front()->receive(HostTime(), 1, block, inbox), sensor::Verdict::malformed);
   const auto text = std::as_bytes(std::span<const char>("512,498,1003,17", 15));
   EXPECT_FALSE(session.recognises(text));
   // What a log keeps of it replays without keys.

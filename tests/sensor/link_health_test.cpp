@@ -277,6 +277,15 @@ TEST(LinkHealth, SeesAFrozenSensor) {
   }
 }
 
+TEST(LinkHealth, AQuietRoomIsNotFrozen) {
+  LinkHealth link;
+  Node node;
+  node.kind = SampleKind::sound;
+  node.count = 2;
+  node.still = true;
+  EXPECT_EQ(state(link, play(link, node, 5)), LinkState::good);
+}
+
 TEST(LinkHealth, SeesOneFrozenChipOfTwo) {
   LinkHealth link;
   Node node;

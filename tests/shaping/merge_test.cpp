@@ -384,27 +384,118 @@ TEST(Merge, WhateverHappensIsSoundAndWithinTheStatedStepAndTheSameEachTime) {
   EXPECT_EQ(hash_of_trouble(), hash_of_trouble());
 }
 
-TEST(Merge, SpeechFillsInWhereTheSensorsFail) {
-  // The fallback to audio is a tracker at the order's end.
+/// Mouth and jaw as they sound while somebody speaks; else nothing.
+OutputFrame speech(std::int64_t index, float weight, bool speaks = true) {
+  OutputFrame frame = neutral_frame(frame_time(index));
+  for (std::size_t k = 0; speaks && k < face::kShapeCount; ++k) {
+    const bool heard = face::kShapeRegions[k] == face::ShapeRegion::mouth ||
+                       face::kShapeRegions[k] == face::ShapeRegion::jaw;
+    frame.weights[k] = heard ? weight : 0;
+    frame.provenance[k] = heard ? Provenance::audio : Provenance::neutral;
+  }
+  return frame;
+}
+
+/// IMUs whose sensors explain so much of mouth and jaw, and speech.
+OutputFrame sensed_and_heard(Merge& merge, int index, float mouth, float jaw, bool speaks = true,
+                             std::size_t imus = 12) {
+  OutputFrame imu = measured(index, 0.3F), sound = speech(index, 0.6F, speaks);
+  tracker::Explained explained;
+  explained.fill(0.9F);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    if (face::kShapeRegions[k] == face::ShapeRegion::mouth) explained[k] = k == kSmile ? mouth : 0;
+    if (face::kShapeRegions[k] == face::ShapeRegion::jaw) explained[k] = k == kJaw ? jaw : 0;
+  }
+  const std::array<Merge::Source, 2> sources = {Merge::Source{&imu, imus, &explained},
+                                                Merge::Source{&sound, 1}};
+  OutputFrame out;
+  merge.apply(sources, out);
+  return out;
+}
+
+TEST(Merge, SoundAnswersForARegionThatNobodySenses) {
   Merge merge({"imu", "speech"});
+  int taken = -1;
   for (int i = 0; i < 120; ++i) {
-    const bool lost = i >= 60;
-    OutputFrame imu = measured(i, 0.3F), speech = glasses(i, 0.6F);
-    speech.provenance.fill(Provenance::neutral);
-    for (const std::size_t k : {kSmile, kJaw}) speech.provenance[k] = Provenance::audio;
-    speech.confidence.fill(0.5F);
-    if (lost) imu.confidence[kSmile] = 0.1F;  // The cheek's sensors fell off, the chin's is there.
-    const std::array<Merge::Source, 2> sources = {Merge::Source{&imu, lost ? 8u : 12u},
-                                                  Merge::Source{&speech, 1}};
-    OutputFrame out;
-    merge.apply(sources, out);
-    ASSERT_EQ(out.provenance[kSmile], lost ? Provenance::audio : Provenance::measured);
-    ASSERT_EQ(out.provenance[kJaw], Provenance::measured);
-    ASSERT_EQ(out.provenance[kBrow], Provenance::measured) << "speech knows nothing of brows";
+    const bool lost = i >= 60;  // The cheeks' sensors fell off, the chin's is there.
+    const OutputFrame out = sensed_and_heard(merge, i, lost ? 0.1F : 0.8F, 0.8F);
+    const bool heard = out.provenance[kSmile] == Provenance::audio;
+    if (heard && taken < 0) taken = i;
+    ASSERT_EQ(heard, taken >= 0);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      ASSERT_EQ(out.provenance[k] == Provenance::audio,
+                heard && face::kShapeRegions[k] == face::ShapeRegion::mouth)
+          << "all of the mouth, also what IMUs never explained, and nothing else: " << face::kShapeNames[k];
     if (i == 119) {
       EXPECT_EQ(out.weights[kSmile], 0.6F);
     }
   }
+  EXPECT_EQ(taken, 66) << "a tenth of a second later";
+}
+
+TEST(Merge, SoundGivesWayToSensorsThatAreSureAgain) {
+  Merge merge({"imu", "speech"});
+  for (int i = 0; i < 30; ++i) sensed_and_heard(merge, i, 0.1F, 0.1F);
+  EXPECT_EQ(sensed_and_heard(merge, 30, 0.4F, 0.4F).provenance[kJaw], Provenance::audio)
+      << "more than unsure is not sure";
+  EXPECT_EQ(sensed_and_heard(merge, 31, 0.4F, 0.6F).provenance[kJaw], Provenance::measured);
+  EXPECT_EQ(sensed_and_heard(merge, 32, 0.4F, 0.6F).provenance[kSmile], Provenance::audio);
+  for (int i = 33; i < 90; ++i)
+    EXPECT_EQ(sensed_and_heard(merge, i, 0.4F, 0.4F).provenance[kJaw], Provenance::measured)
+        << "and keeps it";
+}
+
+TEST(Merge, ShortGapsAndSilenceAreNotHeard) {
+  Merge merge({"imu", "speech"});
+  for (int i = 0; i < 200; ++i)
+    ASSERT_NE(sensed_and_heard(merge, i, i % 10 < 5 ? 0.1F : 0.8F, 0.8F).provenance[kSmile],
+              Provenance::audio);
+  // Nobody speaks: as without a microphone.
+  Merge silent({"imu", "speech"});
+  for (int i = 0; i < 100; ++i) {
+    const OutputFrame out = sensed_and_heard(silent, i, i < 50 ? 0.8F : 0.1F, 0.8F, false);
+    EXPECT_EQ(out.provenance[kSmile], Provenance::measured);
+    EXPECT_EQ(out.weights[kSmile], 0.3F);
+  }
+}
+
+TEST(Merge, WhatAnotherProgramHasFromAudioIsMergedAsItsOther) {
+  // By the order, for every region: it is no microphone of ours.
+  Merge merge({"imu", "weights"});
+  OutputFrame imu = measured(0, 0.3F), told = measured(0, 0.6F);
+  told.provenance.fill(Provenance::audio);
+  const std::array<Merge::Source, 2> sources = {Merge::Source{&imu, 12}, Merge::Source{&told, 1}};
+  OutputFrame out;
+  merge.apply(sources, out);
+  EXPECT_EQ(out.provenance[kSmile], Provenance::audio);
+  EXPECT_EQ(out.provenance[kBrow], Provenance::audio);
+  EXPECT_EQ(out.weights[kJaw], 0.6F);
+}
+
+TEST(Merge, SoundIsHeardWhateverCountsAsSensed) {
+  Merge merge({"imu", "speech"}, {.sure = 0, .unsure = 0});
+  OutputFrame out;
+  for (int i = 0; i < 60; ++i) out = sensed_and_heard(merge, i, 0.8F, 0.8F, true, i < 20 ? 12 : 0);
+  EXPECT_EQ(out.provenance[kJaw], Provenance::audio);
+}
+
+TEST(Merge, SoundAnswersForMouthAndJawWhereAllSensorsAreLost) {
+  Merge merge({"imu", "speech"});
+  OutputFrame before = sensed_and_heard(merge, 0, 0.8F, 0.8F);
+  double largest = 0;
+  for (int i = 1; i < 400; ++i) {
+    const bool lost = i >= 60 && i < 200;
+    const OutputFrame out = sensed_and_heard(merge, i, 0.8F, 0.8F, true, lost ? 0 : 12);
+    largest = std::max(largest, largest_step(out, before));
+    before = out;
+    if (i == 199) {
+      EXPECT_EQ(out.provenance[kJaw], Provenance::audio);
+      EXPECT_NEAR(out.weights[kJaw], 0.6F, 0.01);
+      EXPECT_NE(out.provenance[kBrow], Provenance::audio) << "brows are held, then neutral";
+    }
+  }
+  EXPECT_EQ(before.provenance[kJaw], Provenance::measured);
+  EXPECT_LT(largest, 0.1 * 0.3 + 0.05) << "eased over both ways";
 }
 
 TEST(Merge, AnUncalibratedTrackerIsNotAskedAndDoesNotCount) {

@@ -34,7 +34,7 @@ TEST(MinuteStudy, MeasuresMethodsAndConditionsOnAnyNumberOfThreads) {
   ASSERT_TRUE(one) << one.error().message();
   ASSERT_TRUE(two) << two.error().message();
   ASSERT_EQ(one->methods.size(), 4u);
-  ASSERT_EQ(one->conditions.size(), 4u);
+  ASSERT_EQ(one->conditions.size(), 6u);
   const double neutral_mm = one->methods[0].overall.all.mean_mm;
   EXPECT_GT(neutral_mm, 0.3);
   for (std::size_t m = 0; m < 4; ++m) {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "mien/core/time.h"
+#include "mien/face/profile.h"
+#include "mien/speech/sound_block.h"
+
+namespace mien::speech {
+
+/// What was heard of the mouth at one moment.
+struct Heard {
+  DeviceTime time;                  ///< Of the mouth, the sound's clock.
+  face::BlendshapeWeights weights;  ///< Shapes of mouth and jaw, 0 to 1; the others 0.
+  float tongue = 0;                 ///< Tongue out, 0 to 1.
+  float voice = 0;                  ///< Whether somebody speaks, 0 to 1.
+};
+
+/// One way from sound to the mouth, block by block. A pure function of the blocks. One stream, one thread.
+class Listener {
+ public:
+  virtual ~Listener() = default;
+  /// The next block; `time`: the device time of its first sample. What is known of the mouth from then on;
+  /// times rise from call to call. Blocks that were lost between two leave their gap in the times.
+  virtual Heard push(DeviceTime time, const Block& block) = 0;
+  /// The next block begins anew: nothing was heard before.
+  virtual void reset() = 0;
+};
+
+}  // namespace mien::speech

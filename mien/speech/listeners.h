@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "mien/speech/articulator.h"
+#include "mien/speech/listener.h"
+#include "mien/speech/log_mel.h"
+#include "mien/speech/phone_decoder.h"
+#include "mien/speech/speech_network.h"
+
+namespace mien::speech {
+
+/// The learned way: a recurrent network on log-mel frames. Closure closes the lips as far as it says:
+/// mouthClose is that share of jawOpen.
+class LearnedListener final : public Listener {
+ public:
+  explicit LearnedListener(SpeechNetwork network) : network_(std::move(network)) {}
+  Heard push(DeviceTime time, const Block& block) override;
+  void reset() override;
+
+ private:
+  LogMel mel_;
+  SpeechNetwork network_;
+  HeardMouth mouth_;
+};
+
+/// The faithful way: phones of PocketSphinx, visemes, coarticulation. It answers for kDelay before the
+/// block's end, when a phone that has just been told is in its middle; lips that closed are known when they
+/// part.
+class PhoneListener final : public Listener {
+ public:
+  static constexpr Duration kDelay = std::chrono::milliseconds(60);
+
+  explicit PhoneListener(PhoneDecoder decoder) : decoder_(std::move(decoder)) {}
+  Heard push(DeviceTime time, const Block& block) override;
+  void reset() override;
+
+ private:
+  PhoneDecoder decoder_;
+  Articulator articulator_;
+  std::vector<TimedSound> sounds_;
+  std::uint64_t blocks_ = 0;
+};
+
+}  // namespace mien::speech

@@ -1,0 +1,126 @@
+#include "mien/speech/speech_tracker.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mien/sensor/rig_part.h"
+
+namespace mien::speech {
+namespace {
+
+using face::Provenance;
+
+/// Times that run back farther than this are of another start of the microphone.
+constexpr Duration kRestart = std::chrono::milliseconds(200);
+
+/// Shapes that sound tells of: those of the regions of mouth and jaw.
+constexpr bool is_heard(std::size_t shape) {
+  return face::kShapeRegions[shape] == face::ShapeRegion::mouth ||
+         face::kShapeRegions[shape] == face::ShapeRegion::jaw;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SpeechTracker>> SpeechTracker::create(const sensor::Rig& rig, MakeListener make) {
+  const std::vector<std::uint16_t> microphones = sensor::sensors_of(rig, "speech");
+  if (microphones.empty())
+    return fail(ErrorCode::mismatch, "no sensor of this rig is of the kind speech", "rig " + rig.name);
+  return std::unique_ptr<SpeechTracker>(new SpeechTracker(microphones.front(), std::move(make)));
+}
+
+void SpeechTracker::forget_all() {
+  if (listener_) listener_->reset();
+  next_ = 0;
+  last_block_.reset();
+  speaks_ = false;
+  quiet_since_.reset();
+}
+
+void SpeechTracker::forget(std::uint16_t sensor) {
+  if (sensor == sensor_) forget_all();
+}
+
+void SpeechTracker::add_with_payload(HostTime, const sensor::Sample& sample,
+                                     std::span<const std::byte> payload) {
+  if (sample.sensor != sensor_) return;
+  const auto block = samples_of(payload);
+  if (!block) return;
+  if (last_block_) {
+    const Duration since = sample.time - *last_block_;
+    if (since < -kRestart)
+      forget_all();
+    else if (since <= Duration::zero())
+      return;  // Doubled, or out of order.
+    else if (since > kPresent)
+      forget_all();  // What is remembered of before a gap is of no use.
+  }
+  last_block_ = sample.time;
+  if (const MakeListener make = std::exchange(make_, nullptr))
+    if (auto made = make()) listener_ = *std::move(made);
+  if (!listener_) return;
+  heard_[next_ % kKept] = listener_->push(sample.time - kBlockDuration / 2, *block);
+  ++next_;
+}
+
+std::optional<Heard> SpeechTracker::at(DeviceTime time) const {
+  const std::size_t kept = std::min(next_, kKept);
+  for (std::size_t back = 0; back < kept; ++back) {
+    const Heard& before = newest(back);
+    if (before.time > time) continue;
+    if (back == 0) return before;
+    const Heard& after = newest(back - 1);
+    const auto share =
+        static_cast<float>(to_seconds(time - before.time) / to_seconds(after.time - before.time));
+    Heard between = before;
+    between.time = time;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      between.weights[k] += share * (after.weights[k] - before.weights[k]);
+    between.tongue += share * (after.tongue - before.tongue);
+    between.voice += share * (after.voice - before.voice);
+    return between;
+  }
+  return std::nullopt;
+}
+
+tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                        face::OutputFrame& out) {
+  tracker::TickResult result;
+  out = {};
+  out.time = frame;
+  out.provenance.fill(Provenance::neutral);
+  std::optional<Heard> heard;
+  if (lines.ready() && last_block_) {
+    const DeviceTime time = lines.from_line(sensor_, frame);
+    if (time - *last_block_ <= kPresent) heard = at(time);
+  }
+  if (!heard) {
+    speaks_ = false;
+    quiet_since_.reset();
+    return result;
+  }
+  result.sensors_present = 1;
+  if (heard->voice >= kSpeaks) speaks_ = true;
+  if (heard->voice >= kSilent)
+    quiet_since_.reset();
+  else if (!quiet_since_)
+    quiet_since_ = frame;
+  if (quiet_since_ && frame - *quiet_since_ >= kPause) speaks_ = false;
+  if (!speaks_) return result;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    if (!is_heard(k)) continue;
+    out.weights[k] = heard->weights[k];
+    out.provenance[k] = Provenance::audio;
+  }
+  out.tongue_out = heard->tongue;
+  return result;
+}
+
+tracker::CalibrationState SpeechTracker::calibration_state() const {
+  return {.phase = tracker::CalibrationState::Phase::done};
+}
+
+Result<void> SpeechTracker::restore(std::string_view) {
+  return fail(ErrorCode::mismatch, "a tracker of speech has no calibration", "calibration");
+}
+
+}  // namespace mien::speech

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "mien/sensor/rig.h"
+#include "mien/speech/listener.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::speech {
+
+/// Tracker of the modality "speech": mouth and jaw as they sound. While somebody speaks these shapes have the
+/// provenance audio; in silence, and without sound, they are neutral, with that provenance, so that nobody
+/// takes a quiet room for a closed mouth. Confidence is 0: nobody measured it yet. The other shapes, head and
+/// eyes are always neutral: sound does not tell them. Of several microphones of a rig the first is listened
+/// to. Nothing to calibrate. No allocation of its own; what a Listener does is its affair.
+class SpeechTracker final : public tracker::Tracker {
+ public:
+  /// Without a block for so long there is no sound.
+  static constexpr Duration kPresent = std::chrono::milliseconds(200);
+  /// Hysteresis of whether somebody speaks: from the first on, until it was below the second for kPause.
+  static constexpr float kSpeaks = 0.6F, kSilent = 0.4F;
+  static constexpr Duration kPause = std::chrono::milliseconds(300);
+
+  /// The listener is asked for at the first block, so that a session's first frame does not wait for it:
+  /// whatever the hour, the same blocks give the same bits. Where it cannot be made nothing is heard
+  /// (error()).
+  using MakeListener = std::function<Result<std::unique_ptr<Listener>>()>;
+
+  /// Errors: mismatch (a rig without sensors of the kind "speech").
+  [[nodiscard]] static Result<std::unique_ptr<SpeechTracker>> create(const sensor::Rig& rig,
+                                                                     MakeListener make);
+
+  [[nodiscard]] std::string_view modality() const override { return "speech"; }
+  /// A block that came without its samples is none.
+  void add(HostTime, const sensor::Sample&) override {}
+  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                        std::span<const std::byte> payload) override;
+  void forget(std::uint16_t sensor) override;
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
+  [[nodiscard]] tracker::Guidance guidance() const override {
+    return {.neutral = Duration::zero(), .gestures = false};
+  }
+  void guide(tracker::Step, DeviceTime, DeviceTime) override {}
+  void cancel_guidance() override {}
+  [[nodiscard]] tracker::CalibrationState calibration_state() const override;
+  [[nodiscard]] std::string calibration() const override { return {}; }
+  [[nodiscard]] std::vector<sensor::Score> scores() const override { return {}; }
+  /// Errors: mismatch, always.
+  [[nodiscard]] Result<void> restore(std::string_view json) override;
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
+
+ private:
+  /// Answers that are kept: a frame may be older than the newest.
+  static constexpr std::size_t kKept = 32;
+
+  SpeechTracker(std::uint16_t sensor, MakeListener make) : sensor_(sensor), make_(std::move(make)) {}
+  /// What was heard of the mouth at that time of the sound's clock: between two answers their mean by time,
+  /// after the newest that one. None: nothing.
+  [[nodiscard]] std::optional<Heard> at(DeviceTime time) const;
+  [[nodiscard]] const Heard& newest(std::size_t back) const { return heard_[(next_ - 1 - back) % kKept]; }
+  void forget_all();
+
+  std::uint16_t sensor_;
+  MakeListener make_;  // Empty once it was asked.
+  std::unique_ptr<Listener> listener_;
+  std::array<Heard, kKept> heard_;
+  std::size_t next_ = 0;  // Answers so far.
+  std::optional<DeviceTime> last_block_;
+  bool speaks_ = false;
+  std::optional<DeviceTime> quiet_since_;
+};
+
+}  // namespace mien::speech

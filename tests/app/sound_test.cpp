@@ -1,0 +1,173 @@
+// `mien live --audio` from outside: a sound in, a moving mouth out, and the same from the take.
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "mien/core/files.h"
+#include "mien/core/wav.h"
+#include "mien/speech/sound_block.h"
+#include "mien/take/take.h"
+#include "tests/app/program.h"
+
+namespace mien::app::test::sound_test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A second of a tone.
+Sound tone(std::uint32_t rate_hz) {
+  Sound sound{.rate_hz = rate_hz, .samples = std::vector<float>(rate_hz)};
+  for (std::size_t i = 0; i < rate_hz; ++i)
+    sound.samples[i] =
+        static_cast<float>(0.2 * std::sin(2 * std::numbers::pi * 200 * static_cast<double>(i) / rate_hz));
+  return sound;
+}
+
+/// A sentence read aloud by the helper, of 22.05 kHz; false where the program was built without it.
+bool read_aloud(const std::string& wav) {
+  const std::filesystem::path helper = std::filesystem::path(program_path()).parent_path() / "mien-media";
+  if (!std::filesystem::exists(helper)) return false;
+  const std::string command =
+      helper.string() + " speak --text 'Father saw papa open five more maps' --wav " + wav + " > /dev/null";
+  return std::system(command.c_str()) == 0;
+}
+
+struct SoundProgram : testing::Test {
+  Folder folder;
+  std::vector<std::string> live(std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"live", "--listen", "udp://127.0.0.1:0", "--page", "off"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  void write_sound(const std::string& name, const std::vector<std::byte>& bytes) const {
+    ASSERT_TRUE(write_file(folder / name, bytes));
+  }
+};
+
+/// The largest value of a column of a Live Link Face CSV.
+double most(const std::string& csv, const std::string& column) {
+  std::istringstream lines(csv);
+  std::string line, cell;
+  std::getline(lines, line);
+  std::size_t place = 0;
+  for (std::istringstream names(line); std::getline(names, cell, ',') && cell != column;) ++place;
+  double largest = 0;
+  EXPECT_EQ(cell, column);
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    for (std::size_t i = 0; i <= place; ++i) std::getline(cells, cell, ',');
+    largest = std::max(largest, std::stod(cell));
+  }
+  return largest;
+}
+
+TEST_F(SoundProgram, ASoundMovesTheMouthAndTheTakeHearsTheSame) {
+  // Of another rate, beside a rig of IMUs that are all silent: it gets a microphone.
+  if (!read_aloud(folder / "talk.wav")) GTEST_SKIP() << "built without mien-media, which reads aloud";
+  const Outcome outcome = run(live({"--audio", folder / "talk.wav", "--record", folder / "talk.mien", "--out",
+                                    "csv:" + (folder / "talk.csv"), "--for", "4", "--json"}));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto said = nlohmann::json::parse(outcome.out);
+  EXPECT_GT(said["frames"].get<int>(), 60);
+  EXPECT_EQ(said["missed"].get<int>(), 0);
+  EXPECT_EQ(said["malformed"].get<int>(), 0);
+  EXPECT_GT(most(content(folder / "talk.csv"), "JawOpen"), 0.2);
+  EXPECT_GT(most(content(folder / "talk.csv"), "MouthClose"), 0.05) << "p and m";
+
+  const auto take = take::Take::open(folder / "talk.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  ASSERT_TRUE(take->rig().find("microphone"));
+  EXPECT_EQ(take->rig().sensors.size(), 13U);
+  auto samples = take->samples();
+  ASSERT_TRUE(samples) << samples.error().message();
+  const Sound sound = parse_wav(read_file(folder / "talk.wav").value(), "talk.wav").value();
+  EXPECT_NEAR(static_cast<double>(samples->size()), std::min(sound.duration_s(), 4.0) * 50, 5)
+      << "blocks of 20 ms";
+
+  for (int i = 0; i < 3; ++i) {
+    const Outcome replayed = run({"live", "--replay", folder / "talk.mien", "--json"});
+    ASSERT_EQ(replayed.status, 0) << replayed.err;
+    EXPECT_EQ(nlohmann::json::parse(replayed.out)["hash"], said["hash"]);
+  }
+  const Outcome solved = run({"solve", folder / "talk.mien", "--out", folder / "solved.csv"});
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  EXPECT_GT(most(content(folder / "solved.csv"), "JawOpen"), 0.2);
+}
+
+TEST_F(SoundProgram, ARigsOwnMicrophoneIsTheOneThatHears) {
+  write_sound("tone.wav", format_wav(tone(16'000)));
+  const std::string rig =
+      "name = \"ears\"\nreference = \"mine\"\n[[sensor]]\nname = \"mine\"\nkind = \"speech\"\nrole = "
+      "\"face\"\n";
+  write(folder / "bound.toml", rig + "device = \"02:00:00:00:00:07\"\n");
+  write(folder / "plain.toml", rig);  // Virtual nodes.
+  for (const char* name : {"bound.toml", "plain.toml"}) {
+    const std::string recorded = folder / (std::string(name) + ".mien");
+    const Outcome outcome = run(
+        live({"--rig", folder / name, "--audio", folder / "tone.wav", "--record", recorded, "--for", "1.5"}));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("sound:tone.wav is over"));
+    const auto take = take::Take::open(recorded);
+    ASSERT_TRUE(take) << take.error().message();
+    EXPECT_EQ(take->rig().sensors.size(), 1U);
+    EXPECT_EQ(take->samples().value().size(), 50U) << name;
+  }
+  const std::string other =
+      "[[sensor]]\nname = \"other\"\nkind = \"gaze\"\nrole = \"face\"\ndevice = \"02:00:00:00:00:08\"\n";
+  write(folder / "unbound.toml", rig + other);
+  const Outcome outcome = run(live({"--rig", folder / "unbound.toml", "--audio", folder / "tone.wav"}));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("'mine' is bound to no device"));
+}
+
+TEST_F(SoundProgram, NothingIsHeardUnasked) {
+  const Outcome outcome = run(live({"--record", folder / "quiet.mien", "--for", "0.5"}));
+  EXPECT_EQ(outcome.status, 1) << "no device sends: " << outcome.out;
+  const auto take = take::Take::open(folder / "quiet.mien");
+  ASSERT_TRUE(take) << take.error().message() << outcome.err;
+  EXPECT_FALSE(take->rig().find("microphone"));
+}
+
+TEST_F(SoundProgram, BadSoundIsOneLine) {
+  const auto line = [&](const std::string& name, const std::string& part) {
+    const Outcome outcome = run(live({"--audio", folder / name, "--for", "0.2"}));
+    EXPECT_EQ(outcome.status, 2) << name << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(part)) << name;
+    EXPECT_THAT(outcome.err, HasSubstr(name));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  };
+  const std::vector<std::byte> good = format_wav(tone(8'000));
+  const auto with = [&](std::size_t at, std::uint32_t value, std::size_t bytes) {
+    std::vector<std::byte> changed = good;
+    std::memcpy(changed.data() + at, &value, bytes);
+    return changed;
+  };
+  line("missing.wav", "there is no such file");
+  write_sound("nothing.wav", {});
+  line("nothing.wav", "nothing.wav: ");
+  write_sound("empty.wav", format_wav({.rate_hz = 16'000, .samples = {}}));
+  line("empty.wav", "there is no sound in it");
+  write_sound("slow.wav", with(24, 1, 4));  // 1 Hz.
+  line("slow.wav", "Hz");
+  write_sound("deep.wav", with(34, 24, 2));  // 24 bits.
+  line("deep.wav", "16");
+  write(folder / "text.wav", "this is no sound\n");
+  line("text.wav", "RIFF");
+  // A header that promises more than is there: what is there is heard, as of a recorder that was killed.
+  write_sound("lying.wav", with(40, 0x7FFF'FFFF, 4));
+  EXPECT_EQ(run(live({"--audio", folder / "lying.wav", "--for", "1"})).status, 0);
+  // A take has its sound.
+  const Outcome outcome = run({"live", "--replay", folder / "text.wav", "--audio", folder / "lying.wav"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--audio"));
+}
+
+}  // namespace
+}  // namespace mien::app::test::sound_test
