@@ -11,6 +11,9 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/one_line.h"
+#include "app/take_sound.h"
+#include "mien/core/files.h"
+#include "mien/core/wav.h"
 #include "mien/take/summary.h"
 
 namespace mien::app {
@@ -158,6 +161,15 @@ Result<void> check(const std::string& file, bool json) {
   return {};
 }
 
+Result<void> write_sound(const std::string& file, const std::string& out) {
+  MIEN_TRY(check_output(out, {".wav"}));
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(file));
+  MIEN_TRY_ASSIGN(const Sound sound, sound_of(take));
+  MIEN_TRY(write_file(out, format_wav(sound)));
+  fmt::print("{}: {:.1f} s of sound, {} Hz\n", out, sound.duration_s(), sound.rate_hz);
+  return {};
+}
+
 }  // namespace
 
 void add_take_command(Commands& commands) {
@@ -175,6 +187,16 @@ void add_take_command(Commands& commands) {
   const Command check_command =
       commands.add_under(parent, "check", "Reads all of a take and says whether it is sound",
                          "mien take check a.mien", [options] { return check(options->file, options->json); });
+  struct SoundOptions {
+    std::string file, out;
+  };
+  const auto sound_options = std::make_shared<SoundOptions>();
+  const Command sound_command = commands.add_under(
+      parent, "sound", "Writes what is heard in a take as a WAV file", "mien take sound a.mien --out a.wav",
+      [sound_options] { return write_sound(sound_options->file, sound_options->out); });
+  sound_command.add_option("take", sound_options->file, "The take").required();
+  sound_command.add_option("--out", sound_options->out, "The WAV file").required();
+
   for (Command command : {info_command, check_command}) {
     command.add_option("take", options->file, "The take").required();
     command.add_flag("--json", options->json, "Print one JSON object");

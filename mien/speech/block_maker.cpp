@@ -22,7 +22,7 @@ std::int16_t clipped(float sample) {
 
 struct BlockMaker::Resampler {
   struct Free {
-    void operator()(SRC_STATE* state) const { src_delete(state); }
+    void operator()(SRC_STATE* its) const { src_delete(its); }
   };
   std::unique_ptr<SRC_STATE, Free> state;  // None: the rate is ours.
   double ratio = 1;

@@ -88,7 +88,14 @@ PhoneDecoder::PhoneDecoder(std::unique_ptr<State> state) : state_(std::move(stat
 PhoneDecoder::PhoneDecoder(PhoneDecoder&&) noexcept = default;
 PhoneDecoder& PhoneDecoder::operator=(PhoneDecoder&&) noexcept = default;
 PhoneDecoder::~PhoneDecoder() {
-  if (state_ && state_->speaking) ps_end_utt(state_->decoder.get());
+  if (!state_) return;
+  ps_decoder_t* const decoder = state_->decoder.get();
+  if (state_->speaking) ps_end_utt(decoder);
+  // The library frees its list of an utterance's phones when it makes the next one, and the last one never:
+  // an empty utterance's is none.
+  if (ps_start_utt(decoder) < 0) return;
+  ps_end_utt(decoder);
+  if (ps_seg_t* segment = ps_seg_iter(decoder)) ps_seg_free(segment);
 }
 
 Result<void> PhoneDecoder::check(const std::filesystem::path& model) {

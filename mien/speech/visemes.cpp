@@ -44,7 +44,6 @@ Result<Manners> read_classes(const toml::table& root, const std::string& where) 
     const toml::table* table = node.as_table();
     if (table == nullptr) return fail(ErrorCode::malformed, "a class is no table", place(where, node));
     MIEN_TRY(only_keys(*table, {"onset_ms", "release_ms", "jaw", "lips"}, where));
-    Manner manner;
     MIEN_TRY_ASSIGN(const double onset_ms, number(*table, "onset_ms", kLeast_ms, kMost_ms, where));
     MIEN_TRY_ASSIGN(const double release_ms, number(*table, "release_ms", kLeast_ms, kMost_ms, where));
     MIEN_TRY_ASSIGN(const double jaw, number(*table, "jaw", 0, 1, where));

@@ -96,6 +96,16 @@ TEST_F(SoundProgram, ASoundMovesTheMouthAndTheTakeHearsTheSame) {
     ASSERT_EQ(replayed.status, 0) << replayed.err;
     EXPECT_EQ(nlohmann::json::parse(replayed.out)["hash"], said["hash"]);
   }
+  // The sound of the take: 16 kHz, the loudness that was heard.
+  const Outcome exported = run({"take", "sound", folder / "talk.mien", "--out", folder / "heard.wav"});
+  ASSERT_EQ(exported.status, 0) << exported.err;
+  const Sound heard = parse_wav(read_file(folder / "heard.wav").value(), "heard.wav").value();
+  EXPECT_EQ(heard.rate_hz, 16'000U);
+  EXPECT_NEAR(heard.duration_s(), std::min(sound.duration_s(), 4.0), 0.1);
+  EXPECT_NEAR(*std::ranges::max_element(heard.samples), *std::ranges::max_element(sound.samples), 0.1);
+  EXPECT_THAT(run({"take", "sound", folder / "talk.mien", "--out", folder / "heard.mp3"}).err,
+              HasSubstr(".wav"));
+
   const Outcome solved = run({"solve", folder / "talk.mien", "--out", folder / "solved.csv"});
   ASSERT_EQ(solved.status, 0) << solved.err;
   EXPECT_GT(most(content(folder / "solved.csv"), "JawOpen"), 0.2);
@@ -133,6 +143,9 @@ TEST_F(SoundProgram, NothingIsHeardUnasked) {
   const auto take = take::Take::open(folder / "quiet.mien");
   ASSERT_TRUE(take) << take.error().message() << outcome.err;
   EXPECT_FALSE(take->rig().find("microphone"));
+  const Outcome exported = run({"take", "sound", folder / "quiet.mien", "--out", folder / "quiet.wav"});
+  EXPECT_EQ(exported.status, 2);
+  EXPECT_THAT(exported.err, HasSubstr("the take has no sound"));
 }
 
 TEST_F(SoundProgram, BadSoundIsOneLine) {
