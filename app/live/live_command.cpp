@@ -166,9 +166,11 @@ Option add_session_options(Command command, LiveRequest& request) {
       "--constraints", request.constraints,
       "Rules between shapes that what is shown obeys: a file as rigs/constraints/ict.toml, or off "
       "for none (default: that file's rule that always holds, mouthClose at most jawOpen)");
-  command.add_option("--audio", request.audio,
-                     "A WAV file that is heard in real time: mouth and jaw follow it where no sensor tells "
-                     "them, and a recording keeps it. Nothing is heard unless asked");
+  command
+      .add_option("--audio", request.audio,
+                  "A WAV file that is heard in real time: mouth and jaw follow it where no sensor tells "
+                  "them, and a recording keeps it. Nothing is heard unless asked")
+      .check([](const std::string& file) { return file.empty() ? "the sound has no name" : ""; });
   command.add_flag("--force", request.force, "Replace an existing take");
   command
       .add_option(

@@ -81,9 +81,10 @@ Result<HearingRig> with_microphone(sensor::Rig rig) {
     const auto number = static_cast<std::uint16_t>(hears - rig.sensors.begin());
     const auto its = std::ranges::find(bound, number, &std::pair<sensor::DeviceKey, std::uint16_t>::second);
     if (its == bound.end() || its->first.channel != 0)
-      return fail(ErrorCode::bad_usage,
-                  fmt::format("'{}' is bound to no device whose channel is 0", hears->name),
-                  "rig " + rig.name, "give it one: device = \"02:4D:49:53:4E:00\"");
+      return fail(
+          ErrorCode::bad_usage,
+          fmt::format("the microphone '{}' has no device, or not the first channel of one", hears->name),
+          "rig " + rig.name, "write device = \"02:4D:49:53:4E:00\" at it");
     return HearingRig{std::move(rig), its->first.device};
   }
   // A rig that binds nothing means virtual nodes, and with a microphone bound it would no longer.

@@ -153,7 +153,7 @@ Result<face::RigConstraints> read_rules(const json& value, const std::string& wh
   const auto& text = value.get_ref<const std::string&>();
   if (text.ends_with(".toml") && text.find_first_of("\n[=") == std::string::npos)
     return fail(ErrorCode::malformed, "'rules' is a file's name, not its text", where,
-                "give the text, or the file with --constraints");
+                "give the text; mien live takes the file with --constraints");
   return face::RigConstraints::parse(text, where + ", 'rules'");
 }
 

@@ -134,7 +134,7 @@ TEST_F(SoundProgram, ARigsOwnMicrophoneIsTheOneThatHears) {
   write(folder / "unbound.toml", rig + other);
   const Outcome outcome = run(live({"--rig", folder / "unbound.toml", "--audio", folder / "tone.wav"}));
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("'mine' is bound to no device"));
+  EXPECT_THAT(outcome.err, HasSubstr("the microphone 'mine' has no device"));
 }
 
 TEST_F(SoundProgram, NothingIsHeardUnasked) {
@@ -176,6 +176,9 @@ TEST_F(SoundProgram, BadSoundIsOneLine) {
   // A header that promises more than is there: what is there is heard, as of a recorder that was killed.
   write_sound("lying.wav", with(40, 0x7FFF'FFFF, 4));
   EXPECT_EQ(run(live({"--audio", folder / "lying.wav", "--for", "1"})).status, 0);
+  const Outcome nameless = run(live({"--audio", ""}));
+  EXPECT_EQ(nameless.status, 2);
+  EXPECT_THAT(nameless.err, HasSubstr("the sound has no name"));
   // A take has its sound.
   const Outcome outcome = run({"live", "--replay", folder / "text.wav", "--audio", folder / "lying.wav"});
   EXPECT_EQ(outcome.status, 2);

@@ -131,7 +131,8 @@ TEST(Settings, SayWhatMayHaveBeenMeant) {
             "page: no shape is called 'jawopen'; did you mean jawOpen?; names are those of the 53, as "
             "eyeBlink_L");
   EXPECT_EQ(message(R"({"rules": "rigs/constraints/own.toml"})"),
-            "page: 'rules' is a file's name, not its text; give the text, or the file with --constraints");
+            "page: 'rules' is a file's name, not its text; give the text; mien live takes the file with "
+            "--constraints");
 }
 
 }  // namespace
