@@ -133,3 +133,19 @@ function(mien_room name)
   set_property(GLOBAL APPEND PROPERTY MIEN_ROOMS ${name})
   set_property(GLOBAL PROPERTY MIEN_FOLDER_OF_${name} "${folder}")
 endfunction()
+
+# Makes a TOML file part of a room, which then reads none at run time: `symbol`, a std::string_view of its text in the room's
+# namespace, in `source` in the build folder. `path`: from the project's root.
+function(mien_embed_toml room path source symbol)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${path}")
+  file(READ "${PROJECT_SOURCE_DIR}/${path}" text)
+  file(CONFIGURE OUTPUT "${source}" CONTENT [[
+// Made of @path@.
+#include <string_view>
+namespace mien::@room@ {
+extern const std::string_view @symbol@;
+const std::string_view @symbol@ = R"toml(@text@)toml";
+}  // namespace mien::@room@
+]] @ONLY)
+  target_sources(mien_${room} PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/${source}")
+endfunction()
