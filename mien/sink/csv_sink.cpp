@@ -112,8 +112,9 @@ class CsvSink final : public Sink {
   }
 
   Status status() const override {
-    const std::uint64_t lost = lost_.load();
+    // In this order: the writer counts the rows before it tells why.
     const int code = error_.load();
+    const std::uint64_t lost = lost_.load();
     return {address_,
             pace_.sent_count() - std::min(lost, pace_.sent_count()),
             pace_.failed_count() + lost,
