@@ -35,7 +35,7 @@ Result<void> finish_helper(Child& child, bool broke_off = false) {
   const bool incomplete = output.status == 127;
   return fail(bad_input ? ErrorCode::bad_usage : ErrorCode::io,
               said.empty() ? "it stopped without a word" : said, kHelper,
-              incomplete ? "install Debian's libavformat59, libswscale6 and libespeak-ng1" : "");
+              incomplete ? "install Debian's libavformat59, libswscale6, libespeak-ng1 and libflite1" : "");
 }
 
 }  // namespace
@@ -81,19 +81,22 @@ Result<void> FilmWriter::finish() {
   return finish_helper(state_->child);
 }
 
-Result<HelperSpeech> speak_with_helper(const std::string& language, const std::string& text,
-                                       int words_per_minute) {
-  MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
-  const fs::path json = folder.path() / "speech.json", wav = folder.path() / "speech.wav";
-  MIEN_TRY_ASSIGN(Child child, start_helper({"speak", "--language=" + language, "--text=" + text, "--rate",
-                                             std::to_string(words_per_minute), "--json", json.string(),
-                                             "--wav", wav.string()}));
-  MIEN_TRY(finish_helper(child));
-  HelperSpeech speech;
-  MIEN_TRY_ASSIGN(speech.json, read_text(json));
-  MIEN_TRY_ASSIGN(const auto bytes, read_file(wav));
-  MIEN_TRY_ASSIGN(speech.sound, parse_wav(bytes, "speech.wav"));
-  return speech;
+study::Speaker speaker_by_helper() {
+  return [](const std::string& voice, const std::string& text,
+            int words_per_minute) -> Result<study::SpokenLine> {
+    MIEN_TRY_ASSIGN(const PrivateFolder folder, PrivateFolder::make());
+    const fs::path json = folder.path() / "speech.json", wav = folder.path() / "speech.wav";
+    MIEN_TRY_ASSIGN(Child child, start_helper({"speak", "--language=" + voice, "--text=" + text, "--rate",
+                                               std::to_string(words_per_minute), "--json", json.string(),
+                                               "--wav", wav.string()}));
+    MIEN_TRY(finish_helper(child));
+    study::SpokenLine line;
+    MIEN_TRY_ASSIGN(const std::string times, read_text(json));
+    MIEN_TRY_ASSIGN(line.utterance, performer::parse_utterance(times));
+    MIEN_TRY_ASSIGN(const auto bytes, read_file(wav));
+    MIEN_TRY_ASSIGN(line.sound, parse_wav(bytes, "speech.wav"));
+    return line;
+  };
 }
 
 }  // namespace mien::app

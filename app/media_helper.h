@@ -8,6 +8,7 @@
 #include "mien/core/error.h"
 #include "mien/core/wav.h"
 #include "mien/render/image.h"
+#include "mien/study/speech/speaker.h"
 
 namespace mien::app {
 
@@ -32,14 +33,8 @@ class FilmWriter {
   std::unique_ptr<State> state_;
 };
 
-/// A text read aloud by `mien-media speak`.
-struct HelperSpeech {
-  std::string json;  ///< Times of phonemes and words, as the helper documents them.
-  Sound sound;
-};
-
-/// Errors: not_found (no helper), and what the helper says.
-[[nodiscard]] Result<HelperSpeech> speak_with_helper(const std::string& language, const std::string& text,
-                                                     int words_per_minute = 175);
+/// Who reads aloud by `mien-media speak`. Errors of what it returns: not_found (no helper), and what the
+/// helper says.
+[[nodiscard]] study::Speaker speaker_by_helper();
 
 }  // namespace mien::app

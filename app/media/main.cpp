@@ -112,7 +112,9 @@ int main(int argc, char** argv) {
       commands.add("speak", "Reads a text aloud; prints when each phoneme is spoken",
                    "mien-media speak --language de --text 'Guten Tag' --json tag.json --wav tag.wav",
                    [&] { return run_speak(speak); });
-  speak_command.add_option("--language", speak.language, "As espeak-ng names it: en-us, de, fr-fr, es")
+  speak_command
+      .add_option("--language", speak.language,
+                  "As espeak-ng names it: en-us, de, fr-fr, es, de+f3; or a voice of flite: flite:slt")
       .show_default();
   speak_command.add_option("--text", speak.text, "What to say").required();
   speak_command.add_option("--rate", speak.words_per_minute, "Words a minute, 80 to 450").show_default();

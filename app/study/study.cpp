@@ -16,6 +16,7 @@
 #include "app/study/study_resting.h"
 #include "app/study/study_sensors.h"
 #include "app/study/study_settings.h"
+#include "app/study/study_speech.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/imu/drift.h"
 #include "mien/study/imu/sensor_bound.h"
@@ -205,6 +206,7 @@ void add_study_command(Commands& commands) {
   add_study_resting(commands, study);
   add_study_sensors(commands, study);
   add_study_settings(commands, study);
+  add_study_speech(commands, study);
   auto bound = std::make_shared<BoundOptions>();
   const Command command = commands.add_under(
       study, "bound", "What a rig can see at best on a face, by theory",

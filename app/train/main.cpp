@@ -6,6 +6,7 @@
 #include <string>
 
 #include "app/command.h"
+#include "app/media_helper.h"
 #include "mien/core/files.h"
 #include "mien/model/denoiser.h"
 #include "mien/model/model_file.h"
@@ -41,7 +42,12 @@ Result<void> run_train(const TrainArguments& arguments) {
 
   const Progress shown = app::terminal_progress("training");
   MIEN_TRY_ASSIGN(const std::unique_ptr<train::Task> task,
-                  train::make_task(recipe, arguments.recipe, arguments.face, rig, rig_text,
+                  train::make_task(recipe,
+                                   {.where = arguments.recipe,
+                                    .face = arguments.face,
+                                    .rig = rig,
+                                    .rig_text = rig_text,
+                                    .speaker = app::speaker_by_helper()},
                                    [&](double part, std::string_view what) {
                                      return shown(kDataShare * part * 0.999, what);
                                    }));

@@ -11,6 +11,7 @@ struct Heard {
   DeviceTime time;                  ///< Of the mouth, the sound's clock.
   face::BlendshapeWeights weights;  ///< Shapes of mouth and jaw, 0 to 1; the others 0.
   float tongue = 0;                 ///< Tongue out, 0 to 1.
+  float closure = 0;                ///< How far the lips are closed for a P, B or M, 0 to 1.
   float voice = 0;                  ///< Whether somebody speaks, 0 to 1.
 };
 

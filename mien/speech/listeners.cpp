@@ -15,7 +15,8 @@ Heard LearnedListener::push(DeviceTime time, const Block& block) {
   heard.time =
       time + kBlockDuration / 2 - kBlockDuration * static_cast<std::int64_t>(network_.file().look_ahead);
   heard.weights = mouth_.weights;
-  close_lips(mouth_.closure, heard.weights);
+  heard.closure = std::min(1.0F, mouth_.closure / kClosed);
+  close_lips(heard.closure, heard.weights);
   heard.voice = mouth_.voice;
   return heard;
 }
@@ -45,6 +46,7 @@ Heard PhoneListener::push(DeviceTime time, const Block& block) {
   return {.time = time + kBlockDuration - kDelay,
           .weights = mouth.weights,
           .tongue = mouth.tongue,
+          .closure = mouth.closure,
           .voice = voice ? 1.0F : 0.0F};
 }
 

@@ -10,10 +10,14 @@
 
 namespace mien::speech {
 
-/// The learned way: a recurrent network on log-mel frames. Closure closes the lips as far as it says:
-/// mouthClose is that share of jawOpen.
+/// The learned way: a recurrent network on log-mel frames. Lips that are closed with a probability of kClosed
+/// or more are closed (mouthClose is jawOpen); below it they come together in proportion.
 class LearnedListener final : public Listener {
  public:
+  /// Raising it misses closures, lowering it closes lips for other sounds. Chosen on validation voices
+  /// (docs/experiments/speech.md).
+  static constexpr float kClosed = 0.5F;
+
   explicit LearnedListener(SpeechNetwork network) : network_(std::move(network)) {}
   Heard push(DeviceTime time, const Block& block) override;
   void reset() override;

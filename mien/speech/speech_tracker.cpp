@@ -30,10 +30,9 @@ Result<std::unique_ptr<SpeechTracker>> SpeechTracker::create(const sensor::Rig& 
 
 void SpeechTracker::forget_all() {
   if (listener_) listener_->reset();
-  next_ = 0;
+  heard_.clear();
+  gate_.reset();
   last_block_.reset();
-  speaks_ = false;
-  quiet_since_.reset();
 }
 
 void SpeechTracker::forget(std::uint16_t sensor) {
@@ -58,28 +57,7 @@ void SpeechTracker::add_with_payload(HostTime, const sensor::Sample& sample,
   if (const MakeListener make = std::exchange(make_, nullptr))
     if (auto made = make()) listener_ = *std::move(made);
   if (!listener_) return;
-  heard_[next_ % kKept] = listener_->push(sample.time - kBlockDuration / 2, *block);
-  ++next_;
-}
-
-std::optional<Heard> SpeechTracker::at(DeviceTime time) const {
-  const std::size_t kept = std::min(next_, kKept);
-  for (std::size_t back = 0; back < kept; ++back) {
-    const Heard& before = newest(back);
-    if (before.time > time) continue;
-    if (back == 0) return before;
-    const Heard& after = newest(back - 1);
-    const auto share =
-        static_cast<float>(to_seconds(time - before.time) / to_seconds(after.time - before.time));
-    Heard between = before;
-    between.time = time;
-    for (std::size_t k = 0; k < face::kShapeCount; ++k)
-      between.weights[k] += share * (after.weights[k] - before.weights[k]);
-    between.tongue += share * (after.tongue - before.tongue);
-    between.voice += share * (after.voice - before.voice);
-    return between;
-  }
-  return std::nullopt;
+  heard_.push(listener_->push(sample.time - kBlockDuration / 2, *block));
 }
 
 tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
@@ -91,21 +69,14 @@ tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLine
   std::optional<Heard> heard;
   if (lines.ready() && last_block_) {
     const DeviceTime time = lines.from_line(sensor_, frame);
-    if (time - *last_block_ <= kPresent) heard = at(time);
+    if (time - *last_block_ <= kPresent) heard = heard_.at(time);
   }
   if (!heard) {
-    speaks_ = false;
-    quiet_since_.reset();
+    gate_.reset();
     return result;
   }
   result.sensors_present = 1;
-  if (heard->voice >= kSpeaks) speaks_ = true;
-  if (heard->voice >= kSilent)
-    quiet_since_.reset();
-  else if (!quiet_since_)
-    quiet_since_ = frame;
-  if (quiet_since_ && frame - *quiet_since_ >= kPause) speaks_ = false;
-  if (!speaks_) return result;
+  if (!gate_.step(frame, heard->voice)) return result;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     if (!is_heard(k)) continue;
     out.weights[k] = heard->weights[k];

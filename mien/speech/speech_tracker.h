@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 
 #include "mien/sensor/rig.h"
+#include "mien/speech/heard_track.h"
 #include "mien/speech/listener.h"
 #include "mien/tracker/tracker.h"
 
@@ -22,9 +21,6 @@ class SpeechTracker final : public tracker::Tracker {
  public:
   /// Without a block for so long there is no sound.
   static constexpr Duration kPresent = std::chrono::milliseconds(200);
-  /// Hysteresis of whether somebody speaks: from the first on, until it was below the second for kPause.
-  static constexpr float kSpeaks = 0.6F, kSilent = 0.4F;
-  static constexpr Duration kPause = std::chrono::milliseconds(300);
 
   /// The listener is asked for at the first block, so that a session's first frame does not wait for it:
   /// whatever the hour, the same blocks give the same bits. Where it cannot be made nothing is heard
@@ -55,24 +51,15 @@ class SpeechTracker final : public tracker::Tracker {
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
 
  private:
-  /// Answers that are kept: a frame may be older than the newest.
-  static constexpr std::size_t kKept = 32;
-
   SpeechTracker(std::uint16_t sensor, MakeListener make) : sensor_(sensor), make_(std::move(make)) {}
-  /// What was heard of the mouth at that time of the sound's clock: between two answers their mean by time,
-  /// after the newest that one. None: nothing.
-  [[nodiscard]] std::optional<Heard> at(DeviceTime time) const;
-  [[nodiscard]] const Heard& newest(std::size_t back) const { return heard_[(next_ - 1 - back) % kKept]; }
   void forget_all();
 
   std::uint16_t sensor_;
   MakeListener make_;  // Empty once it was asked.
   std::unique_ptr<Listener> listener_;
-  std::array<Heard, kKept> heard_;
-  std::size_t next_ = 0;  // Answers so far.
+  HeardTrack heard_;
+  VoiceGate gate_;
   std::optional<DeviceTime> last_block_;
-  bool speaks_ = false;
-  std::optional<DeviceTime> quiet_since_;
 };
 
 }  // namespace mien::speech

@@ -6,18 +6,26 @@
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/sensor/rig.h"
+#include "mien/study/speech/speaker.h"
 #include "mien/train/recipe.h"
 #include "mien/train/task.h"
 
 namespace mien::train {
 
-/// What the rig's sensors are to learn, with data made by the recipe's [data]: eyewear learns markers, IMUs
-/// learn blendshape weights (make_task.cpp has the table). `where` names the recipe in messages,
-/// `face` is study::make_dataset's, `rig_text` goes into the model. Errors: those of data and task;
-/// unsupported (sensors of several kinds, or of an unknown one); bad_usage (a face other than the built-in
-/// one for photo-reflective sensors).
-[[nodiscard]] Result<std::unique_ptr<Task>> make_task(Recipe recipe, const std::string& where,
-                                                      const std::string& face, const sensor::Rig& rig,
-                                                      std::string rig_text, const Progress& progress);
+/// Whose data a task is made of.
+struct TaskSource {
+  std::string where;       ///< Names the recipe in messages.
+  std::string face;        ///< study::make_dataset's.
+  sensor::Rig rig;         ///< Whose sensors learn.
+  std::string rig_text;    ///< Its file, which goes into the model.
+  study::Speaker speaker;  ///< Who speaks for microphones.
+};
+
+/// What the rig's sensors are to learn, with data made by the recipe's [data]: IMUs learn blendshape weights,
+/// eyewear learns markers, a microphone learns the mouth (make_task.cpp has the table). Errors: those of data
+/// and task; unsupported (sensors of several kinds, or of an unknown one); bad_usage (a face other than the
+/// built-in one for photo-reflective sensors or for a microphone).
+[[nodiscard]] Result<std::unique_ptr<Task>> make_task(Recipe recipe, const TaskSource& source,
+                                                      const Progress& progress);
 
 }  // namespace mien::train

@@ -33,6 +33,32 @@ TEST(Speech, SpeaksSeveralLanguages) {
   }
 }
 
+TEST(Speech, HasVariantsOfEachVoice) {
+  const auto plain = speak("fr-fr", "Papa");
+  const auto other = speak("fr-fr+f3", "Papa");
+  ASSERT_TRUE(plain && other);
+  EXPECT_NE(plain->sound.samples, other->sound.samples);
+  EXPECT_FALSE(speak("fr-fr+nobody", "Papa"));
+  EXPECT_FALSE(speak("xx+f3", "Papa"));
+}
+
+TEST(Speech, VoicesOfPeopleSpeakToo) {
+  for (const char* voice : {"flite:slt", "flite:rms", "flite:awb", "flite:kal16"}) {
+    const auto spoken = speak(voice, "My mother put a plum beside the window.");
+    ASSERT_TRUE(spoken) << spoken.error().message();
+    expect_sound_times(*spoken);
+    EXPECT_EQ(spoken->sound.rate_hz, 16'000U);
+    std::string ipa;
+    for (const SpokenSpan& p : spoken->phonemes) ipa += p.text;
+    EXPECT_NE(ipa.find("maɪ"), std::string::npos) << ipa;
+    EXPECT_NE(ipa.find("pl"), std::string::npos) << ipa;
+    const auto fast = speak(voice, "My mother put a plum beside the window.", 260);
+    ASSERT_TRUE(fast);
+    EXPECT_LT(fast->sound.duration_s(), 0.8 * spoken->sound.duration_s());
+  }
+  EXPECT_FALSE(speak("flite:nobody", "Papa"));
+}
+
 TEST(Speech, TellsPhonemesWordsAndPauses) {
   const auto spoken = speak("en-us", "Map. Map.");
   ASSERT_TRUE(spoken.has_value());

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "mien/study/media/flite_speech.h"
+
 namespace mien::media {
 namespace {
 
@@ -65,6 +67,31 @@ bool speaks(const std::string& language) {
   return false;
 }
 
+/// espeak-ng takes a variant that it does not know for none.
+bool has_variant(const std::string& variant) {
+  espeak_VOICE wanted{};
+  wanted.languages = "variant";
+  for (const espeak_VOICE** voice = espeak_ListVoices(&wanted); voice != nullptr && *voice != nullptr;
+       ++voice)
+    if (std::string_view((*voice)->identifier).ends_with("/" + variant)) return true;
+  return false;
+}
+
+/// A voice is found by its own name ("de") or by a language that it also speaks ("fr-fr" is French's); what
+/// stands behind a "+" is a variant of it.
+bool choose_voice(const std::string& name) {
+  const std::size_t plus = std::min(name.find('+'), name.size());
+  if (plus < name.size() && !has_variant(name.substr(plus + 1))) return false;
+  if (espeak_SetVoiceByName(name.c_str()) == EE_OK) return true;
+  const std::string language = name.substr(0, plus);
+  espeak_VOICE wanted{};
+  wanted.languages = language.c_str();
+  if (!speaks(language) || espeak_SetVoiceByProperties(&wanted) != EE_OK) return false;
+  if (plus == name.size()) return true;
+  const espeak_VOICE* const found = espeak_GetCurrentVoice();
+  return found != nullptr && espeak_SetVoiceByName((found->identifier + name.substr(plus)).c_str()) == EE_OK;
+}
+
 }  // namespace
 
 Result<SpokenText> speak(const std::string& language, const std::string& text, int words_per_minute) {
@@ -77,17 +104,15 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
   if (words_per_minute < 80 || words_per_minute > 450)
     return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), language,
                 "choose 80 to 450");
+  if (language.starts_with(kFlitePrefix))
+    return speak_by_flite(language.substr(kFlitePrefix.size()), text, words_per_minute);
   const int rate_hz = espeak_Initialize(
       AUDIO_OUTPUT_RETRIEVAL, 0, nullptr,
       espeakINITIALIZE_PHONEME_EVENTS | espeakINITIALIZE_PHONEME_IPA | espeakINITIALIZE_DONT_EXIT);
   if (rate_hz <= 0)
     return fail(ErrorCode::io, "espeak-ng finds no voices", language, "install Debian's espeak-ng-data");
-  // A voice is found by its own name ("de") or by a language that it also speaks ("fr-fr" is French's).
-  espeak_VOICE wanted{};
-  wanted.languages = language.c_str();
-  if (espeak_SetVoiceByName(language.c_str()) != EE_OK &&
-      (!speaks(language) || espeak_SetVoiceByProperties(&wanted) != EE_OK))
-    return fail(ErrorCode::bad_usage, "espeak-ng has no such language", language, "see espeak-ng --voices");
+  if (!choose_voice(language))
+    return fail(ErrorCode::bad_usage, "espeak-ng has no such voice", language, "see espeak-ng --voices");
   espeak_SetParameter(espeakRATE, words_per_minute, 0);
   espeak_SetSynthCallback(&listen);
 

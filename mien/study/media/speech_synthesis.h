@@ -17,15 +17,16 @@ struct SpokenSpan {
 
 /// Text read aloud by a machine, with the times of what it says.
 struct SpokenText {
-  Sound sound;                       ///< 22.05 kHz.
+  Sound sound;                       ///< 22.05 kHz, of flite 16 kHz.
   std::vector<SpokenSpan> phonemes;  ///< In order; an empty text is a pause.
   std::vector<SpokenSpan> words;
 };
 
-/// Reads `text` (UTF-8, at most 100,000 bytes) in a language of espeak-ng ("en-us", "de", "fr-fr", "es") at
+/// Reads `text` (UTF-8, at most 100,000 bytes) in a language of espeak-ng ("en-us", "de", "fr-fr", "es"),
+/// with one of its voices' variants behind a "+" ("de+f3"), or by a voice of flite ("flite:slt"), at
 /// `words_per_minute` (80 to 450; an ordinary reader 175). The same input gives the same bits with the same
-/// espeak-ng. Errors: bad_usage (an unknown language, a rate out of range, nothing to say), io (the voices
-/// are not installed). Not thread-safe: espeak-ng has one voice at a time.
+/// espeak-ng and flite. Errors: bad_usage (an unknown language, a rate out of range, nothing to say), io (the
+/// voices are not installed). Not thread-safe: espeak-ng has one voice at a time.
 [[nodiscard]] Result<SpokenText> speak(const std::string& language, const std::string& text,
                                        int words_per_minute = 175);
 

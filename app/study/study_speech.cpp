@@ -1,0 +1,123 @@
+#include "app/study/study_speech.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "app/json_output.h"
+#include "app/media_helper.h"
+#include "app/seed_option.h"
+#include "mien/core/files.h"
+#include "mien/study/speech/phone_labels.h"
+#include "mien/study/speech/speech_study.h"
+
+namespace mien::app {
+namespace {
+
+struct StudySpeechOptions {
+  study::SpeechRequest request;
+  std::vector<std::string> recordings;
+  std::string model;
+  bool json = false;
+};
+
+/// The labels of FILE.wav: FILE.phone.json or FILE_phone.lab.
+Result<study::LabelledSound> read_labelled(const std::filesystem::path& path) {
+  study::LabelledSound sound{.name = path.filename().string(), .sound = {}, .closures = {}};
+  MIEN_TRY_ASSIGN(const auto bytes, read_file(path));
+  MIEN_TRY_ASSIGN(sound.sound, parse_wav(bytes, path.string()));
+  const std::filesystem::path stem = path.parent_path() / path.stem();
+  for (const char* ending : {".phone.json", "_phone.lab"}) {
+    const std::filesystem::path labels = stem.string() + ending;
+    if (!std::filesystem::exists(labels)) continue;
+    MIEN_TRY_ASSIGN(const std::string text, read_text(labels));
+    MIEN_TRY_ASSIGN(sound.closures, study::parse_phone_labels(text, labels.string()));
+    return sound;
+  }
+  return fail(ErrorCode::not_found, "nobody says when its phones are spoken", path.string(),
+              "put their times beside it, as " + stem.filename().string() + ".phone.json or _phone.lab");
+}
+
+Json row_json(const study::SpeechRow& row) {
+  return {{"method", row.method},
+          {"sound", row.sound},
+          {"closures", row.closures.truths},
+          {"heard", row.closures.heard},
+          {"recall", row.closures.recall()},
+          {"false", row.closures.false_share()},
+          {"jaw_correlation", row.jaw_correlation},
+          {"late_s", row.late_s}};
+}
+
+void print_rows(const std::vector<study::SpeechRow>& rows, bool with_jaw) {
+  fmt::print("| sound | way | closures | recall | false | late ms |{}\n|---|---|---|---|---|---|{}\n",
+             with_jaw ? " jaw |" : "", with_jaw ? "---|" : "");
+  for (const study::SpeechRow& row : rows)
+    fmt::print("| {} | {} | {} | {:.2f} | {:.2f} | {:.0f} |{}\n", row.sound, row.method, row.closures.truths,
+               row.closures.recall(), row.closures.false_share(), 1e3 * row.late_s,
+               with_jaw ? fmt::format(" {:.2f} |", row.jaw_correlation) : "");
+}
+
+Result<void> run_study_speech(const StudySpeechOptions& options) {
+  study::SpeechRequest request = options.request;
+  for (const std::string& path : options.recordings) {
+    MIEN_TRY_ASSIGN(study::LabelledSound sound, read_labelled(path));
+    request.recorded.push_back(std::move(sound));
+  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path model, path_or(options.model, "models/speech.safetensors"));
+  MIEN_TRY_ASSIGN(const speech::SpeechNetworkFile network, speech::read_speech_network(model));
+  MIEN_TRY_ASSIGN(const study::SpeechStudy study,
+                  study::study_speech(request, speaker_by_helper(), network, terminal_progress("speech")));
+  clear_progress();
+  if (options.json) {
+    Json out = {{"model", model.string()}, {"seed", request.seed}, {"passages", request.passages}};
+    const auto add = [&](const char* name, const std::vector<study::SpeechRow>& rows) {
+      out[name] = Json::array();
+      for (const study::SpeechRow& row : rows) out[name].push_back(row_json(row));
+    };
+    add("conditions", study.conditions);
+    add("languages", study.languages);
+    add("recorded", study.recorded);
+    out["others"] = Json::array();
+    for (const study::OtherRow& row : study.others)
+      out["others"].push_back({{"method", row.method}, {"sound", row.sound}, {"moving", row.moving}});
+    print_json(out);
+    return {};
+  }
+  print_rows(study.conditions, true);
+  fmt::print("\nClean, by language\n\n");
+  print_rows(study.languages, true);
+  if (!study.recorded.empty()) {
+    fmt::print("\nRecordings\n\n");
+    print_rows(study.recorded, false);
+  }
+  fmt::print("\nSounds that are no speech: share of frames in which the mouth moves by more than 0.05\n\n");
+  fmt::print("| sound | way | moving |\n|---|---|---|\n");
+  for (const study::OtherRow& row : study.others)
+    fmt::print("| {} | {} | {:.2f} % |\n", row.sound, row.method, 100 * row.moving);
+  return {};
+}
+
+}  // namespace
+
+void add_study_speech(Commands& commands, Command study) {
+  auto options = std::make_shared<StudySpeechOptions>();
+  const Command command = commands.add_under(
+      study, "speech", "How well mouth and jaw are heard, by four ways beside each other (needs mien-media)",
+      "mien study speech talk.wav --passages 2", [options] { return run_study_speech(*options); });
+  command.add_option("recordings", options->recordings,
+                     "WAV files whose phones' times stand beside them (FILE.phone.json or FILE_phone.lab)");
+  command.add_option("--model", options->model, "The network (default: models/speech.safetensors)");
+  command.add_option("--passages", options->request.passages, "Of three lines, by each voice")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--other-seconds", options->request.other_seconds, "Of each sound that is no speech")
+      .number_between(5.0, 36'000.0)
+      .show_default();
+  add_seed_option(command, options->request.seed, "Of lines, noise and rooms");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

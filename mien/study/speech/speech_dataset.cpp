@@ -1,0 +1,192 @@
+#include "mien/study/speech/speech_dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "mien/core/excerpt.h"
+#include "mien/core/toml.h"
+#include "mien/face/motion.h"
+#include "mien/speech/log_mel.h"
+#include "mien/speech/speech_network.h"
+#include "mien/study/performers.h"
+#include "mien/study/speech/lines.h"
+#include "mien/study/speech/other_sounds.h"
+#include "mien/study/speech/spoken_passage.h"
+
+namespace mien::study {
+namespace {
+
+/// Variants of espeak-ng's voices: each speaks every language.
+constexpr std::array<std::string_view, 12> kTrainingVariants = {
+    "+m1", "+m2", "+m3", "+m4", "+m6", "+m8", "+f1", "+f2", "+f5", "+Annie", "+benjamin", "+steph"};
+constexpr std::array<std::string_view, 3> kValidationVariants = {"+m7", "+f3", "+belinda"};
+constexpr std::array<std::string_view, 3> kTestVariants = {"+m5", "+f4", "+michel"};
+/// English only.
+constexpr std::array<std::string_view, 3> kTrainingPeople = {"flite:slt", "flite:rms", "flite:kal16"};
+constexpr std::array<std::string_view, 1> kTestPeople = {"flite:awb"};
+constexpr int kPassagesOfPeople = 4;
+
+constexpr std::array<std::string_view, 12> kShapes = {
+    "jawOpen",        "mouthFunnel",  "mouthPucker", "mouthStretch",   "mouthSmile",     "mouthDimple",
+    "mouthLowerDown", "mouthUpperUp", "mouthPress",  "mouthRollLower", "mouthRollUpper", "mouthShrugLower"};
+
+/// What is heard, as a network is shown it.
+void hear(std::span<const float> sound, SpeechSequence& out) {
+  speech::LogMel mel;
+  for (const speech::Block& block : blocks_of(sound)) {
+    for (const speech::MelFrame& frame : mel.push(block))
+      out.mel.insert(out.mel.end(), frame.begin(), frame.end());
+    ++out.blocks;
+  }
+}
+
+SpeechSequence sequence_of(const SpokenPassage& passage, const std::string& voice, std::size_t look_ahead) {
+  SpeechSequence out;
+  out.voice = voice;
+  hear(passage.sound, out);
+  const face::MotionCurve curve(passage.face);
+  std::vector<std::size_t> places;
+  for (const std::string& name : speech_shapes()) places.push_back(face::shape_index(name));
+  const double block_s = to_seconds(speech::kBlockDuration);
+  for (std::size_t b = 0; b < out.blocks; ++b) {
+    const double at_s = block_s * (static_cast<double>(b) + 0.5 - static_cast<double>(look_ahead));
+    const face::MotionFrame frame = curve.at(at_s);
+    for (const std::size_t place : places) out.mouth.push_back(std::clamp(frame.weights[place], 0.0F, 1.0F));
+    const bool closed = std::ranges::any_of(
+        passage.closures, [&](const Closure& c) { return at_s >= c.begin_s && at_s < c.end_s; });
+    out.closure.push_back(closed ? 1.0F : 0.0F);
+    out.voiced.push_back(passage.voiced_at(at_s) ? 1.0F : 0.0F);
+  }
+  return out;
+}
+
+SpeechSequence other_sequence(std::size_t kind, double seconds, const Random& random) {
+  SpeechSequence out;
+  out.voice = kOtherSoundNames[kind];
+  out.speech = false;
+  hear(make_other_sound(static_cast<OtherSound>(kind), static_cast<std::size_t>(seconds * speech::kRateHz),
+                        random),
+       out);
+  out.mouth.resize(out.blocks * speech_shapes().size());
+  out.closure.resize(out.blocks);
+  out.voiced.resize(out.blocks);
+  return out;
+}
+
+/// What becomes a sequence.
+struct Piece {
+  Voice voice;
+  std::uint64_t number = 0;                     // Of the voice's passages.
+  std::size_t other = kOtherSoundNames.size();  // Of kOtherSoundNames; else speech.
+};
+
+std::vector<Piece> pieces_for(VoiceUse use, int passages) {
+  std::vector<Piece> pieces;
+  for (const Voice& voice : voices_for(use)) {
+    const int count = voice.name.starts_with("flite:") ? kPassagesOfPeople * passages : passages;
+    for (int p = 0; p < count; ++p)
+      pieces.push_back({.voice = voice, .number = static_cast<std::uint64_t>(p)});
+  }
+  return pieces;
+}
+
+}  // namespace
+
+std::vector<Voice> voices_for(VoiceUse use) {
+  const auto pick = [use](std::span<const std::string_view> training,
+                          std::span<const std::string_view> validation,
+                          std::span<const std::string_view> test) {
+    return use == VoiceUse::training ? training : use == VoiceUse::validation ? validation : test;
+  };
+  std::vector<Voice> voices;
+  const auto languages = reading_languages();
+  for (const std::string_view variant : pick(kTrainingVariants, kValidationVariants, kTestVariants))
+    for (std::size_t l = 0; l < languages.size(); ++l)
+      voices.push_back({std::string(languages[l].voice) + std::string(variant), l});
+  for (const std::string_view person : pick(kTrainingPeople, {}, kTestPeople))
+    voices.push_back({std::string(person), 0});
+  return voices;
+}
+
+std::vector<std::string> speech_shapes() {
+  std::vector<std::string> names;
+  for (const std::string_view shape : kShapes) {
+    if (face::shape_index(shape) < face::kShapeCount) {
+      names.emplace_back(shape);
+      continue;
+    }
+    for (const std::string_view side : {"_L", "_R"}) names.push_back(std::string(shape) + std::string(side));
+  }
+  return names;
+}
+
+Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view text, const std::string& where) {
+  const std::string place = where + ", [data]";
+  MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, place));
+  SpeechDataRecipe recipe;
+  constexpr std::int64_t kMostPassages = 1'000;
+  constexpr double kMostSeconds = 3600;
+  for (const auto& [key, value] : table) {
+    const auto whole = value.value_exact<std::int64_t>();
+    const auto number = value.value<double>();
+    const auto wrong = [&](std::string_view should) {
+      return fail(ErrorCode::out_of_range, fmt::format("[data] {} must be {}", key.str(), should), where);
+    };
+    if (key == "seed") {
+      if (!whole || *whole < 0) return wrong("a whole number, 0 or more");
+      recipe.seed = static_cast<std::uint64_t>(*whole);
+    } else if (key == "passages" || key == "validation_passages") {
+      if (!whole || *whole < 1 || *whole > kMostPassages) return wrong("a whole number from 1 to 1000");
+      (key == "passages" ? recipe.passages : recipe.validation_passages) = static_cast<int>(*whole);
+    } else if (key == "other_seconds") {
+      if (!number || !(*number >= 5 && *number <= kMostSeconds)) return wrong("from 5 to 3600");
+      recipe.other_seconds = *number;
+    } else if (key == "look_ahead") {
+      if (!whole || *whole < 0 || *whole > 1) return wrong("0 or 1");
+      recipe.look_ahead = static_cast<std::size_t>(*whole);
+    } else {
+      return fail(ErrorCode::malformed, fmt::format("[data] has no key \"{}\"", excerpt(key.str())), where,
+                  "use seed, passages, validation_passages, other_seconds and look_ahead");
+    }
+  }
+  return recipe;
+}
+
+Result<SpeechData> make_speech_dataset(const SpeechDataRecipe& recipe, const Speaker& speaker,
+                                       const Progress& progress, unsigned threads) {
+  std::vector<Piece> pieces = pieces_for(VoiceUse::training, recipe.passages);
+  const auto add_others = [&](std::uint64_t number) {
+    for (std::size_t kind = 0; kind < kOtherSoundNames.size(); ++kind)
+      pieces.push_back({.voice = {}, .number = number, .other = kind});
+  };
+  add_others(0);
+  const std::size_t trained = pieces.size();
+  std::ranges::move(pieces_for(VoiceUse::validation, recipe.validation_passages), std::back_inserter(pieces));
+  add_others(1);
+  std::vector<SpeechSequence> sequences(pieces.size());
+  const Random root(recipe.seed);
+  MIEN_TRY(for_each_performer(pieces.size(), threads, progress, [&](std::size_t i) -> Result<void> {
+    const Piece& piece = pieces[i];
+    if (piece.other < kOtherSoundNames.size()) {
+      sequences[i] = other_sequence(piece.other, recipe.other_seconds,
+                                    root.fork(kOtherSoundNames[piece.other], piece.number));
+      return {};
+    }
+    MIEN_TRY_ASSIGN(const SpokenPassage passage,
+                    speak_passage(speaker, piece.voice.name, piece.voice.language,
+                                  root.fork(piece.voice.name, piece.number)));
+    sequences[i] = sequence_of(passage, piece.voice.name, recipe.look_ahead);
+    return {};
+  }));
+  SpeechData data;
+  data.train.look_ahead = data.validation.look_ahead = recipe.look_ahead;
+  const auto held_out = sequences.begin() + static_cast<std::ptrdiff_t>(trained);
+  std::move(sequences.begin(), held_out, std::back_inserter(data.train.sequences));
+  std::move(held_out, sequences.end(), std::back_inserter(data.validation.sequences));
+  return data;
+}
+
+}  // namespace mien::study

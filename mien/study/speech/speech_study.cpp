@@ -1,0 +1,276 @@
+#include "mien/study/speech/speech_study.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "mien/core/time.h"
+#include "mien/speech/heard_track.h"
+#include "mien/speech/listeners.h"
+#include "mien/study/correlation.h"
+#include "mien/study/performers.h"
+#include "mien/study/speech/lines.h"
+#include "mien/study/speech/loudness_listener.h"
+#include "mien/study/speech/other_sounds.h"
+#include "mien/study/speech/speech_dataset.h"
+#include "mien/study/speech/spoken_passage.h"
+
+namespace mien::study {
+namespace {
+
+using speech::Heard;
+using speech::Listener;
+
+constexpr std::array<std::string_view, 4> kMethods = {"loudness", "phones", "learned", "both"};
+constexpr std::array<std::string_view, 7> kConditions = {
+    "clean", "noise at 20 dB", "noise at 10 dB", "noise at 5 dB", "room", "20 dB quieter", "telephone"};
+constexpr float kMoves = 0.05F;
+
+/// The network's mouth with the phones' closures added, at the time the phones are known for.
+class BothListener final : public Listener {
+ public:
+  BothListener(std::unique_ptr<Listener> phones, std::unique_ptr<Listener> learned)
+      : phones_(std::move(phones)), learned_(std::move(learned)) {}
+  Heard push(DeviceTime time, const speech::Block& block) override {
+    const Heard phones = phones_->push(time, block);
+    track_.push(learned_->push(time, block));
+    Heard heard = track_.at(phones.time).value_or(Heard{.time = phones.time, .weights = {}});
+    heard.time = phones.time;
+    heard.closure = std::max(heard.closure, phones.closure);
+    speech::close_lips(heard.closure, heard.weights);
+    return heard;
+  }
+  void reset() override {
+    phones_->reset();
+    learned_->reset();
+    track_.clear();
+  }
+
+ private:
+  std::unique_ptr<Listener> phones_, learned_;
+  speech::HeardTrack track_;
+};
+
+using Listeners = std::array<std::unique_ptr<Listener>, kMethods.size()>;
+
+Result<Listeners> make_listeners(const speech::SpeechNetworkFile& file) {
+  MIEN_TRY_ASSIGN(auto one, speech::PhoneDecoder::create());
+  MIEN_TRY_ASSIGN(auto two, speech::PhoneDecoder::create());
+  MIEN_TRY_ASSIGN(auto network, speech::SpeechNetwork::create(file));
+  MIEN_TRY_ASSIGN(auto other, speech::SpeechNetwork::create(file));
+  return Listeners{
+      std::make_unique<LoudnessListener>(), std::make_unique<speech::PhoneListener>(std::move(one)),
+      std::make_unique<speech::LearnedListener>(std::move(network)),
+      std::make_unique<BothListener>(std::make_unique<speech::PhoneListener>(std::move(two)),
+                                     std::make_unique<speech::LearnedListener>(std::move(other)))};
+}
+
+/// What a session's frames show of a sound, 60 a second; neutral while nobody speaks.
+struct Shown {
+  std::vector<float> jaw, closure, most;
+};
+
+Shown show(Listener& listener, std::span<const speech::Block> blocks) {
+  listener.reset();
+  speech::HeardTrack track;
+  speech::VoiceGate gate;
+  Shown shown;
+  DeviceTime block_time{};
+  std::int64_t frame = 0;
+  for (const speech::Block& block : blocks) {
+    track.push(listener.push(block_time, block));
+    // A frame is fired by the sample that reaches it, which is in the middle of its block.
+    for (; DeviceTime(frame_offset(frame)) <= block_time + speech::kBlockDuration / 2; ++frame) {
+      const DeviceTime time(frame_offset(frame));
+      const auto heard = track.at(time);
+      const bool speaks = heard && gate.step(time, heard->voice);
+      shown.jaw.push_back(speaks ? heard->weights[face::shape("jawOpen")] : 0);
+      shown.closure.push_back(speaks ? heard->closure : 0);
+      float most = 0;
+      if (speaks)
+        for (std::size_t k = 0; k < face::kShapeCount; ++k) most = std::max(most, heard->weights[k]);
+      shown.most.push_back(most);
+    }
+    block_time += speech::kBlockDuration;
+  }
+  return shown;
+}
+
+/// A closure is shown where lips are closed by four fifths.
+std::vector<Closure> closures_shown(const Shown& shown) {
+  constexpr float kShown = 0.8F;
+  return stretches_above(shown.closure, kShown, 0, 1 / kFrameRateHz);
+}
+
+struct Tally {
+  ClosureScore closures;
+  std::vector<double> correlations, late_s;
+
+  void add(const Tally& other) {
+    closures.add(other.closures);
+    correlations.insert(correlations.end(), other.correlations.begin(), other.correlations.end());
+    late_s.insert(late_s.end(), other.late_s.begin(), other.late_s.end());
+  }
+  [[nodiscard]] SpeechRow row(std::string_view method, std::string sound) const {
+    SpeechRow row{.method = std::string(method), .sound = std::move(sound), .closures = closures};
+    for (const double c : correlations) row.jaw_correlation += c / static_cast<double>(correlations.size());
+    if (!late_s.empty()) {
+      std::vector<double> sorted = late_s;
+      std::ranges::sort(sorted);
+      row.late_s = sorted[sorted.size() / 2];
+    }
+    return row;
+  }
+};
+
+void score(const std::vector<Closure>& truth, const Shown& shown, Tally& tally) {
+  const std::vector<Closure> heard = closures_shown(shown);
+  tally.closures.add(score_closures(truth, heard));
+  for (const Closure& one : heard) {
+    const auto nearest = std::ranges::min_element(
+        truth, {}, [&](const Closure& t) { return std::abs(t.begin_s + t.end_s - one.begin_s - one.end_s); });
+    if (nearest == truth.end()) continue;
+    const double late_s = 0.5 * (one.begin_s + one.end_s - nearest->begin_s - nearest->end_s);
+    if (std::abs(late_s) < 0.15) tally.late_s.push_back(late_s);
+  }
+}
+
+/// The sound as that condition has it.
+std::vector<float> disturbed(const std::vector<float>& sound, std::size_t condition, const Random& random) {
+  std::vector<float> out = sound;
+  Random drawn = random.fork("condition", condition);
+  const auto noise = [&](double snr_db) {
+    const auto kind = static_cast<OtherSound>(drawn.below(5));  // Breath and cough are for those who speak.
+    mix_at(snr_db, make_other_sound(kind, out.size(), drawn.fork("noise")), out);
+  };
+  switch (condition) {
+    case 1:
+      noise(20);
+      break;
+    case 2:
+      noise(10);
+      break;
+    case 3:
+      noise(5);
+      break;
+    case 4:
+      put_in_room(0.4, 3, drawn.fork("room"), out);
+      break;
+    case 5:
+      for (float& s : out) s *= 0.1F;
+      break;
+    case 6:
+      limit_band(300, 3400, out);
+      break;
+    default:
+      break;
+  }
+  return out;
+}
+
+using MethodTallies = std::array<Tally, kMethods.size()>;
+/// Of one passage, a tally for each condition.
+using PassageTallies = std::array<MethodTallies, kConditions.size()>;
+
+PassageTallies listen_to(const SpokenPassage& passage, const Random& random, Listeners& listeners) {
+  PassageTallies tallies;
+  for (std::size_t c = 0; c < kConditions.size(); ++c) {
+    const std::vector<speech::Block> blocks = blocks_of(disturbed(passage.sound, c, random));
+    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+      const Shown shown = show(*listeners[m], blocks);
+      score(passage.closures, shown, tallies[c][m]);
+      Correlation jaw;
+      for (std::size_t f = 0; f < std::min(shown.jaw.size(), passage.face.frames.size()); ++f) {
+        const face::MotionFrame& truth = passage.face.frames[f];
+        if (passage.voiced_at(truth.time_s))
+          jaw.add(double{shown.jaw[f]}, double{truth.weights[face::shape("jawOpen")]});
+      }
+      tallies[c][m].correlations.push_back(jaw.value());
+    }
+  }
+  return tallies;
+}
+
+}  // namespace
+
+Result<SpeechStudy> study_speech(const SpeechRequest& request, const Speaker& speaker,
+                                 const speech::SpeechNetworkFile& network, const Progress& progress) {
+  constexpr double kSpeechShare = 0.7;
+  const std::vector<Voice> voices = voices_for(VoiceUse::test);
+  const auto passages = static_cast<std::size_t>(request.passages);
+  const Random root(request.seed);
+  std::vector<PassageTallies> spoken(voices.size() * passages);
+  MIEN_TRY(for_each_performer(
+      spoken.size(), request.threads,
+      [&](double part, std::string_view what) { return progress(kSpeechShare * part, what); },
+      [&](std::size_t i) -> Result<void> {
+        const Voice& voice = voices[i / passages];
+        const Random random = root.fork("study " + voice.name, i % passages);
+        MIEN_TRY_ASSIGN(const SpokenPassage passage,
+                        speak_passage(speaker, voice.name, voice.language, random));
+        MIEN_TRY_ASSIGN(Listeners listeners, make_listeners(network));
+        spoken[i] = listen_to(passage, random, listeners);
+        return {};
+      }));
+  SpeechStudy study;
+  for (std::size_t c = 0; c < kConditions.size(); ++c)
+    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+      Tally all;
+      for (const PassageTallies& one : spoken) all.add(one[c][m]);
+      study.conditions.push_back(all.row(kMethods[m], std::string(kConditions[c])));
+    }
+  const auto languages = reading_languages();
+  for (std::size_t l = 0; l <= languages.size(); ++l)
+    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+      // Voices made of a person's recordings stand apart, last.
+      Tally all;
+      for (std::size_t i = 0; i < spoken.size(); ++i) {
+        const Voice& voice = voices[i / passages];
+        const bool person = voice.name.starts_with("flite:");
+        if (l == languages.size() ? person : !person && voice.language == l) all.add(spoken[i][0][m]);
+      }
+      study.languages.push_back(all.row(
+          kMethods[m], l == languages.size() ? "en-us, a person's voice" : std::string(languages[l].voice)));
+    }
+
+  MIEN_TRY_ASSIGN(Listeners listeners, make_listeners(network));
+  for (const LabelledSound& recorded : request.recorded) {
+    MIEN_TRY_ASSIGN(const std::vector<float> sound, resampled(recorded.sound));
+    const std::vector<speech::Block> blocks = blocks_of(sound);
+    for (std::size_t m = 0; m < kMethods.size(); ++m) {
+      Tally tally;
+      score(recorded.closures, show(*listeners[m], blocks), tally);
+      study.recorded.push_back(tally.row(kMethods[m], recorded.name));
+    }
+  }
+
+  std::vector<std::array<double, kMethods.size()>> moving(kOtherSoundNames.size());
+  MIEN_TRY(for_each_performer(
+      moving.size(), request.threads,
+      [&](double part, std::string_view what) {
+        return progress(kSpeechShare + (1 - kSpeechShare) * part, what);
+      },
+      [&](std::size_t kind) -> Result<void> {
+        MIEN_TRY_ASSIGN(Listeners own, make_listeners(network));
+        const std::vector<float> sound = make_other_sound(
+            static_cast<OtherSound>(kind), static_cast<std::size_t>(request.other_seconds * speech::kRateHz),
+            root.fork("study other", kind));
+        const std::vector<speech::Block> blocks = blocks_of(sound);
+        for (std::size_t m = 0; m < kMethods.size(); ++m) {
+          const Shown shown = show(*own[m], blocks);
+          const auto above = std::ranges::count_if(shown.most, [](float w) { return w > kMoves; });
+          moving[kind][m] =
+              static_cast<double>(above) / static_cast<double>(std::max<std::size_t>(1, shown.most.size()));
+        }
+        return {};
+      }));
+  for (std::size_t kind = 0; kind < moving.size(); ++kind)
+    for (std::size_t m = 0; m < kMethods.size(); ++m)
+      study.others.push_back(
+          {std::string(kMethods[m]), std::string(kOtherSoundNames[kind]), moving[kind][m]});
+  return study;
+}
+
+}  // namespace mien::study

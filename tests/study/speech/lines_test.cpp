@@ -1,0 +1,37 @@
+#include "mien/study/speech/lines.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace mien::study::lines_test {
+namespace {
+
+TEST(Lines, FourLanguagesWithLinesThatCloseTheLips) {
+  ASSERT_EQ(reading_languages().size(), 4U);
+  for (const ReadingLanguage& language : reading_languages()) {
+    std::size_t bilabials = 0;
+    for (const std::string_view line : language.lines)
+      for (const char letter : line) bilabials += std::string_view("pbm").contains(letter) ? 1 : 0;
+    EXPECT_GE(bilabials, 10U) << language.voice;
+  }
+}
+
+TEST(Lines, InventedOnesDifferAndAreTheSameForTheSameSeed) {
+  for (std::size_t l = 0; l < reading_languages().size(); ++l) {
+    Random random(5), again(5);
+    std::set<std::string> lines;
+    for (int i = 0; i < 50; ++i) {
+      const std::string line = invented_line(l, random);
+      EXPECT_EQ(line, invented_line(l, again));
+      EXPECT_GE(line.size(), 8U);
+      EXPECT_TRUE(line.ends_with('.') || line.ends_with('?'));
+      EXPECT_EQ(line.find("  "), std::string::npos) << line;
+      lines.insert(line);
+    }
+    EXPECT_EQ(lines.size(), 50U);
+  }
+}
+
+}  // namespace
+}  // namespace mien::study::lines_test
