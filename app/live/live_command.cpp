@@ -168,9 +168,18 @@ Option add_session_options(Command command, LiveRequest& request) {
       "for none (default: that file's rule that always holds, mouthClose at most jawOpen)");
   command
       .add_option("--audio", request.audio,
-                  "A WAV file that is heard in real time: mouth and jaw follow it where no sensor tells "
-                  "them, and a recording keeps it. Nothing is heard unless asked")
+                  "What is heard: a microphone (default, or a part of its name), or a WAV file in real time. "
+                  "Mouth and jaw follow it where no sensor tells them, and a recording keeps it. Nothing is "
+                  "heard unless asked")
       .check([](const std::string& file) { return file.empty() ? "the sound has no name" : ""; });
+  command
+      .add_option("--hears-by", request.hears_by,
+                  "How the mouth is heard: network (of any language) or phones (PocketSphinx's, English)")
+      .one_of({"network", "phones"});
+  command
+      .add_flag("--no-audio", request.no_audio,
+                "Nothing is heard, and no microphone opened, from the page either")
+      .excludes(command.option("--audio"));
   command.add_flag("--force", request.force, "Replace an existing take");
   command
       .add_option(

@@ -32,6 +32,7 @@
 #include "mien/render/face_textures.h"
 #include "mien/render/gltf_export.h"
 #include "mien/render/surface_paint.h"
+#include "mien/sensor/rig_part.h"
 
 namespace mien::app {
 namespace {
@@ -168,12 +169,17 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(request.rig, path_or(request.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
-  if (!request.audio.empty()) {
-    MIEN_TRY_ASSIGN(HearingRig hearing, with_microphone(std::move(rig)));
-    MIEN_TRY_ASSIGN(settings.feeds.emplace_back(), sound_feed(request.audio, hearing.device));
+  // A rig's own microphone is opened from the page, and only there, where the command line names none.
+  const bool own = request.audio.empty() && !sensor::sensors_of(rig, "speech").empty();
+  if (!request.no_audio && (own || !request.audio.empty())) {
+    MIEN_TRY_ASSIGN(HearingRig hearing, with_microphone(std::move(rig), request.hears_by));
+    MIEN_TRY_ASSIGN(settings.feeds.emplace_back(),
+                    sound_feed(own ? "default" : request.audio, hearing.device));
     rig = std::move(hearing.rig);
     rig_toml = sensor::write_rig(rig);
   }
+  settings.hear = !own && !request.no_audio;
+  if (!settings.hear) settings.commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));
   std::vector<sensor::SealKey> keys;
   if (!request.key.empty()) {

@@ -10,6 +10,8 @@
 #include "app/performance.h"
 #include "app/read_aloud.h"
 #include "app/seed_option.h"
+#include "mien/core/files.h"
+#include "mien/core/wav.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -23,6 +25,7 @@ struct PerformOptions {
   std::string block = "mixed";
   double seconds = 60;
   std::string voice;
+  std::string sound;
   std::string rig;
   std::string prologue = "short";
   std::string pace = "fast";
@@ -74,6 +77,15 @@ Result<void> run_network(const PerformOptions& options) {
   return {};
 }
 
+/// What is heard of the performance, from its beginning on.
+Result<void> write_sound(const PerformOptions& options) {
+  MIEN_TRY(check_output(options.sound, {".wav"}));
+  if (!options.request.sound)
+    return fail(ErrorCode::bad_usage, "nothing is heard of this performance", "--sound " + options.sound,
+                "take --script reading, or --voice espeak, or a --motion with sound");
+  return write_file(options.sound, format_wav(*options.request.sound));
+}
+
 Result<void> run_perform(PerformOptions options) {
   virt::PerformRequest& request = options.request;
   const bool to_network = !options.network.to.empty();
@@ -109,6 +121,7 @@ Result<void> run_perform(PerformOptions options) {
       MIEN_TRY_ASSIGN(request.sound, read_aloud(request.script, terminal_progress("reading aloud")));
     }
   }
+  if (!options.sound.empty()) MIEN_TRY(write_sound(options));
   if (options.prologue == "none") request.prologue = performer::PrologueKind::none;
   if (options.prologue == "full") request.prologue = performer::PrologueKind::full;
   if (options.prologue == "guided") request.prologue = performer::PrologueKind::guided;
@@ -173,6 +186,8 @@ void add_perform_command(Commands& commands) {
                   "languages) or babble (the sounds of six languages, unheard). Default: espeak when reading")
       .excludes(motion)
       .one_of({"espeak", "babble"});
+  command.add_option("--sound", options->sound,
+                     "A WAV file to write what is heard to; it begins with the motion, after the prologue");
   command
       .add_option("--face", request.face,
                   "Whose skin: builtin, builtin:SEED (another person), an ICT-FaceKit folder, a .glb or .vrm")

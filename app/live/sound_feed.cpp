@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/live/microphone.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/sensor/bindings.h"
@@ -34,13 +35,13 @@ Result<std::vector<speech::Block>> blocks_of(const Sound& sound) {
 }
 
 /// Each block is handed over when its last sample would have been heard.
-void play(const std::vector<speech::Block>& blocks, std::uint64_t device, live::PayloadSource& out,
-          const std::atomic<bool>& stop) {
+void play(const std::vector<speech::Block>& blocks, std::uint64_t device, live::FeedPort& port) {
   const auto begun = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < blocks.size() && !stop; ++i) {
+  for (std::size_t i = 0; i < blocks.size() && !port.stopped(); ++i) {
     std::this_thread::sleep_until(begun + speech::kBlockDuration * static_cast<std::int64_t>(i + 1));
+    if (!port.wanted()) continue;
     if (const auto header = speech::encode_header({.device = device, .block = i}))
-      out.hand_over(*header, speech::payload_of(blocks[i]));
+      port.hand_over(*header, speech::payload_of(blocks[i]));
   }
 }
 
@@ -55,7 +56,14 @@ std::string source_name(const std::string& file) {
 
 }  // namespace
 
-Result<live::Feed> sound_feed(const std::string& file, std::uint64_t device) {
+Result<live::Feed> sound_feed(const std::string& what, std::uint64_t device) {
+  std::error_code ignored;
+  if (what.ends_with(".wav") || what.ends_with(".WAV") || std::filesystem::exists(what, ignored))
+    return file_feed(what, device);
+  return microphone_feed(what, device);
+}
+
+Result<live::Feed> file_feed(const std::string& file, std::uint64_t device) {
   MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(file));
   MIEN_TRY_ASSIGN(const Sound sound, parse_wav(bytes, file));
   if (sound.samples.empty()) return fail(ErrorCode::truncated, "there is no sound in it", file);
@@ -69,12 +77,10 @@ Result<live::Feed> sound_feed(const std::string& file, std::uint64_t device) {
   }
   const auto blocks = std::make_shared<const std::vector<speech::Block>>(*std::move(made));
   return live::Feed{source_name(file),
-                    [blocks, device](live::PayloadSource& out, const std::atomic<bool>& stop) {
-                      play(*blocks, device, out, stop);
-                    }};
+                    [blocks, device](live::FeedPort& port) { play(*blocks, device, port); }};
 }
 
-Result<HearingRig> with_microphone(sensor::Rig rig) {
+Result<HearingRig> with_microphone(sensor::Rig rig, const std::string& hears_by) {
   MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
   const auto hears = std::ranges::find(rig.sensors, kKind, &sensor::Mount::kind);
   if (hears != rig.sensors.end()) {
@@ -85,6 +91,7 @@ Result<HearingRig> with_microphone(sensor::Rig rig) {
           ErrorCode::bad_usage,
           fmt::format("the microphone '{}' has no device, or not the first channel of one", hears->name),
           "rig " + rig.name, "write device = \"02:4D:49:53:4E:00\" at it");
+    if (!hears_by.empty()) rig.sensors[number].hears_by = hears_by;
     return HearingRig{std::move(rig), its->first.device};
   }
   // A rig that binds nothing means virtual nodes, and with a microphone bound it would no longer.
@@ -94,6 +101,7 @@ Result<HearingRig> with_microphone(sensor::Rig rig) {
   while (rig.find(microphone.name)) microphone.name += "_";
   microphone.kind = kKind;
   microphone.role = "face";
+  microphone.hears_by = hears_by;
   microphone.device = sensor::format_device({kMicrophone, 0});
   rig.sensors.push_back(std::move(microphone));
   // As a take's reader sees it.

@@ -11,6 +11,7 @@
 #include "app/study/study_confidence.h"
 #include "app/study/study_live.h"
 #include "app/study/study_loss.h"
+#include "app/study/study_lost.h"
 #include "app/study/study_merged.h"
 #include "app/study/study_motion.h"
 #include "app/study/study_resting.h"
@@ -201,6 +202,7 @@ void add_study_command(Commands& commands) {
   add_skin(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
+  add_study_lost(commands, study);
   add_study_merged(commands, study);
   add_study_motion(commands, study);
   add_study_resting(commands, study);

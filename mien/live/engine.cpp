@@ -144,8 +144,7 @@ struct Engine::State {
   std::uint64_t frames = 0;
   std::string frame_text;
   std::optional<std::filesystem::path> take;
-  std::string recording_error;
-  std::string unable_to_record;
+  std::string recording_error, unable_to_record;
   bool told_silent = false;        // That nothing is heard; already told, ...
   bool told_uncalibrated = false;  // ... as this.
   bool log_warning_sent = false;
@@ -293,6 +292,7 @@ void Engine::State::on_beat() {
   const bool watched = page && page->clients() > 0;
   if (beats % kBeatsPerStatus != 0 || (!watched && !listener.seen)) return;
   const Status now_is = status();
+  if (now_is.report.hearing) feeds.want(now_is.report.hearing->on);
   if (watched) page->send(status_json(now_is, session->rig()));
   if (listener.seen) listener.seen(now_is);
 }
@@ -513,7 +513,7 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
     MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address));
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
-  MIEN_TRY(state->feeds.open(std::move(state->settings.feeds), state->intake));
+  MIEN_TRY(state->feeds.open(std::move(state->settings.feeds), state->settings.hear, state->intake));
   state->look_at_interfaces();
   for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
   if (state->settings.page) {

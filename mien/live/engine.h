@@ -36,6 +36,7 @@ struct Pairing {
 struct EngineSettings {
   std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
   std::vector<Feed> feeds;          ///< Beside them.
+  bool hear = true;                 ///< Whether they are wanted from the beginning on (FeedPort::wanted).
   std::vector<std::string> out;     ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.

@@ -8,7 +8,8 @@
 
 namespace mien::live {
 
-Result<void> Feeds::open(std::vector<Feed> feeds, Intake& intake) {
+Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
+  want(wanted);
   feeds_ = std::move(feeds);
   for (const Feed& feed : feeds_) {
     MIEN_TRY_ASSIGN(sources_.emplace_back(), intake.add_source(feed.name));
@@ -16,14 +17,16 @@ Result<void> Feeds::open(std::vector<Feed> feeds, Intake& intake) {
   return {};
 }
 
-void Feeds::begin(const std::function<void(std::string kind, std::string text)>& tell) {
+void Feeds::begin(FeedPort::Tell tell) {
+  tell_ = std::move(tell);
   for (std::size_t i = 0; i < feeds_.size(); ++i)
-    threads_.emplace_back([this, &feed = feeds_[i], out = sources_[i], tell] {
+    threads_.emplace_back([this, &feed = feeds_[i], source = sources_[i]] {
+      FeedPort port(*source, stop_, wanted_, tell_);
       try {
-        feed.run(*out, stop_);
-        if (!stop_) tell("feed_over", feed.name + " is over");
+        feed.run(port);
+        if (!stop_) tell_("feed_over", feed.name + " is over");
       } catch (const std::exception& error) {
-        tell("feed_failed", feed.name + " ended: " + error.what());
+        tell_("feed_failed", feed.name + " ended: " + error.what());
       }
     });
 }

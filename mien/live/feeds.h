@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -13,22 +14,49 @@ namespace mien::live {
 
 class Intake;
 
+/// What a feed's thread sees of its session.
+class FeedPort {
+ public:
+  using Tell = std::function<void(std::string kind, std::string text)>;
+  FeedPort(PayloadSource& source, const std::atomic<bool>& stop, const std::atomic<bool>& wanted,
+           const Tell& tell)
+      : source_(source), stop_(stop), wanted_(wanted), tell_(tell) {}
+
+  /// As PayloadSource::hand_over.
+  bool hand_over(std::span<const std::byte> datagram, std::span<const std::byte> payload) {
+    return source_.hand_over(datagram, payload);
+  }
+  /// The session is over: to be looked at ten times a second or more often.
+  [[nodiscard]] bool stopped() const { return stop_; }
+  /// False while the session is not to hear: then a microphone is closed.
+  [[nodiscard]] bool wanted() const { return wanted_; }
+  /// Says something to whoever looks on, as an event of this kind.
+  void tell(std::string kind, std::string text) const { tell_(std::move(kind), std::move(text)); }
+
+ private:
+  PayloadSource& source_;
+  const std::atomic<bool>& stop_;
+  const std::atomic<bool>& wanted_;
+  const Tell& tell_;
+};
+
 /// A device inside this program: a microphone, a camera, or a file that is played.
 struct Feed {
   std::string name;  ///< Its source in the log: "sound:talk.wav".
-  /// Hands over what it has, on a thread of its own from the session's beginning on, until `stop` is set,
-  /// which it looks at ten times a second or more often, or it has no more. Where it returns or throws before
-  /// that the session says so and goes on.
-  std::function<void(PayloadSource& out, const std::atomic<bool>& stop)> run;
+  /// Hands over what it has, on a thread of its own from the session's beginning on, until that is over or it
+  /// has no more. Where it returns or throws before that the session says so and goes on.
+  std::function<void(FeedPort& port)> run;
 };
 
 /// A session's feeds, each with its source and its thread.
 class Feeds {
  public:
   /// Before the tracker's thread begins. Errors: Intake::add_source's.
-  [[nodiscard]] Result<void> open(std::vector<Feed> feeds, Intake& intake);
-  /// Starts every feed. `tell`: of one that is over or failed, on its thread.
-  void begin(const std::function<void(std::string kind, std::string text)>& tell);
+  [[nodiscard]] Result<void> open(std::vector<Feed> feeds, bool wanted, Intake& intake);
+  /// Starts every feed. `tell`: of one that is over or failed, and what they say, on their threads.
+  void begin(FeedPort::Tell tell);
+  /// Whether the session is to hear.
+  void want(bool wanted) { wanted_ = wanted; }
   /// Asks them to stop, and waits for it.
   void end();
   ~Feeds() { end(); }
@@ -40,6 +68,8 @@ class Feeds {
   std::vector<Feed> feeds_;
   std::vector<PayloadSource*> sources_;  // One a feed.
   std::atomic<bool> stop_ = false;
+  std::atomic<bool> wanted_ = true;
+  FeedPort::Tell tell_;
   std::vector<std::jthread> threads_;
 };
 

@@ -81,6 +81,15 @@ json log_json(const Recorder::State& recording) {
 }
 
 /// The settings, and the resting face that is in force.
+json hearing_json(const session::Report& report) {
+  if (!report.hearing) return nullptr;
+  const session::Report::Hearing& hearing = *report.hearing;
+  return {{"on", hearing.on},
+          {"speaks", hearing.speaks},
+          {"share", rounded(hearing.share)},
+          {"later_ms", milliseconds(hearing.later)}};
+}
+
 json shaping_json(const session::Report& report) {
   json shaping = json::parse(report.shaping, nullptr, false);
   json resting = json::parse(report.resting, nullptr, false);
@@ -231,6 +240,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
        {"shaping", shaping_json(status.report)},
+       {"hearing", hearing_json(status.report)},
        {"replay", std::move(replay)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }

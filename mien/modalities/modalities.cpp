@@ -71,13 +71,22 @@ MadeTracker make_weights_tracker(const sensor::Rig& rig, const std::filesystem::
   return phone::WeightsTracker::create(rig);
 }
 
-MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::path&) {
-  // It is loaded when there is sound; that it is missing is said before.
-  MIEN_TRY(speech::PhoneDecoder::check());
-  return speech::SpeechTracker::create(rig, []() -> Result<std::unique_ptr<speech::Listener>> {
-    MIEN_TRY_ASSIGN(speech::PhoneDecoder decoder, speech::PhoneDecoder::create());
-    return std::make_unique<speech::PhoneListener>(std::move(decoder));
-  });
+MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
+  const std::vector<std::uint16_t> microphones = sensor::sensors_of(rig, "speech");
+  // What hears is made when there is sound; that something is missing is said before.
+  if (!microphones.empty() && rig.sensors[microphones.front()].hears_by == "phones") {
+    MIEN_TRY(speech::PhoneDecoder::check());
+    return speech::SpeechTracker::create(rig, []() -> Result<std::unique_ptr<speech::Listener>> {
+      MIEN_TRY_ASSIGN(speech::PhoneDecoder decoder, speech::PhoneDecoder::create());
+      return std::make_unique<speech::PhoneListener>(std::move(decoder));
+    });
+  }
+  MIEN_TRY_ASSIGN(speech::SpeechNetworkFile file, speech::read_speech_network(path));
+  return speech::SpeechTracker::create(
+      rig, [file = std::move(file)]() -> Result<std::unique_ptr<speech::Listener>> {
+        MIEN_TRY_ASSIGN(speech::SpeechNetwork network, speech::SpeechNetwork::create(file));
+        return std::make_unique<speech::LearnedListener>(std::move(network));
+      });
 }
 
 /// What devices speak, and what a session with keys makes of it.
@@ -147,6 +156,8 @@ struct Modality {
   Result<void> (*add_languages)(std::uint64_t session, std::vector<Language>& languages);
   /// Of its protocols with payloads, and only where these are reduced before they are logged; else null.
   std::vector<session::ProtocolReducer> (*make_reducers)() = nullptr;
+  /// Where another kind's model is named, this one's is the default, or what has its name in the folder.
+  bool model_beside = false;
 };
 
 constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
@@ -171,11 +182,12 @@ constexpr std::array kModalities = {
              .make_tracker = make_weights_tracker,
              .add_languages = add_weights_languages},
     Modality{.kind = "speech",
-             .default_model = "",
+             .default_model = "models/speech.safetensors",
              .window_models = false,
              .ports = kSpeechPorts,
              .make_tracker = make_speech_tracker,
-             .add_languages = add_speech_languages},
+             .add_languages = add_speech_languages,
+             .model_beside = true},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
              .window_models = false,
@@ -219,7 +231,19 @@ Result<std::vector<const Modality*>> modalities_of(const sensor::Rig& rig) {
 /// Those of them whose trackers need a model.
 std::vector<const Modality*> with_models(std::vector<const Modality*> modalities) {
   std::erase_if(modalities, [](const Modality* one) { return one->default_model.empty(); });
+  if (modalities.size() > 1) std::erase_if(modalities, [](const Modality* one) { return one->model_beside; });
   return modalities;
+}
+
+/// The model of one of a rig's modalities, where `model` is that of all.
+Result<std::filesystem::path> model_of(const Modality& modality, const std::vector<const Modality*>& wanting,
+                                       const std::filesystem::path& model) {
+  const std::filesystem::path in_folder = model / std::filesystem::path(modality.default_model).filename();
+  if (std::ranges::find(wanting, &modality) != wanting.end()) return wanting.size() > 1 ? in_folder : model;
+  if (modality.default_model.empty()) return std::filesystem::path();
+  std::error_code ignored;
+  if (std::filesystem::exists(in_folder, ignored)) return in_folder;
+  return find_resource(std::string(modality.default_model));
 }
 
 using Reshape = std::function<void(const shaping::ShaperSettings&)>;
@@ -230,15 +254,14 @@ MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
                  const shaping::ShaperSettings& shaping, Reshape& reshape) {
   MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
   if (modalities.size() == 1) return modalities.front()->make_tracker(rig, model);
-  const std::size_t models = with_models(modalities).size();
-  if (models > 1 && !std::filesystem::is_directory(model))
+  const std::vector<const Modality*> wanting = with_models(modalities);
+  if (wanting.size() > 1 && !std::filesystem::is_directory(model))
     return fail(ErrorCode::bad_usage, "a rig with sensors of several kinds wants a folder of models",
                 model.string(),
                 "name the folder, with each kind's model under its default name, as models/ has them");
   std::vector<shaping::CombinedTracker::Part> parts;
   for (const Modality* modality : modalities) {
-    const std::filesystem::path its_model =
-        models > 1 ? model / std::filesystem::path(modality->default_model).filename() : model;
+    MIEN_TRY_ASSIGN(const std::filesystem::path its_model, model_of(*modality, wanting, model));
     MIEN_TRY_ASSIGN(std::unique_ptr<tracker::Tracker> one,
                     modality->make_tracker(sensor::part_of(rig, modality->kind), its_model));
     parts.push_back({std::move(one), sensor::sensors_of(rig, modality->kind)});

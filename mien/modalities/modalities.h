@@ -23,8 +23,9 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 
 /// The live model for a rig's sensors: the file `named`, or where that is empty the default one of such
 /// sensors. A rig with sensors of several kinds that need models takes a folder instead, in which the model
-/// of each has its default name; gaze, weights and speech need none, and the path for a rig of these alone is
-/// empty. Errors: not_found (none is installed), unsupported (sensors of a kind that is unknown).
+/// of each has its default name; gaze and weights need none, and the path for a rig of these alone is empty.
+/// Speech beside others takes its default one, or that of the folder. Errors: not_found (none is installed),
+/// unsupported (sensors of a kind that is unknown).
 [[nodiscard]] Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::string& named);
 
 /// Whether there are models that see a whole window of such sensors, past and future; else only the live

@@ -86,7 +86,7 @@ Result<std::optional<Vec3>> unit_vector(const toml::table& table, std::string_vi
 Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   MIEN_TRY(only_keys(table,
                      {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward",
-                      "aim", "recentre"},
+                      "aim", "recentre", "hears_by"},
                      where));
   Mount mount;
   MIEN_TRY_ASSIGN(mount.name, text(table, "name", true, where));
@@ -127,6 +127,13 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
                   place(where, *node), "only the light of kind \"eyewear\" is re-centred");
     mount.recentre = *recentre;
   }
+  MIEN_TRY_ASSIGN(mount.hears_by, text(table, "hears_by", false, where));
+  if (!mount.hears_by.empty() && mount.kind != "speech")
+    return fail(ErrorCode::malformed, fmt::format("'hears_by' of a sensor of kind '{}'", excerpt(mount.kind)),
+                place(where, table), "only a microphone, of kind \"speech\", hears");
+  if (!mount.hears_by.empty() && mount.hears_by != "network" && mount.hears_by != "phones")
+    return fail(ErrorCode::malformed, fmt::format("'hears_by' is '{}'", excerpt(mount.hears_by)),
+                place(where, table), "use \"network\" or \"phones\"");
   return mount;
 }
 
@@ -356,6 +363,7 @@ std::string write_rig(const Rig& rig) {
     if (mount.outward) line(out, "outward", numbers(*mount.outward));
     if (mount.aim) line(out, "aim", numbers(*mount.aim));
     if (mount.recentre) line(out, "recentre", true);
+    if (!mount.hears_by.empty()) line(out, "hears_by", mount.hears_by);
   }
   if (rig.skin) out << '\n' << write_skin(*rig.skin);
   if (!rig.faults_toml.empty()) {

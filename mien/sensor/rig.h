@@ -29,6 +29,8 @@ struct Mount {
   std::optional<Vec3> aim;
   /// Follow how what it reads at rest drifts (eyewear::LightDrift); only of a kind whose tracker does so.
   bool recentre = false;
+  /// Of a microphone: how the mouth is heard, "network" (empty is the same) or "phones".
+  std::string hears_by;
 };
 
 /// How the skin under face sensors turns, over many people and performances: mean and covariance of the

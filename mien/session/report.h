@@ -83,6 +83,14 @@ struct Report {
   std::string shaping;  ///< JSON: {"smoothing", "gains", "limits"}.
   std::string resting;  ///< The resting face in force at the newest frame, JSON.
   std::string tap;      ///< The sensor that waits for a tap; empty: none.
+  /// What is heard; none where the rig has no microphone.
+  struct Hearing {
+    bool on = true;       ///< MergeSettings::audio.
+    bool speaks = false;  ///< Somebody does.
+    double share = 0;     ///< Of the frames so far, those of which a shape is from sound.
+    Duration later{};     ///< As tracker::TickResult has it.
+  };
+  std::optional<Hearing> hearing;
   std::uint64_t malformed = 0;
   std::uint64_t refused = 0;
   /// By how much frames are held back for packets that come late, which adds to every frame's latency; now,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mien/core/excerpt.h"
+#include "mien/sensor/rig_part.h"
 
 namespace mien::session {
 namespace {
@@ -41,7 +42,8 @@ Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
       tracker_(std::move(parts.tracker)),
       shaper_(parts.shaping),
       reshape_(std::move(parts.reshape)),
-      bound_at_(receiver_->rig().sensors.size()) {}
+      bound_at_(receiver_->rig().sensors.size()),
+      hears_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {}
 
 void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_received) {
   // A guided calibration that has begun with the board before is none.
@@ -85,7 +87,9 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   guide_.before(frame, *tracker_);
   tracker::TickResult tracked = tracker_->tick(frame, receiver_->lines(), frame_);
   sensors_present_ = tracked.sensors_present;
-  shaper_.apply(frame_, tracked.sensors_present);
+  shaper_.apply(frame_, tracked.sensors_present, tracked.explained ? &*tracked.explained : nullptr);
+  hearing_ = tracked.hearing.value_or(tracker::TickResult::Hearing{});
+  if (std::ranges::count(frame_.provenance, face::Provenance::audio) > 0) ++heard_frames_;
   const bool guided = guide_.running();
   if (guided) follow_guided(tracked.calibration);
   if (guide_.after(frame_)) {
@@ -335,6 +339,13 @@ void Session::report(HostTime now, Report& out) const {
   for (std::uint16_t i = 0; i < out.links.size(); ++i)
     out.links[i].heading_sigma_rad = tracker_->heading_sigma_rad(i);
   out.shaping = shaping::write_settings(shaper_.settings());
+  out.hearing.reset();
+  if (hears_)
+    out.hearing = Report::Hearing{.on = shaper_.settings().merge.audio,
+                                  .speaks = hearing_.speaks,
+                                  .share = static_cast<double>(heard_frames_) /
+                                           static_cast<double>(std::max<std::uint64_t>(1, frames_)),
+                                  .later = hearing_.later};
   out.resting = shaping::write_resting_face(shaper_.resting().present());
 
   report_prompts(out.prompts);

@@ -148,6 +148,9 @@ class Session final : private SampleConsumer {
   face::OutputFrame frame_;
   DeviceTime newest_frame_;
   std::uint64_t frames_ = 0;
+  std::uint64_t heard_frames_ = 0;  // Of which a shape is from sound.
+  bool hears_ = false;              // The rig has a microphone.
+  tracker::TickResult::Hearing hearing_;
   std::size_t sensors_present_ = 0;
   face::FrameHash hash_;
 };

@@ -30,6 +30,7 @@ std::vector<std::string> modalities_of(const std::vector<CombinedTracker::Part>&
 CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& settings)
     : modality_(fmt::format("{}", fmt::join(modalities_of(parts), "+"))),
       merge_(modalities_of(parts), settings.merge, settings.fallback),
+      sure_(settings.merge.sure),
       sources_(parts.size()) {
   members_.reserve(parts.size());
   for (Part& part : parts) {
@@ -38,7 +39,8 @@ CombinedTracker::CombinedTracker(std::vector<Part> parts, const ShaperSettings& 
       assert(member_of_[sensor] == kNobodys);
       member_of_[sensor] = static_cast<std::uint8_t>(members_.size());
     }
-    members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}, {}});
+    const bool listens = part.tracker->modality() == Merge::kListening;
+    members_.push_back({std::move(part.tracker), std::move(part.sensors), {}, {}, {}, listens});
   }
   set(settings);
 }
@@ -69,7 +71,8 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
                                           face::OutputFrame& out) {
   tracker::TickResult all;
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    tracker::TickResult one = members_[i].tracker->tick(frame, lines, members_[i].frame);
+    tracker::TickResult one = tick(members_[i], frame, lines);
+    if (one.hearing) all.hearing = one.hearing;
     for (tracker::CalibrationEvent& event : one.calibration) all.calibration.push_back(std::move(event));
     sources_[i].sensors_present = one.sensors_present;
     sources_[i].frame = &members_[i].frame;
@@ -78,7 +81,35 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
   }
   if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
   all.sensors_present = merge_.apply(sources_, out);
+  follow_lag();
   return all;
+}
+
+tracker::TickResult CombinedTracker::tick(Member& member, DeviceTime frame,
+                                          const sensor::TimeLines& lines) const {
+  if (!member.listens) return member.tracker->tick(frame, lines, member.frame);
+  tracker::TickResult result = member.tracker->tick(frame + retiming_.offset(), lines, member.frame);
+  member.frame.time = frame;
+  if (result.hearing) result.hearing->later = retiming_.offset();
+  return result;
+}
+
+void CombinedTracker::follow_lag() {
+  constexpr std::size_t kJaw = face::shape("jawOpen");
+  std::optional<float> heard, sensed;
+  bool listens = false;
+  float most = sure_;
+  for (const Member& member : members_) {
+    if (member.listens) {
+      listens = true;
+      if (member.frame.provenance[kJaw] == face::Provenance::audio) heard = member.frame.weights[kJaw];
+    } else if (member.explained && (*member.explained)[kJaw] >= most &&
+               member.frame.provenance[kJaw] != face::Provenance::neutral) {
+      most = (*member.explained)[kJaw];
+      sensed = member.frame.weights[kJaw];
+    }
+  }
+  if (listens) retiming_.push(heard, sensed);
 }
 
 bool CombinedTracker::any_present() const {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mien/shaping/merge.h"
+#include "mien/shaping/retiming.h"
 #include "mien/shaping/settings.h"
 #include "mien/tracker/tracker.h"
 
@@ -18,6 +19,9 @@ namespace mien::shaping {
 ///
 /// Each tracker receives the samples of its own sensors, and is made for its part of the rig
 /// (sensor::part_of), in which sensors keep their numbers.
+///
+/// What the modality "speech" hears is asked for at the frame's time and the lag that Retiming has found
+/// between it and the jaw of whoever senses that.
 ///
 /// Calibration: guided steps go to all trackers, for the longest time that any of them asks for. Trackers
 /// without a sample in the last two seconds do not count (all count while none has samples), so that glasses
@@ -36,6 +40,7 @@ class CombinedTracker final : public tracker::Tracker {
   /// Takes effect at the next frame.
   void set(const ShaperSettings& settings) {
     merge_.set(settings.merge, settings.fallback, settings.runs(ChainStep::merge));
+    sure_ = settings.merge.sure;
   }
 
   /// "imu+eyewear".
@@ -70,7 +75,12 @@ class CombinedTracker final : public tracker::Tracker {
     std::optional<HostTime> received;  // Arrival of its sensors' newest sample.
     face::OutputFrame frame;
     std::optional<tracker::Explained> explained;
+    bool listens = false;  // Of the modality that hears.
   };
+  /// Asks the member for its frame; the one that listens at the time that belongs to the face.
+  tracker::TickResult tick(Member& member, DeviceTime frame, const sensor::TimeLines& lines) const;
+  /// Compares the jaw that is heard with the one that is sensed.
+  void follow_lag();
   [[nodiscard]] bool any_present() const;
   /// The member that owns the sample's sensor, with its arrival noted; null for none.
   Member* received(HostTime arrival, const sensor::Sample& sample);
@@ -81,6 +91,8 @@ class CombinedTracker final : public tracker::Tracker {
   std::vector<std::uint8_t> member_of_;  // By number in the rig.
   std::string modality_;
   Merge merge_;
+  float sure_;
+  Retiming retiming_;
   std::vector<Merge::Source> sources_;
   HostTime newest_;
   bool half_restored_ = false;  // A failed restore() could not be undone: an event at the next tick.

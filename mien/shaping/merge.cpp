@@ -25,8 +25,6 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
   places[kEyesPart] = static_cast<std::size_t>(MergePlace::gaze);
   return places;
 }();
-/// The modality that fills in what nobody senses.
-constexpr std::string_view kListening = "speech";
 /// The tongue has no confidence of its own.
 constexpr std::size_t kTongueGoesWith = face::shape("jawOpen");
 
@@ -87,6 +85,9 @@ void Merge::reset() {
   leads_.fill(kNobody);
   unsensed_since_.fill(std::nullopt);
   heard_.fill(false);
+  turning_since_.fill(std::nullopt);
+  gap_.fill(false);
+  sensed_.fill(false);
   ease_out_.stop();
   from_ = neutral_frame({});
   begun_ = known_ = false;
@@ -100,12 +101,14 @@ Merge::Vote Merge::vote_of(std::span<const Source> sources, std::size_t which, s
   const Provenance provenance = shape               ? frame.provenance[part]
                                 : part == kHeadPart ? frame.head_provenance
                                                     : frame.eyes_provenance;
-  out.known = source.sensors_present > 0 && provenance != Provenance::neutral;
   out.heard = listens_[which] != 0;
+  out.known =
+      source.sensors_present > 0 && provenance != Provenance::neutral && (settings_.audio || !out.heard);
   if (shape) {
     const float region = frame.region_confidence[static_cast<std::size_t>(face::kShapeRegions[part])];
     const float said = region > 0 ? region : frame.confidence[part];
     out.share = source.explained != nullptr ? (*source.explained)[part] : said;
+    out.measured = source.explained != nullptr || said > 0;
   } else {
     out.share = part == kHeadPart ? frame.head_confidence : frame.eyes_confidence;
   }
@@ -115,9 +118,13 @@ Merge::Vote Merge::vote_of(std::span<const Source> sources, std::size_t which, s
 std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) const {
   const std::vector<std::uint8_t>& order = order_[kPlaces[part]];
   const std::uint8_t present = answers_[part];
-  if (part < face::kShapeCount && heard_[static_cast<std::size_t>(face::kShapeRegions[part])])
+  const auto region = part < face::kShapeCount ? static_cast<std::size_t>(face::kShapeRegions[part])
+                                               : face::kShapeRegionCount;
+  if (region < face::kShapeRegionCount && heard_[region])
     for (const std::uint8_t s : order)
       if (const Vote vote = vote_of(sources, s, part); vote.known && vote.heard) return s;
+  if (region < face::kShapeRegionCount && gap_[region]) return kNobody;
+  if (sources.size() == 1) return 0;
   for (const std::uint8_t s : order) {
     const Vote vote = vote_of(sources, s, part);
     if (vote.known && !vote.heard && vote.share >= (s == present ? settings_.unsure : settings_.sure))
@@ -138,15 +145,30 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
 }
 
 void Merge::look_for_gaps(std::span<const Source> sources, DeviceTime time) {
-  if (std::ranges::count(listens_, 1) == 0) return;
   for (const face::ShapeRegion region : {face::ShapeRegion::mouth, face::ShapeRegion::jaw}) {
     const auto r = static_cast<std::size_t>(region);
     float most = 0;
+    bool known = false, measured = true;
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
       if (face::kShapeRegions[k] != region) continue;
-      for (std::size_t i = 0; i < sources.size(); ++i)
-        if (const Vote vote = vote_of(sources, i, k); vote.known && !vote.heard)
-          most = std::max(most, vote.share);
+      for (std::size_t i = 0; i < sources.size(); ++i) {
+        const Vote vote = vote_of(sources, i, k);
+        if (!vote.known || vote.heard) continue;
+        known = true;
+        measured = measured && vote.measured;
+        most = std::max(most, vote.share);
+      }
+    }
+    sensed_[r] = sensed_[r] || (known && most >= settings_.unsure);
+    const bool gap = sensed_[r] && known && measured && most < settings_.unsure;
+    if (gap == gap_[r])
+      turning_since_[r].reset();
+    else if (!turning_since_[r])
+      turning_since_[r] = time;
+    const bool sure = most > 0 && most >= settings_.sure;
+    if (turning_since_[r] && (sure || time - *turning_since_[r] >= kUnheard)) {
+      gap_[r] = gap;
+      turning_since_[r].reset();
     }
     if (most > 0 && most >= (heard_[r] ? settings_.sure : settings_.unsure)) {
       unsensed_since_[r].reset();
@@ -196,12 +218,9 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   for (std::size_t s = 0; s < sources.size(); ++s) {
     mend(*sources[s].frame, last_[s]);
     last_[s] = *sources[s].frame;
+    if (listens_[s] != 0 && !settings_.audio) continue;
     there += sources[s].sensors_present;
     if (has_estimate(sources[s])) behind += sources[s].sensors_present;
-  }
-  if (sources.size() == 1) {
-    out = *sources.front().frame;
-    return there;
   }
   known_ = known_ || behind > 0;
   look_for_gaps(sources, time);
@@ -229,7 +248,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   if (begun_) ease_out_.apply(out, to_seconds(time - shown_.time), times_.return_s);
   shown_ = out;
   begun_ = true;
-  return known_ ? behind : there;
+  return known_ && sources.size() > 1 ? behind : there;
 }
 
 }  // namespace mien::shaping

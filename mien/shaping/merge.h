@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/face/output_frame.h"
@@ -35,7 +36,13 @@ namespace mien::shaping {
 ///
 /// What the modality "speech" hears is taken where nobody senses: all of a region, mouth or jaw, from it,
 /// once no other tracker explained any of the region's shapes by `unsure` for kUnheard, until one explains
-/// one of them by `sure` again. In silence, where it has no estimate, the rules above go on among the others.
+/// one of them by `sure` again. In silence, where it has no estimate, and with `audio` off the others are
+/// asked.
+///
+/// A region, mouth or jaw, that was sensed, and of which nobody who was measured explains any shape by
+/// `unsure` any more for kUnheard, has no tracker (rule 3), a lone one's too, until one does again for as
+/// long, or by `sure`: what is left of a model's prior is no face. Not so while a tracker answers whose share
+/// nobody measured, nor of sensors that never explained as much.
 ///
 /// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's
 /// mechanisms and times, part by part, so a tracker that loses its sensors is replaced as smoothly as the
@@ -57,12 +64,14 @@ class Merge {
   explicit Merge(std::vector<std::string> modalities, const MergeSettings& settings = {},
                  const FallbackSettings& times = {});
   static constexpr std::size_t kMostSources = 8;
+  /// The modality that hears.
+  static constexpr std::string_view kListening = "speech";
   /// How long a region is not sensed before it is heard. Raising: sound answers later, and for fewer gaps.
   static constexpr Duration kUnheard = std::chrono::milliseconds(100);
 
   /// Fills `out`; `sources` as many as `modalities`. Returns the number of sensors for Shaper::apply: those
   /// of all trackers with an estimate (any provenance but neutral); 0 when none is left; before any had one,
-  /// those of all. A single source passes to the bit.
+  /// those of all. A single source passes to the bit where it senses mouth and jaw, or nobody measured it.
   std::size_t apply(std::span<const Source> sources, face::OutputFrame& out);
 
   /// Takes effect at the next frame; values are clamped to their ranges. Not `on`: the first source's frame
@@ -81,11 +90,12 @@ class Merge {
   struct Vote {
     bool known = false;  // It has sensors and an estimate.
     bool heard = false;  // It is the modality that listens.
-    float share = 0;     // Of the part that it explains; else its confidence.
+    bool measured = false;
+    float share = 0;  // Of the part that it explains; else its confidence.
   };
   [[nodiscard]] Vote vote_of(std::span<const Source> sources, std::size_t which, std::size_t part) const;
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;
-  /// Follows which regions no tracker senses.
+  /// Follows which regions no tracker senses: those that sound may answer for, and those that nobody does.
   void look_for_gaps(std::span<const Source> sources, DeviceTime time);
   /// The source that answers most of a region's shapes; kNobody where more are faded.
   [[nodiscard]] std::uint8_t lead_of(std::size_t region) const;
@@ -102,6 +112,9 @@ class Merge {
   std::array<std::uint8_t, face::kShapeRegionCount> leads_{};      // Source that answers most of a region.
   std::array<std::optional<DeviceTime>, face::kShapeRegionCount> unsensed_since_;
   std::array<bool, face::kShapeRegionCount> heard_{};  // Sound may answer for the region.
+  std::array<std::optional<DeviceTime>, face::kShapeRegionCount> turning_since_{};
+  std::array<bool, face::kShapeRegionCount> sensed_{};  // Somebody explained a shape of it by `unsure` once.
+  std::array<bool, face::kShapeRegionCount> gap_{};     // None of those who were measured senses it.
   EaseOut ease_out_;
   face::OutputFrame from_;                      // What was shown of each part when it was lost, ...
   std::array<DeviceTime, kPartCount> since_{};  // ... and when.

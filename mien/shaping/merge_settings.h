@@ -35,6 +35,9 @@ struct MergeSettings {
   /// `sure` is also the lead that another needs where none reaches `sure`. Raising: hands over at smaller
   /// losses. Lowering: fewer changes, a failing tracker is kept longer.
   float unsure = 0.35F;
+  /// Whether sound may answer. False: no shape ever has the provenance audio, and a session's microphone is
+  /// closed.
+  bool audio = true;
 
   static constexpr std::size_t kMostNames = 8;
   static constexpr std::size_t kLongestName = 32;

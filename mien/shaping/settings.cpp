@@ -32,7 +32,7 @@ constexpr std::array<Name, 11> kKeys = {
     "smoothing", "smooth_head", "resting",  "constraints", "rules", "lids_follow_eyes",
     "gains",     "limits",      "fallback", "merge",       "off"};
 constexpr std::array<Name, 3> kFallbackKeys = {"hold_s", "neutral_s", "return_s"};
-constexpr std::array<Name, 3> kMergeKeys = {"sure", "unsure", "order"};
+constexpr std::array<Name, 4> kMergeKeys = {"sure", "unsure", "order", "audio"};
 
 /// A number of the object within low to high. Errors: malformed, out_of_range.
 template <class T>
@@ -135,6 +135,9 @@ Result<void> read_merge(const json& table, const std::string& where, MergeSettin
       MIEN_TRY(read_within(value, "'sure'", 0.0F, 1.0F, where, merge.sure));
     } else if (key == "unsure") {
       MIEN_TRY(read_within(value, "'unsure'", 0.0F, 1.0F, where, merge.unsure));
+    } else if (key == "audio") {
+      if (!value.is_boolean()) return fail(ErrorCode::malformed, "'audio' is neither true nor false", where);
+      merge.audio = value.get<bool>();
     } else if (key == "order") {
       if (!value.is_object()) return fail(ErrorCode::malformed, "'order' is no table of places", where);
       for (const auto& [place, names] : value.items()) MIEN_TRY(read_order(place, names, where, merge));
@@ -185,7 +188,8 @@ json write_merge(const MergeSettings& merge) {
   json order = json::object();
   for (std::size_t place = 0; place < kMergePlaceCount; ++place)
     order[std::string(kMergePlaceNames[place])] = merge.order[place];
-  return {{"sure", merge.sure}, {"unsure", merge.unsure}, {"order", std::move(order)}};
+  return {
+      {"sure", merge.sure}, {"unsure", merge.unsure}, {"order", std::move(order)}, {"audio", merge.audio}};
 }
 
 }  // namespace

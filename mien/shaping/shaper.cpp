@@ -5,6 +5,25 @@
 
 namespace mien::shaping {
 
+namespace {
+
+/// Nothing is left that was heard. Returns how many sensors count then.
+std::size_t take_out_audio(face::OutputFrame& frame, std::size_t sensors_present) {
+  bool heard = false, others = false;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    others = others || (frame.provenance[k] != face::Provenance::audio &&
+                        frame.provenance[k] != face::Provenance::neutral);
+    if (frame.provenance[k] != face::Provenance::audio) continue;
+    heard = true;
+    frame.provenance[k] = face::Provenance::neutral;
+    frame.weights[k] = frame.confidence[k] = 0;
+  }
+  if (heard && !others) frame.tongue_out = 0;
+  return heard && !others ? 0 : sensors_present;
+}
+
+}  // namespace
+
 Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
   set(settings);
 }
@@ -12,6 +31,7 @@ Shaper::Shaper(const ShaperSettings& settings) : last_(neutral_frame({})) {
 void Shaper::set(const ShaperSettings& settings) {
   settings_ = settings;
   limited_ = settings.limits != Limits{} && settings.runs(ChainStep::gains);
+  lone_.set(settings.merge, settings.fallback, settings.runs(ChainStep::merge));
   fallback_.set(settings.fallback);
   if (!settings.runs(ChainStep::fallback)) {
     fallback_.reset();
@@ -26,6 +46,7 @@ void Shaper::set(const ShaperSettings& settings) {
 void Shaper::reset() {
   begun_ = false;
   last_ = neutral_frame({});
+  lone_.reset();
   fallback_.reset();
   resting_.reset();
   recentre_.settle();
@@ -34,12 +55,20 @@ void Shaper::reset() {
   smoothing_.reset();
 }
 
-void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present) {
+void Shaper::apply(face::OutputFrame& frame, std::size_t sensors_present,
+                   const tracker::Explained* explained) {
   if (begun_ && frame.time <= last_.time) reset();
+  if (!settings_.merge.audio) sensors_present = take_out_audio(frame, sensors_present);
   const double return_s = settings_.fallback.within_range().return_s;
   const bool bounded = settings_.runs(ChainStep::bounds), gazing = settings_.runs(ChainStep::gaze);
   if (settings_.runs(ChainStep::mend)) mend(frame, last_);
   last_ = frame;
+  if (explained != nullptr && settings_.runs(ChainStep::mend) && settings_.runs(ChainStep::merge)) {
+    const Merge::Source source{.frame = &frame, .sensors_present = sensors_present, .explained = explained};
+    face::OutputFrame out;
+    sensors_present = lone_.apply({&source, 1}, out);
+    frame = out;
+  }
   if (settings_.runs(ChainStep::fallback)) fallback_.apply(frame, sensors_present);
   recentre_.observe(frame);
   resting_.apply(frame);

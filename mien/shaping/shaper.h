@@ -6,6 +6,7 @@
 #include "mien/shaping/fallback.h"
 #include "mien/shaping/head_position.h"
 #include "mien/shaping/lids.h"
+#include "mien/shaping/merge.h"
 #include "mien/shaping/recentre.h"
 #include "mien/shaping/resting.h"
 #include "mien/shaping/settings.h"
@@ -31,8 +32,10 @@ class Shaper {
 
   /// Shapes the frame in place. `sensors_present`: how many of the rig's sensors are present, received in the
   /// last 100 ms or unchanged (docs/reference/links.md); 0 starts the fallback, a change is eased out. Where
-  /// only "any" is known, 0 or 1.
-  void apply(face::OutputFrame& frame, std::size_t sensors_present);
+  /// only "any" is known, 0 or 1. `explained`: of a lone tracker, what its sensors explain; mouth and jaw are
+  /// held and fade where they explain too little (Merge). Null: unknown, or several were merged before.
+  void apply(face::OutputFrame& frame, std::size_t sensors_present,
+             const tracker::Explained* explained = nullptr);
 
   /// Begins re-centring (Recentre), done after 1.5 s.
   void recentre() { recentre_.begin(); }
@@ -59,6 +62,7 @@ class Shaper {
   bool begun_ = false;
   face::OutputFrame last_;   // The last input, mended.
   face::OutputFrame shown_;  // The last output.
+  Merge lone_{{"lone"}};
   Fallback fallback_;
   Resting resting_;
   Recentre recentre_;

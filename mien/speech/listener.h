@@ -22,6 +22,8 @@ class Listener {
   /// The next block; `time`: the device time of its first sample. What is known of the mouth from then on;
   /// times rise from call to call. Blocks that were lost between two leave their gap in the times.
   virtual Heard push(DeviceTime time, const Block& block) = 0;
+  /// What its answers are to be smoothed by (SpokenMouth), 1/s; 0: not at all.
+  [[nodiscard]] virtual double smoothing() const { return 0; }
   /// The next block begins anew: nothing was heard before.
   virtual void reset() = 0;
 };

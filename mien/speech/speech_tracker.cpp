@@ -30,8 +30,7 @@ Result<std::unique_ptr<SpeechTracker>> SpeechTracker::create(const sensor::Rig& 
 
 void SpeechTracker::forget_all() {
   if (listener_) listener_->reset();
-  heard_.clear();
-  gate_.reset();
+  mouth_.reset();
   last_block_.reset();
 }
 
@@ -55,28 +54,30 @@ void SpeechTracker::add_with_payload(HostTime, const sensor::Sample& sample,
   }
   last_block_ = sample.time;
   if (const MakeListener make = std::exchange(make_, nullptr))
-    if (auto made = make()) listener_ = *std::move(made);
+    if (auto made = make()) {
+      listener_ = *std::move(made);
+      mouth_ = SpokenMouth(listener_->smoothing());
+    }
   if (!listener_) return;
-  heard_.push(listener_->push(sample.time - kBlockDuration / 2, *block));
+  mouth_.push(listener_->push(sample.time - kBlockDuration / 2, *block));
 }
 
 tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
                                         face::OutputFrame& out) {
-  tracker::TickResult result;
+  tracker::TickResult result{.hearing = tracker::TickResult::Hearing{}};
   out = {};
   out.time = frame;
   out.provenance.fill(Provenance::neutral);
-  std::optional<Heard> heard;
-  if (lines.ready() && last_block_) {
-    const DeviceTime time = lines.from_line(sensor_, frame);
-    if (time - *last_block_ <= kPresent) heard = heard_.at(time);
-  }
-  if (!heard) {
-    gate_.reset();
+  if (!lines.ready() || !last_block_) return result;
+  const DeviceTime time = lines.from_line(sensor_, frame);
+  if (time - *last_block_ > kPresent) {
+    mouth_.reset();
     return result;
   }
   result.sensors_present = 1;
-  if (!gate_.step(frame, heard->voice)) return result;
+  const std::optional<Heard> heard = mouth_.tick(time);
+  result.hearing->speaks = heard.has_value();
+  if (!heard) return result;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     if (!is_heard(k)) continue;
     out.weights[k] = heard->weights[k];

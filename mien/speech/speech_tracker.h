@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "mien/sensor/rig.h"
-#include "mien/speech/heard_track.h"
 #include "mien/speech/listener.h"
+#include "mien/speech/spoken_mouth.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::speech {
@@ -57,8 +57,7 @@ class SpeechTracker final : public tracker::Tracker {
   std::uint16_t sensor_;
   MakeListener make_;  // Empty once it was asked.
   std::unique_ptr<Listener> listener_;
-  HeardTrack heard_;
-  VoiceGate gate_;
+  SpokenMouth mouth_;
   std::optional<DeviceTime> last_block_;
 };
 

@@ -86,6 +86,13 @@ struct TickResult {
   /// What these sensors explain of each shape: by this trackers of one face are compared (shaping::Merge).
   /// None where nobody measured it; then they are compared by the frame's confidence.
   std::optional<Explained> explained = {};
+  /// What is heard; none of a tracker that does not listen.
+  struct Hearing {
+    bool speaks = false;  ///< Somebody does.
+    /// By how much it is asked for later than the frame, since sound lags behind the face.
+    Duration later{};
+  };
+  std::optional<Hearing> hearing = {};
 };
 
 /// One modality's way from samples to output frames; the only face that the live session sees of it. A pure

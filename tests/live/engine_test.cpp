@@ -423,14 +423,12 @@ TEST(Engine, FeedsHandOverUntilTheyAreOverFailOrAreStopped) {
   std::atomic<int> handed = 0;
   std::atomic<bool> was_stopped = false;
   const std::vector<std::byte> rubbish(40, std::byte{7});
-  asked.feeds.push_back({"toy:short", [&](PayloadSource& out, const std::atomic<bool>&) {
+  asked.feeds.push_back({"toy:short", [&](FeedPort& out) {
                            for (int i = 0; i < 3; ++i) handed += out.hand_over(rubbish, rubbish) ? 1 : 0;
                          }});
-  asked.feeds.push_back({"toy:broken", [](PayloadSource&, const std::atomic<bool>&) {
-                           throw std::runtime_error("the lens fell off");
-                         }});
-  asked.feeds.push_back({"toy:endless", [&](PayloadSource&, const std::atomic<bool>& stop) {
-                           while (!stop) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  asked.feeds.push_back({"toy:broken", [](FeedPort&) { throw std::runtime_error("the lens fell off"); }});
+  asked.feeds.push_back({"toy:endless", [&](FeedPort& port) {
+                           while (!port.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
                            was_stopped = true;
                          }});
   auto engine = Engine::open(std::move(asked), session::test::session());

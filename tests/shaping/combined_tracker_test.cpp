@@ -28,6 +28,7 @@ class Puppet final : public tracker::Tracker {
   std::string made = "{}";
   std::vector<tracker::CalibrationEvent> events;  // Of the next tick.
   std::vector<sensor::Score> judged;
+  DeviceTime ticked;  // Time of the last tick.
   // What it heard.
   std::vector<std::uint16_t> samples, forgotten;
   std::vector<Step> guided;
@@ -43,7 +44,12 @@ class Puppet final : public tracker::Tracker {
     out.time = frame;
     out.confidence.fill(confidence);
     if (made.empty()) out.provenance.fill(Provenance::neutral);
-    return {.sensors_present = there, .calibration = std::exchange(events, {}), .explained = explained};
+    ticked = frame;
+    if (name_ == Merge::kListening) out.provenance.fill(Provenance::audio);
+    tracker::TickResult result{
+        .sensors_present = there, .calibration = std::exchange(events, {}), .explained = explained};
+    if (name_ == Merge::kListening) result.hearing = tracker::TickResult::Hearing{.speaks = true};
+    return result;
   }
   [[nodiscard]] tracker::Guidance guidance() const override { return wants; }
   void guide(Step step, DeviceTime, DeviceTime) override { guided.push_back(step); }
@@ -91,6 +97,43 @@ struct Stage {
     both->add(HostTime(from_seconds(at_s)), sample);
   }
 };
+
+TEST(CombinedTracker, SoundIsAskedForWhenItBelongsToTheFace) {
+  auto first = std::make_unique<Puppet>("imu");
+  auto second = std::make_unique<Puppet>("speech");
+  Puppet *const imu = first.get(), *const speech = second.get();
+  tracker::Explained explained;
+  explained.fill(0.9F);
+  imu->explained = explained;
+  std::vector<CombinedTracker::Part> parts;
+  parts.push_back({std::move(first), {0}});
+  parts.push_back({std::move(second), {1}});
+  CombinedTracker both(std::move(parts));
+  const sensor::TimeLines lines{2, 0};
+  // A jaw that the microphone brings a tenth of a second late.
+  Random random(1);
+  std::vector<float> jaw;
+  for (int i = 0; i < 4000; ++i)
+    jaw.push_back(i % 12 == 0 || jaw.empty() ? static_cast<float>(random.uniform(0, 0.8)) : jaw.back());
+  tracker::TickResult result;
+  for (int i = 100; i < 4000; ++i) {
+    const auto at = [&](Duration offset) {
+      return jaw[static_cast<std::size_t>(i + std::lround(to_seconds(offset) * kFrameRateHz))];
+    };
+    imu->weight = at({});
+    speech->weight =
+        at((result.hearing ? result.hearing->later : Duration()) - std::chrono::milliseconds(100));
+    OutputFrame out;
+    result = both.tick(frame_time(i), lines, out);
+    ASSERT_EQ(out.time, frame_time(i));
+    ASSERT_TRUE(result.hearing);
+    ASSERT_LE(speech->ticked - frame_time(i), std::chrono::milliseconds(110));
+  }
+  EXPECT_TRUE(result.hearing->speaks);
+  EXPECT_NEAR(to_seconds(result.hearing->later), 0.1, 0.02);
+  EXPECT_NEAR(to_seconds(speech->ticked - frame_time(3999)), 0.1, 0.02);
+  EXPECT_EQ(imu->ticked, frame_time(3999));
+}
 
 TEST(CombinedTracker, EveryTrackerGetsTheSamplesOfItsOwnSensors) {
   const Stage stage;

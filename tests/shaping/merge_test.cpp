@@ -250,7 +250,7 @@ TEST(Merge, WhoExplainsNothingIsNotKeptBecauseItCameFirst) {
         Merge::Source{.frame = &eyewear, .sensors_present = 20, .explained = &by_eyewear}};
     both.apply(sources, out);
     ASSERT_EQ(both.answers(kBrow), calibrated ? kImu : kEyewear) << i;
-    ASSERT_EQ(both.answers(kJaw), calibrated ? kImu : kEyewear) << "neither knows it: by the order, " << i;
+    ASSERT_EQ(both.answers(kNose), calibrated ? kImu : kEyewear) << "neither knows it: by the order, " << i;
     ASSERT_EQ(both.answers(kBlink), kEyewear) << "likewise: " << i;
   }
 }
@@ -454,9 +454,12 @@ TEST(Merge, ShortGapsAndSilenceAreNotHeard) {
   Merge silent({"imu", "speech"});
   for (int i = 0; i < 100; ++i) {
     const OutputFrame out = sensed_and_heard(silent, i, i < 50 ? 0.8F : 0.1F, 0.8F, false);
-    EXPECT_EQ(out.provenance[kSmile], Provenance::measured);
-    EXPECT_EQ(out.weights[kSmile], 0.3F);
+    EXPECT_NE(out.provenance[kSmile], Provenance::audio);
+    if (i < 55) {
+      EXPECT_EQ(out.weights[kSmile], 0.3F);
+    }
   }
+  EXPECT_EQ(silent.answers(kSmile), std::nullopt);
 }
 
 TEST(Merge, WhatAnotherProgramHasFromAudioIsMergedAsItsOther) {
@@ -496,6 +499,57 @@ TEST(Merge, SoundAnswersForMouthAndJawWhereAllSensorsAreLost) {
   }
   EXPECT_EQ(before.provenance[kJaw], Provenance::measured);
   EXPECT_LT(largest, 0.1 * 0.3 + 0.05) << "eased over both ways";
+}
+
+TEST(Merge, ARegionThatNobodySensesIsHeldAndFades) {
+  Merge both({"imu", "speech"});
+  float shown = 0;
+  for (int i = 0; i < 30; ++i) shown = sensed_and_heard(both, i, 0.9F, 0.9F, false).weights[kJaw];
+  EXPECT_FLOAT_EQ(shown, 0.3F);
+  // The jaw's sensors are lost, and nobody speaks.
+  OutputFrame out;
+  for (int i = 30; i < 36; ++i) out = sensed_and_heard(both, i, 0.9F, 0.2F, false);
+  EXPECT_EQ(both.answers(kJaw), kImu) << "not within a tenth of a second";
+  for (int i = 36; i < 50; ++i) out = sensed_and_heard(both, i, 0.9F, 0.2F, false);
+  EXPECT_EQ(both.answers(kJaw), std::nullopt);
+  EXPECT_NEAR(out.weights[kJaw], 0.3F, 0.02) << "held";
+  EXPECT_EQ(both.answers(kSmile), kImu) << "the mouth is still sensed";
+  for (int i = 50; i < 300; ++i) out = sensed_and_heard(both, i, 0.9F, 0.2F, false);
+  EXPECT_NEAR(out.weights[kJaw], 0, 1e-3);
+  EXPECT_EQ(out.provenance[kJaw], Provenance::neutral);
+  for (int i = 300; i < 308; ++i) out = sensed_and_heard(both, i, 0.9F, 0.9F, false);
+  EXPECT_EQ(both.answers(kJaw), kImu);
+  EXPECT_LT(out.weights[kJaw], 0.25F) << "eased in";
+  for (int i = 308; i < 400; ++i) out = sensed_and_heard(both, i, 0.9F, 0.9F, false);
+  EXPECT_NEAR(out.weights[kJaw], 0.3F, 1e-3);
+}
+
+TEST(Merge, SensorsThatNeverExplainedARegionGoOnAnswering) {
+  Merge both({"imu", "speech"});
+  for (int i = 0; i < 60; ++i)
+    EXPECT_EQ(sensed_and_heard(both, i, 0.9F, 0.2F, false).weights[kJaw], 0.3F) << "it never fell";
+}
+
+TEST(Merge, WhatNobodyMeasuredIsNoGap) {
+  Merge both({"weights", "speech"});
+  for (int i = 0; i < 60; ++i) {
+    OutputFrame weights = measured(i, 0.3F), sound = speech(i, 0.6F, false);
+    weights.confidence.fill(0);
+    const std::array<Merge::Source, 2> sources = {Merge::Source{&weights, 1}, Merge::Source{&sound, 1}};
+    OutputFrame out;
+    both.apply(sources, out);
+    EXPECT_EQ(out.weights[kJaw], 0.3F);
+  }
+}
+
+TEST(Merge, WithoutAudioNothingIsEverFromSound) {
+  MergeSettings settings;
+  settings.audio = false;
+  Merge both({"imu", "speech"}, settings);
+  for (int i = 0; i < 120; ++i) {
+    const OutputFrame out = sensed_and_heard(both, i, 0.1F, 0.1F, true, i < 60 ? 12 : 0);
+    EXPECT_EQ(std::ranges::count(out.provenance, Provenance::audio), 0);
+  }
 }
 
 TEST(Merge, AnUncalibratedTrackerIsNotAskedAndDoesNotCount) {

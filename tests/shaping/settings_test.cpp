@@ -42,6 +42,7 @@ TEST(Settings, OfMergingGoThroughJsonAndAreLeftOutWhileDefault) {
   EXPECT_EQ(write_settings(settings).find("merge"), std::string::npos);
   settings.merge.sure = 0.7F;
   settings.merge.unsure = 0.1F;
+  settings.merge.audio = false;
   settings.merge.order[static_cast<std::size_t>(MergePlace::gaze)] = {"imu"};
   settings.merge.order[static_cast<std::size_t>(MergePlace::mouth)] = {};
   EXPECT_EQ(parse_settings(write_settings(settings), "test").value(), settings);
@@ -98,6 +99,7 @@ TEST(Settings, RefuseWhatCannotBeMeant) {
                            R"({"merge": []})",
                            R"({"merge": {"hold": 1}})",
                            R"({"merge": {"sure": "very"}})",
+                           R"({"merge": {"audio": 1}})",
                            R"({"merge": {"order": ["imu"]}})",
                            R"({"merge": {"order": {"nose": ["imu"]}}})",
                            R"({"merge": {"order": {"jaw": "imu"}}})",

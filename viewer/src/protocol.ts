@@ -169,6 +169,17 @@ export interface Shaping {
   limits: Map<string, readonly [number, number]>;
 }
 
+/** What the session hears. */
+export interface Hearing {
+  /** Sound may answer; false: the microphone is closed. */
+  on: boolean;
+  speaks: boolean;
+  /** Of the frames so far, those of which a shape is from sound. */
+  share: number;
+  /** By how much sound lags behind the face. */
+  laterMs: number;
+}
+
 export interface ReplayStatus {
   take: string;
   time: number;
@@ -197,6 +208,8 @@ export interface Status {
   /** What is kept of the session until its end. `error`: why it can be recorded no more, or "". */
   log: { megabytes: number; limitMegabytes: number; hoursLeft: number | null; error: string };
   shaping: Shaping;
+  /** Null where there is no microphone. */
+  hearing: Hearing | null;
   replay: ReplayStatus | null;
   /** The sensor that waits for a tap. */
   tap: string | null;
@@ -250,7 +263,7 @@ export type Command =
   | { command: "bind"; sensor: string; device: string }
   | { command: "hear"; sensor: string; source: string }
   | { command: "tap"; sensor: string }
-  | { command: "shape"; smoothing?: number; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
+  | { command: "shape"; smoothing?: number; merge?: { audio: boolean }; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "listen"; only: string }
   | { command: "pair" }
   | { command: "takes" }
@@ -474,6 +487,12 @@ function readShaping(fields: Fields): Shaping {
   };
 }
 
+function readHearing(value: unknown): Hearing | null {
+  if (typeof value !== "object" || value === null) return null;
+  const fields = fieldsOf(value);
+  return { on: fields["on"] === true, speaks: fields["speaks"] === true, share: share(fields["share"]), laterMs: number(fields["later_ms"]) };
+}
+
 function readReplay(value: unknown): ReplayStatus | null {
   if (typeof value !== "object" || value === null) return null;
   const fields = fieldsOf(value);
@@ -533,6 +552,7 @@ function readStatus(fields: Fields): Status {
       error: text(log["error"]),
     },
     shaping: readShaping(fieldsOf(fields["shaping"])),
+    hearing: readHearing(fields["hearing"]),
     replay: readReplay(fields["replay"]),
     tap: text(fieldsOf(fields["tap"])["sensor"]) || null,
   };

@@ -165,6 +165,7 @@ class MockSession {
     if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
     this.shaping = { smoothing: 0.25, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
+    this.hearing = { on: true, speaks: true, share: 0.37, later_ms: 35 };
     this.replay = null;
     this.tap = null;
     this.network = {
@@ -296,7 +297,7 @@ class MockSession {
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
-      shaping: this.shaping, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
+      shaping: this.shaping, hearing: this.hearing, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
       network: this.network,
     };
   }
@@ -418,6 +419,7 @@ class MockSession {
       case "shape":
         if (command.smoothing !== undefined) this.shaping.smoothing = command.smoothing;
         for (const key of ["constraints", "lids_follow_eyes"]) if (command[key] !== undefined) this.shaping[key] = command[key];
+        if (command.merge?.audio !== undefined) Object.assign(this.hearing, { on: command.merge.audio, speaks: false });
         if (command.resting !== undefined) {
           this.shaping.resting = command.resting;
           this.shaping.resting_face.rest = command.resting ? { eyeBlink_L: 0.3, eyeBlink_R: 0.28, browInnerUp_L: 0.22, browInnerUp_R: 0.25, mouthSmile_L: 0.12 } : {};

@@ -27,7 +27,9 @@ constexpr std::array<std::string_view, 3> kTestVariants = {"+m5", "+f4", "+miche
 /// English only.
 constexpr std::array<std::string_view, 3> kTrainingPeople = {"flite:slt", "flite:rms", "flite:kal16"};
 constexpr std::array<std::string_view, 1> kTestPeople = {"flite:awb"};
-constexpr int kPassagesOfPeople = 4;
+/// Lips need so long to meet and to part.
+constexpr double kLipsMeet_s = 0.04;
+constexpr int kPassagesOfPeople = 12;
 
 constexpr std::array<std::string_view, 12> kShapes = {
     "jawOpen",        "mouthFunnel",  "mouthPucker", "mouthStretch",   "mouthSmile",     "mouthDimple",
@@ -55,9 +57,10 @@ SpeechSequence sequence_of(const SpokenPassage& passage, const std::string& voic
     const double at_s = block_s * (static_cast<double>(b) + 0.5 - static_cast<double>(look_ahead));
     const face::MotionFrame frame = curve.at(at_s);
     for (const std::size_t place : places) out.mouth.push_back(std::clamp(frame.weights[place], 0.0F, 1.0F));
-    const bool closed = std::ranges::any_of(
-        passage.closures, [&](const Closure& c) { return at_s >= c.begin_s && at_s < c.end_s; });
-    out.closure.push_back(closed ? 1.0F : 0.0F);
+    double closed = 0;
+    for (const Closure& c : passage.closures)
+      closed = std::max(closed, 1 - std::max({0.0, c.begin_s - at_s, at_s - c.end_s}) / kLipsMeet_s);
+    out.closure.push_back(static_cast<float>(closed));
     out.voiced.push_back(passage.voiced_at(at_s) ? 1.0F : 0.0F);
   }
   return out;

@@ -14,7 +14,7 @@ namespace mien::study {
 /// How much of what virtual speakers say to train on: the [data] table of a recipe for speech.
 struct SpeechDataRecipe {
   std::uint64_t seed = 1;
-  /// Of three lines each, by every variant of espeak-ng's voices. Voices of flite say four times as many:
+  /// Of three lines each, by every variant of espeak-ng's voices. Voices of flite say twelve times as many:
   /// they were made of people's recordings, and are few.
   int passages = 8;
   int validation_passages = 2;  ///< By each variant that is held out.
@@ -48,7 +48,7 @@ struct SpeechSequence {
   std::size_t blocks = 0;
   std::vector<float> mel;  ///< blocks x speech::kConditionOfBlock: natural logarithms, as LogMel gives them.
   std::vector<float> mouth;    ///< blocks x speech_shapes(): weights.
-  std::vector<float> closure;  ///< 1 while the lips meet for a P, B or M.
+  std::vector<float> closure;  ///< 1 while the lips meet for a P, B or M; before and after they come and go.
   std::vector<float> voiced;   ///< 1 while something is said.
 };
 

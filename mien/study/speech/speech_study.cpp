@@ -9,6 +9,7 @@
 #include "mien/core/time.h"
 #include "mien/speech/heard_track.h"
 #include "mien/speech/listeners.h"
+#include "mien/speech/spoken_mouth.h"
 #include "mien/study/correlation.h"
 #include "mien/study/performers.h"
 #include "mien/study/speech/lines.h"
@@ -42,6 +43,7 @@ class BothListener final : public Listener {
     speech::close_lips(heard.closure, heard.weights);
     return heard;
   }
+  [[nodiscard]] double smoothing() const override { return learned_->smoothing(); }
   void reset() override {
     phones_->reset();
     learned_->reset();
@@ -74,22 +76,20 @@ struct Shown {
 
 Shown show(Listener& listener, std::span<const speech::Block> blocks) {
   listener.reset();
-  speech::HeardTrack track;
-  speech::VoiceGate gate;
+  speech::SpokenMouth mouth(listener.smoothing());
   Shown shown;
   DeviceTime block_time{};
   std::int64_t frame = 0;
   for (const speech::Block& block : blocks) {
-    track.push(listener.push(block_time, block));
+    mouth.push(listener.push(block_time, block));
     // A frame is fired by the sample that reaches it, which is in the middle of its block.
     for (; DeviceTime(frame_offset(frame)) <= block_time + speech::kBlockDuration / 2; ++frame) {
       const DeviceTime time(frame_offset(frame));
-      const auto heard = track.at(time);
-      const bool speaks = heard && gate.step(time, heard->voice);
-      shown.jaw.push_back(speaks ? heard->weights[face::shape("jawOpen")] : 0);
-      shown.closure.push_back(speaks ? heard->closure : 0);
+      const auto heard = mouth.tick(time);
+      shown.jaw.push_back(heard ? heard->weights[face::shape("jawOpen")] : 0);
+      shown.closure.push_back(heard ? heard->closure : 0);
       float most = 0;
-      if (speaks)
+      if (heard)
         for (std::size_t k = 0; k < face::kShapeCount; ++k) most = std::max(most, heard->weights[k]);
       shown.most.push_back(most);
     }
@@ -98,9 +98,9 @@ Shown show(Listener& listener, std::span<const speech::Block> blocks) {
   return shown;
 }
 
-/// A closure is shown where lips are closed by four fifths.
+/// A closure is shown where lips are closed by seven tenths.
 std::vector<Closure> closures_shown(const Shown& shown) {
-  constexpr float kShown = 0.8F;
+  constexpr float kShown = 0.7F;
   return stretches_above(shown.closure, kShown, 0, 1 / kFrameRateHz);
 }
 

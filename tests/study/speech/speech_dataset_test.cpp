@@ -62,7 +62,7 @@ TEST(SpeechDataset, TruthIsThatOfTheMouthABlockBefore) {
       EXPECT_EQ(*std::ranges::max_element(a.mouth), 0);
     }
   }
-  EXPECT_EQ(speech, 48U + 3 * 4);
+  EXPECT_EQ(speech, 48U + 3 * 12);
 }
 
 TEST(SpeechDataset, SaysWhatIsWrongWithItsRecipe) {

@@ -127,6 +127,12 @@ test("a status is read", () => {
   assert.equal(message.replay, null);
 });
 
+test("what is heard, where there is a microphone", () => {
+  assert.equal(read({ type: "status" }).hearing, null);
+  assert.deepEqual(read({ type: "status", hearing: { on: true, speaks: true, share: 0.4, later_ms: -20 } }).hearing, { on: true, speaks: true, share: 0.4, laterMs: -20 });
+  assert.deepEqual(read({ type: "status", hearing: { on: 3, share: 7, later_ms: "far" } }).hearing, { on: false, speaks: false, share: 1, laterMs: 0 });
+});
+
 test("of the face at rest the rests are read that are in force", () => {
   const shaping = { smoothing: 0, resting: true, resting_face: { rest: { eyeBlink_L: 0.3, browDown_R: 0, nonsense: 0.4, mouthSmile_L: 7 }, full: { eyeBlink_L: 0.8 } } };
   const { shaping: shown } = read({ type: "status", shaping });

@@ -1,0 +1,258 @@
+#include "app/live/microphone.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <portaudio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "mien/speech/block_maker.h"
+#include "mien/speech/sound_block.h"
+
+namespace mien::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kRetry = std::chrono::seconds(1);
+constexpr auto kLook = std::chrono::milliseconds(50);
+/// Below it for so long a microphone is told to be silent: a quiet room is louder.
+constexpr float kSilence = 3e-4F;
+constexpr auto kSilent = std::chrono::seconds(5);
+/// A stream that is so far behind the machine's clock has lost sound.
+constexpr double kLost_s = 0.2;
+
+/// ALSA and JACK tell standard error of everything that they do not find.
+class QuietErrors {
+ public:
+  QuietErrors() : kept_(::dup(STDERR_FILENO)) {
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0) return;
+    ::dup2(nowhere, STDERR_FILENO);
+    ::close(nowhere);
+  }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+  ~QuietErrors() {
+    if (kept_ < 0) return;
+    ::dup2(kept_, STDERR_FILENO);
+    ::close(kept_);
+  }
+
+ private:
+  int kept_;
+};
+
+/// PortAudio while it is used. It looks for devices when it starts, and only then.
+class PortAudio {
+ public:
+  PortAudio() {
+    const QuietErrors quiet;
+    error_ = Pa_Initialize();
+  }
+  PortAudio(const PortAudio&) = delete;
+  PortAudio& operator=(const PortAudio&) = delete;
+  ~PortAudio() {
+    if (error_ == paNoError) Pa_Terminate();
+  }
+  [[nodiscard]] bool works() const { return error_ == paNoError; }
+  [[nodiscard]] std::string error() const { return Pa_GetErrorText(error_); }
+
+ private:
+  PaError error_;
+};
+
+/// Devices that give sound, the default one first.
+std::vector<PaDeviceIndex> inputs() {
+  std::vector<PaDeviceIndex> found;
+  const PaDeviceIndex first = Pa_GetDefaultInputDevice();
+  if (first != paNoDevice) found.push_back(first);
+  for (PaDeviceIndex i = 0; i < Pa_GetDeviceCount(); ++i)
+    if (i != first && Pa_GetDeviceInfo(i)->maxInputChannels > 0) found.push_back(i);
+  return found;
+}
+
+std::optional<PaDeviceIndex> find_input(const std::string& name) {
+  for (const PaDeviceIndex i : inputs())
+    if (name == "default" || std::string_view(Pa_GetDeviceInfo(i)->name).find(name) != std::string_view::npos)
+      return i;
+  return std::nullopt;
+}
+
+/// A stream that is open.
+class Stream {
+ public:
+  static std::optional<Stream> open(PaDeviceIndex device, std::string& why) {
+    const PaDeviceInfo* const info = Pa_GetDeviceInfo(device);
+    const PaStreamParameters want{.device = device,
+                                  .channelCount = 1,
+                                  .sampleFormat = paFloat32,
+                                  .suggestedLatency = info->defaultLowInputLatency,
+                                  .hostApiSpecificStreamInfo = nullptr};
+    PaStream* stream = nullptr;
+    const QuietErrors quiet;
+    // Its own rate: what it is asked for otherwise is worse than what libsamplerate makes.
+    PaError error = Pa_OpenStream(&stream, &want, nullptr, info->defaultSampleRate,
+                                  paFramesPerBufferUnspecified, paNoFlag, nullptr, nullptr);
+    if (error == paNoError && (error = Pa_StartStream(stream)) != paNoError) Pa_CloseStream(stream);
+    if (error != paNoError) {
+      why = Pa_GetErrorText(error);
+      return std::nullopt;
+    }
+    return Stream(stream, static_cast<int>(info->defaultSampleRate));
+  }
+  Stream(Stream&& other) noexcept
+      : stream_(std::exchange(other.stream_, nullptr)), rate_hz_(other.rate_hz_) {}
+  Stream& operator=(Stream&&) = delete;
+  ~Stream() {
+    if (stream_ != nullptr) Pa_CloseStream(stream_);
+  }
+  [[nodiscard]] int rate_hz() const { return rate_hz_; }
+  /// Some 10 ms; empty once it is lost.
+  std::span<const float> read() {
+    piece_.resize(static_cast<std::size_t>(rate_hz_ / 100));
+    const PaError error = Pa_ReadStream(stream_, piece_.data(), piece_.size());
+    if (error != paNoError && error != paInputOverflowed) return {};
+    return piece_;
+  }
+
+ private:
+  Stream(PaStream* stream, int rate_hz) : stream_(stream), rate_hz_(rate_hz) {}
+  PaStream* stream_;
+  int rate_hz_;
+  std::vector<float> piece_;
+};
+
+/// The microphone's thread.
+class Listening {
+ public:
+  Listening(std::string name, std::uint64_t device, live::FeedPort& port)
+      : name_(std::move(name)), device_(device), port_(port) {}
+
+  void run() {
+    while (!port_.stopped()) {
+      if (!port_.wanted()) {
+        std::this_thread::sleep_for(kLook);
+        continue;
+      }
+      std::string why;
+      if (listen(why)) continue;
+      if (told_ != why) port_.tell("microphone_lost", name_ + ": " + why + "; it is tried again each second");
+      told_ = why;
+      for (const auto again = Clock::now() + kRetry; !port_.stopped() && Clock::now() < again;)
+        std::this_thread::sleep_for(kLook);
+    }
+  }
+
+ private:
+  /// Until nobody wants to hear; false where it was lost, with the reason.
+  bool listen(std::string& why) {
+    const PortAudio audio;
+    if (!audio.works()) {
+      why = audio.error();
+      return false;
+    }
+    const auto device = find_input(name_);
+    if (!device) {
+      why = "there is no such microphone";
+      return false;
+    }
+    auto stream = Stream::open(*device, why);
+    if (!stream) return false;
+    auto maker = speech::BlockMaker::create(stream->rate_hz());
+    if (!maker) {
+      why = maker.error().message();
+      return false;
+    }
+    if (!told_.empty()) port_.tell("microphone_back", name_ + " is back");
+    told_.clear();
+    const auto opened = Clock::now();
+    std::uint64_t samples = 0;
+    quiet_since_ = opened;
+    begun_blocks_ = false;
+    while (!port_.stopped() && port_.wanted()) {
+      const std::span<const float> piece = stream->read();
+      if (piece.empty()) {
+        why = "it was pulled out";
+        return false;
+      }
+      watch_silence(piece);
+      samples += piece.size();
+      const double behind_s = std::chrono::duration<double>(Clock::now() - opened).count() -
+                              static_cast<double>(samples) / stream->rate_hz();
+      if (behind_s > kLost_s) {
+        samples += static_cast<std::uint64_t>(behind_s * stream->rate_hz());
+        next_block_ = std::max(next_block_, block_now());
+      }
+      maker->push(piece, [this](const speech::Block& block) { hand_over(block); });
+    }
+    return true;
+  }
+
+  void watch_silence(std::span<const float> piece) {
+    const auto now = Clock::now();
+    if (std::ranges::any_of(piece, [](float s) { return std::abs(s) > kSilence; })) {
+      if (said_silent_) port_.tell("microphone_heard", name_ + " is heard");
+      said_silent_ = false;
+      quiet_since_ = now;
+    } else if (!said_silent_ && now - quiet_since_ >= kSilent) {
+      said_silent_ = true;
+      port_.tell(
+          "microphone_silent",
+          name_ + " has been silent for 5 s: see that it is switched on, and that this program may hear it");
+    }
+  }
+
+  /// By the machine's clock.
+  [[nodiscard]] std::uint64_t block_now() const {
+    return static_cast<std::uint64_t>((Clock::now() - begun_) / speech::kBlockDuration);
+  }
+  void hand_over(const speech::Block& block) {
+    if (!begun_blocks_) next_block_ = std::max(next_block_, block_now());
+    begun_blocks_ = true;
+    if (const auto header = speech::encode_header({.device = device_, .block = next_block_}))
+      port_.hand_over(*header, speech::payload_of(block));
+    ++next_block_;
+  }
+
+  std::string name_;
+  std::uint64_t device_;
+  live::FeedPort& port_;
+  Clock::time_point begun_ = Clock::now();
+  Clock::time_point quiet_since_;
+  std::uint64_t next_block_ = 0;
+  bool begun_blocks_ = false;
+  bool said_silent_ = false;
+  std::string told_;  // Why it was lost, as it was said.
+};
+
+}  // namespace
+
+Result<std::vector<std::string>> microphones() {
+  const PortAudio audio;
+  if (!audio.works())
+    return fail(ErrorCode::io, audio.error(), "microphones", "see that a sound system is there");
+  std::vector<std::string> names;
+  for (const PaDeviceIndex i : inputs()) names.emplace_back(Pa_GetDeviceInfo(i)->name);
+  return names;
+}
+
+Result<live::Feed> microphone_feed(const std::string& name, std::uint64_t device) {
+  if (name != "default") {
+    MIEN_TRY_ASSIGN(const std::vector<std::string> names, microphones());
+    if (std::ranges::none_of(names,
+                             [&](const std::string& one) { return one.find(name) != std::string::npos; }))
+      return fail(ErrorCode::not_found, "this machine has no microphone of that name", "--audio " + name,
+                  names.empty() ? "it has none at all; plug one in, or name a WAV file"
+                                : fmt::format("it has {}; or name a WAV file", fmt::join(names, ", ")));
+  }
+  return live::Feed{"microphone:" + name,
+                    [name, device](live::FeedPort& port) { Listening(name, device, port).run(); }};
+}
+
+}  // namespace mien::app

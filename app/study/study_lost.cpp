@@ -1,0 +1,97 @@
+#include "app/study/study_lost.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "app/film.h"
+#include "app/json_output.h"
+#include "app/media_helper.h"
+#include "app/seed_option.h"
+#include "mien/builtin_face/builtin_face.h"
+#include "mien/core/files.h"
+#include "mien/modalities/modalities.h"
+#include "mien/study/speech/lost_sensors_study.h"
+
+namespace mien::app {
+namespace {
+
+struct StudyLostOptions {
+  study::LostSensorsRequest request;
+  std::string rig, film;
+  bool json = false;
+};
+
+Json row_json(const study::LostSensorsPerson& person, const study::LostSensorsRow& row) {
+  return {{"seed", person.seed},          {"voice", person.voice},    {"audio", row.audio},
+          {"jerk_ratio", row.jerk_ratio}, {"notice_s", row.notice_s}, {"recover_s", row.recover_s},
+          {"mouth_mm", row.mouth_mm}};
+}
+
+/// The first person's loss, as it was and as it is shown with a microphone.
+Result<void> film(const study::LostSensorsPerson& person, const std::string& out) {
+  FilmOptions options;
+  options.sound = person.sound;
+  MIEN_TRY(film_comparison(builtin_face::make_builtin(), person.truth, person.shown_heard, 0, options, out,
+                           terminal_progress("film")));
+  return {};
+}
+
+Result<void> run_study_lost(const StudyLostOptions& options) {
+  if (!options.film.empty()) MIEN_TRY(check_output(options.film, {".mp4"}));
+  study::LostSensorsScene scene;
+  MIEN_TRY_ASSIGN(const std::filesystem::path rig, path_or(options.rig, "rigs/default.toml"));
+  MIEN_TRY_ASSIGN(scene.rig, sensor::read_rig(rig));
+  MIEN_TRY_ASSIGN(scene.model, modalities::live_model(scene.rig, ""));
+  MIEN_TRY_ASSIGN(const std::filesystem::path network, find_resource("models/speech.safetensors"));
+  MIEN_TRY_ASSIGN(scene.network, speech::read_speech_network(network));
+  MIEN_TRY_ASSIGN(const auto people, study::study_lost_sensors(options.request, scene, speaker_by_helper(),
+                                                               terminal_progress("lost sensors")));
+  clear_progress();
+  if (!options.film.empty()) MIEN_TRY(film(people.front(), options.film));
+  if (options.json) {
+    Json rows = Json::array();
+    for (const study::LostSensorsPerson& person : people)
+      for (const study::LostSensorsRow* row : {&person.held, &person.heard})
+        rows.push_back(row_json(person, *row));
+    print_json({{"rig", scene.rig.name}, {"lost_s", options.request.lost_s}, {"rows", std::move(rows)}});
+    return {};
+  }
+  fmt::print("{}: all sensors are lost for {} s in the middle of a sentence\n\n", scene.rig.name,
+             options.request.lost_s);
+  fmt::print("| seed | voice | microphone | jerk | notice ms | recover ms | mouth mm | of held |\n");
+  fmt::print("|---|---|---|---|---|---|---|---|\n");
+  for (const study::LostSensorsPerson& person : people)
+    for (const study::LostSensorsRow* row : {&person.held, &person.heard})
+      fmt::print("| {} | {} | {} | {:.2f} | {:.0f} | {:.0f} | {:.3f} | {:+.0f} % |\n", person.seed,
+                 person.voice, row->audio ? "yes" : "no", row->jerk_ratio, 1e3 * row->notice_s,
+                 1e3 * row->recover_s, row->mouth_mm,
+                 person.held.mouth_mm == 0 ? 0 : 100 * (row->mouth_mm / person.held.mouth_mm - 1));
+  return {};
+}
+
+}  // namespace
+
+void add_study_lost(Commands& commands, Command study) {
+  auto options = std::make_shared<StudyLostOptions>();
+  const Command command = commands.add_under(
+      study, "lost",
+      "Sensors that are lost in the middle of a sentence, with and without a microphone (needs mien-media)",
+      "mien study lost --rig rigs/eyewear.toml --film lost.mp4",
+      [options] { return run_study_lost(*options); });
+  command.add_option("--rig", options->rig, "Of IMUs or of glasses (default: rigs/default.toml)");
+  command.add_option("--people", options->request.people, "Who speaks, a seed each")
+      .in_range(1, 1000)
+      .show_default();
+  command.add_option("--lost-seconds", options->request.lost_s, "How long nothing comes")
+      .number_between(0.2, 4.0)
+      .show_default();
+  command.add_option("--film", options->film,
+                     "An MP4 of the first one's loss: truth, what is shown, and the error");
+  add_seed_option(command, options->request.seed, "Of the first one");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

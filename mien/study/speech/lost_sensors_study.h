@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/motion.h"
+#include "mien/sensor/rig.h"
+#include "mien/speech/speech_network.h"
+#include "mien/study/speech/speaker.h"
+
+namespace mien::study {
+
+struct LostSensorsRequest {
+  int people = 5;     ///< Seeds from `seed` on: another person, voice and moment each.
+  double lost_s = 2;  ///< How long nothing comes from any sensor.
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: one a core.
+};
+
+/// What is worn.
+struct LostSensorsScene {
+  sensor::Rig rig;  ///< Sensors of one kind, "imu" or "eyewear".
+  std::filesystem::path model;
+  speech::SpeechNetworkFile network;
+};
+
+/// Sensors that are lost in the middle of a sentence and come back: what is shown with a microphone, and
+/// without.
+struct LostSensorsRow {
+  bool audio = false;
+  /// Root mean square of the third difference of mouth and jaw, in half a second about the loss and about the
+  /// return, over that of the same moments without a change: before the loss and after the return as sensors
+  /// show them, meanwhile as sound does all along where it answers, else as sensors do. The larger of the
+  /// two.
+  double jerk_ratio = 0;
+  double notice_s = 0;   ///< From the loss until no weight of mouth or jaw claims to be measured.
+  double recover_s = 0;  ///< From the return until all of them are the sensors' again.
+  double mouth_mm = 0;  ///< Mean error of the face's vertices during the loss, mouth and jaw alone moving it.
+};
+struct LostSensorsPerson {
+  std::uint64_t seed = 0;
+  std::string voice;
+  LostSensorsRow held, heard;  ///< Hold and neutral; sound.
+  /// The performance around the loss, 60 Hz from a second before it to a second after it, for a film: as it
+  /// was, and both.
+  face::Motion truth, shown_held, shown_heard;
+  Sound sound;  ///< What is heard meanwhile.
+};
+
+/// Lets people speak with sensors that are lost for a while. Voices are those for tests, sound is clean.
+/// Errors: bad_usage (a rig of several kinds, or of another one); the speaker's, the devices', the model's;
+/// cancelled.
+[[nodiscard]] Result<std::vector<LostSensorsPerson>> study_lost_sensors(const LostSensorsRequest& request,
+                                                                        const LostSensorsScene& scene,
+                                                                        const Speaker& speaker,
+                                                                        const Progress& progress);
+
+}  // namespace mien::study
