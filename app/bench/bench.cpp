@@ -17,6 +17,7 @@
 #include "app/bench/bench_onnxruntime.h"
 #include "app/bench/bench_render.h"
 #include "app/bench/bench_shaping.h"
+#include "app/bench/bench_speech.h"
 #include "app/bench/bench_start.h"
 #include "app/bench/clock.h"
 #include "app/bench/loopback.h"
@@ -216,6 +217,7 @@ void add_bench_command(Commands& commands) {
   add_attack_bench(commands, bench);
   add_render_bench(commands, bench);
   add_shaping_bench(commands, bench);
+  add_speech_bench(commands, bench);
   add_onnxruntime_bench(commands, bench);
 
   auto asked = std::make_shared<CausalBench>();

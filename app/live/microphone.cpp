@@ -6,7 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
+#include <future>
+#include <memory>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -21,6 +24,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr auto kRetry = std::chrono::seconds(1);
 constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr auto kPoll = std::chrono::milliseconds(3);
+/// Without a sample for so long a microphone was pulled out.
+constexpr auto kGone = std::chrono::seconds(1);
 /// Below it for so long a microphone is told to be silent: a quiet room is louder.
 constexpr float kSilence = 3e-4F;
 constexpr auto kSilent = std::chrono::seconds(5);
@@ -84,49 +90,70 @@ std::optional<PaDeviceIndex> find_input(const std::string& name) {
   return std::nullopt;
 }
 
-/// A stream that is open.
+/// A stream that is open. PortAudio's own thread brings the sound; nothing waits in there.
 class Stream {
  public:
-  static std::optional<Stream> open(PaDeviceIndex device, std::string& why) {
+  static std::unique_ptr<Stream> open(PaDeviceIndex device, std::string& why) {
     const PaDeviceInfo* const info = Pa_GetDeviceInfo(device);
     const PaStreamParameters want{.device = device,
                                   .channelCount = 1,
                                   .sampleFormat = paFloat32,
                                   .suggestedLatency = info->defaultLowInputLatency,
                                   .hostApiSpecificStreamInfo = nullptr};
-    PaStream* stream = nullptr;
-    const QuietErrors quiet;
     // Its own rate: what it is asked for otherwise is worse than what libsamplerate makes.
-    PaError error = Pa_OpenStream(&stream, &want, nullptr, info->defaultSampleRate,
-                                  paFramesPerBufferUnspecified, paNoFlag, nullptr, nullptr);
-    if (error == paNoError && (error = Pa_StartStream(stream)) != paNoError) Pa_CloseStream(stream);
-    if (error != paNoError) {
-      why = Pa_GetErrorText(error);
-      return std::nullopt;
-    }
-    return Stream(stream, static_cast<int>(info->defaultSampleRate));
+    auto stream = std::unique_ptr<Stream>(new Stream(static_cast<int>(info->defaultSampleRate)));
+    const QuietErrors quiet;
+    PaError error = Pa_OpenStream(&stream->stream_, &want, nullptr, info->defaultSampleRate,
+                                  paFramesPerBufferUnspecified, paNoFlag, &Stream::take, stream.get());
+    if (error == paNoError) error = Pa_StartStream(stream->stream_);
+    if (error == paNoError) return stream;
+    why = Pa_GetErrorText(error);
+    return nullptr;
   }
-  Stream(Stream&& other) noexcept
-      : stream_(std::exchange(other.stream_, nullptr)), rate_hz_(other.rate_hz_) {}
-  Stream& operator=(Stream&&) = delete;
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
   ~Stream() {
     if (stream_ != nullptr) Pa_CloseStream(stream_);
   }
   [[nodiscard]] int rate_hz() const { return rate_hz_; }
-  /// Some 10 ms; empty once it is lost.
+  /// What has come since; empty: nothing yet.
   std::span<const float> read() {
-    piece_.resize(static_cast<std::size_t>(rate_hz_ / 100));
-    const PaError error = Pa_ReadStream(stream_, piece_.data(), piece_.size());
-    if (error != paNoError && error != paInputOverflowed) return {};
-    return piece_;
+    return std::span(piece_).first(waiting_.pop(piece_.data(), piece_.size()));
   }
+  [[nodiscard]] bool is_active() const { return Pa_IsStreamActive(stream_) == 1; }
 
  private:
-  Stream(PaStream* stream, int rate_hz) : stream_(stream), rate_hz_(rate_hz) {}
-  PaStream* stream_;
+  explicit Stream(int rate_hz) : rate_hz_(rate_hz), piece_(static_cast<std::size_t>(rate_hz)) {}
+  static int take(const void* in, void*, unsigned long count, const PaStreamCallbackTimeInfo*,
+                  PaStreamCallbackFlags, void* self) noexcept {
+    if (in != nullptr) static_cast<Stream*>(self)->waiting_.push(static_cast<const float*>(in), count);
+    return paContinue;
+  }
+
+  PaStream* stream_ = nullptr;
   int rate_hz_;
   std::vector<float> piece_;
+  boost::lockfree::spsc_queue<float, boost::lockfree::capacity<std::size_t{1} << 18U>> waiting_;
 };
+
+/// PortAudio and a stream of it.
+struct Opened {
+  PortAudio audio;
+  std::unique_ptr<Stream> stream;  // Ends before it.
+};
+
+/// Closes it; false where the sound system does not answer any more, as a JACK whose server was killed: then
+/// it is left to itself.
+bool close_patiently(std::unique_ptr<Opened> opened) {
+  constexpr auto kPatience = std::chrono::seconds(2);
+  const auto closed = std::make_shared<std::promise<void>>();
+  std::future<void> done = closed->get_future();
+  std::thread([closed, opened = std::move(opened)]() mutable {
+    opened.reset();
+    closed->set_value();
+  }).detach();
+  return done.wait_for(kPatience) == std::future_status::ready;
+}
 
 /// The microphone's thread.
 class Listening {
@@ -141,7 +168,14 @@ class Listening {
         continue;
       }
       std::string why;
-      if (listen(why)) continue;
+      auto opened = std::make_unique<Opened>();
+      const bool unwanted = listen(*opened, why);
+      if (!close_patiently(std::move(opened))) {
+        port_.tell("microphone_lost",
+                   name_ + ": the sound system does not answer any more; begin the session anew to hear");
+        return;
+      }
+      if (unwanted) continue;
       if (told_ != why) port_.tell("microphone_lost", name_ + ": " + why + "; it is tried again each second");
       told_ = why;
       for (const auto again = Clock::now() + kRetry; !port_.stopped() && Clock::now() < again;)
@@ -151,10 +185,9 @@ class Listening {
 
  private:
   /// Until nobody wants to hear; false where it was lost, with the reason.
-  bool listen(std::string& why) {
-    const PortAudio audio;
-    if (!audio.works()) {
-      why = audio.error();
+  bool listen(Opened& sound, std::string& why) {
+    if (!sound.audio.works()) {
+      why = sound.audio.error();
       return false;
     }
     const auto device = find_input(name_);
@@ -162,8 +195,9 @@ class Listening {
       why = "there is no such microphone";
       return false;
     }
-    auto stream = Stream::open(*device, why);
-    if (!stream) return false;
+    sound.stream = Stream::open(*device, why);
+    const Stream* const stream = sound.stream.get();
+    if (stream == nullptr) return false;
     auto maker = speech::BlockMaker::create(stream->rate_hz());
     if (!maker) {
       why = maker.error().message();
@@ -175,15 +209,20 @@ class Listening {
     std::uint64_t samples = 0;
     quiet_since_ = opened;
     begun_blocks_ = false;
+    auto newest = opened;
     while (!port_.stopped() && port_.wanted()) {
-      const std::span<const float> piece = stream->read();
+      std::this_thread::sleep_for(kPoll);
+      const std::span<const float> piece = sound.stream->read();
+      const auto now = Clock::now();
       if (piece.empty()) {
-        why = "it was pulled out";
+        if (stream->is_active() && now - newest < kGone) continue;
+        why = "it gives no sound any more";
         return false;
       }
+      newest = now;
       watch_silence(piece);
       samples += piece.size();
-      const double behind_s = std::chrono::duration<double>(Clock::now() - opened).count() -
+      const double behind_s = std::chrono::duration<double>(now - opened).count() -
                               static_cast<double>(samples) / stream->rate_hz();
       if (behind_s > kLost_s) {
         samples += static_cast<std::uint64_t>(behind_s * stream->rate_hz());

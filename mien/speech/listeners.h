@@ -18,8 +18,8 @@ class LearnedListener final : public Listener {
   /// (docs/experiments/speech.md).
   static constexpr float kClosed = 0.5F;
 
-  /// A network's answers tremble; so smoothed they come 20 ms later. Chosen on validation voices likewise.
-  static constexpr double kSmoothing = 100;
+  /// A network's answers tremble; so smoothed they come 25 ms later. Chosen on validation voices likewise.
+  static constexpr double kSmoothing = 80;
 
   explicit LearnedListener(SpeechNetwork network) : network_(std::move(network)) {}
   [[nodiscard]] double smoothing() const override { return kSmoothing; }

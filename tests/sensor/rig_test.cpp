@@ -105,6 +105,7 @@ TEST(Rig, WritesWhatItReads) {
       EXPECT_TRUE(a.outward == b.outward);
       EXPECT_TRUE(a.aim == b.aim);
       EXPECT_EQ(a.recentre, b.recentre);
+      EXPECT_EQ(a.hears_by, b.hears_by);
     }
   }
 }
@@ -116,6 +117,12 @@ TEST(Rig, LightMayBeRecentred) {
   EXPECT_TRUE(rig->sensors[0].recentre);
   EXPECT_FALSE(rig->sensors[1].recentre);
   EXPECT_TRUE(parse_rig(write_rig(*rig), "again")->sensors[0].recentre);
+  const std::string phones = with("kind = \"imu\"\nsite", "kind = \"speech\"\nhears_by = \"phones\"\nsite");
+  const auto hearing = parse_rig(phones, "rig");
+  ASSERT_TRUE(hearing) << hearing.error().message();
+  EXPECT_EQ(parse_rig(write_rig(*hearing), "again")->sensors[0].hears_by, "phones");
+  EXPECT_FALSE(parse_rig(with("kind = \"imu\"\nsite", "kind = \"imu\"\nhears_by = \"phones\"\nsite"), "rig"));
+  EXPECT_FALSE(parse_rig(with("kind = \"imu\"\nsite", "kind = \"speech\"\nhears_by = \"ear\"\nsite"), "rig"));
 }
 
 struct Wrong {
