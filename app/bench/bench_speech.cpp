@@ -69,8 +69,11 @@ Result<void> run_speech_bench(const SpeechBench& options) {
   speech::LearnedListener learned(std::move(network));
   speech::PhoneListener phones(std::move(decoder));
   // Each once before it counts: memory and caches.
-  measure_listener("", learned, blocks);
-  learned.reset();
+  for (speech::Listener* listener :
+       {static_cast<speech::Listener*>(&learned), static_cast<speech::Listener*>(&phones)}) {
+    measure_listener("", *listener, blocks);
+    listener->reset();
+  }
   const HeardIn rows[] = {measure_listener("network", learned, blocks),
                           measure_listener("phones", phones, blocks)};
   if (options.json) {

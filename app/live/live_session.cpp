@@ -172,11 +172,15 @@ Result<LiveSession> open_live(LiveRequest request) {
   // A rig's own microphone is opened from the page, and only there, where the command line names none.
   const bool own = request.audio.empty() && !sensor::sensors_of(rig, "speech").empty();
   if (!request.no_audio && (own || !request.audio.empty())) {
-    MIEN_TRY_ASSIGN(HearingRig hearing, with_microphone(std::move(rig), request.hears_by));
-    MIEN_TRY_ASSIGN(settings.feeds.emplace_back(),
-                    sound_feed(own ? "default" : request.audio, hearing.device));
-    rig = std::move(hearing.rig);
-    rig_toml = sensor::write_rig(rig);
+    auto hearing = with_microphone(rig, request.hears_by);
+    // One that is bound to no device yet is nobody's to open.
+    if (!hearing && !own) return std::unexpected(std::move(hearing).error());
+    if (hearing) {
+      MIEN_TRY_ASSIGN(settings.feeds.emplace_back(),
+                      sound_feed(own ? "default" : request.audio, hearing->device));
+      rig = std::move(hearing->rig);
+      rig_toml = sensor::write_rig(rig);
+    }
   }
   settings.hear = !own && !request.no_audio;
   if (!settings.hear) settings.commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});

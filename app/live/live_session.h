@@ -30,7 +30,7 @@ struct LiveRequest {
   std::string constraints;               ///< A file, or "off"; empty: the default.
   std::string audio;                     ///< A WAV file or a microphone that is heard; empty: nothing is.
   std::string hears_by;                  ///< "network" or "phones"; empty: as the rig says.
-  bool no_audio = false;                 ///< Nothing is heard, whatever the rig or the page say.
+  bool no_audio = false;                 ///< No microphone is opened, and no file heard.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
   bool only_record = false;              ///< It ends when its prompts or its recording do.
   /// What the temporary log may take, 10^9 bytes.

@@ -30,13 +30,16 @@ constexpr auto kGone = std::chrono::seconds(1);
 /// Below it for so long a microphone is told to be silent: a quiet room is louder.
 constexpr float kSilence = 3e-4F;
 constexpr auto kSilent = std::chrono::seconds(5);
-/// A stream that is so far behind the machine's clock has lost sound.
+/// A stream that falls so far behind has lost sound, ...
 constexpr double kLost_s = 0.2;
+/// ... beside what it was behind over about so long.
+constexpr auto kDrift = std::chrono::seconds(10);
 
 /// ALSA and JACK tell standard error of everything that they do not find.
 class QuietErrors {
  public:
-  QuietErrors() : kept_(::dup(STDERR_FILENO)) {
+  QuietErrors() : kept_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
+    if (kept_ < 0) return;
     const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
     if (nowhere < 0) return;
     ::dup2(nowhere, STDERR_FILENO);
@@ -210,6 +213,7 @@ class Listening {
     quiet_since_ = opened;
     begun_blocks_ = false;
     auto newest = opened;
+    double usual_s = 0;
     while (!port_.stopped() && port_.wanted()) {
       std::this_thread::sleep_for(kPoll);
       const std::span<const float> piece = sound.stream->read();
@@ -222,10 +226,12 @@ class Listening {
       newest = now;
       watch_silence(piece);
       samples += piece.size();
+      // A card's clock is not the machine's: what grows slowly is drift, what jumps was lost.
       const double behind_s = std::chrono::duration<double>(now - opened).count() -
                               static_cast<double>(samples) / stream->rate_hz();
-      if (behind_s > kLost_s) {
-        samples += static_cast<std::uint64_t>(behind_s * stream->rate_hz());
+      usual_s += std::chrono::duration<double>(kPoll) / kDrift * (behind_s - usual_s);
+      if (behind_s - usual_s > kLost_s) {
+        samples += static_cast<std::uint64_t>((behind_s - usual_s) * stream->rate_hz());
         next_block_ = std::max(next_block_, block_now());
       }
       maker->push(piece, [this](const speech::Block& block) { hand_over(block); });

@@ -58,7 +58,8 @@ std::string source_name(const std::string& file) {
 
 Result<live::Feed> sound_feed(const std::string& what, std::uint64_t device) {
   std::error_code ignored;
-  if (what.ends_with(".wav") || what.ends_with(".WAV") || std::filesystem::exists(what, ignored))
+  if (what != "default" &&
+      (what.ends_with(".wav") || what.ends_with(".WAV") || std::filesystem::is_regular_file(what, ignored)))
     return file_feed(what, device);
   return microphone_feed(what, device);
 }
@@ -101,7 +102,7 @@ Result<HearingRig> with_microphone(sensor::Rig rig, const std::string& hears_by)
   while (rig.find(microphone.name)) microphone.name += "_";
   microphone.kind = kKind;
   microphone.role = "face";
-  microphone.hears_by = hears_by;
+  microphone.hears_by = hears_by.empty() ? "network" : hears_by;
   microphone.device = sensor::format_device({kMicrophone, 0});
   rig.sensors.push_back(std::move(microphone));
   // As a take's reader sees it.

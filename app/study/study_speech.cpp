@@ -40,15 +40,16 @@ Result<study::LabelledSound> read_labelled(const std::filesystem::path& path) {
               "put their times beside it, as " + stem.filename().string() + ".phone.json or _phone.lab");
 }
 
-Json row_json(const study::SpeechRow& row) {
-  return {{"method", row.method},
-          {"sound", row.sound},
-          {"closures", row.closures.truths},
-          {"heard", row.closures.heard},
-          {"recall", row.closures.recall()},
-          {"false", row.closures.false_share()},
-          {"jaw_correlation", row.jaw_correlation},
-          {"late_s", row.late_s}};
+Json row_json(const study::SpeechRow& row, bool with_jaw) {
+  Json out = {{"method", row.method},
+              {"sound", row.sound},
+              {"closures", row.closures.truths},
+              {"heard", row.closures.heard},
+              {"recall", row.closures.recall()},
+              {"false", row.closures.false_share()},
+              {"late_s", row.late_s}};
+  if (with_jaw) out["jaw_correlation"] = row.jaw_correlation;
+  return out;
 }
 
 void print_rows(const std::vector<study::SpeechRow>& rows, bool with_jaw) {
@@ -73,13 +74,13 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
   clear_progress();
   if (options.json) {
     Json out = {{"model", model.string()}, {"seed", request.seed}, {"passages", request.passages}};
-    const auto add = [&](const char* name, const std::vector<study::SpeechRow>& rows) {
+    const auto add = [&](const char* name, const std::vector<study::SpeechRow>& rows, bool with_jaw) {
       out[name] = Json::array();
-      for (const study::SpeechRow& row : rows) out[name].push_back(row_json(row));
+      for (const study::SpeechRow& row : rows) out[name].push_back(row_json(row, with_jaw));
     };
-    add("conditions", study.conditions);
-    add("languages", study.languages);
-    add("recorded", study.recorded);
+    add("conditions", study.conditions, true);
+    add("languages", study.languages, true);
+    add("recorded", study.recorded, false);
     out["others"] = Json::array();
     for (const study::OtherRow& row : study.others)
       out["others"].push_back({{"method", row.method}, {"sound", row.sound}, {"moving", row.moving}});

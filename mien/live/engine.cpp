@@ -289,10 +289,10 @@ void Engine::State::on_beat() {
       tell("not_calibrated",
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
+  if (const auto hearing = loop.report().hearing) feeds.want(hearing->on);
   const bool watched = page && page->clients() > 0;
   if (beats % kBeatsPerStatus != 0 || (!watched && !listener.seen)) return;
   const Status now_is = status();
-  if (now_is.report.hearing) feeds.want(now_is.report.hearing->on);
   if (watched) page->send(status_json(now_is, session->rig()));
   if (listener.seen) listener.seen(now_is);
 }

@@ -80,7 +80,6 @@ json log_json(const Recorder::State& recording) {
           {"error", recording.unable.empty() ? json(nullptr) : json(recording.unable)}};
 }
 
-/// The settings, and the resting face that is in force.
 json hearing_json(const session::Report& report) {
   if (!report.hearing) return nullptr;
   const session::Report::Hearing& hearing = *report.hearing;
@@ -90,6 +89,7 @@ json hearing_json(const session::Report& report) {
           {"later_ms", milliseconds(hearing.later)}};
 }
 
+/// The settings, and the resting face that is in force.
 json shaping_json(const session::Report& report) {
   json shaping = json::parse(report.shaping, nullptr, false);
   json resting = json::parse(report.resting, nullptr, false);

@@ -65,6 +65,7 @@ void CombinedTracker::add_with_payload(HostTime arrival, const sensor::Sample& s
 
 void CombinedTracker::forget(std::uint16_t sensor) {
   for (Member& member : members_) member.tracker->forget(sensor);
+  retiming_.reset();
 }
 
 tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
@@ -81,7 +82,7 @@ tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLi
   }
   if (std::exchange(half_restored_, false)) all.calibration.push_back({.modality = modality_});
   all.sensors_present = merge_.apply(sources_, out);
-  follow_lag();
+  follow_lag(all.hearing ? all.hearing->behind : Duration::zero());
   return all;
 }
 
@@ -94,7 +95,7 @@ tracker::TickResult CombinedTracker::tick(Member& member, DeviceTime frame,
   return result;
 }
 
-void CombinedTracker::follow_lag() {
+void CombinedTracker::follow_lag(Duration behind) {
   constexpr std::size_t kJaw = face::shape("jawOpen");
   std::optional<float> heard, sensed;
   bool listens = false;
@@ -109,7 +110,7 @@ void CombinedTracker::follow_lag() {
       sensed = member.frame.weights[kJaw];
     }
   }
-  if (listens) retiming_.push(heard, sensed);
+  if (listens) retiming_.push(heard, sensed, behind);
 }
 
 bool CombinedTracker::any_present() const {

@@ -80,7 +80,7 @@ class CombinedTracker final : public tracker::Tracker {
   /// Asks the member for its frame; the one that listens at the time that belongs to the face.
   tracker::TickResult tick(Member& member, DeviceTime frame, const sensor::TimeLines& lines) const;
   /// Compares the jaw that is heard with the one that is sensed.
-  void follow_lag();
+  void follow_lag(Duration behind);
   [[nodiscard]] bool any_present() const;
   /// The member that owns the sample's sensor, with its arrival noted; null for none.
   Member* received(HostTime arrival, const sensor::Sample& sample);

@@ -22,16 +22,16 @@ Duration Retiming::offset() const {
   return std::chrono::round<Duration>(std::chrono::duration<double, std::milli>(offset_ms_));
 }
 
-void Retiming::push(std::optional<float> heard, std::optional<float> sensed) {
+void Retiming::push(std::optional<float> heard, std::optional<float> sensed, Duration behind) {
   const std::size_t at = next_++ % kFrames;
   known_[at] = heard && sensed;
   heard_[at] = heard.value_or(0);
   sensed_[at] = sensed.value_or(0);
-  asked_ms_[at] = static_cast<float>(offset_ms_);
+  asked_ms_[at] = static_cast<float>(offset_ms_ - 1e3 * to_seconds(behind));
   if (++since_look_ >= kEvery) look();
   if (!believed_ms_) return;
   const double most_ms = kSpeed_ms_per_s / kFrameRateHz;
-  offset_ms_ += std::clamp(*believed_ms_ - offset_ms_, -most_ms, most_ms);
+  offset_ms_ += std::clamp(*believed_ms_ - offset_ms_, -most_ms, behind > Duration::zero() ? 0.0 : most_ms);
 }
 
 double Retiming::correlation_at(int lag) const {
@@ -77,8 +77,9 @@ void Retiming::look() {
   if (correlations[best] <= kPeak) return;
   // At an end the peak may lie beyond it.
   if (best == 0 || best + 1 == kLags) return;
-  for (std::size_t i = 1; i + 1 < kLags; ++i) {
-    const bool peak = correlations[i] >= correlations[i - 1] && correlations[i] >= correlations[i + 1];
+  for (std::size_t i = 0; i < kLags; ++i) {
+    const bool peak = (i == 0 || correlations[i] >= correlations[i - 1]) &&
+                      (i + 1 == kLags || correlations[i] >= correlations[i + 1]);
     if (i != best && peak && correlations[i] > correlations[best] - kLead &&
         // The top of the same hill.
         (i > best ? i - best : best - i) > 2)

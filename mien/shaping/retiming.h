@@ -24,8 +24,9 @@ class Retiming {
   static constexpr std::size_t kEvery = 60;      ///< Frames between two looks.
 
   /// The next frame's jaws, 0 to 1; none where either is unknown. `heard`: as it was asked for, at the
-  /// frame's time and offset().
-  void push(std::optional<float> heard, std::optional<float> sensed);
+  /// frame's time and offset(), and was told `behind` of that: what is not heard yet cannot be asked for, so
+  /// the offset rises no further while it is.
+  void push(std::optional<float> heard, std::optional<float> sensed, Duration behind = {});
   /// What is heard is to be asked for so much later: above 0 where sound lags behind the face.
   [[nodiscard]] Duration offset() const;
   /// Whether the last look believed a lag.
@@ -37,7 +38,7 @@ class Retiming {
   [[nodiscard]] double correlation_at(int lag_ms) const;
 
   std::array<float, kFrames> heard_{}, sensed_{};
-  std::array<float, kFrames> asked_ms_{};  // The offset with which it was heard.
+  std::array<float, kFrames> asked_ms_{};  // The offset at which it was told.
   std::array<bool, kFrames> known_{};
   std::size_t next_ = 0;
   std::size_t since_look_ = 0;

@@ -78,6 +78,7 @@ tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLine
   const std::optional<Heard> heard = mouth_.tick(time);
   result.hearing->speaks = heard.has_value();
   if (!heard) return result;
+  result.hearing->behind = std::max(Duration::zero(), time - heard->time);
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     if (!is_heard(k)) continue;
     out.weights[k] = heard->weights[k];

@@ -91,6 +91,8 @@ struct TickResult {
     bool speaks = false;  ///< Somebody does.
     /// By how much it is asked for later than the frame, since sound lags behind the face.
     Duration later{};
+    /// By how much what was told is older than what was asked for: nobody has heard the rest yet.
+    Duration behind{};
   };
   std::optional<Hearing> hearing = {};
 };

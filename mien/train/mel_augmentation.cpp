@@ -99,7 +99,10 @@ void augment_mel(std::span<float> frames, std::span<const float> other, Random& 
   if (random.chance(0.7)) stretch_bands(frames, random.uniform(0.86, 1.14));
   const auto equaliser = draw_equaliser(random);
   for (std::size_t i = 0; i < frames.size(); ++i) frames[i] = std::exp(frames[i] + equaliser[i % kMelBands]);
-  if (random.chance(0.5)) reverberate(frames, random.uniform(0.15, 0.8), random.uniform(0, 15));
+  if (random.chance(0.5)) {
+    const double direct_db = random.uniform(0, 15), decay_s = random.uniform(0.15, 0.8);
+    reverberate(frames, decay_s, direct_db);
+  }
   if (!other.empty() && random.chance(0.75)) {
     std::vector<float> about(frames.size());
     for (std::size_t i = 0; i < about.size(); ++i) about[i] = std::exp(other[i]);

@@ -57,6 +57,12 @@ std::size_t blocks_in(const SpeechDataset& dataset) {
   return sum;
 }
 
+/// Whether anybody speaks for a whole window.
+bool speaks_for(const SpeechDataset& dataset, std::size_t window) {
+  return std::ranges::any_of(dataset.sequences,
+                             [window](const SpeechSequence& s) { return s.speech && s.blocks >= window; });
+}
+
 WindowPlaces places_in(const SpeechDataset& dataset, std::size_t window) {
   std::vector<std::size_t> blocks;
   for (const SpeechSequence& s : dataset.sequences) blocks.push_back(s.blocks);
@@ -85,7 +91,7 @@ Result<std::unique_ptr<SpeechTask>> SpeechTask::create(Recipe recipe, SpeechData
   recipe.architecture.outputs = study::speech_shapes().size() + 2;
   MIEN_TRY(model::check(recipe.architecture));
   for (const SpeechDataset* data : {&training, &validation})
-    if (places_in(*data, recipe.architecture.window).count() == 0)
+    if (!speaks_for(*data, recipe.architecture.window))
       return fail(ErrorCode::bad_usage, fmt::format("training or validation has no passage of {} blocks",
                                                     recipe.architecture.window));
   return std::unique_ptr<SpeechTask>(
@@ -95,7 +101,8 @@ Result<std::unique_ptr<SpeechTask>> SpeechTask::create(Recipe recipe, SpeechData
 SpeechTask::SpeechTask(Recipe recipe, SpeechDataset training, SpeechDataset validation)
     : recipe_(std::move(recipe)), training_(std::move(training)), validation_(std::move(validation)) {
   for (std::size_t i = 0; i < training_.sequences.size(); ++i)
-    (training_.sequences[i].speech ? spoken_ : others_).push_back(i);
+    if (training_.sequences[i].blocks >= recipe_.architecture.window)
+      (training_.sequences[i].speech ? spoken_ : others_).push_back(i);
   model_.architecture = recipe_.architecture;
   model_.shapes = study::speech_shapes();
   model_.look_ahead = training_.look_ahead;
@@ -131,7 +138,6 @@ std::vector<float> SpeechTask::draw_other(Random& random) const {
   constexpr double kSpeech = 0.15;  // Others talk.
   const auto& among = others_.empty() || random.chance(kSpeech) ? spoken_ : others_;
   const SpeechSequence& other = training_.sequences[among[random.below(among.size())]];
-  if (other.blocks < recipe_.architecture.window) return {};
   return frames_of(other, random.below(other.blocks - recipe_.architecture.window + 1));
 }
 
@@ -157,7 +163,6 @@ Batch SpeechTask::random_batch(std::size_t count, Random random) const {
     const bool other = !others_.empty() && random.chance(kOthersShare);
     const auto& among = other ? others_ : spoken_;
     const SpeechSequence& sequence = training_.sequences[among[random.below(among.size())]];
-    if (sequence.blocks < window) continue;
     const std::size_t first = random.below(sequence.blocks - window + 1);
     std::vector<float> frames = frames_of(sequence, first);
     // Other people's talk beside noise is talk.

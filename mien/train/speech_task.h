@@ -39,7 +39,7 @@ class SpeechTask final : public Task {
  private:
   SpeechTask(Recipe recipe, study::SpeechDataset training, study::SpeechDataset validation);
   void normalise_by(const study::SpeechDataset& dataset);
-  /// What is about in a window: of the training's sounds, or of what another voice says.
+  /// What is about in a window: of the training's sounds, or of what one of its voices says.
   [[nodiscard]] std::vector<float> draw_other(Random& random) const;
   void append_window(const study::SpeechSequence& sequence, std::size_t first, std::span<float> frames,
                      Batch& batch) const;

@@ -57,6 +57,19 @@ TEST(Retiming, MovesByFiveMillisecondsASecondAtMost) {
   EXPECT_GT(last_ms, 100);
 }
 
+TEST(Retiming, WhatIsNotHeardYetIsNotAskedFor) {
+  // A listener whose newest answer is 40 ms old, whatever it is asked for; its sound lags, or comes early.
+  for (const double lag_s : {0.1, 0.0, -0.12}) {
+    Retiming retiming;
+    const Jaw jaw(6);
+    for (double t = 0; t < 90; t += 1 / kFrameRateHz) {
+      const double asked = t + to_seconds(retiming.offset()), told = std::min(asked, t - 0.04);
+      retiming.push(jaw.at(told - lag_s), jaw.at(t), from_seconds(asked - told));
+    }
+    EXPECT_NEAR(to_seconds(retiming.offset()), std::min(lag_s, 0.0), 0.012) << lag_s;
+  }
+}
+
 TEST(Retiming, StaysWhereNothingIsToBeBelieved) {
   Retiming retiming;
   const Jaw jaw(3), other(4);

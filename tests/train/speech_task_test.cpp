@@ -87,6 +87,10 @@ TEST(SpeechTask, RefusesWhatCannotBeTrained) {
   };
   EXPECT_THAT(complaint({}, toy_speech("two", 1)), HasSubstr("no passage"));
   EXPECT_THAT(complaint(toy_speech("one", 1), toy_speech("one", 1)), HasSubstr("speaks in training and"));
+  study::SpeechDataset mute = toy_speech("one", 1);
+  mute.sequences.erase(mute.sequences.begin());
+  EXPECT_THAT(complaint(mute, toy_speech("two", 1)), HasSubstr("no passage"))
+      << "other sounds alone teach nothing";
   study::SpeechDataset broken = toy_speech("one", 1);
   broken.sequences[0].closure.pop_back();
   EXPECT_THAT(complaint(broken, toy_speech("two", 1)), HasSubstr("do not fit"));

@@ -327,7 +327,7 @@ test("output: receivers on, off, added, removed; smoothing; refusals are said", 
   assert.match(await page.locator(".output-panel").innerText(), /Somebody speaks. 37 % of all frames have shapes from it. Sound lags behind the face by 35 ms/);
   await page.getByRole("switch", { name: "Hear the voice" }).click();
   await obeyed("shape", (command) => command.merge?.audio === false);
-  await page.locator(".output-panel", { hasText: "The microphone is closed" }).waitFor();
+  await page.locator(".output-panel", { hasText: "Sound is off" }).waitFor();
   await page.getByRole("button", { name: "Undo the shaping of jawOpen" }).click();
   await obeyed("shape", (command) => command.gains?.jawOpen === 1);
   assert.match(await page.locator(".output-panel").innerText(), /99 % within \d/);

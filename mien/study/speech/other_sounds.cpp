@@ -132,7 +132,8 @@ void add_keyboard(Random& random, std::vector<float>& sound) {
   for (double at_s = random.uniform(0, 0.5); samples_in(at_s) < sound.size();) {
     // A key's way down, its stop, and, softer, its way up.
     for (const double part_s : {0.0, random.uniform(0.008, 0.02), random.uniform(0.06, 0.12)}) {
-      Biquad body = Biquad::band_pass(random.uniform(800, 5000), random.uniform(0.7, 3));
+      const double q = random.uniform(0.7, 3), hz = random.uniform(800, 5000);
+      Biquad body = Biquad::band_pass(hz, q);
       const std::size_t begin = samples_in(at_s + part_s),
                         end = std::min(sound.size(), begin + samples_in(0.02));
       const double strength = random.uniform(2, 10), fade = samples_in(random.uniform(0.001, 0.005));
@@ -147,8 +148,10 @@ void add_keyboard(Random& random, std::vector<float>& sound) {
 /// Noise through a tract, swelling and falling.
 void add_air(double at_s, double seconds, double rise, double strength, Random& random,
              std::vector<float>& sound) {
-  Biquad throat = Biquad::band_pass(random.uniform(400, 1500), random.uniform(0.5, 1.5));
-  Biquad mouth = Biquad::band_pass(random.uniform(1500, 4000), random.uniform(0.5, 1.5));
+  const double throat_q = random.uniform(0.5, 1.5), throat_hz = random.uniform(400, 1500);
+  const double mouth_q = random.uniform(0.5, 1.5), mouth_hz = random.uniform(1500, 4000);
+  Biquad throat = Biquad::band_pass(throat_hz, throat_q);
+  Biquad mouth = Biquad::band_pass(mouth_hz, mouth_q);
   const double share = random.uniform(0.3, 1);
   const std::size_t begin = samples_in(at_s), end = std::min(sound.size(), begin + samples_in(seconds));
   for (std::size_t i = begin; i < end; ++i) {
@@ -162,9 +165,10 @@ void add_air(double at_s, double seconds, double rise, double strength, Random& 
 void add_breath(Random& random, std::vector<float>& sound) {
   for (double at_s = random.uniform(0, 1); samples_in(at_s) < sound.size(); at_s += random.uniform(2.5, 5)) {
     const double in_s = random.uniform(0.5, 1.2), out_s = random.uniform(0.8, 1.8);
-    add_air(at_s, in_s, random.uniform(0.3, 0.7), random.uniform(0.5, 1.5), random, sound);
-    add_air(at_s + in_s + random.uniform(0.05, 0.3), out_s, random.uniform(0.1, 0.5),
-            random.uniform(0.4, 1.5), random, sound);
+    const double in_strength = random.uniform(0.5, 1.5), in_rise = random.uniform(0.3, 0.7);
+    add_air(at_s, in_s, in_rise, in_strength, random, sound);
+    const double out_strength = random.uniform(0.4, 1.5), out_rise = random.uniform(0.1, 0.5);
+    add_air(at_s + in_s + random.uniform(0.05, 0.3), out_s, out_rise, out_strength, random, sound);
   }
 }
 
@@ -172,7 +176,8 @@ void add_cough(Random& random, std::vector<float>& sound) {
   for (double at_s = random.uniform(0, 2); samples_in(at_s) < sound.size(); at_s += random.uniform(3, 8)) {
     const std::uint64_t bursts = 1 + random.below(3);
     for (std::uint64_t b = 0; b < bursts; ++b) {
-      add_air(at_s, random.uniform(0.2, 0.4), random.uniform(0.03, 0.1), random.uniform(3, 8), random, sound);
+      const double strength = random.uniform(3, 8), rise = random.uniform(0.03, 0.1);
+      add_air(at_s, random.uniform(0.2, 0.4), rise, strength, random, sound);
       at_s += random.uniform(0.3, 0.5);
     }
   }

@@ -149,7 +149,7 @@ export class OutputPanel {
       this.heard,
       hearing.on
         ? `${hearing.speaks ? "Somebody speaks." : "Nobody speaks."} ${fixed(100 * hearing.share, 0)} % of all frames have shapes from it.${late}`
-        : "The microphone is closed; no shape is from sound.",
+        : "Sound is off; no shape is from it, and a microphone is closed.",
     );
   }
 
