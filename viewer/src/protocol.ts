@@ -3,6 +3,7 @@
  * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
  * for what cannot be used at all.
  */
+import { type Hearing, readHearing } from "./hearing_protocol";
 import { type NetworkStatus, readNetwork } from "./network_protocol";
 import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
@@ -167,17 +168,6 @@ export interface Shaping {
   rests: Map<string, number>;
   gains: Map<string, number>;
   limits: Map<string, readonly [number, number]>;
-}
-
-/** What the session hears. */
-export interface Hearing {
-  /** Sound may answer; false: the microphone is closed. */
-  on: boolean;
-  speaks: boolean;
-  /** Of the frames so far, those of which a shape is from sound. */
-  share: number;
-  /** By how much sound lags behind the face. */
-  laterMs: number;
 }
 
 export interface ReplayStatus {
@@ -485,12 +475,6 @@ function readShaping(fields: Fields): Shaping {
     gains,
     limits,
   };
-}
-
-function readHearing(value: unknown): Hearing | null {
-  if (typeof value !== "object" || value === null) return null;
-  const fields = fieldsOf(value);
-  return { on: fields["on"] === true, speaks: fields["speaks"] === true, share: share(fields["share"]), laterMs: number(fields["later_ms"]) };
 }
 
 function readReplay(value: unknown): ReplayStatus | null {
