@@ -10,7 +10,7 @@
 
 #include "mien/core/sha256.h"
 #include "mien/core/units.h"
-#include "mien/study/correlation.h"
+#include "mien/study/confidence_fit.h"
 #include "mien/train/mel_augmentation.h"
 
 namespace mien::train {
@@ -244,7 +244,7 @@ Result<std::string> SpeechTask::assess(std::span<const model::Tensor> network, c
                     kMelBands, frames[f].begin());
       runs.step(frames, mouth);
       closed.push_back(mouth.closure);
-      if (s.voiced[b] > 0) jaws.add(double{mouth.weights[jaw]}, double{s.mouth[b * shapes + jaw_at]});
+      if (s.voiced[b] > 0) jaws.add(double{s.mouth[b * shapes + jaw_at]}, double{mouth.weights[jaw]});
       if (!s.speech) {
         ++other_blocks;
         talking += mouth.voice >= kVoice ? 1 : 0;
@@ -258,7 +258,7 @@ Result<std::string> SpeechTask::assess(std::span<const model::Tensor> network, c
                          {{"closure_recall", closures.recall()},
                           {"closure_false", closures.false_share()},
                           {"closures", closures.truths},
-                          {"jaw_correlation", jaws.value()},
+                          {"jaw_correlation", jaws.r()},
                           {"voice_in_other_sounds", other_blocks == 0 ? 0 : talking / other_blocks}}}}
       .dump();
 }

@@ -10,7 +10,7 @@
 #include "mien/speech/heard_track.h"
 #include "mien/speech/listeners.h"
 #include "mien/speech/spoken_mouth.h"
-#include "mien/study/correlation.h"
+#include "mien/study/confidence_fit.h"
 #include "mien/study/performers.h"
 #include "mien/study/speech/lines.h"
 #include "mien/study/speech/loudness_listener.h"
@@ -185,9 +185,9 @@ PassageTallies listen_to(const SpokenPassage& passage, const Random& random, Lis
       for (std::size_t f = 0; f < std::min(shown.jaw.size(), passage.face.frames.size()); ++f) {
         const face::MotionFrame& truth = passage.face.frames[f];
         if (passage.voiced_at(truth.time_s))
-          jaw.add(double{shown.jaw[f]}, double{truth.weights[face::shape("jawOpen")]});
+          jaw.add(double{truth.weights[face::shape("jawOpen")]}, double{shown.jaw[f]});
       }
-      tallies[c][m].correlations.push_back(jaw.value());
+      tallies[c][m].correlations.push_back(jaw.r());
     }
   }
   return tallies;
