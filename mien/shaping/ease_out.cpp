@@ -8,38 +8,59 @@
 namespace mien::shaping {
 namespace {
 
-/// The ease-out ends after this many `return_s`, when 1e-5 of the difference is left; frames then pass
+/// The ease-out ends after this many `return_s`, when 1e-6 of the difference is left; frames then pass
 /// untouched.
 constexpr double kDoneAfter = 3;
 
 }  // namespace
 
-void EaseOut::begin(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
-  // From or to where nobody knows the position there is no difference: HeadPosition sees to it.
-  if (part == kPositionPart && !(shown.head_position_known && next.head_position_known)) return stop(part);
-  const std::size_t first = first_value(part);
+EaseOut::PartValues EaseOut::offset_of(std::size_t part, const face::OutputFrame& shown,
+                                       const face::OutputFrame& next) {
+  PartValues offset{};
   if (part < face::kShapeCount) {
-    difference_[first] = static_cast<double>(shown.weights[part]) - next.weights[part];
+    offset[0] = static_cast<double>(shown.weights[part]) - next.weights[part];
   } else if (part == kTonguePart) {
-    difference_[first] = static_cast<double>(shown.tongue_out) - next.tongue_out;
+    offset[0] = static_cast<double>(shown.tongue_out) - next.tongue_out;
   } else if (part == kHeadPart) {
     const Vec3 head = log_rotation(shown.head * next.head.conjugate());
-    for (std::size_t a = 0; a < 3; ++a) difference_[first + a] = head[static_cast<Eigen::Index>(a)];
+    for (std::size_t a = 0; a < 3; ++a) offset[a] = head[static_cast<Eigen::Index>(a)];
   } else if (part == kEyesPart) {
     for (std::size_t e = 0; e < 2; ++e) {
-      difference_[first + 2 * e] = shown.eyes_rad[e].x() - next.eyes_rad[e].x();
-      difference_[first + 2 * e + 1] = shown.eyes_rad[e].y() - next.eyes_rad[e].y();
+      offset[2 * e] = shown.eyes_rad[e].x() - next.eyes_rad[e].x();
+      offset[2 * e + 1] = shown.eyes_rad[e].y() - next.eyes_rad[e].y();
     }
   } else {
     const Vec3f position = shown.head_position_m - next.head_position_m;
     for (std::size_t a = 0; a < 3; ++a)
-      difference_[first + a] = static_cast<double>(position[static_cast<Eigen::Index>(a)]);
+      offset[a] = static_cast<double>(position[static_cast<Eigen::Index>(a)]);
   }
+  return offset;
+}
+
+void EaseOut::begin(std::size_t part, const face::OutputFrame& shown, const face::OutputFrame& next) {
+  // From or to where nobody knows the position there is no difference: HeadPosition sees to it.
+  if (part == kPositionPart && !(shown.head_position_known && next.head_position_known)) return stop(part);
+  const PartValues offset = offset_of(part, shown, next);
+  const std::size_t first = first_value(part), count = first_value(part + 1) - first;
+  for (std::size_t i = 0; i < count; ++i) difference_[first + i] = offset[i];
   since_[part] = shown.time;
   if (active_[part]) return;
-  for (std::size_t i = first; i < first_value(part + 1); ++i) speed_[i] = 0;
+  for (std::size_t i = first; i < first + count; ++i) speed_[i] = acceleration_[i] = 0;
   active_[part] = true;
   ++active_count_;
+}
+
+void EaseOut::begin_moving(std::size_t part, const Course& shown, const Course& next, double step_s) {
+  begin(part, shown.now, next.now);
+  if (!active_[part] ||
+      (part == kPositionPart && !(shown.before.head_position_known && next.before.head_position_known)))
+    return;
+  const PartValues before = offset_of(part, shown.before, next.before);
+  const std::size_t first = first_value(part), count = first_value(part + 1) - first;
+  for (std::size_t i = 0; i < count; ++i) {
+    speed_[first + i] = (difference_[first + i] - before[i]) / step_s;
+    acceleration_[first + i] = 0;
+  }
 }
 
 void EaseOut::begin_all(const face::OutputFrame& shown, const face::OutputFrame& next) {
@@ -70,9 +91,14 @@ void EaseOut::apply(face::OutputFrame& frame, double step_s, double return_s) {
     }
     const std::size_t first = first_value(part);
     for (std::size_t i = first; i < first_value(part + 1); ++i) {
-      const double pull = speed_[i] + omega * difference_[i];
-      difference_[i] = (difference_[i] + pull * step_s) * fall;
-      speed_[i] = (speed_[i] - omega * pull * step_s) * fall;
+      // The offset is a polynomial of second degree times exp(-omega t): this is its next value, exactly.
+      const double linear = speed_[i] + omega * difference_[i];
+      const double square = 0.5 * (acceleration_[i] + omega * (2 * speed_[i] + omega * difference_[i]));
+      const double value = difference_[i] + (linear + square * step_s) * step_s;
+      const double slope = linear + 2 * square * step_s;
+      difference_[i] = value * fall;
+      speed_[i] = (slope - omega * value) * fall;
+      acceleration_[i] = (2 * square - omega * (2 * slope - omega * value)) * fall;
     }
     if (part < face::kShapeCount) {
       frame.weights[part] =

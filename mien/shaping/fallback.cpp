@@ -1,6 +1,6 @@
 #include "mien/shaping/fallback.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "mien/shaping/bounds.h"
 #include "mien/shaping/fading.h"
@@ -8,7 +8,20 @@
 
 namespace mien::shaping {
 
-Fallback::Fallback(const FallbackSettings& settings) : shown_(neutral_frame({})), from_(neutral_frame({})) {
+namespace {
+
+/// The frame after `shown` of a face that goes on as from `before` to it; head and eyes stay.
+face::OutputFrame gone_on(const face::OutputFrame& before, const face::OutputFrame& shown) {
+  face::OutputFrame next = shown;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    next.weights[k] = std::clamp(2 * shown.weights[k] - before.weights[k], 0.0F, 1.0F);
+  return next;
+}
+
+}  // namespace
+
+Fallback::Fallback(const FallbackSettings& settings)
+    : before_(neutral_frame({})), shown_(neutral_frame({})), from_(neutral_frame({})) {
   set(settings);
 }
 
@@ -21,7 +34,9 @@ void Fallback::apply(face::OutputFrame& frame, std::size_t sensors_present) {
     lose(frame);
   else
     follow(frame, sensors_present);
+  before_ = begun_ ? shown_ : frame;
   shown_ = frame;
+  begun_ = true;
 }
 
 void Fallback::lose(face::OutputFrame& frame) {
@@ -43,7 +58,8 @@ void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_present) {
   if (back || (phase_ == Phase::following && sensors_present != sensors_present_)) {
     if (!ease_out_.active()) returning_ = back;
     since_ = shown_.time;
-    ease_out_.begin_all(shown_, frame);
+    // Of sensors that come and go with every frame only the first change goes on: else it would run away.
+    ease_out_.begin_all(back || ease_out_.active() ? shown_ : gone_on(before_, shown_), frame);
   }
   phase_ = Phase::following;
   sensors_present_ = sensors_present;
@@ -54,9 +70,8 @@ void Fallback::follow(face::OutputFrame& frame, std::size_t sensors_present) {
 void Fallback::fade_in(face::OutputFrame& frame) const {
   // Confidence grows with the tracker's share of what is shown; provenance switches where that share is a
   // half.
-  const double omega = kConstantsTo5Percent / settings_.return_s;
-  const double age_s = to_seconds(frame.time - since_);
-  const double back = 1 - (1 + omega * age_s) * std::exp(-omega * age_s);
+  const double back =
+      1 - offset_left(kConstantsTo5Percent / settings_.return_s * to_seconds(frame.time - since_));
   const auto share = static_cast<float>(back);
   for (std::size_t i = 0; i < face::kShapeCount; ++i) {
     frame.confidence[i] *= share;

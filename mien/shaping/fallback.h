@@ -38,10 +38,12 @@ class Fallback {
   FallbackSettings settings_;
   Phase phase_ = Phase::waiting;
   std::size_t sensors_present_ = 0;
-  face::OutputFrame shown_;  // The last output frame.
-  face::OutputFrame from_;   // What was shown when all were lost, or came back.
-  DeviceTime since_;         // Time of the loss, or of the newest offset.
-  bool returning_ = false;   // From a loss of all, not from a change of their number.
+  face::OutputFrame before_;  // The output frame before the last, ...
+  face::OutputFrame shown_;   // ... and the last.
+  face::OutputFrame from_;    // What was shown when all were lost, or came back.
+  DeviceTime since_;          // Time of the loss, or of the newest offset.
+  bool begun_ = false;        // shown_ was.
+  bool returning_ = false;    // From a loss of all, not from a change of their number.
   EaseOut ease_out_;
 };
 

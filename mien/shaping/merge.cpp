@@ -28,11 +28,10 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
 /// The tongue has no confidence of its own.
 constexpr std::size_t kTongueGoesWith = face::shape("jawOpen");
 
-bool has_estimate(const Merge::Source& source) {
+bool has_estimate(const OutputFrame& frame) {
   const auto estimated = [](Provenance p) { return p != Provenance::neutral; };
-  return source.sensors_present > 0 &&
-         (std::ranges::any_of(source.frame->provenance, estimated) ||
-          estimated(source.frame->head_provenance) || estimated(source.frame->eyes_provenance));
+  return std::ranges::any_of(frame.provenance, estimated) || estimated(frame.head_provenance) ||
+         estimated(frame.eyes_provenance);
 }
 
 }  // namespace
@@ -51,7 +50,7 @@ std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order(
 
 Merge::Merge(std::vector<std::string> modalities, const MergeSettings& settings,
              const FallbackSettings& times)
-    : modalities_(std::move(modalities)), last_(modalities_.size(), neutral_frame({})) {
+    : modalities_(std::move(modalities)), history_(modalities_.size()) {
   assert(!modalities_.empty() && modalities_.size() <= kMostSources);
   for (const std::string& modality : modalities_) listens_.push_back(modality == kListening ? 1 : 0);
   set(settings, times);
@@ -80,7 +79,8 @@ void Merge::set(const MergeSettings& settings, const FallbackSettings& times, bo
 }
 
 void Merge::reset() {
-  std::ranges::fill(last_, neutral_frame({}));
+  const OutputFrame neutral = neutral_frame({});
+  std::ranges::fill(history_, History{.last = neutral, .before = neutral, .earlier = neutral});
   answers_.fill(kNobody);
   leads_.fill(kNobody);
   unsensed_since_.fill(std::nullopt);
@@ -102,8 +102,8 @@ Merge::Vote Merge::vote_of(std::span<const Source> sources, std::size_t which, s
                                 : part == kHeadPart ? frame.head_provenance
                                                     : frame.eyes_provenance;
   out.heard = listens_[which] != 0;
-  out.known =
-      source.sensors_present > 0 && provenance != Provenance::neutral && (settings_.audio || !out.heard);
+  out.known = source.sensors_present > 0 && !history_[which].warms_up && provenance != Provenance::neutral &&
+              (settings_.audio || !out.heard);
   if (shape) {
     const float region = frame.region_confidence[static_cast<std::size_t>(face::kShapeRegions[part])];
     const float said = region > 0 ? region : frame.confidence[part];
@@ -206,6 +206,30 @@ void Merge::copy_regions(std::span<const Source> sources, OutputFrame& out) {
   }
 }
 
+std::size_t Merge::follow(const Source& source, History& history) {
+  mend(*source.frame, history.last);
+  history.frames = history.told ? history.frames + 1 : 0;
+  history.told = source.sensors_present > 0 && has_estimate(*source.frame);
+  history.earlier = history.before;
+  history.before = history.last;
+  history.last = *source.frame;
+  if (source.sensors_present == 0) {
+    history.warms_up = history.seen;
+    history.back_since.reset();
+    return 0;
+  }
+  history.seen = true;
+  if (!history.back_since) history.back_since = source.frame->time;
+  if (source.frame->time - *history.back_since >= kWarmUp) history.warms_up = false;
+  return history.warms_up ? 0 : source.sensors_present;
+}
+
+void Merge::change_hands(std::size_t part, const History& next, const OutputFrame& out) {
+  const double step_s = to_seconds(shown_.time - shown_before_.time);
+  if (next.frames < 2 || step_s <= 0) return ease_out_.begin(part, shown_, out);
+  ease_out_.begin_moving(part, {shown_before_, shown_}, {next.earlier, next.before}, step_s);
+}
+
 std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   assert(sources.size() == modalities_.size());
   if (!on_) {
@@ -216,11 +240,10 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   if (begun_ && time <= shown_.time) reset();
   std::size_t there = 0, behind = 0;
   for (std::size_t s = 0; s < sources.size(); ++s) {
-    mend(*sources[s].frame, last_[s]);
-    last_[s] = *sources[s].frame;
+    const std::size_t present = follow(sources[s], history_[s]);
     if (listens_[s] != 0 && !settings_.audio) continue;
-    there += sources[s].sensors_present;
-    if (has_estimate(sources[s])) behind += sources[s].sensors_present;
+    there += present;
+    if (has_estimate(*sources[s].frame)) behind += present;
   }
   known_ = known_ || behind > 0;
   look_for_gaps(sources, time);
@@ -234,7 +257,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
     answers_[part] = now;
     if (now != kNobody) {
       copy_part(*sources[now].frame, part, out);
-      if (begun_ && now != before) ease_out_.begin(part, shown_, out);
+      if (begun_ && now != before) change_hands(part, history_[now], out);
       continue;
     }
     if (before != kNobody) {
@@ -246,6 +269,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
   }
   copy_regions(sources, out);
   if (begun_) ease_out_.apply(out, to_seconds(time - shown_.time), times_.return_s);
+  shown_before_ = begun_ ? shown_ : out;
   shown_ = out;
   begun_ = true;
   return known_ && sources.size() > 1 ? behind : there;

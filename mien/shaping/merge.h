@@ -44,9 +44,12 @@ namespace mien::shaping {
 /// long, or by `sure`: what is left of a model's prior is no face. Not so while a tracker answers whose share
 /// nobody measured, nor of sensors that never explained as much.
 ///
-/// Where the selection changes, the offset from what is shown decays (EaseOut). Both are the fallback's
-/// mechanisms and times, part by part, so a tracker that loses its sensors is replaced as smoothly as the
-/// fallback returns.
+/// A tracker all of whose sensors were lost warms up for kWarmUp once they are back, and is no source until
+/// then: what its filters and networks begin with after a gap are steps of their own.
+///
+/// Where the selection changes, the offset from what is shown decays (EaseOut), from the speed that it has
+/// where the new source was there before. Both are the fallback's mechanisms and times, part by part, so a
+/// tracker that loses its sensors is replaced as smoothly as the fallback returns.
 ///
 /// A pure function of the calls, on frame time; a frame not later than the last resets it. No allocation in
 /// apply. Thread: one at a time. Method: docs/method/shaping.md.
@@ -68,6 +71,9 @@ class Merge {
   static constexpr std::string_view kListening = "speech";
   /// How long a region is not sensed before it is heard. Raising: sound answers later, and for fewer gaps.
   static constexpr Duration kUnheard = std::chrono::milliseconds(100);
+
+  /// How long a tracker runs with its sensors back before it is asked again. Raising: smoother, and later.
+  static constexpr Duration kWarmUp = std::chrono::milliseconds(150);
 
   /// Fills `out`; `sources` as many as `modalities`. Returns the number of sensors for Shaper::apply: those
   /// of all trackers with an estimate (any provenance but neutral); 0 when none is left; before any had one,
@@ -93,10 +99,23 @@ class Merge {
     bool measured = false;
     float share = 0;  // Of the part that it explains; else its confidence.
   };
+  /// What is known of a source beyond its present frame.
+  struct History {
+    face::OutputFrame last, before, earlier;  // Mended: the present frame, and the two before.
+    bool told = false;                        // The present one is an estimate.
+    std::size_t frames = 0;                   // Estimates in a row before it.
+    bool seen = false;                        // It had sensors once.
+    bool warms_up = false;  // Its sensors were all lost, and are back for less than kWarmUp.
+    std::optional<DeviceTime> back_since;
+  };
+  /// Mends the source's frame and takes it into its history. Returns its sensors that count.
+  std::size_t follow(const Source& source, History& history);
   [[nodiscard]] Vote vote_of(std::span<const Source> sources, std::size_t which, std::size_t part) const;
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;
   /// Follows which regions no tracker senses: those that sound may answer for, and those that nobody does.
   void look_for_gaps(std::span<const Source> sources, DeviceTime time);
+  /// Eases the part out from what is shown to a source that was not asked before.
+  void change_hands(std::size_t part, const History& next, const face::OutputFrame& out);
   /// The source that answers most of a region's shapes; kNobody where more are faded.
   [[nodiscard]] std::uint8_t lead_of(std::size_t region) const;
   void copy_regions(std::span<const Source> sources, face::OutputFrame& out);
@@ -107,7 +126,7 @@ class Merge {
   FallbackSettings times_;
   bool on_ = true;
   std::array<std::vector<std::uint8_t>, kMergePlaceCount> order_;  // Sources by number, by place.
-  std::vector<face::OutputFrame> last_;                            // Of each source, mended.
+  std::vector<History> history_;                                   // Of each source.
   std::array<std::uint8_t, kPartCount> answers_{};                 // Selected source by part.
   std::array<std::uint8_t, face::kShapeRegionCount> leads_{};      // Source that answers most of a region.
   std::array<std::optional<DeviceTime>, face::kShapeRegionCount> unsensed_since_;
@@ -119,7 +138,7 @@ class Merge {
   face::OutputFrame from_;                      // What was shown of each part when it was lost, ...
   std::array<DeviceTime, kPartCount> since_{};  // ... and when.
   std::array<DeviceTime, face::kShapeRegionCount> region_since_{};
-  face::OutputFrame shown_;
+  face::OutputFrame shown_before_, shown_;
   bool begun_ = false;  // shown_ is valid.
   bool known_ = false;  // A source has had an estimate.
 };

@@ -192,7 +192,7 @@ TEST(CombinedTracker, ALoneTrackerIsThatTracker) {
   const sensor::TimeLines lines{5, 0};
   for (int i = 0; i < 20; ++i) {
     puppet.weight = static_cast<float>(i) / 20;
-    puppet.there = static_cast<std::size_t>(i % 4);
+    puppet.there = static_cast<std::size_t>(1 + i % 3);
     OutputFrame out, plain;
     EXPECT_EQ(alone.tick(frame_time(i), lines, out).sensors_present, puppet.there);
     puppet.tick(frame_time(i), lines, plain);

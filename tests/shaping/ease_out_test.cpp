@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "tests/shaping/frames.h"
 
 namespace mien::shaping::ease_out_test {
@@ -73,13 +77,12 @@ TEST(EaseOut, EachPartIsIndependentAndLeavesTheOthersBits) {
 TEST(EaseOut, FollowsItsClosedForm) {
   EaseOut ease_out;
   ease_out.begin(0, measured(0, 1), measured(0, 0));
-  const double omega = kConstantsTo5Percent / kReturn_s;
   double before = 1;
   for (int i = 1; i <= 53; ++i) {
     face::OutputFrame out = measured(i, 0);
     ease_out.apply(out, to_seconds(frame_time(i) - frame_time(i - 1)), kReturn_s);
     const double t = to_seconds(frame_time(i) - frame_time(0));
-    ASSERT_NEAR(out.weights[0], (1 + omega * t) * std::exp(-omega * t), 1e-6);
+    ASSERT_NEAR(out.weights[0], offset_left(kConstantsTo5Percent / kReturn_s * t), 1e-6);
     ASSERT_LE(before - out.weights[0], 0.0975);
     before = out.weights[0];
   }
@@ -102,6 +105,35 @@ TEST(EaseOut, ABeginInTheMiddleKeepsTheSpeed) {
   EXPECT_NEAR(one.weights[0], other.weights[0], 1e-6);
   again.stop();
   EXPECT_FALSE(again.active());
+}
+
+TEST(EaseOut, FromOneMovingFaceToAnotherNothingJumps) {
+  // Two faces that move at different speeds; shown is the first until frame 10, then the second, eased.
+  const auto moving = [](int i, double speed) { return measured(i, static_cast<float>(0.3 + speed * i)); };
+  EaseOut at_rest, ease_out;
+  double largest = 0, largest_at_rest = 0;
+  std::array<double, 4> path{}, path_at_rest{};
+  for (int i = 0; i < 40; ++i) {
+    face::OutputFrame out = moving(i, i < 10 ? 0.02 : -0.005), plain = out;
+    if (i == 10) {
+      const face::OutputFrame shown = moving(9, 0.02), shown_before = moving(8, 0.02);
+      const face::OutputFrame next = moving(9, -0.005), next_before = moving(8, -0.005);
+      ease_out.begin_moving(0, {shown_before, shown}, {next_before, next}, kStep_s);
+      at_rest.begin(0, shown, out);
+    }
+    ease_out.apply(out, kStep_s, kReturn_s);
+    at_rest.apply(plain, kStep_s, kReturn_s);
+    const auto third = [i](std::array<double, 4>& values, float newest) {
+      std::ranges::rotate(values, values.begin() + 1);
+      values.back() = newest;
+      return i < 3 ? 0 : std::abs(values[3] - 3 * values[2] + 3 * values[1] - values[0]);
+    };
+    largest = std::max(largest, third(path, out.weights[0]));
+    largest_at_rest = std::max(largest_at_rest, third(path_at_rest, plain.weights[0]));
+  }
+  EXPECT_LT(largest, 0.012);
+  EXPECT_LT(largest, largest_at_rest / 2);
+  EXPECT_NEAR(path.back(), 0.3 - 0.005 * 39, 0.005) << "it has arrived";
 }
 
 TEST(EaseOut, APositionThatOneDoesNotKnowIsNotEased) {

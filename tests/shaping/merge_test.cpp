@@ -23,6 +23,9 @@ const std::size_t kNose = shape("noseSneer_L");
 const std::size_t kSmile = shape("mouthSmile_L");
 const std::size_t kJaw = shape("jawOpen");
 
+/// Frames of Merge::kWarmUp at 60 Hz.
+constexpr int kWarmUpFrames = 9;
+
 /// Glasses: sure of the shapes, and nothing of the head.
 OutputFrame glasses(std::int64_t index, float weight) {
   OutputFrame frame = measured(index, weight);
@@ -56,11 +59,28 @@ TEST(Merge, ALoneTrackerPassesToTheBit) {
     in.eyes_rad[0] = {0.1F, -0.0F};
     const OutputFrame as_it_was = in;
     OutputFrame out;
-    const std::size_t there = static_cast<std::size_t>(i % 3);  // Lost ones too: that is fallback's affair.
+    const std::size_t there =
+        i > 290 ? 0 : static_cast<std::size_t>(1 + i % 3);  // To be lost is fallback's affair.
     const std::array<Merge::Source, 1> sources = {Merge::Source{&in, there}};
     ASSERT_EQ(alone.apply(sources, out), there);
     ASSERT_TRUE(same_bits(out, as_it_was));
   }
+}
+
+TEST(Merge, ATrackerWarmsUpOnceItsSensorsAreBack) {
+  Merge alone({"imu"});
+  const auto count_at = [&](int i, std::size_t there) {
+    OutputFrame in = measured(i, 0.5F), out;
+    const std::array<Merge::Source, 1> sources = {Merge::Source{&in, there}};
+    return alone.apply(sources, out);
+  };
+  EXPECT_EQ(count_at(0, 11), 11U) << "at a session's beginning nobody waits";
+  EXPECT_EQ(count_at(1, 3), 3U) << "nor for some of the sensors";
+  EXPECT_EQ(count_at(2, 0), 0U);
+  for (int i = 3; i < 3 + kWarmUpFrames; ++i) EXPECT_EQ(count_at(i, 11), 0U) << i;
+  EXPECT_EQ(count_at(3 + kWarmUpFrames, 11), 11U);
+  EXPECT_EQ(count_at(4 + kWarmUpFrames, 0), 0U) << "and again";
+  EXPECT_EQ(count_at(5 + kWarmUpFrames, 11), 0U);
 }
 
 TEST(Merge, LeftOutTheFirstSourcePassesAsItIs) {
@@ -279,7 +299,7 @@ TEST(Merge, ATrackerThatDropsOutIsReplacedSoftlyAndComesBackSoftly) {
   OutputFrame shaped_before;
   for (int i = 0; i < 400; ++i) {
     // From one extreme to the other: the IMUs' mouth is open, the glasses' closed.
-    const bool lost = i >= 100 && i < 250;
+    const bool lost = i >= 100 && i < 250, warms_up = i >= 250 && i < 250 + kWarmUpFrames;
     OutputFrame imu = measured(i, 1);
     imu.head = exp_rotation({0.2, 0.5, 0});
     if (lost) {
@@ -298,15 +318,15 @@ TEST(Merge, ATrackerThatDropsOutIsReplacedSoftlyAndComesBackSoftly) {
     }
     before = out.frame;
     shaped_before = shaped;
-    ASSERT_EQ(out.behind, lost ? 20u : 32u);
+    ASSERT_EQ(out.behind, lost || warms_up ? 20u : 32u) << i;
     ASSERT_EQ(out.frame.provenance[kSmile], Provenance::measured);
     if (i == 99) {
       EXPECT_EQ(out.frame.weights[kSmile], 1);
     }
     if (i >= 100 && i < 130) {
-      // The critically damped spring's closed form, from the last frame with IMUs on.
+      // The closed form, from the last frame with IMUs on.
       const double way = kConstantsTo5Percent / 0.3 * to_seconds(frame_time(i) - frame_time(99));
-      ASSERT_NEAR(out.frame.weights[kSmile], (1 + way) * std::exp(-way), 1e-6) << i;
+      ASSERT_NEAR(out.frame.weights[kSmile], offset_left(way), 1e-6) << i;
     }
     if (i == 99 + 15) {
       EXPECT_NEAR(shaped.weights[kSmile], out.frame.weights[kSmile], 0.02) << "eased once, not twice";
@@ -352,7 +372,7 @@ std::string hash_of_trouble() {
     }
     OutputFrame out;
     const std::size_t behind = three.apply(sources, out);
-    EXPECT_EQ(behind, 10u * static_cast<std::size_t>(std::ranges::count(there, true)));
+    EXPECT_LE(behind, 10u * static_cast<std::size_t>(std::ranges::count(there, true))) << "some warm up";
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
       EXPECT_GE(out.weights[k], 0) << i;
       EXPECT_LE(out.weights[k], 1) << i;
@@ -404,7 +424,7 @@ TEST(Merge, AllLostIsFallbacksAffairAndComesBackWithoutAJump) {
     const bool lost = i >= 60 && i < 240;
     const Merged out =
         merge(both, measured(i, 0.9F), lost ? 0 : 12, glasses(i, 0.7F), lost && i < 280 ? 0 : 20);
-    ASSERT_EQ(out.behind == 0, lost);
+    ASSERT_EQ(out.behind == 0, lost || (i >= 240 && i < 240 + kWarmUpFrames)) << i;
     OutputFrame shaped = out.frame;
     shaper.apply(shaped, out.behind);
     if (i > 0) {

@@ -170,12 +170,6 @@ LostSensorsRow judge(const Session& session, const std::vector<OutputFrame>& sho
   constexpr std::size_t kHalf = 15;  // Frames of a quarter of a second.
   const std::size_t lost = index_at(session.lost_at), back = index_at(session.back_at);
   LostSensorsRow row;
-  const auto ratio = [&](std::size_t at, const std::vector<OutputFrame>& before,
-                         const std::vector<OutputFrame>& after) {
-    const double usual = jerk(before, at - kHalf, at) + jerk(after, at, at + kHalf);
-    return usual == 0 ? 0 : std::sqrt(jerk(shown, at - kHalf, at + kHalf) / usual);
-  };
-  row.jerk_ratio = std::max(ratio(lost, steady, meanwhile), ratio(back, meanwhile, steady));
   const auto claims = [](const OutputFrame& frame) {
     for (std::size_t k = 0; k < face::kShapeCount; ++k)
       if (is_of_mouth(k) &&
@@ -192,6 +186,15 @@ LostSensorsRow judge(const Session& session, const std::vector<OutputFrame>& sho
     return true;
   };
   while (recovered < std::min(shown.size(), steady.size()) && !as_steady(recovered)) ++recovered;
+  // From a quarter of a second before sensors go or come to a quarter after another answers; each moment
+  // beside whoever answers then.
+  const auto ratio = [&](std::size_t at, std::size_t hands, const std::vector<OutputFrame>& before,
+                         const std::vector<OutputFrame>& after) {
+    const double usual = jerk(before, at - kHalf, hands) + jerk(after, hands, hands + kHalf);
+    return usual == 0 ? 0 : std::sqrt(jerk(shown, at - kHalf, hands + kHalf) / usual);
+  };
+  row.jerk_ratio =
+      std::max(ratio(lost, noticed, steady, meanwhile), ratio(back, recovered, meanwhile, steady));
   row.notice_s = static_cast<double>(noticed - lost) / kFrameRateHz;
   row.recover_s = static_cast<double>(recovered - back) / kFrameRateHz;
   // All but mouth and jaw as in truth, so that nothing else counts.

@@ -32,10 +32,10 @@ struct LostSensorsScene {
 /// without.
 struct LostSensorsRow {
   bool audio = false;
-  /// Root mean square of the third difference of mouth and jaw, in half a second about the loss and about the
-  /// return, over that of the same moments without a change: before the loss and after the return as sensors
-  /// show them, meanwhile as sound does all along where it answers, else as sensors do. The larger of the
-  /// two.
+  /// Root mean square of the third difference of mouth and jaw about the loss and about the return, from a
+  /// quarter of a second before the sensors go or come to a quarter after another answers, over that of the
+  /// same moments without a change: while sensors answer as they show them, while sound does as it does all
+  /// along; where nothing answers as sensors do. The larger of the two.
   double jerk_ratio = 0;
   double notice_s = 0;   ///< From the loss until no weight of mouth or jaw claims to be measured.
   double recover_s = 0;  ///< From the return until all of them are the sensors' again.
