@@ -5,12 +5,17 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "app/child_program.h"
 #include "app/command.h"
+#include "app/private_folder.h"
+#include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
+#include "mien/study/media/festival_speech.h"
 #include "mien/study/media/speech_synthesis.h"
 #include "mien/study/media/video_writer.h"
 
@@ -78,8 +83,42 @@ struct SpeakCommand {
   int words_per_minute = 175;
 };
 
+/// By festival, which is a program of its own.
+Result<media::SpokenText> speak_by_festival(const std::string& voice, const std::string& text,
+                                            int words_per_minute) {
+  const std::string where = "festival's " + voice;
+  constexpr const char* kFix = "install Debian's packages of script/packages/voices.txt";
+  MIEN_TRY_ASSIGN(const app::PrivateFolder folder, app::PrivateFolder::make());
+  const std::filesystem::path script = folder.path() / "script.scm", wav = folder.path() / "sound.wav";
+  MIEN_TRY_ASSIGN(const std::string said, media::festival_script(voice, text, words_per_minute, wav));
+  MIEN_TRY(write_file(script, said));
+  auto output = app::run_child({"festival", "-b", script.string()});
+  if (!output) {
+    output.error().fix = kFix;
+    return std::unexpected(output.error());
+  }
+  std::error_code none;
+  if (!output->succeeded() || !std::filesystem::exists(wav, none))
+    return fail(ErrorCode::io,
+                fmt::format("it does not read '{}': {}", excerpt(text),
+                            excerpt(output->complaints.substr(0, output->complaints.find('\n')))),
+                where, kFix);
+  media::SpokenText spoken;
+  MIEN_TRY_ASSIGN(const auto bytes, read_file(wav));
+  MIEN_TRY_ASSIGN(spoken.sound, parse_wav(bytes, where));
+  MIEN_TRY_ASSIGN(spoken.phonemes, media::parse_festival_phones(output->out, voice));
+  return spoken;
+}
+
+Result<media::SpokenText> speak(const SpeakCommand& command) {
+  if (!command.language.starts_with(media::kFestivalPrefix))
+    return media::speak(command.language, command.text, command.words_per_minute);
+  return speak_by_festival(command.language.substr(media::kFestivalPrefix.size()), command.text,
+                           command.words_per_minute);
+}
+
 Result<void> run_speak(const SpeakCommand& command) {
-  MIEN_TRY_ASSIGN(const auto spoken, media::speak(command.language, command.text, command.words_per_minute));
+  MIEN_TRY_ASSIGN(const auto spoken, speak(command));
   if (!command.wav.empty()) MIEN_TRY(write_file(command.wav, format_wav(spoken.sound)));
   const std::string json =
       media::spoken_text_json(command.language, command.text, command.words_per_minute, spoken);
@@ -114,7 +153,8 @@ int main(int argc, char** argv) {
                    [&] { return run_speak(speak); });
   speak_command
       .add_option("--language", speak.language,
-                  "As espeak-ng names it: en-us, de, fr-fr, es, de+f3; or a voice of flite: flite:slt")
+                  "As espeak-ng names it: en-us, de, fr-fr, es, de+f3; or a voice of flite or festival: "
+                  "flite:slt, festival:czech_dita")
       .show_default();
   speak_command.add_option("--text", speak.text, "What to say").required();
   speak_command.add_option("--rate", speak.words_per_minute, "Words a minute, 80 to 450").show_default();

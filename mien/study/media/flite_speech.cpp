@@ -7,6 +7,8 @@
 #include <memory>
 #include <string_view>
 
+#include "mien/study/media/phone_names.h"
+
 extern "C" {
 // No header of flite declares them.
 cst_voice* register_cmu_us_awb(const char* folder);
@@ -24,25 +26,6 @@ struct Voice {
 };
 constexpr std::array kVoices = {Voice{"awb", register_cmu_us_awb}, Voice{"kal16", register_cmu_us_kal16},
                                 Voice{"rms", register_cmu_us_rms}, Voice{"slt", register_cmu_us_slt}};
-
-struct Phone {
-  std::string_view name, ipa;
-};
-constexpr std::array kPhones = {
-    Phone{"aa", "ɑ"},  Phone{"ae", "æ"},  Phone{"ah", "ʌ"}, Phone{"ao", "ɔ"},  Phone{"aw", "aʊ"},
-    Phone{"ax", "ə"},  Phone{"ay", "aɪ"}, Phone{"b", "b"},  Phone{"ch", "tʃ"}, Phone{"d", "d"},
-    Phone{"dh", "ð"},  Phone{"eh", "ɛ"},  Phone{"er", "ɝ"}, Phone{"ey", "eɪ"}, Phone{"f", "f"},
-    Phone{"g", "ɡ"},   Phone{"hh", "h"},  Phone{"ih", "ɪ"}, Phone{"iy", "i"},  Phone{"jh", "dʒ"},
-    Phone{"k", "k"},   Phone{"l", "l"},   Phone{"m", "m"},  Phone{"n", "n"},   Phone{"ng", "ŋ"},
-    Phone{"ow", "oʊ"}, Phone{"oy", "ɔɪ"}, Phone{"p", "p"},  Phone{"r", "ɹ"},   Phone{"s", "s"},
-    Phone{"sh", "ʃ"},  Phone{"t", "t"},   Phone{"th", "θ"}, Phone{"uh", "ʊ"},  Phone{"uw", "u"},
-    Phone{"v", "v"},   Phone{"w", "w"},   Phone{"y", "j"},  Phone{"z", "z"},   Phone{"zh", "ʒ"}};
-
-/// Empty of pauses.
-std::string ipa_of(std::string_view phone) {
-  const auto found = std::ranges::find(kPhones, phone, &Phone::name);
-  return found == kPhones.end() ? std::string() : std::string(found->ipa);
-}
 
 }  // namespace
 
@@ -70,7 +53,7 @@ Result<SpokenText> speak_by_flite(const std::string& voice, const std::string& t
        phone = item_next(phone)) {
     const double end_s =
         std::clamp(double{item_feat_float(phone, "end")}, begin_s, spoken.sound.duration_s());
-    spoken.phonemes.push_back({ipa_of(item_feat_string(phone, "name")), begin_s, end_s});
+    spoken.phonemes.push_back({ipa_of(PhoneSet::english, item_feat_string(phone, "name")), begin_s, end_s});
     begin_s = end_s;
   }
   return spoken;

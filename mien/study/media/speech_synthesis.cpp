@@ -101,7 +101,7 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
   if (text.size() > kMaxText)
     return fail(ErrorCode::bad_usage, fmt::format("a text of {} bytes is too long", text.size()), language,
                 "cut it into pieces of at most 100000");
-  if (words_per_minute < 80 || words_per_minute > 450)
+  if (words_per_minute < kSlowest || words_per_minute > kFastest)
     return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), language,
                 "choose 80 to 450");
   if (language.starts_with(kFlitePrefix))

@@ -22,6 +22,9 @@ struct SpokenText {
   std::vector<SpokenSpan> words;
 };
 
+/// Words a minute that voices speak.
+inline constexpr int kSlowest = 80, kFastest = 450;
+
 /// Reads `text` (UTF-8, at most 100,000 bytes) in a language of espeak-ng ("en-us", "de", "fr-fr", "es"),
 /// with one of its voices' variants behind a "+" ("de+f3"), or by a voice of flite ("flite:slt"), at
 /// `words_per_minute` (80 to 450; an ordinary reader 175). The same input gives the same bits with the same

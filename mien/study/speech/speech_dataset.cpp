@@ -24,12 +24,28 @@ constexpr std::array<std::string_view, 12> kTrainingVariants = {
     "+m1", "+m2", "+m3", "+m4", "+m6", "+m8", "+f1", "+f2", "+f5", "+Annie", "+benjamin", "+steph"};
 constexpr std::array<std::string_view, 3> kValidationVariants = {"+m7", "+f3", "+belinda"};
 constexpr std::array<std::string_view, 3> kTestVariants = {"+m5", "+f4", "+michel"};
-/// English only.
-constexpr std::array<std::string_view, 3> kTrainingPeople = {"flite:slt", "flite:rms", "flite:kal16"};
-constexpr std::array<std::string_view, 1> kTestPeople = {"flite:awb"};
+/// Made of people's recordings; each speaks one language. Those of flite are of whole sentences, or of pieces
+/// of them; those of festival are joined of pieces.
+struct Person {
+  std::string_view voice;
+  std::size_t language;
+};
+constexpr std::array kTrainingPeople = {Person{"flite:slt", 0},
+                                        Person{"flite:rms", 0},
+                                        Person{"flite:kal16", 0},
+                                        Person{"festival:lp_diphone", kNoLanguage},
+                                        Person{"festival:pc_diphone", kNoLanguage},
+                                        Person{"festival:czech_dita", kNoLanguage},
+                                        Person{"festival:czech_krb", kNoLanguage},
+                                        Person{"festival:czech_machac", kNoLanguage},
+                                        Person{"festival:czech_ph", kNoLanguage},
+                                        Person{"festival:hy_fi_mv_diphone", kNoLanguage},
+                                        Person{"festival:suo_fi_lj_diphone", kNoLanguage},
+                                        Person{"festival:msu_ru_nsh_clunits", kNoLanguage}};
+constexpr std::array kTestPeople = {Person{"flite:awb", 0}, Person{"festival:ked_diphone", 0}};
 /// Lips need so long to meet and to part.
 constexpr double kLipsMeet_s = 0.04;
-constexpr int kPassagesOfPeople = 12;
+constexpr int kPassagesOfPeople = 6;
 
 constexpr std::array<std::string_view, 12> kShapes = {
     "jawOpen",        "mouthFunnel",  "mouthPucker", "mouthStretch",   "mouthSmile",     "mouthDimple",
@@ -89,7 +105,8 @@ struct Piece {
 std::vector<Piece> pieces_for(VoiceUse use, int passages) {
   std::vector<Piece> pieces;
   for (const Voice& voice : voices_for(use)) {
-    const int count = voice.name.starts_with("flite:") ? kPassagesOfPeople * passages : passages;
+    const bool person = voice.name.contains(':');
+    const int count = person ? kPassagesOfPeople * passages : passages;
     for (int p = 0; p < count; ++p)
       pieces.push_back({.voice = voice, .number = static_cast<std::uint64_t>(p)});
   }
@@ -99,18 +116,18 @@ std::vector<Piece> pieces_for(VoiceUse use, int passages) {
 }  // namespace
 
 std::vector<Voice> voices_for(VoiceUse use) {
-  const auto pick = [use](std::span<const std::string_view> training,
-                          std::span<const std::string_view> validation,
-                          std::span<const std::string_view> test) {
+  const auto pick = [use]<typename T>(std::span<const T> training, std::span<const T> validation,
+                                      std::span<const T> test) {
     return use == VoiceUse::training ? training : use == VoiceUse::validation ? validation : test;
   };
   std::vector<Voice> voices;
   const auto languages = reading_languages();
-  for (const std::string_view variant : pick(kTrainingVariants, kValidationVariants, kTestVariants))
+  for (const std::string_view variant :
+       pick.operator()<std::string_view>(kTrainingVariants, kValidationVariants, kTestVariants))
     for (std::size_t l = 0; l < languages.size(); ++l)
       voices.push_back({std::string(languages[l].voice) + std::string(variant), l});
-  for (const std::string_view person : pick(kTrainingPeople, {}, kTestPeople))
-    voices.push_back({std::string(person), 0});
+  for (const Person& person : pick.operator()<Person>(kTrainingPeople, {}, kTestPeople))
+    voices.push_back({std::string(person.voice), person.language});
   return voices;
 }
 

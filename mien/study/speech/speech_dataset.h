@@ -14,8 +14,8 @@ namespace mien::study {
 /// How much of what virtual speakers say to train on: the [data] table of a recipe for speech.
 struct SpeechDataRecipe {
   std::uint64_t seed = 1;
-  /// Of three lines each, by every variant of espeak-ng's voices. Voices of flite say twelve times as many:
-  /// they were made of people's recordings, and are few.
+  /// Of three lines each, by every variant of espeak-ng's voices. Voices that were made of people's
+  /// recordings are few, and say six times as many.
   int passages = 8;
   int validation_passages = 2;  ///< By each variant that is held out.
   double other_seconds = 120;   ///< Of each kind of sound that is no speech.
@@ -27,7 +27,7 @@ struct SpeechDataRecipe {
 [[nodiscard]] Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view toml,
                                                                 const std::string& where);
 
-/// Who speaks, and in which of reading_languages().
+/// Who speaks, and in which of reading_languages(), or kNoLanguage.
 struct Voice {
   std::string name;  ///< As Speaker takes it.
   std::size_t language = 0;

@@ -58,13 +58,14 @@ Result<SpokenPassage> speak_passage(const Speaker& speaker, const std::string& v
                                     const Random& random) {
   constexpr int kLines = 3;
   Random drawn = random.fork("passage");
-  const ReadingLanguage& reading = reading_languages()[language];
+  const std::span<const std::string_view> lines =
+      language < kNoLanguage ? reading_languages()[language].lines : std::span<const std::string_view>();
   SpokenPassage passage;
   double at_s = drawn.uniform(0.3, 1);
   for (int l = 0; l < kLines; ++l) {
-    const std::string text = drawn.chance(0.5)
+    const std::string text = drawn.chance(0.5) || lines.empty()
                                  ? invented_line(language, drawn)
-                                 : std::string(reading.lines[drawn.below(reading.lines.size())]);
+                                 : std::string(lines[drawn.below(lines.size())]);
     const int words_per_minute = static_cast<int>(110 + drawn.below(120));
     MIEN_TRY_ASSIGN(const SpokenLine line, speaker(voice, text, words_per_minute));
     MIEN_TRY_ASSIGN(const std::vector<float> sound, resampled(line.sound));

@@ -32,8 +32,8 @@ struct SpokenPassage {
   [[nodiscard]] bool voiced_at(double time_s) const;
 };
 
-/// Three lines by one voice, with pauses about them; half of them of words that do not exist. `language`: the
-/// voice's, of reading_languages(). Errors: the speaker's.
+/// Three lines by one voice, with pauses about them; half of them of words that do not exist, of kNoLanguage
+/// all. `language`: the voice's, of reading_languages(), or that. Errors: the speaker's.
 [[nodiscard]] Result<SpokenPassage> speak_passage(const Speaker& speaker, const std::string& voice,
                                                   std::size_t language, const Random& random);
 

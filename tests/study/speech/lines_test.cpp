@@ -18,7 +18,7 @@ TEST(Lines, FourLanguagesWithLinesThatCloseTheLips) {
 }
 
 TEST(Lines, InventedOnesDifferAndAreTheSameForTheSameSeed) {
-  for (std::size_t l = 0; l < reading_languages().size(); ++l) {
+  for (std::size_t l = 0; l <= kNoLanguage; ++l) {
     Random random(5), again(5);
     std::set<std::string> lines;
     for (int i = 0; i < 50; ++i) {
@@ -31,6 +31,14 @@ TEST(Lines, InventedOnesDifferAndAreTheSameForTheSameSeed) {
     }
     EXPECT_EQ(lines.size(), 50U);
   }
+}
+
+TEST(Lines, OfNoLanguageAreInPlainLettersAndAskNothing) {
+  ASSERT_EQ(reading_languages().size(), kNoLanguage);
+  Random random(7);
+  for (int i = 0; i < 200; ++i)
+    for (const char letter : invented_line(kNoLanguage, random))
+      EXPECT_TRUE((letter >= 'a' && letter <= 'z') || letter == ' ' || letter == ',' || letter == '.');
 }
 
 }  // namespace

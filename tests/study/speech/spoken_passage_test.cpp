@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 
+#include "mien/study/speech/lines.h"
 #include "tests/study/speech/letter_speaker.h"
 
 namespace mien::study::spoken_passage_test {
@@ -57,6 +60,20 @@ TEST(SpokenPassage, TheSameSeedSaysTheSame) {
   EXPECT_EQ(one->sound, two->sound);
   EXPECT_EQ(one->utterance, two->utterance);
   EXPECT_NE(one->utterance, other->utterance);
+}
+
+TEST(SpokenPassage, WhoHasNoLanguageSpeaksInventedLines) {
+  std::vector<std::string> said;
+  const Speaker letters = test::letter_speaker();
+  const Speaker listening = [&](const std::string& voice, const std::string& text, int rate) {
+    said.push_back(text);
+    return letters(voice, text, rate);
+  };
+  const auto passage = speak_passage(listening, "somebody", kNoLanguage, Random(4));
+  ASSERT_TRUE(passage) << passage.error().message();
+  ASSERT_EQ(said.size(), 3U);
+  for (const ReadingLanguage& language : reading_languages())
+    for (const std::string_view line : language.lines) EXPECT_EQ(std::ranges::count(said, line), 0);
 }
 
 TEST(SpokenPassage, ResamplingMovesNothing) {
