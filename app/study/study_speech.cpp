@@ -11,6 +11,7 @@
 #include "app/seed_option.h"
 #include "mien/core/files.h"
 #include "mien/study/speech/phone_labels.h"
+#include "mien/study/speech/speech_confidence.h"
 #include "mien/study/speech/speech_study.h"
 
 namespace mien::app {
@@ -19,7 +20,7 @@ namespace {
 struct StudySpeechOptions {
   study::SpeechRequest request;
   std::vector<std::string> recordings;
-  std::string model;
+  std::string model, write;
   bool json = false;
 };
 
@@ -61,6 +62,18 @@ void print_rows(const std::vector<study::SpeechRow>& rows, bool with_jaw) {
                with_jaw ? fmt::format(" {:.2f} |", row.jaw_correlation) : "");
 }
 
+/// Measures what the network's answers are worth and writes it so, on voices that nothing else hears.
+Result<void> write_confidence(const StudySpeechOptions& options, speech::SpeechNetworkFile& network) {
+  constexpr std::uint64_t kMeasuredOn = 2001;
+  MIEN_TRY_ASSIGN(
+      network.confidence,
+      study::measure_speech_confidence(
+          network,
+          {.voices = study::VoiceUse::validation, .passages = options.request.passages, .seed = kMeasuredOn},
+          speaker_by_helper(), terminal_progress("confidence")));
+  return speech::write_speech_network(options.write, network);
+}
+
 Result<void> run_study_speech(const StudySpeechOptions& options) {
   study::SpeechRequest request = options.request;
   for (const std::string& path : options.recordings) {
@@ -68,9 +81,18 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
     request.recorded.push_back(std::move(sound));
   }
   MIEN_TRY_ASSIGN(const std::filesystem::path model, path_or(options.model, "models/speech.safetensors"));
-  MIEN_TRY_ASSIGN(const speech::SpeechNetworkFile network, speech::read_speech_network(model));
+  MIEN_TRY_ASSIGN(speech::SpeechNetworkFile network, speech::read_speech_network(model));
+  if (!options.write.empty()) {
+    MIEN_TRY(check_output(options.write, {".safetensors"}));
+    MIEN_TRY(write_confidence(options, network));
+  }
   MIEN_TRY_ASSIGN(const study::SpeechStudy study,
                   study::study_speech(request, speaker_by_helper(), network, terminal_progress("speech")));
+  MIEN_TRY_ASSIGN(
+      const std::vector<study::SpeechConfidenceRow> confidence,
+      study::study_speech_confidence(
+          network, {.voices = study::VoiceUse::test, .passages = request.passages, .seed = request.seed},
+          speaker_by_helper(), terminal_progress("confidence")));
   clear_progress();
   if (options.json) {
     Json out = {{"model", model.string()}, {"seed", request.seed}, {"passages", request.passages}};
@@ -84,6 +106,12 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
     out["others"] = Json::array();
     for (const study::OtherRow& row : study.others)
       out["others"].push_back({{"method", row.method}, {"sound", row.sound}, {"moving", row.moving}});
+    out["confidence"] = Json::array();
+    for (const study::SpeechConfidenceRow& row : confidence)
+      out["confidence"].push_back({{"sound", row.sound},
+                                   {"frames", row.frames},
+                                   {"mouth_calibration_error", row.mouth.expected_error()},
+                                   {"jaw_calibration_error", row.jaw.expected_error()}});
     print_json(out);
     return {};
   }
@@ -98,6 +126,13 @@ Result<void> run_study_speech(const StudySpeechOptions& options) {
   fmt::print("| sound | way | moving |\n|---|---|---|\n");
   for (const study::OtherRow& row : study.others)
     fmt::print("| {} | {} | {:.2f} % |\n", row.sound, row.method, 100 * row.moving);
+  if (!confidence.empty())
+    fmt::print(
+        "\nExpected calibration error of the network's confidence\n\n| sound | frames | mouth | jaw "
+        "|\n|---|---|---|---|\n");
+  for (const study::SpeechConfidenceRow& row : confidence)
+    fmt::print("| {} | {} | {:.3f} | {:.3f} |\n", row.sound, row.frames, row.mouth.expected_error(),
+               row.jaw.expected_error());
   return {};
 }
 
@@ -117,6 +152,10 @@ void add_study_speech(Commands& commands, Command study) {
   command.add_option("--other-seconds", options->request.other_seconds, "Of each sound that is no speech")
       .number_between(5.0, 36'000.0)
       .show_default();
+  command.add_option(
+      "--write", options->write,
+      "Measure the network's table of confidence anew first, on voices of its own, and write the "
+      "network so");
   add_seed_option(command, options->request.seed, "Of lines, noise and rooms");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

@@ -2,9 +2,17 @@
 
 #include "mien/core/time.h"
 #include "mien/face/profile.h"
+#include "mien/face/shape_region.h"
 #include "mien/speech/sound_block.h"
+#include "mien/tracker/shape_confidence.h"
 
 namespace mien::speech {
+
+/// Shapes that sound tells of: those of the regions of mouth and jaw.
+[[nodiscard]] constexpr bool is_heard(std::size_t shape) {
+  return face::kShapeRegions[shape] == face::ShapeRegion::mouth ||
+         face::kShapeRegions[shape] == face::ShapeRegion::jaw;
+}
 
 /// What was heard of the mouth at one moment.
 struct Heard {
@@ -24,6 +32,8 @@ class Listener {
   virtual Heard push(DeviceTime time, const Block& block) = 0;
   /// What its answers are to be smoothed by (SpokenMouth), 1/s; 0: not at all.
   [[nodiscard]] virtual double smoothing() const { return 0; }
+  /// What its answers are worth, where somebody measured it, by Heard::voice as coverage; null: nobody did.
+  [[nodiscard]] virtual const tracker::ShapeConfidence* confidence() const { return nullptr; }
   /// The next block begins anew: nothing was heard before.
   virtual void reset() = 0;
 };

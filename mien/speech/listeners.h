@@ -21,7 +21,11 @@ class LearnedListener final : public Listener {
   /// A network's answers tremble; so smoothed they come 25 ms later. Chosen on validation voices likewise.
   static constexpr double kSmoothing = 80;
 
-  explicit LearnedListener(SpeechNetwork network) : network_(std::move(network)) {}
+  explicit LearnedListener(SpeechNetwork network)
+      : network_(std::move(network)), confidence_(network_.file().confidence) {}
+  [[nodiscard]] const tracker::ShapeConfidence* confidence() const override {
+    return network_.file().confidence ? &confidence_ : nullptr;
+  }
   [[nodiscard]] double smoothing() const override { return kSmoothing; }
   Heard push(DeviceTime time, const Block& block) override;
   void reset() override;
@@ -29,6 +33,7 @@ class LearnedListener final : public Listener {
  private:
   LogMel mel_;
   SpeechNetwork network_;
+  tracker::ShapeConfidence confidence_;
   HeardMouth mouth_;
 };
 

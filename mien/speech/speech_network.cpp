@@ -10,6 +10,7 @@
 
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
+#include "mien/model/confidence_file.h"
 #include "mien/model/network_parts.h"
 #include "mien/model/schedule.h"
 
@@ -49,6 +50,7 @@ Result<void> check_file(const SpeechNetworkFile& file, const std::string& where)
                   where);
   if (const auto ok = model::check_tensors(file.architecture, file.network); !ok)
     return differ(ok.error().what);
+  if (file.confidence) return model::check(*file.confidence, face::kShapeCount, where);
   return {};
 }
 
@@ -88,6 +90,7 @@ Result<SpeechNetworkFile> parse_speech_network(std::span<const std::byte> bytes,
   file.recipe = metadata["recipe"];
   file.results = metadata["results"];
   MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
+  MIEN_TRY_ASSIGN(file.confidence, model::take_confidence(from, where));
   if (!from.tensors.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
                 where);
@@ -114,6 +117,7 @@ Result<std::vector<std::byte>> format_speech_network(const SpeechNetworkFile& fi
       {"results", file.results},
   };
   model::add_network(file.network, to);
+  if (file.confidence) model::add_confidence(*file.confidence, face::kShapeCount, to);
   return model::write_safetensors(to);
 }
 

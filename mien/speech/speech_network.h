@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "mien/core/error.h"
 #include "mien/face/profile.h"
 #include "mien/model/causal_network.h"
+#include "mien/model/confidence.h"
 #include "mien/model/safetensors.h"
 #include "mien/speech/log_mel.h"
 
@@ -33,6 +35,9 @@ struct SpeechNetworkFile {
   std::string recipe;                            ///< Text of the training recipe (TOML).
   std::string results;                           ///< Measurements of the training, JSON; may be empty.
   std::vector<model::Tensor> network;
+  /// What its answers are worth by Heard::voice as coverage (study::measure_speech_confidence); none: nobody
+  /// measured it.
+  std::optional<model::ConfidenceTable> confidence;
 
   [[nodiscard]] std::size_t closure_output() const { return shapes.size(); }
   [[nodiscard]] std::size_t voice_output() const { return shapes.size() + 1; }

@@ -13,12 +13,6 @@ using face::Provenance;
 /// Times that run back farther than this are of another start of the microphone.
 constexpr Duration kRestart = std::chrono::milliseconds(200);
 
-/// Shapes that sound tells of: those of the regions of mouth and jaw.
-constexpr bool is_heard(std::size_t shape) {
-  return face::kShapeRegions[shape] == face::ShapeRegion::mouth ||
-         face::kShapeRegions[shape] == face::ShapeRegion::jaw;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<SpeechTracker>> SpeechTracker::create(const sensor::Rig& rig, MakeListener make) {
@@ -79,11 +73,20 @@ tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLine
   result.hearing->speaks = heard.has_value();
   if (!heard) return result;
   result.hearing->behind = std::max(Duration::zero(), time - heard->time);
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    if (!is_heard(k)) continue;
-    out.weights[k] = heard->weights[k];
-    out.provenance[k] = Provenance::audio;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    if (is_heard(k)) out.weights[k] = heard->weights[k];
+  if (const tracker::ShapeConfidence* const confidence = listener_->confidence()) {
+    tracker::Coverage coverage;
+    coverage.fill(heard->voice);
+    confidence->write(coverage, out);
   }
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    out.provenance[k] = is_heard(k) ? Provenance::audio : Provenance::neutral;
+    if (!is_heard(k)) out.confidence[k] = 0;
+  }
+  for (const face::ShapeRegion region :
+       {face::ShapeRegion::brows, face::ShapeRegion::eyes, face::ShapeRegion::cheeks})
+    out.region_confidence[static_cast<std::size_t>(region)] = 0;
   out.tongue_out = heard->tongue;
   return result;
 }

@@ -14,9 +14,10 @@ namespace mien::speech {
 
 /// Tracker of the modality "speech": mouth and jaw as they sound. While somebody speaks these shapes have the
 /// provenance audio; in silence, and without sound, they are neutral, with that provenance, so that nobody
-/// takes a quiet room for a closed mouth. Confidence is 0: nobody measured it yet. The other shapes, head and
-/// eyes are always neutral: sound does not tell them. Of several microphones of a rig the first is listened
-/// to. Nothing to calibrate. No allocation of its own; what a Listener does is its affair.
+/// takes a quiet room for a closed mouth. Confidence, of shapes and of the two regions, is by the network's
+/// table; 0 where it has none, of phones, and in silence. The other shapes, head and eyes are always neutral:
+/// sound does not tell them. Of several microphones of a rig the first is listened to. Nothing to calibrate.
+/// No allocation of its own; what a Listener does is its affair.
 class SpeechTracker final : public tracker::Tracker {
  public:
   /// Without a block for so long there is no sound.

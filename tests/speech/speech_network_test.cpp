@@ -55,6 +55,27 @@ TEST(SpeechNetwork, IsReadBackAsItWasWritten) {
   EXPECT_EQ(back->network, file.network);
 }
 
+TEST(SpeechNetwork, KeepsWhatItsAnswersAreWorth) {
+  SpeechNetworkFile file = small();
+  model::ConfidenceTable& table = file.confidence.emplace();
+  table.coverage_edges = {0.5F};
+  table.value_edges = {0.25F};
+  table.explained.assign(2 * face::kShapeCount, 0.5F);
+  table.within.assign(4 * face::kShapeCount, 0.875F);
+  table.regions.emplace()[0] = {.offset = 1, .slope = 0.5F};
+  const auto bytes = format_speech_network(file);
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  const auto back = parse_speech_network(*bytes, "t");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->confidence, file.confidence);
+  auto network = SpeechNetwork::create(*back);
+  ASSERT_TRUE(network);
+  EXPECT_NE(LearnedListener(std::move(*network)).confidence(), nullptr);
+  table.within[3] = 1.5F;
+  EXPECT_EQ(refusal(file), ErrorCode::out_of_range);
+  EXPECT_EQ(small().confidence, std::nullopt);
+}
+
 TEST(SpeechNetwork, RefusesWhatDoesNotHoldTogether) {
   SpeechNetworkFile file = small();
   file.shapes.pop_back();

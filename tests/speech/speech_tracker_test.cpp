@@ -26,7 +26,9 @@ sensor::Rig one() {
 /// Hears a jaw as far open as the block's first sample says, and a voice as its second.
 class Parrot final : public Listener {
  public:
-  explicit Parrot(int& resets) : resets_(resets) {}
+  Parrot(int& resets, const tracker::ShapeConfidence* confidence)
+      : resets_(resets), confidence_(confidence) {}
+  [[nodiscard]] const tracker::ShapeConfidence* confidence() const override { return confidence_; }
   Heard push(DeviceTime time, const Block& block) override {
     Heard heard{.time = time, .weights = {}, .voice = static_cast<float>(block[1]) / 100};
     heard.weights[kJaw] = static_cast<float>(block[0]) / 100;
@@ -37,6 +39,7 @@ class Parrot final : public Listener {
 
  private:
   int& resets_;
+  const tracker::ShapeConfidence* confidence_;
 };
 
 class Played {
@@ -63,10 +66,11 @@ class Played {
   }
   std::size_t present = 0;
   int made = 0, resets = 0;
+  const tracker::ShapeConfidence* confidence = nullptr;
   std::unique_ptr<SpeechTracker> tracker =
       SpeechTracker::create(one(), [this] {
         ++made;
-        return Result<std::unique_ptr<Listener>>(std::make_unique<Parrot>(resets));
+        return Result<std::unique_ptr<Listener>>(std::make_unique<Parrot>(resets, confidence));
       }).value();
 
  private:
@@ -91,6 +95,32 @@ TEST(SpeechTracker, MouthAndJawAreFromAudioWhileSomebodySpeaks) {
   EXPECT_EQ(frame.weights[shape("browInnerUp_L")], 0);
   EXPECT_EQ(frame.head_provenance, Provenance::neutral);
   EXPECT_EQ(frame.eyes_provenance, Provenance::neutral);
+}
+
+TEST(SpeechTracker, ConfidenceIsByTheListenersTableForMouthAndJawAlone) {
+  model::ConfidenceTable table;
+  table.coverage_edges = {0.75F};  // Of the voice.
+  table.explained.assign(2 * face::kShapeCount, 0);
+  table.within.assign(2 * face::kShapeCount, 0.25F);
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) table.within[2 * k + 1] = 0.875F;
+  table.regions.emplace().fill({.offset = 1, .slope = 0});
+  const tracker::ShapeConfidence confidence(table);
+  Played played;
+  played.confidence = &confidence;
+  played.talk(0, 300, 40, 100);
+  face::OutputFrame out = played.frame(290);
+  EXPECT_EQ(out.confidence[kJaw], 0.875F);
+  EXPECT_EQ(out.provenance[kJaw], Provenance::audio);
+  EXPECT_EQ(out.confidence[shape("browInnerUp_L")], 0);
+  EXPECT_GT(out.region_confidence[static_cast<std::size_t>(face::ShapeRegion::jaw)], 0.7F);
+  EXPECT_EQ(out.region_confidence[static_cast<std::size_t>(face::ShapeRegion::brows)], 0);
+  played.talk(300, 500, 40, 70);
+  out = played.frame(490);
+  EXPECT_EQ(out.confidence[kJaw], 0.25F) << "hardly a voice";
+  played.talk(500, 1500, 40, 0);
+  for (int ms = 510; ms <= 1490; ms += 20) out = played.frame(ms);
+  EXPECT_EQ(out.confidence[kJaw], 0) << "nobody speaks";
+  EXPECT_EQ(out.region_confidence[static_cast<std::size_t>(face::ShapeRegion::jaw)], 0);
 }
 
 TEST(SpeechTracker, BetweenTwoAnswersTimeDecides) {

@@ -15,6 +15,7 @@
 #include "mien/study/speech/lines.h"
 #include "mien/study/speech/loudness_listener.h"
 #include "mien/study/speech/other_sounds.h"
+#include "mien/study/speech/sound_conditions.h"
 #include "mien/study/speech/speech_dataset.h"
 #include "mien/study/speech/spoken_passage.h"
 
@@ -25,8 +26,6 @@ using speech::Heard;
 using speech::Listener;
 
 constexpr std::array<std::string_view, 4> kMethods = {"loudness", "phones", "learned", "both"};
-constexpr std::array<std::string_view, 7> kConditions = {
-    "clean", "noise at 20 dB", "noise at 10 dB", "noise at 5 dB", "room", "20 dB quieter", "telephone"};
 constexpr float kMoves = 0.05F;
 
 /// The network's mouth with the phones' closures added, at the time the phones are known for.
@@ -137,46 +136,13 @@ void score(const std::vector<Closure>& truth, const Shown& shown, Tally& tally) 
   }
 }
 
-/// The sound as that condition has it.
-std::vector<float> disturbed(const std::vector<float>& sound, std::size_t condition, const Random& random) {
-  std::vector<float> out = sound;
-  Random drawn = random.fork("condition", condition);
-  const auto noise = [&](double snr_db) {
-    const auto kind = static_cast<OtherSound>(drawn.below(5));  // Breath and cough are for those who speak.
-    mix_at(snr_db, make_other_sound(kind, out.size(), drawn.fork("noise")), out);
-  };
-  switch (condition) {
-    case 1:
-      noise(20);
-      break;
-    case 2:
-      noise(10);
-      break;
-    case 3:
-      noise(5);
-      break;
-    case 4:
-      put_in_room(0.4, 3, drawn.fork("room"), out);
-      break;
-    case 5:
-      for (float& s : out) s *= 0.1F;
-      break;
-    case 6:
-      limit_band(300, 3400, out);
-      break;
-    default:
-      break;
-  }
-  return out;
-}
-
 using MethodTallies = std::array<Tally, kMethods.size()>;
 /// Of one passage, a tally for each condition.
-using PassageTallies = std::array<MethodTallies, kConditions.size()>;
+using PassageTallies = std::array<MethodTallies, kSoundConditions.size()>;
 
 PassageTallies listen_to(const SpokenPassage& passage, const Random& random, Listeners& listeners) {
   PassageTallies tallies;
-  for (std::size_t c = 0; c < kConditions.size(); ++c) {
+  for (std::size_t c = 0; c < kSoundConditions.size(); ++c) {
     const std::vector<speech::Block> blocks = blocks_of(disturbed(passage.sound, c, random));
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
       const Shown shown = show(*listeners[m], blocks);
@@ -215,11 +181,11 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const Speaker& sp
         return {};
       }));
   SpeechStudy study;
-  for (std::size_t c = 0; c < kConditions.size(); ++c)
+  for (std::size_t c = 0; c < kSoundConditions.size(); ++c)
     for (std::size_t m = 0; m < kMethods.size(); ++m) {
       Tally all;
       for (const PassageTallies& one : spoken) all.add(one[c][m]);
-      study.conditions.push_back(all.row(kMethods[m], std::string(kConditions[c])));
+      study.conditions.push_back(all.row(kMethods[m], std::string(kSoundConditions[c])));
     }
   const auto languages = reading_languages();
   for (std::size_t l = 0; l <= languages.size(); ++l)
@@ -228,7 +194,7 @@ Result<SpeechStudy> study_speech(const SpeechRequest& request, const Speaker& sp
       Tally all;
       for (std::size_t i = 0; i < spoken.size(); ++i) {
         const Voice& voice = voices[i / passages];
-        const bool person = voice.name.starts_with("flite:");
+        const bool person = voice.name.contains(':');
         if (l == languages.size() ? person : !person && voice.language == l) all.add(spoken[i][0][m]);
       }
       study.languages.push_back(all.row(

@@ -1,0 +1,135 @@
+#include "mien/study/speech/speech_confidence.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "mien/core/time.h"
+#include "mien/speech/listeners.h"
+#include "mien/speech/spoken_mouth.h"
+#include "mien/study/confidence_fit.h"
+#include "mien/study/logistic_fit.h"
+#include "mien/study/performers.h"
+#include "mien/study/region_tally.h"
+#include "mien/study/speech/sound_conditions.h"
+#include "mien/study/speech/spoken_passage.h"
+#include "mien/tracker/shape_confidence.h"
+
+namespace mien::study {
+namespace {
+
+constexpr auto kMouth = static_cast<std::size_t>(face::ShapeRegion::mouth),
+               kJaw = static_cast<std::size_t>(face::ShapeRegion::jaw);
+
+/// A frame in which somebody speaks.
+struct HeardFrame {
+  float voice = 0;
+  face::BlendshapeWeights answer, truth;
+};
+/// Of one passage, under each of kSoundConditions.
+using HeardPassage = std::array<std::vector<HeardFrame>, kSoundConditions.size()>;
+
+tracker::Coverage coverage_of(const HeardFrame& frame) {
+  tracker::Coverage coverage{};
+  coverage.fill(frame.voice);
+  return coverage;
+}
+
+std::vector<HeardFrame> listen(speech::Listener& listener, std::span<const speech::Block> blocks,
+                               const face::MotionCurve& truth) {
+  listener.reset();
+  speech::SpokenMouth mouth(listener.smoothing());
+  std::vector<HeardFrame> frames;
+  DeviceTime block_time{};
+  std::int64_t frame = 0;
+  for (const speech::Block& block : blocks) {
+    mouth.push(listener.push(block_time, block));
+    for (; DeviceTime(frame_offset(frame)) <= block_time + speech::kBlockDuration / 2; ++frame) {
+      const DeviceTime time(frame_offset(frame));
+      if (const auto heard = mouth.tick(time))
+        frames.push_back(
+            {heard->voice, heard->weights, truth.at(to_seconds(time.time_since_epoch())).weights});
+    }
+    block_time += speech::kBlockDuration;
+  }
+  return frames;
+}
+
+Result<std::vector<HeardPassage>> listen_to(const speech::SpeechNetworkFile& network,
+                                            const HeardPeople& people, const Speaker& speaker,
+                                            const Progress& progress) {
+  const std::vector<Voice> voices = voices_for(people.voices);
+  const auto passages = static_cast<std::size_t>(people.passages);
+  std::vector<HeardPassage> heard(voices.size() * passages);
+  const Random root = Random(people.seed).fork("heard people");
+  MIEN_TRY(for_each_performer(heard.size(), people.threads, progress, [&](std::size_t i) -> Result<void> {
+    const Voice& voice = voices[i / passages];
+    const Random random = root.fork(voice.name, i % passages);
+    MIEN_TRY_ASSIGN(const SpokenPassage passage, speak_passage(speaker, voice.name, voice.language, random));
+    MIEN_TRY_ASSIGN(speech::SpeechNetwork own, speech::SpeechNetwork::create(network));
+    speech::LearnedListener listener(std::move(own));
+    const face::MotionCurve truth(passage.face);
+    for (std::size_t c = 0; c < kSoundConditions.size(); ++c)
+      heard[i][c] = listen(listener, blocks_of(disturbed(passage.sound, c, random)), truth);
+    return {};
+  }));
+  return heard;
+}
+
+}  // namespace
+
+Result<model::ConfidenceTable> measure_speech_confidence(const speech::SpeechNetworkFile& network,
+                                                         const HeardPeople& people, const Speaker& speaker,
+                                                         const Progress& progress) {
+  MIEN_TRY_ASSIGN(const std::vector<HeardPassage> heard, listen_to(network, people, speaker, progress));
+  ConfidenceFit fit;
+  for (const HeardPassage& passage : heard)
+    for (const std::vector<HeardFrame>& frames : passage) {
+      for (const HeardFrame& frame : frames)
+        for (std::size_t k = 0; k < face::kShapeCount; ++k)
+          if (speech::is_heard(k)) fit.add(k, frame.voice, frame.answer[k], frame.truth[k]);
+      fit.end_person();
+    }
+  model::ConfidenceTable table = fit.table();
+  table.people = voices_for(people.voices).size();
+  table.seed = people.seed;
+  const tracker::ShapeConfidence confidence(table);
+  std::array<LogisticFit, face::kShapeRegionCount> fits;
+  for (const HeardPassage& passage : heard)
+    for (const std::vector<HeardFrame>& frames : passage)
+      for (const HeardFrame& frame : frames) {
+        const auto scores = confidence.region_scores(coverage_of(frame), frame.answer);
+        const auto within = regions_within(frame.answer, frame.truth);
+        for (const std::size_t r : {kMouth, kJaw}) fits[r].add(scores[r], within[r]);
+      }
+  model::RegionMaps& maps = table.regions.emplace();
+  for (const std::size_t r : {kMouth, kJaw}) maps[r] = fits[r].solve();
+  return table;
+}
+
+Result<std::vector<SpeechConfidenceRow>> study_speech_confidence(const speech::SpeechNetworkFile& network,
+                                                                 const HeardPeople& people,
+                                                                 const Speaker& speaker,
+                                                                 const Progress& progress) {
+  std::vector<SpeechConfidenceRow> rows;
+  if (!network.confidence) return rows;
+  MIEN_TRY_ASSIGN(const std::vector<HeardPassage> heard, listen_to(network, people, speaker, progress));
+  const tracker::ShapeConfidence confidence(network.confidence);
+  for (std::size_t c = 0; c < kSoundConditions.size(); ++c) {
+    SpeechConfidenceRow& row = rows.emplace_back();
+    row.sound = kSoundConditions[c];
+    for (const HeardPassage& passage : heard)
+      for (const HeardFrame& frame : passage[c]) {
+        face::OutputFrame out;
+        out.weights = frame.answer;
+        confidence.write(coverage_of(frame), out);
+        const auto within = regions_within(frame.answer, frame.truth);
+        row.mouth.add(out.region_confidence[kMouth], within[kMouth]);
+        row.jaw.add(out.region_confidence[kJaw], within[kJaw]);
+        ++row.frames;
+      }
+  }
+  return rows;
+}
+
+}  // namespace mien::study
