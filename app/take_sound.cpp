@@ -41,11 +41,10 @@ Result<Sound> sound_of(const take::Take& take) {
   MIEN_TRY_ASSIGN(take::PayloadReader payloads, take.payloads());
   Gathered gathered;
   for (const take::LogEntry& entry : entries) {
-    if (!speech::is_block(entry.bytes)) continue;
-    const auto header = speech::parse_header(entry.bytes);
-    if (!header) continue;
+    if (!speech::is_block(entry.bytes) && !speech::is_packet(entry.bytes)) continue;
     MIEN_TRY_ASSIGN(const sensor::Payload payload, payloads.of(entry.id));
-    if (const auto block = speech::samples_of(payload.bytes)) gathered.add(*header, *block);
+    if (const auto logged = speech::logged_block(entry.bytes, payload.bytes))
+      gathered.add(logged->header, logged->block);
   }
   if (gathered.any()) return gathered.take();
   MIEN_TRY_ASSIGN(std::optional<take::Audio> audio, take.audio());

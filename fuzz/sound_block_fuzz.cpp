@@ -4,6 +4,7 @@
 #include <span>
 
 #include "fuzz/with_checksum.h"
+#include "mien/speech/microphone_protocol.h"
 #include "mien/speech/sound_block.h"
 #include "mien/speech/sound_protocol.h"
 
@@ -22,6 +23,15 @@ void check(std::span<const std::byte> bytes) {
     if (!block || !std::ranges::equal(mien::speech::payload_of(*block), bytes.subspan(header_bytes)))
       std::abort();
   }
+  if (const auto packet = mien::speech::parse_packet(bytes)) {
+    const auto block = mien::speech::samples_of(packet->samples);
+    const auto again = mien::speech::encode_packet(packet->header, block.value());
+    if (!again || !std::ranges::equal(*again, bytes)) std::abort();
+  }
+  mien::speech::MicrophoneProtocol microphones;
+  mien::sensor::Inbox heard;
+  if ((microphones.receive({}, 0, bytes, heard) == mien::sensor::Verdict::taken) == heard.readings.empty())
+    std::abort();
   const auto header = mien::speech::parse_header(bytes);
   if (!header) return;
   // What was accepted goes back to the same bytes.

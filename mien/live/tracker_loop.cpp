@@ -109,7 +109,8 @@ void TrackerLoop::take(const Arrived& arrived) {
   }
   const session::Session::Received received =
       session_.receive(arrived.arrival, {arrived.peer, arrived.source}, arrived.bytes, arrived.payload);
-  if (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored) {
+  if (!received.log.empty() &&
+      (received.verdict == sensor::Verdict::taken || received.verdict == sensor::Verdict::ignored)) {
     if (!received.samples.empty()) intake_.judge_bound();
     recorder_.entry(arrived.arrival, arrived.source, received.log, received.samples, received.payload);
   }

@@ -30,6 +30,7 @@
 #include "mien/sensor/sealed_protocol.h"
 #include "mien/shaping/combined_tracker.h"
 #include "mien/speech/listeners.h"
+#include "mien/speech/microphone_protocol.h"
 #include "mien/speech/sound_protocol.h"
 #include "mien/speech/speech_tracker.h"
 #include "mien/tracker/causal_tracker.h"
@@ -127,8 +128,9 @@ Result<void> add_weights_languages(std::uint64_t, std::vector<Language>& languag
 }
 
 Result<void> add_speech_languages(std::uint64_t, std::vector<Language>& languages) {
-  // Its samples are payloads, which no datagram of a network has.
+  // Of what is heard on this machine the samples are payloads, which no datagram of a network has.
   languages.push_back({std::make_unique<speech::SoundProtocol>(), Language::Sealing::inside});
+  languages.push_back({std::make_unique<speech::MicrophoneProtocol>(), Language::Sealing::possible});
   return {};
 }
 
@@ -164,7 +166,7 @@ constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
 constexpr std::array kEyewearPorts = {imu::kNodePort};
 constexpr std::array kGazePorts = {imu::kNodePort};
 constexpr std::array kWeightsPorts = {imu::kNodePort};
-constexpr std::array<std::uint16_t, 0> kSpeechPorts = {};
+constexpr std::array kSpeechPorts = {imu::kNodePort};
 
 /// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze, weights,
 /// sound and eyewear begin as IMU nodes' do.

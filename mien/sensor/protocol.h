@@ -33,8 +33,8 @@ struct Reading {
   DeviceKey from;
   Sample sample;           ///< `sensor` is not set.
   bool saturated = false;  ///< Some axis stood at the end of its range.
-  /// What of the datagram's payload belongs to this sample; stands as long as the payload does, the call of
-  /// Protocol::receive_with_payload() and what is done with its inbox until the next. Empty: nothing.
+  /// What of the datagram, or of its payload, goes with this sample; stands as long as these do, the call of
+  /// Protocol::receive() and what is done with its inbox until the next. Empty: nothing.
   std::span<const std::byte> payload{};
 };
 

@@ -35,6 +35,12 @@ constexpr Duration kLostEstimated = std::chrono::seconds(1);
 /// Samples that one datagram can hold.
 constexpr std::size_t kMostSamples = 256;
 
+bool brings_sound(const sensor::Inbox& inbox) {
+  return std::ranges::any_of(inbox.readings, [](const sensor::Reading& reading) {
+    return reading.sample.kind == sensor::SampleKind::sound;
+  });
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Receiver>> Receiver::create(sensor::Rig rig,
@@ -356,6 +362,12 @@ Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t
   if (out.verdict == Verdict::malformed) return reject_malformed(peer);
   if (out.verdict == Verdict::refused) {
     ++refused_;
+    return out;
+  }
+  if (!listens_ && brings_sound(inbox_)) {
+    out.verdict = Verdict::ignored;
+    out.log = {};
+    out.payload = {};
     return out;
   }
   for (const sensor::Announcement& announced : inbox_.announcements) {

@@ -73,7 +73,7 @@ class Receiver {
   struct Received {
     sensor::Verdict verdict = sensor::Verdict::ignored;
     std::span<const sensor::Sample> samples;  ///< Bound and accepted, until the next call.
-    /// What a log should keep: the datagram, or what was sealed in it. Until the next call.
+    /// What a log should keep: the datagram, or what was sealed in it; empty: nothing. Until the next call.
     std::span<const std::byte> log;
     /// What it should keep of the payload: the raw bytes, or the reduction and its reducer's hash. Valid
     /// until the next call, and as long as the payload that was given.
@@ -110,6 +110,9 @@ class Receiver {
   /// sensors of its board: until nothing of it is received, or another is chosen. False, and nothing changes,
   /// where none of them has it.
   bool hear(std::uint16_t sensor, std::string_view source, SampleConsumer& consumer);
+  /// Whether sound is taken, as it is at first. Else what brings some is ignored, and no log should keep it:
+  /// a voice that nobody asked for is nobody's to record.
+  void listen_to_sound(bool on) { listens_ = on; }
   /// The sensor's next samples stand on another clock.
   void forget(std::uint16_t sensor) { ticks_.forget(sensor); }
 
@@ -214,6 +217,7 @@ class Receiver {
   std::vector<std::byte> reduction_;                                // Empty without reducers.
   sensor::Inbox inbox_;
   std::vector<sensor::Sample> samples_;
+  bool listens_ = true;
   std::uint64_t malformed_ = 0;
   std::uint64_t refused_ = 0;
 };

@@ -43,7 +43,9 @@ Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
       shaper_(parts.shaping),
       reshape_(std::move(parts.reshape)),
       bound_at_(receiver_->rig().sensors.size()),
-      hears_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {}
+      hears_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {
+  receiver_->listen_to_sound(parts.shaping.merge.audio);
+}
 
 void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_received) {
   // A guided calibration that has begun with the board before is none.
@@ -294,6 +296,7 @@ Result<void> Session::execute(const Shape& command) {
   MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings,
                   shaping::parse_settings(command.json, kSession, shaper_.settings()));
   shaper_.set(settings);
+  receiver_->listen_to_sound(settings.merge.audio);
   if (reshape_) reshape_(settings);
   return {};
 }

@@ -12,25 +12,17 @@
 namespace mien::speech {
 namespace {
 
-constexpr std::uint8_t kTypeSound = 13;
+constexpr std::uint8_t kTypeHeader = 13;
+constexpr std::uint8_t kTypePacket = 14;
 const char* const kSoundBlock = "sound block";
 
-}  // namespace
-
-DeviceTime BlockHeader::time() const {
-  return DeviceTime(kBlockDuration * static_cast<std::int64_t>(block));
-}
-
-bool is_block(std::span<const std::byte> bytes) {
-  return sensor::is_our_packet(bytes, kTypeSound);
-}
-
-Result<BlockHeader> parse_header(std::span<const std::byte> bytes) {
-  MIEN_TRY(sensor::check_length(bytes.size(), kHeaderBytes, kSoundBlock));
+/// What both begin with, to where the samples may stand. Errors: as parse_header() has them.
+Result<BlockHeader> parse_begin(std::span<const std::byte> bytes, std::uint8_t type, std::size_t length) {
+  MIEN_TRY(sensor::check_length(bytes.size(), length, kSoundBlock));
   ByteReader reader(bytes);
-  MIEN_TRY_ASSIGN(const std::uint8_t type, sensor::read_packet_begin(reader, kSoundBlock));
-  if (type != kTypeSound)
-    return fail(ErrorCode::unsupported, fmt::format("packet type {} is no sound", type), kSoundBlock);
+  MIEN_TRY_ASSIGN(const std::uint8_t its, sensor::read_packet_begin(reader, kSoundBlock));
+  if (its != type)
+    return fail(ErrorCode::unsupported, fmt::format("packet type {} is no such sound", its), kSoundBlock);
   MIEN_TRY(sensor::check_checksum(bytes, kSoundBlock));
   BlockHeader header;
   bool reserved = reader.little<std::uint16_t>() != 0;
@@ -43,17 +35,70 @@ Result<BlockHeader> parse_header(std::span<const std::byte> bytes) {
   return header;
 }
 
-Result<std::vector<std::byte>> encode_header(const BlockHeader& header) {
+Result<std::vector<std::byte>> encode(std::uint8_t type, const BlockHeader& header,
+                                      std::span<const std::byte> samples) {
   if (header.block >= kMostBlocks)
     return fail(ErrorCode::out_of_range, "a block of more than three years", kSoundBlock);
   ByteWriter writer;
-  sensor::write_packet_begin(kTypeSound, writer);
+  sensor::write_packet_begin(type, writer);
   writer.little(std::uint16_t{0});
   writer.little(header.device);
   writer.little(header.block);
   writer.little(std::uint32_t{0});
+  writer.append(samples);
   sensor::write_checksum(0, writer);
   return writer.release();
+}
+
+}  // namespace
+
+DeviceTime BlockHeader::time() const {
+  return DeviceTime(kBlockDuration * static_cast<std::int64_t>(block));
+}
+
+bool is_block(std::span<const std::byte> bytes) {
+  return sensor::is_our_packet(bytes, kTypeHeader);
+}
+
+bool is_packet(std::span<const std::byte> bytes) {
+  return sensor::is_our_packet(bytes, kTypePacket);
+}
+
+Result<BlockHeader> parse_header(std::span<const std::byte> bytes) {
+  return parse_begin(bytes, kTypeHeader, kHeaderBytes);
+}
+
+Result<std::vector<std::byte>> encode_header(const BlockHeader& header) {
+  return encode(kTypeHeader, header, {});
+}
+
+Result<Packet> parse_packet(std::span<const std::byte> bytes) {
+  MIEN_TRY_ASSIGN(const BlockHeader header, parse_begin(bytes, kTypePacket, kPacketBytes));
+  if (header.device == kThisMachine)
+    return fail(ErrorCode::out_of_range, "nobody on a network is this machine's own microphone", kSoundBlock);
+  return Packet{header, bytes.subspan(kHeaderBytes - sensor::kChecksumBytes, kBlockBytes)};
+}
+
+Result<std::vector<std::byte>> encode_packet(const BlockHeader& header, const Block& block) {
+  return encode(kTypePacket, header, payload_of(block));
+}
+
+std::optional<LoggedBlock> logged_block(std::span<const std::byte> bytes,
+                                        std::span<const std::byte> payload) {
+  BlockHeader header;
+  if (is_packet(bytes)) {
+    const auto packet = parse_packet(bytes);
+    if (!packet) return std::nullopt;
+    header = packet->header;
+    payload = packet->samples;
+  } else {
+    const auto parsed = parse_header(bytes);
+    if (!parsed) return std::nullopt;
+    header = *parsed;
+  }
+  const auto block = samples_of(payload);
+  if (!block) return std::nullopt;
+  return LoggedBlock{header, *block};
 }
 
 std::optional<Block> samples_of(std::span<const std::byte> payload) {

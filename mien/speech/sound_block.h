@@ -44,14 +44,45 @@ struct BlockHeader {
 inline constexpr std::uint64_t kMostBlocks = 5'000'000'000;
 inline constexpr std::size_t kHeaderBytes = 32;
 
+/// Length of a packet of type 14: a header of the same fields, and the block's samples within it.
+inline constexpr std::size_t kPacketBytes = kHeaderBytes + kBlockBytes;
+
+/// Ids of devices (docs/reference/protocol.md): "02:4D:49:53:4E:00" is what is heard on this machine, which
+/// nobody on a network can be; "02:4D:49:53:4E:01" a microphone that has no id of its own.
+inline constexpr std::uint64_t kThisMachine = 0x024D'4953'4E00ULL;
+inline constexpr std::uint64_t kAnyMicrophone = 0x024D'4953'4E01ULL;
+
 /// Whether the bytes begin like a block's header; checks no more.
 [[nodiscard]] bool is_block(std::span<const std::byte> bytes);
+/// Whether they begin like a packet with a block in it; checks no more.
+[[nodiscard]] bool is_packet(std::span<const std::byte> bytes);
 
 /// Errors: truncated; malformed (magic, length, checksum, reserved bytes); unsupported (version, type);
 /// out_of_range (count). No allocation but in errors. Thread-safe.
 [[nodiscard]] Result<BlockHeader> parse_header(std::span<const std::byte> bytes);
 /// Inverse of parse_header, to the byte. Errors: out_of_range.
 [[nodiscard]] Result<std::vector<std::byte>> encode_header(const BlockHeader& header);
+
+/// A block with its header, as a microphone on the network sends it.
+struct Packet {
+  BlockHeader header;
+  /// The samples, kBlockBytes long: part of the bytes that were parsed.
+  std::span<const std::byte> samples;
+};
+/// Errors: parse_header's, and out_of_range for a packet of this machine's own device. No allocation but in
+/// errors. Thread-safe.
+[[nodiscard]] Result<Packet> parse_packet(std::span<const std::byte> bytes);
+/// Inverse of parse_packet, to the byte. Errors: out_of_range.
+[[nodiscard]] Result<std::vector<std::byte>> encode_packet(const BlockHeader& header, const Block& block);
+
+/// A block as a log has it: an entry's bytes are its header, with the samples as the entry's payload, or its
+/// packet. None where they are neither.
+struct LoggedBlock {
+  BlockHeader header;
+  Block block{};
+};
+[[nodiscard]] std::optional<LoggedBlock> logged_block(std::span<const std::byte> bytes,
+                                                      std::span<const std::byte> payload);
 
 /// The samples of a payload; none where it has another length.
 [[nodiscard]] std::optional<Block> samples_of(std::span<const std::byte> payload);

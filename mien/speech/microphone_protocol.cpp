@@ -1,0 +1,25 @@
+#include "mien/speech/microphone_protocol.h"
+
+#include "mien/speech/sound_block.h"
+
+namespace mien::speech {
+
+using sensor::Verdict;
+
+bool MicrophoneProtocol::recognises(std::span<const std::byte> datagram) const {
+  return is_packet(datagram);
+}
+
+Verdict MicrophoneProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte> datagram,
+                                    sensor::Inbox& inbox) {
+  const auto packet = parse_packet(datagram);
+  if (!packet) return packet.error().code == ErrorCode::unsupported ? Verdict::ignored : Verdict::malformed;
+  const auto block = samples_of(packet->samples);
+  if (!block) return Verdict::malformed;
+  inbox.readings.push_back({.from = {packet->header.device, 0},
+                            .sample = sample_of(packet->header, *block),
+                            .payload = packet->samples});
+  return Verdict::taken;
+}
+
+}  // namespace mien::speech
