@@ -168,8 +168,9 @@ Option add_session_options(Command command, LiveRequest& request) {
       "for none (default: that file's rule that always holds, mouthClose at most jawOpen)");
   command
       .add_option("--audio", request.audio,
-                  "What is heard: a microphone (default, or a part of its name), or a WAV file in real time. "
-                  "Mouth and jaw follow it where no sensor tells them, and a recording keeps it. Nothing is "
+                  "What is heard: a microphone (default, or a part of its name), a WAV file in real time, or "
+                  "network (a microphone that sends its blocks, as mien perform's). Mouth and jaw follow it "
+                  "where no sensor tells them, and a recording keeps it. Nothing is "
                   "heard unless asked")
       .check([](const std::string& file) { return file.empty() ? "the sound has no name" : ""; });
   command

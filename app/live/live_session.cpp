@@ -169,18 +169,25 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(request.rig, path_or(request.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
-  // A rig's own microphone is opened from the page, and only there, where the command line names none.
+  // A rig's own microphone is opened, or heard, from the page, and only there, where the command line names
+  // none.
   const bool own = request.audio.empty() && !sensor::sensors_of(rig, "speech").empty();
   if (!request.no_audio && (own || !request.audio.empty())) {
-    auto hearing = with_microphone(rig, request.hears_by);
+    const bool from_network = own ? hears_network(rig) : request.audio == kFromNetwork;
+    auto hearing = with_microphone(rig, request.hears_by, from_network);
     // One that is bound to no device yet is nobody's to open.
     if (!hearing && !own) return std::unexpected(std::move(hearing).error());
     if (hearing) {
-      MIEN_TRY_ASSIGN(settings.feeds.emplace_back(),
-                      sound_feed(own ? "default" : request.audio, hearing->device));
-      rig = std::move(hearing->rig);
+      if (!from_network) {
+        MIEN_TRY_ASSIGN(settings.feeds.emplace_back(), sound_feed(own ? "default" : request.audio));
+      }
+      rig = *std::move(hearing);
       rig_toml = sensor::write_rig(rig);
     }
+  }
+  if (request.no_audio && !sensor::sensors_of(rig, "speech").empty()) {
+    MIEN_TRY_ASSIGN(rig, without_network_sound(std::move(rig)));
+    rig_toml = sensor::write_rig(rig);
   }
   settings.hear = !own && !request.no_audio;
   if (!settings.hear) settings.commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});

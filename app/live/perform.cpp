@@ -12,6 +12,7 @@
 #include "app/seed_option.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -86,6 +87,19 @@ Result<void> write_sound(const PerformOptions& options) {
   return write_file(options.sound, format_wav(*options.request.sound));
 }
 
+/// Says that a microphone is worn for nothing.
+Result<void> tell_of_silence(const virt::PerformRequest& request) {
+  if (request.sound) return {};
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(request.rig));
+  if (!sensor::sensors_of(rig, "speech").empty())
+    fmt::print(
+        stderr,
+        "mien: {}: nothing is heard of this performance, so its microphone hears a room in which nobody "
+        "speaks (take --script reading, or --voice espeak, or a --motion with sound)\n",
+        request.rig.string());
+  return {};
+}
+
 Result<void> run_perform(PerformOptions options) {
   virt::PerformRequest& request = options.request;
   const bool to_network = !options.network.to.empty();
@@ -133,6 +147,7 @@ Result<void> run_perform(PerformOptions options) {
     const auto whole = std::filesystem::weakly_canonical(request.face, code);
     if (!code) request.face = whole.string();  // A take must find it again from elsewhere.
   }
+  MIEN_TRY(tell_of_silence(request));
   return to_network ? run_network(options) : run_take(options);
 }
 

@@ -20,8 +20,6 @@
 namespace mien::app {
 namespace {
 
-/// "02:4D:49:53:4E:00": what is heard on this machine.
-constexpr std::uint64_t kMicrophone = 0x024D'4953'4E00ULL;
 constexpr std::string_view kKind = "speech";
 constexpr double kLongest_s = 2 * 3600;
 
@@ -35,12 +33,12 @@ Result<std::vector<speech::Block>> blocks_of(const Sound& sound) {
 }
 
 /// Each block is handed over when its last sample would have been heard.
-void play(const std::vector<speech::Block>& blocks, std::uint64_t device, live::FeedPort& port) {
+void play(const std::vector<speech::Block>& blocks, live::FeedPort& port) {
   const auto begun = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < blocks.size() && !port.stopped(); ++i) {
     std::this_thread::sleep_until(begun + speech::kBlockDuration * static_cast<std::int64_t>(i + 1));
     if (!port.wanted()) continue;
-    if (const auto header = speech::encode_header({.device = device, .block = i}))
+    if (const auto header = speech::encode_header({.device = speech::kThisMachine, .block = i}))
       port.hand_over(*header, speech::payload_of(blocks[i]));
   }
 }
@@ -56,15 +54,15 @@ std::string source_name(const std::string& file) {
 
 }  // namespace
 
-Result<live::Feed> sound_feed(const std::string& what, std::uint64_t device) {
+Result<live::Feed> sound_feed(const std::string& what) {
   std::error_code ignored;
   if (what != "default" &&
       (what.ends_with(".wav") || what.ends_with(".WAV") || std::filesystem::is_regular_file(what, ignored)))
-    return file_feed(what, device);
-  return microphone_feed(what, device);
+    return file_feed(what);
+  return microphone_feed(what, speech::kThisMachine);
 }
 
-Result<live::Feed> file_feed(const std::string& file, std::uint64_t device) {
+Result<live::Feed> file_feed(const std::string& file) {
   MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(file));
   MIEN_TRY_ASSIGN(const Sound sound, parse_wav(bytes, file));
   if (sound.samples.empty()) return fail(ErrorCode::truncated, "there is no sound in it", file);
@@ -77,37 +75,58 @@ Result<live::Feed> file_feed(const std::string& file, std::uint64_t device) {
     return std::unexpected(std::move(made).error());
   }
   const auto blocks = std::make_shared<const std::vector<speech::Block>>(*std::move(made));
-  return live::Feed{source_name(file),
-                    [blocks, device](live::FeedPort& port) { play(*blocks, device, port); }};
+  return live::Feed{source_name(file), [blocks](live::FeedPort& port) { play(*blocks, port); }};
 }
 
-Result<HearingRig> with_microphone(sensor::Rig rig, const std::string& hears_by) {
-  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+bool hears_network(const sensor::Rig& rig) {
   const auto hears = std::ranges::find(rig.sensors, kKind, &sensor::Mount::kind);
+  if (hears == rig.sensors.end() || hears->device.empty()) return false;
+  const auto key = sensor::parse_device(hears->device);
+  return key && key->device != speech::kThisMachine;
+}
+
+Result<sensor::Rig> without_network_sound(sensor::Rig rig) {
+  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+  for (const auto& [key, number] : bound) rig.sensors[number].device = sensor::format_device(key);
+  // One that is bound to nobody, in a rig that binds nothing else, would be a virtual node.
+  std::string device = sensor::format_device({speech::kThisMachine, 0});
+  for (sensor::Mount& mount : rig.sensors)
+    if (mount.kind == kKind) mount.device = std::exchange(device, {});
+  return rig;
+}
+
+Result<sensor::Rig> with_microphone(sensor::Rig rig, const std::string& hears_by, bool from_network) {
+  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+  // A rig that binds nothing means virtual nodes, and with a microphone bound it would no longer.
+  for (const auto& [key, number] : bound) rig.sensors[number].device = sensor::format_device(key);
+  auto hears = std::ranges::find(rig.sensors, kKind, &sensor::Mount::kind);
   if (hears != rig.sensors.end()) {
     const auto number = static_cast<std::uint16_t>(hears - rig.sensors.begin());
     const auto its = std::ranges::find(bound, number, &std::pair<sensor::DeviceKey, std::uint16_t>::second);
-    if (its == bound.end() || its->first.channel != 0)
+    const bool bad = its == bound.end() || its->first.channel != 0;
+    if (bad || (from_network && its->first.device == speech::kThisMachine))
       return fail(
           ErrorCode::bad_usage,
-          fmt::format("the microphone '{}' has no device, or not the first channel of one", hears->name),
-          "rig " + rig.name, "write device = \"02:4D:49:53:4E:00\" at it");
-    if (!hears_by.empty()) rig.sensors[number].hears_by = hears_by;
-    return HearingRig{std::move(rig), its->first.device};
+          bad ? fmt::format("the microphone '{}' has no device, or not the first channel of one", hears->name)
+              : fmt::format("the microphone '{}' is this machine's own, not one on the network", hears->name),
+          "rig " + rig.name,
+          fmt::format(
+              "write device = \"{}\" at it",
+              sensor::format_device({from_network ? speech::kAnyMicrophone : speech::kThisMachine, 0})));
+    if (!hears_by.empty()) hears->hears_by = hears_by;
+  } else {
+    sensor::Mount microphone;
+    microphone.name = "microphone";
+    while (rig.find(microphone.name)) microphone.name += "_";
+    microphone.kind = kKind;
+    microphone.role = "face";
+    microphone.hears_by = hears_by.empty() ? "network" : hears_by;
+    microphone.device = sensor::format_device({speech::kAnyMicrophone, 0});
+    hears = rig.sensors.insert(rig.sensors.end(), std::move(microphone));
   }
-  // A rig that binds nothing means virtual nodes, and with a microphone bound it would no longer.
-  for (const auto& [key, number] : bound) rig.sensors[number].device = sensor::format_device(key);
-  sensor::Mount microphone;
-  microphone.name = "microphone";
-  while (rig.find(microphone.name)) microphone.name += "_";
-  microphone.kind = kKind;
-  microphone.role = "face";
-  microphone.hears_by = hears_by.empty() ? "network" : hears_by;
-  microphone.device = sensor::format_device({kMicrophone, 0});
-  rig.sensors.push_back(std::move(microphone));
+  if (!from_network) hears->device = sensor::format_device({speech::kThisMachine, 0});
   // As a take's reader sees it.
-  MIEN_TRY_ASSIGN(sensor::Rig whole, sensor::parse_rig(sensor::write_rig(rig), "rig " + rig.name));
-  return HearingRig{std::move(whole), kMicrophone};
+  return sensor::parse_rig(sensor::write_rig(rig), "rig " + rig.name);
 }
 
 }  // namespace mien::app
