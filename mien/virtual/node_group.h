@@ -20,9 +20,9 @@ namespace mien::virt {
 
 class SealedNode;
 
-/// All nodes of a performer, one an IMU of the rig or one a board of its eyewear, and their simulation, which
-/// runs a little ahead of the performance. The devices are those of play(): the same stage gives the same
-/// samples.
+/// All nodes of a performer, one an IMU of the rig or a board of its eyewear, and one a microphone, and their
+/// simulation, which runs a little ahead of the performance. The devices are those of play(): the same stage
+/// gives the same samples.
 class NodeGroup {
  public:
   /// `again`: the motion is played again and again. Errors: bad_usage (the profile *lab*; a language that the

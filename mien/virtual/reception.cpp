@@ -6,6 +6,7 @@
 
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/bindings.h"
+#include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
 
@@ -40,6 +41,35 @@ void Reception::log_all(std::vector<Datagram> arrived, VirtualSession& session,
     log(std::move(datagram), session);
     fire(arrival);
   }
+}
+
+Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& motion,
+                                   const sensor::Rig& rig) {
+  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
+  const face::MotionCurve curve(motion.motion);
+  const double motion_start_s = motion.times.motion_start_s;
+  sort_by_time(sent.datagrams);
+  VirtualSession session;
+  session.events = prologue_events(motion.times, sent.reference);
+  session.motion_start = sent.reference.device(motion_start_s);
+  if (!sent.frames) {
+    reception.log_all(std::move(sent.datagrams), session,
+                      [&](const take::Tick& tick, const sensor::TimeLines&) {
+                        session.truth.push_back(
+                            truth_at(curve, sent.reference.true_s(tick.frame), motion_start_s, tick.frame));
+                      });
+    return session;
+  }
+  auto next = sent.datagrams.begin();
+  for (std::int64_t f = 0; f < *sent.frames; ++f) {
+    const Duration at = frame_offset(f);
+    for (; next != sent.datagrams.end() && next->time <= HostTime(at); ++next)
+      reception.log(std::move(*next), session);
+    session.ticks.push_back(
+        {f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});
+    session.truth.push_back(truth_at(curve, to_seconds(at), motion_start_s, DeviceTime(at)));
+  }
+  return session;
 }
 
 Result<std::vector<sensor::DeviceKey>> virtual_devices(const sensor::Rig& rig) {

@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/performer/prologue.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/receiver.h"
 #include "mien/virtual/network.h"
 #include "mien/virtual/session.h"
+#include "mien/virtual/worn_devices.h"
 
 namespace mien::virt {
 
@@ -35,6 +37,10 @@ class Reception final : private session::SampleConsumer {
 
   std::unique_ptr<session::Receiver> receiver_;
 };
+
+/// The whole performance as a session of this rig receives it. Errors: Reception::create's.
+[[nodiscard]] Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& motion,
+                                                 const sensor::Rig& rig);
 
 /// The device that a virtual board of each sensor of the rig is: the one to which the rig binds it, or the
 /// virtual node of its place where the rig binds none. Errors: bad_usage (the rig binds some sensors and not

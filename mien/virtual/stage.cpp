@@ -5,17 +5,23 @@
 #include <algorithm>
 #include <array>
 #include <ranges>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/files.h"
+#include "mien/core/toml.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/style.h"
+#include "mien/sensor/bindings.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/virtual/eyewear/worn_eyewear.h"
 #include "mien/virtual/imu/worn_imus.h"
+#include "mien/virtual/reception.h"
+#include "mien/virtual/speech/worn_microphones.h"
+#include "mien/virtual/worn_together.h"
 
 namespace mien::virt {
 namespace {
@@ -35,41 +41,100 @@ struct Modality {
   Result<std::shared_ptr<const WornDevices>> (*wear)(const StageRequest&, face::Face, const Random& root,
                                                      const Stage&);
 };
+constexpr std::string_view kHearing = "speech";
 constexpr std::array kModalities = {
     Modality{"imu", wear_imus},
     Modality{"eyewear", wear_eyewear},
+    Modality{kHearing, wear_microphones},
 };
+/// Devices whose faults stand in a table of their own, so that they can be worn beside others.
+constexpr std::array<std::string_view, 1> kFaultTables = {"microphone"};
+
+/// A rig with nothing but the sensors of one kind, each bound as in the whole.
+Result<sensor::Rig> only_of(const sensor::Rig& rig, std::string_view kind) {
+  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+  sensor::Rig only = rig;
+  for (const auto& [key, sensor] : bound) only.sensors[sensor].device = sensor::format_device(key);
+  std::erase_if(only.sensors, [&](const sensor::Mount& mount) { return mount.kind != kind; });
+  return only;
+}
+
+Result<std::shared_ptr<const WornDevices>> wear(const StageRequest& request, std::string_view kind,
+                                                face::Face face, const Random& root, const Stage& stage) {
+  const auto modality = std::ranges::find(kModalities, kind, &Modality::kind);
+  if (modality == kModalities.end())
+    return fail(ErrorCode::unsupported, fmt::format("there are no virtual sensors of the kind {}", kind),
+                request.rig.string(),
+                fmt::format("use a rig of the kind {}",
+                            fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
+  return modality->wear(request, std::move(face), root, stage);
+}
+
+/// All that the stage's rig has.
+Result<std::shared_ptr<const WornDevices>> wear_all(const StageRequest& request, face::Face face,
+                                                    const Random& root, const Stage& stage) {
+  std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
+  if (kinds.size() == 1) return wear(request, kinds.front(), std::move(face), root, stage);
+  const bool hears = std::erase(kinds, kHearing) > 0;
+  if (!hears || kinds.size() != 1)
+    return fail(ErrorCode::unsupported, "no virtual performer wears sensors of these kinds at once",
+                request.rig.string(),
+                "a microphone may be beside one kind; perform each other one with a rig of its own, to one "
+                "session that has all");
+  const std::vector<std::uint16_t> sensors = sensor::sensors_of(stage.rig, kinds.front());
+  if (const auto reference = stage.rig.find(stage.rig.reference);
+      !reference || stage.rig.sensors[*reference].kind == kHearing)
+    return fail(ErrorCode::bad_usage, "the frames' clock is a microphone's", request.rig.string(),
+                fmt::format("name a sensor of the kind {} as the reference", kinds.front()));
+  Stage part;
+  part.lab = stage.lab;
+  MIEN_TRY_ASSIGN(part.rig, only_of(stage.rig, kHearing));
+  MIEN_TRY_ASSIGN(auto hearing, wear(request, kHearing, face, root, part));
+  MIEN_TRY_ASSIGN(part.rig, only_of(stage.rig, kinds.front()));
+  MIEN_TRY_ASSIGN(auto feeling, wear(request, kinds.front(), std::move(face), root, part));
+  return std::make_shared<const WornTogether>(WornTogether::Part{std::move(feeling), sensors},
+                                              std::move(hearing));
+}
+
+/// What belongs to one table of devices, or to none.
+Result<FaultsText> part_of(FaultsText all, std::string_view table) {
+  MIEN_TRY_ASSIGN(toml::table faults, parse_toml(all.toml, all.where + ", [faults]"));
+  std::ostringstream out;
+  if (!table.empty()) {
+    toml::node* const own = faults.get(table);
+    if (own == nullptr) return FaultsText{{}, std::move(all.where)};
+    if (!own->is_table())
+      return fail(ErrorCode::malformed, fmt::format("faults.{} is no table", table), all.where);
+    own->as_table()->is_inline(false);  // Else it would be written in braces.
+    out << *own->as_table();
+  } else {
+    if (std::ranges::none_of(kFaultTables, [&](std::string_view name) { return faults.erase(name) > 0; }))
+      return all;
+    out << faults;
+  }
+  return FaultsText{out.str(), std::move(all.where)};
+}
 
 }  // namespace
 
-Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig) {
+Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig, std::string_view table) {
   std::error_code code;
-  if (request.devices == "device") return FaultsText{rig.faults_toml, request.rig.string()};
+  if (request.devices == "device") return part_of({rig.faults_toml, request.rig.string()}, table);
   if (!std::filesystem::exists(request.devices, code))
     return fail(ErrorCode::not_found, "there are no such devices", request.devices,
                 "name device, lab, or a TOML file of faults");
   MIEN_TRY_ASSIGN(std::string text, read_text(request.devices));
-  return FaultsText{std::move(text), request.devices};
+  return part_of({std::move(text), request.devices}, table);
 }
 
 Result<Stage> set_stage(const StageRequest& request) {
   Stage stage;
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
-  const std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
-  if (kinds.size() != 1)
-    return fail(ErrorCode::unsupported, "no virtual performer wears sensors of several kinds at once",
-                request.rig.string(), "perform each kind with a rig of its own, to one session that has all");
-  const auto modality = std::ranges::find(kModalities, kinds.front(), &Modality::kind);
-  if (modality == kModalities.end())
-    return fail(ErrorCode::unsupported, "there are no virtual sensors of the kind " + kinds.front(),
-                request.rig.string(),
-                fmt::format("use a rig of the kind {}",
-                            fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
   stage.lab = request.devices == "lab";
   MIEN_TRY_ASSIGN(face::Face face, builtin_face::load_face(request.face));
   const Random root(request.seed);
-  MIEN_TRY_ASSIGN(stage.worn, modality->wear(request, std::move(face), root, stage));
+  MIEN_TRY_ASSIGN(stage.worn, wear_all(request, std::move(face), root, stage));
 
   const double seconds = request.motion ? request.motion->duration_s() : request.script.duration_s();
   if (!(seconds <= kLongestPerformanceS))
@@ -88,7 +153,8 @@ Result<Stage> set_stage(const StageRequest& request) {
 }
 
 Result<VirtualSession> play(const Stage& stage, const Progress& progress) {
-  return stage.worn->play(stage, progress);
+  MIEN_TRY_ASSIGN(Sent sent, stage.worn->send(stage, progress));
+  return receive_all(std::move(sent), stage.motion, stage.rig);
 }
 
 }  // namespace mien::virt

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -27,7 +28,7 @@ struct StageRequest {
   performer::Script script;            ///< What a virtual performer plays, ...
   std::optional<face::Motion> motion;  ///< ... unless this is performed instead.
   std::string script_name;             ///< The block, or the motion's file; for people.
-  std::optional<Sound> sound;          ///< What is heard with it, from its start; goes into a take.
+  std::optional<Sound> sound;          ///< What is heard with it, from its start.
   std::string face = "builtin";        ///< As face::load_face takes it.
   std::filesystem::path rig;           ///< Rig file.
   std::string devices = "device";      ///< "device": the rig's own faults; "lab"; or a TOML file of faults.
@@ -43,7 +44,7 @@ struct Stage {
   std::string rig_toml;  ///< The rig file, whole.
   sensor::Rig rig;
   bool lab = false;                         ///< The profile *lab*: there are no faults then.
-  std::shared_ptr<const WornDevices> worn;  ///< Of the rig's modality; never null when set.
+  std::shared_ptr<const WornDevices> worn;  ///< All that the rig has; never null when set.
   performer::PrologueMotion motion;
   Random devices = Random(0);  ///< What the devices' faults are drawn from.
 };
@@ -53,17 +54,20 @@ struct FaultsText {
   std::string toml;
   std::string where;
 };
-/// The faults that the request's devices are of: the rig's own, or a file's. Not for *lab*. Errors:
-/// not_found.
-[[nodiscard]] Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig);
+/// The faults that the request's devices are of: the rig's own, or a file's. Not for *lab*. `table`: those of
+/// devices that have a table of their own in it ("microphone", for [faults.microphone]); empty: all that
+/// stands in none. Errors: not_found, malformed.
+[[nodiscard]] Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig,
+                                             std::string_view table = {});
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
-/// not_found (no such devices); bad_usage (eyewear in the profile *lab*, or on skin unlike
-/// the face's); unsupported (a rig of several kinds of sensors); out_of_range (too long).
+/// not_found (no such devices); bad_usage (eyewear in the profile *lab*, or on skin unlike the face's; a
+/// microphone that is the reference beside other sensors); unsupported (a rig of several kinds of sensors
+/// besides microphones); out_of_range (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
-/// The whole performance on its stage, as the rig's kind of sensors feels it; `progress` hears of devices'.
-/// Errors: those of WornDevices::play().
+/// The whole performance on its stage, as a session with the rig receives it; `progress` hears of devices'.
+/// Errors: those of WornDevices::send().
 [[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress = no_progress);
 
 }  // namespace mien::virt

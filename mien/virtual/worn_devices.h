@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -9,16 +10,27 @@
 #include "mien/performer/encore.h"
 #include "mien/performer/prologue.h"
 #include "mien/take/take.h"
+#include "mien/virtual/network.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/session.h"
+#include "mien/virtual/virtual_clock.h"
 
 namespace mien::virt {
 
 struct Stage;
 
+/// What a performer's devices send.
+struct Sent {
+  /// At their arrivals. Shape: those of one moment in the order in which they are received.
+  std::vector<Datagram> datagrams;
+  VirtualClock reference;  ///< Of the rig's reference, by which the performance is timed.
+  /// In the profile *lab*: how many frames there are, each once what is sent until its time has arrived.
+  std::optional<std::int64_t> frames;
+};
+
 /// The language of nodes on the network.
 enum class NodeLanguage {
-  mien,     ///< Our own packets, of IMUs and of eyewear.
+  mien,     ///< Our own packets, of IMUs, of eyewear and of microphones.
   slimevr,  ///< A SlimeVR tracker's.
 };
 
@@ -43,20 +55,22 @@ class NodeDevices {
   [[nodiscard]] virtual bool done() const = 0;
 };
 
-/// A performer's devices of one modality: faults read, places and skin drawn. Each modality's folder derives
-/// one, and stage.cpp has the table of them. Immutable once made, so safe to share between threads.
+/// A performer's devices: faults read, places and skin drawn. Each modality's folder derives
+/// one, and stage.cpp has the table of them; WornTogether is of two. Immutable once made, so safe to share
+/// between threads.
 class WornDevices {
  public:
   virtual ~WornDevices() = default;
   /// What a prologue must hold for a session to calibrate these.
   [[nodiscard]] virtual performer::PrologueNeeds prologue(const Stage& stage) const = 0;
-  /// The whole performance as they sense it. Errors: bad_usage (a motion without frames), cancelled, the
+  /// What they send of the whole performance. Errors: bad_usage (a motion without frames), cancelled, the
   /// packet encoders'.
-  [[nodiscard]] virtual Result<VirtualSession> play(const Stage& stage, const Progress& progress) const = 0;
-  /// The calibrations that the prologue gives, as a guided live session would have made them.
+  [[nodiscard]] virtual Result<Sent> send(const Stage& stage, const Progress& progress) const = 0;
+  /// The calibrations that the prologue gives, as a guided live session would have made them. `session` is of
+  /// a rig with nothing but these devices.
   [[nodiscard]] virtual std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const = 0;
-  /// The same devices on the network: the same stage gives the same samples as play(). The stage outlives
+  /// The same devices on the network: the same stage gives the same samples as send(). The stage outlives
   /// them. Errors: bad_usage (a language that their boards do not have; a rig whose boards cannot be).
   [[nodiscard]] virtual Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                         const PlayedMotion& motion,

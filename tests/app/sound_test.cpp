@@ -1,6 +1,11 @@
 // `mien live --audio` from outside: a sound in, a moving mouth out, and the same from the take.
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
@@ -15,6 +20,7 @@
 #include "mien/speech/sound_block.h"
 #include "mien/take/take.h"
 #include "tests/app/program.h"
+#include "tests/project_path.h"
 
 namespace mien::app::test::sound_test {
 namespace {
@@ -191,6 +197,91 @@ TEST_F(SoundProgram, APerformersSoundIsWritten) {
                                "--sound", folder / "q.wav"});
   EXPECT_EQ(unheard.status, 2);
   EXPECT_THAT(unheard.err, HasSubstr("nothing is heard of this performance"));
+}
+
+/// A port of this machine that nobody listens on.
+std::uint16_t free_port() {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  socklen_t size = sizeof address;
+  ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  ::close(socket);
+  return ntohs(address.sin_port);
+}
+
+std::size_t blocks_in(const take::Take& take) {
+  std::size_t blocks = 0;
+  for (const take::LogEntry& entry : take.entries().value())
+    blocks += speech::logged_block(entry.bytes, {}) ? 1 : 0;
+  return blocks;
+}
+
+TEST_F(SoundProgram, AVirtualMicrophoneIsHeardFromATake) {
+  if (!read_aloud(folder / "talk.wav")) GTEST_SKIP() << "built without mien-media, which reads aloud";
+  const std::string rig = project_path("rigs/imu_microphone.toml");
+  const Outcome performed =
+      run({"perform", "--script", "reading", "--seconds", "6", "--rig", rig, "--take", folder / "p.mien"});
+  ASSERT_EQ(performed.status, 0) << performed.err;
+  EXPECT_EQ(performed.err.find("nobody speaks"), std::string::npos) << performed.err;
+  EXPECT_GT(blocks_in(take::Take::open(folder / "p.mien").value()), 600U) << "a prologue, and six seconds";
+  std::string hash;
+  for (int i = 0; i < 3; ++i) {
+    const Outcome replayed = run({"live", "--replay", folder / "p.mien", "--json"});
+    ASSERT_EQ(replayed.status, 0) << replayed.err;
+    const auto said = nlohmann::json::parse(replayed.out)["hash"].get<std::string>();
+    EXPECT_TRUE(i == 0 || said == hash);
+    hash = said;
+  }
+  const Outcome solved = run({"solve", folder / "p.mien", "--out", folder / "solved.csv"});
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  EXPECT_GT(most(content(folder / "solved.csv"), "JawOpen"), 0.1);
+  const Outcome exported = run({"take", "sound", folder / "p.mien", "--out", folder / "heard.wav"});
+  ASSERT_EQ(exported.status, 0) << exported.err;
+  const Sound heard = parse_wav(read_file(folder / "heard.wav").value(), "heard.wav").value();
+  EXPECT_GT(*std::ranges::max_element(heard.samples), 0.1);
+  // A performance that nobody hears is told of.
+  const Outcome quiet = run({"perform", "--script", "free", "--seconds", "1", "--prologue", "none", "--rig",
+                             rig, "--take", folder / "q.mien"});
+  ASSERT_EQ(quiet.status, 0) << quiet.err;
+  EXPECT_THAT(quiet.err, HasSubstr("nobody speaks"));
+  EXPECT_GT(blocks_in(take::Take::open(folder / "q.mien").value()), 50U);
+}
+
+TEST_F(SoundProgram, AMicrophoneOnTheNetworkIsHeardWhereItIsAskedFor) {
+  if (!read_aloud(folder / "talk.wav")) GTEST_SKIP() << "built without mien-media, which reads aloud";
+  const std::string rig = project_path("rigs/imu_microphone.toml");
+  const auto session = [&](const std::vector<std::string>& more) {
+    const std::string port = std::to_string(free_port());
+    std::vector<std::string> arguments = {
+        "live",   "--listen", "udp://127.0.0.1:" + port, "--page", "off", "--rig", rig, "--for", "6",
+        "--json", "--record", folder / "n.mien",         "--force"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const pid_t process = start(arguments, folder / "out", folder / "err");
+    const Outcome performed = run({"perform", "--script", "reading", "--seconds", "3", "--rig", rig,
+                                   "--prologue", "none", "--to", "udp://127.0.0.1:" + port});
+    EXPECT_EQ(performed.status, 0) << performed.err;
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    EXPECT_EQ(status, 0) << content(folder / "err");
+  };
+  session({"--audio", "network"});
+  const auto said = nlohmann::json::parse(content(folder / "out"));
+  EXPECT_GT(blocks_in(take::Take::open(folder / "n.mien").value()), 100U);
+  const Outcome replayed = run({"live", "--replay", folder / "n.mien", "--json"});
+  ASSERT_EQ(replayed.status, 0) << replayed.err;
+  EXPECT_EQ(nlohmann::json::parse(replayed.out)["hash"], said["hash"]);
+
+  session({"--no-audio"});
+  EXPECT_EQ(blocks_in(take::Take::open(folder / "n.mien").value()), 0U);
+  session({});
+  EXPECT_EQ(blocks_in(take::Take::open(folder / "n.mien").value()), 0U) << "the switch is off";
+
+  const Outcome own = run(live({"--rig", project_path("rigs/microphone.toml"), "--audio", "network"}));
+  EXPECT_EQ(own.status, 2);
+  EXPECT_THAT(own.err, HasSubstr("this machine's own"));
 }
 
 TEST_F(SoundProgram, NothingIsHeardUnasked) {

@@ -18,7 +18,7 @@ Stage stage(int frames = 91) {
   stage.rig = test::three_sensors();
   DeviceFaults faults = test::mild_faults();
   faults.packet_loss = 0.05;
-  stage.worn = std::make_shared<WornImus>(faults, test::three_sites());
+  stage.worn = std::make_shared<WornImus>(stage.rig, faults, test::three_sites());
   stage.motion = performer::with_prologue(test::talking(frames), performer::PrologueKind::none, Random(3));
   stage.devices = Random(11);
   return stage;

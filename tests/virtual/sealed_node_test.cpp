@@ -10,8 +10,8 @@
 #include "mien/eyewear/eyewear_protocol.h"
 #include "mien/imu/packets/node_protocol.h"
 #include "mien/sensor/sealed_protocol.h"
-#include "mien/virtual/eyewear/eyewear_node.h"
 #include "mien/virtual/imu/mien_node.h"
+#include "mien/virtual/speaking_node.h"
 #include "tests/virtual/conversation.h"
 #include "tests/virtual/three_sensors.h"
 
@@ -115,7 +115,7 @@ std::vector<std::byte> scan(std::uint64_t device, std::uint32_t sequence) {
 
 TEST(SealedGlasses, AskForTheSessionAndAreHeardInIt) {
   constexpr std::uint64_t kGlasses = 0x024D'4945'4E40;
-  EyewearNode glasses(kGlasses);
+  SpeakingNode glasses(kGlasses);
   SealedNode node(glasses, key(5));
   for (std::uint32_t i = 0; i < 2000; ++i)
     glasses.hand_over({.time = at(0.004 * i), .bytes = scan(kGlasses, i)});

@@ -8,9 +8,9 @@
 #include "mien/sensor/clock_model.h"
 #include "mien/take/session_log.h"
 #include "mien/virtual/eyewear/eyewear_boards.h"
-#include "mien/virtual/eyewear/eyewear_node.h"
 #include "mien/virtual/eyewear/eyewear_session.h"
-#include "mien/virtual/imu/skin_trajectory.h"
+#include "mien/virtual/node.h"
+#include "mien/virtual/speaking_node.h"
 
 namespace mien::virt {
 namespace {
@@ -26,7 +26,7 @@ class EyewearOnNetwork final : public NodeDevices {
   }
   [[nodiscard]] std::vector<Node*> nodes() override {
     std::vector<Node*> all;
-    for (EyewearNode& node : nodes_) all.push_back(&node);
+    for (SpeakingNode& node : nodes_) all.push_back(&node);
     return all;
   }
   [[nodiscard]] Result<void> simulate() override {
@@ -45,7 +45,7 @@ class EyewearOnNetwork final : public NodeDevices {
 
  private:
   EyewearBoards boards_;
-  std::vector<EyewearNode> nodes_;
+  std::vector<SpeakingNode> nodes_;
   PlayedMotion motion_;
   double end_s_;
   std::vector<Datagram> sent_;
@@ -57,22 +57,21 @@ performer::PrologueNeeds WornEyewear::prologue(const Stage&) const {
   return performer::kEyewearPrologue;
 }
 
-Result<VirtualSession> WornEyewear::play(const Stage& stage, const Progress&) const {
-  return play_eyewear(stage.motion, wearer_, stage.rig, faults_, stage.devices);
+Result<Sent> WornEyewear::send(const Stage& stage, const Progress&) const {
+  return send_eyewear(stage.motion, wearer_, rig_, faults_, stage.devices);
 }
 
-std::vector<take::CalibrationVersion> WornEyewear::calibrations(const Stage& stage,
+std::vector<take::CalibrationVersion> WornEyewear::calibrations(const Stage&,
                                                                 const VirtualSession& session) const {
-  const sensor::Rig& rig = stage.rig;
-  eyewear::LightGrid grid(rig);
-  eyewear::Calibrator calibrator(rig);
+  eyewear::LightGrid grid(rig_);
+  eyewear::Calibrator calibrator(rig_);
   for (const take::Event& event : session.events) {
     if (event.kind == "neutral") calibrator.guide_neutral(event.begin, event.end);
     if (event.kind == "range") calibrator.guide_range(event.begin, event.end);
   }
   std::vector<take::CalibrationVersion> versions;
   eyewear::GridLight light;
-  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
+  sensor::TimeLines lines(rig_.sensors.size(), rig_.find(rig_.reference));
   for (const auto& step : take::replay_order(session.samples, session.ticks)) {
     if (step.item != nullptr) {
       lines.add(step.item->arrival, step.item->sample);
@@ -90,9 +89,9 @@ std::vector<take::CalibrationVersion> WornEyewear::calibrations(const Stage& sta
 Result<std::unique_ptr<NodeDevices>> WornEyewear::on_network(const Stage& stage, const PlayedMotion& motion,
                                                              NodeLanguage language) const {
   if (language == NodeLanguage::slimevr)
-    return fail(ErrorCode::bad_usage, "eyewear does not speak SlimeVR's language", stage.rig.name,
+    return fail(ErrorCode::bad_usage, "eyewear does not speak SlimeVR's language", rig_.name,
                 "send to udp://HOST:PORT");
-  MIEN_TRY_ASSIGN(EyewearBoards boards, EyewearBoards::put_on(wearer_, stage.rig, faults_, stage.devices));
+  MIEN_TRY_ASSIGN(EyewearBoards boards, EyewearBoards::put_on(wearer_, rig_, faults_, stage.devices));
   return std::make_unique<EyewearOnNetwork>(std::move(boards), motion);
 }
 
@@ -107,7 +106,7 @@ Result<std::shared_ptr<const WornDevices>> wear_eyewear(const StageRequest& requ
   MIEN_TRY_ASSIGN(const FaultsText faults, read_faults(request, stage.rig));
   MIEN_TRY_ASSIGN(EyewearFaults drawn, parse_eyewear_faults(faults.toml, faults.where));
   MIEN_TRY_ASSIGN(EyewearWearer wearer, seat_eyewear(std::move(face), stage.rig, drawn, root.fork("wearer")));
-  return std::make_shared<const WornEyewear>(std::move(drawn), std::move(wearer));
+  return std::make_shared<const WornEyewear>(stage.rig, std::move(drawn), std::move(wearer));
 }
 
 }  // namespace mien::virt

@@ -16,14 +16,15 @@ namespace mien::virt {
 /// Smart eyewear, and who wears it.
 class WornEyewear final : public WornDevices {
  public:
-  WornEyewear(EyewearFaults faults, EyewearWearer wearer)
-      : faults_(std::move(faults)), wearer_(std::move(wearer)) {}
+  /// `rig`: of nothing but this eyewear's sensors.
+  WornEyewear(sensor::Rig rig, EyewearFaults faults, EyewearWearer wearer)
+      : rig_(std::move(rig)), faults_(std::move(faults)), wearer_(std::move(wearer)) {}
 
   [[nodiscard]] const EyewearFaults& faults() const { return faults_; }
   [[nodiscard]] const EyewearWearer& wearer() const { return wearer_; }
 
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
-  [[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress) const override;
+  [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
   [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const override;
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
@@ -31,6 +32,7 @@ class WornEyewear final : public WornDevices {
                                                                 NodeLanguage language) const override;
 
  private:
+  sensor::Rig rig_;
   EyewearFaults faults_;
   EyewearWearer wearer_;
 };

@@ -1,6 +1,5 @@
 #include "mien/virtual/imu/imu_session.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,10 +11,10 @@
 #include "mien/virtual/reception.h"
 
 namespace mien::virt {
-Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
-                                    const std::vector<SkinSite>& sites, const sensor::Rig& rig,
-                                    const DeviceFaults& faults, const Random& random,
-                                    const Progress& progress) {
+
+Result<Sent> send_devices(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
+                          const sensor::Rig& rig, const DeviceFaults& faults, const Random& random,
+                          const Progress& progress) {
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
@@ -23,52 +22,43 @@ Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
       trace_skin(curve, sites, -kDeviceMarginS, curve.duration_s() + kDeviceMarginS);
 
   MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
-  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
-  std::vector<Datagram> sent;
-  std::vector<VirtualClock> clocks;
+  const std::uint16_t reference = rig.find(rig.reference).value_or(0);
+  Sent sent;
   for (std::size_t s = 0; s < sites.size(); ++s) {
     if (!progress(static_cast<double>(s) / static_cast<double>(sites.size()), "performing"))
       return fail(ErrorCode::cancelled, "stopped", motion.motion.name);
     ImuSimulator simulator(faults, static_cast<std::uint16_t>(s), random.fork("sensor", s));
-    clocks.push_back(simulator.clock());
+    if (s == reference) sent.reference = simulator.clock();
     for (const VirtualPacket& virtual_packet : simulator.play(trajectory)) {
       if (virtual_packet.lost) continue;
       MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, encode_device_packet(virtual_packet, devices[s], faults));
-      sent.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
+      sent.datagrams.push_back({virtual_packet.arrival, static_cast<std::uint16_t>(s), std::move(bytes)});
     }
   }
-  // Of one moment by sensor and sequence, as they stand.
-  sort_by_time(sent);
-
-  const std::uint16_t reference = rig.find(rig.reference).value_or(0);
-  VirtualSession session;
-  session.events = prologue_events(motion.times, clocks[reference]);
-  session.motion_start = clocks[reference].device(motion.times.motion_start_s);
-  reception.log_all(std::move(sent), session, [&](const take::Tick& tick, const sensor::TimeLines&) {
-    session.truth.push_back(
-        truth_at(curve, clocks[reference].true_s(tick.frame), motion.times.motion_start_s, tick.frame));
-  });
-  return session;
+  return sent;
 }
 
-Result<VirtualSession> play_lab(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
-                                const sensor::Rig& rig, const Random& random, double noise_rad) {
+Result<VirtualSession> play_devices(const performer::PrologueMotion& motion,
+                                    const std::vector<SkinSite>& sites, const sensor::Rig& rig,
+                                    const DeviceFaults& faults, const Random& random,
+                                    const Progress& progress) {
+  MIEN_TRY_ASSIGN(Sent sent, send_devices(motion, sites, rig, faults, random, progress));
+  return receive_all(std::move(sent), motion, rig);
+}
+
+Result<Sent> send_lab(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
+                      const sensor::Rig& rig, const Random& random, double noise_rad) {
   if (motion.motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", motion.motion.name);
   const face::MotionCurve curve(motion.motion);
   const std::vector<std::uint16_t> face_sensors = rig.face_sensors();
   MIEN_TRY_ASSIGN(const std::vector<sensor::DeviceKey> devices, virtual_devices(rig));
-  MIEN_TRY_ASSIGN(Reception reception, Reception::create(rig));
   std::vector<Random> noise;
   for (const std::uint16_t s : face_sensors) noise.push_back(random.fork("lab noise", s));
 
-  VirtualSession session;
-  const VirtualClock host;  // All clocks are one.
-  session.events = prologue_events(motion.times, host);
-  session.motion_start = host.device(motion.times.motion_start_s);
-  const auto frames =
-      static_cast<std::int64_t>(std::floor((curve.duration_s() + kSameMomentS) * kFrameRateHz)) + 1;
-  for (std::int64_t f = 0; f < frames; ++f) {
+  Sent sent;  // All clocks are one.
+  sent.frames = static_cast<std::int64_t>(std::floor((curve.duration_s() + kSameMomentS) * kFrameRateHz)) + 1;
+  for (std::int64_t f = 0; f < *sent.frames; ++f) {
     const Duration at = frame_offset(f);
     const face::MotionFrame moment = curve.at(to_seconds(at));
     for (std::size_t i = 0; i < face_sensors.size(); ++i) {
@@ -89,13 +79,16 @@ Result<VirtualSession> play_lab(const performer::PrologueMotion& motion, const s
       packet.channel = devices[s].channel;
       packet.sequence = sample.sequence;
       MIEN_TRY_ASSIGN(std::vector<std::byte> bytes, imu::encode_packet(packet));
-      reception.log({HostTime(at), s, std::move(bytes)}, session);
+      sent.datagrams.push_back({HostTime(at), s, std::move(bytes)});
     }
-    session.ticks.push_back(
-        {f, static_cast<std::int64_t>(session.entries.size()), HostTime(at), DeviceTime(at)});
-    session.truth.push_back(truth_at(curve, to_seconds(at), motion.times.motion_start_s, DeviceTime(at)));
   }
-  return session;
+  return sent;
+}
+
+Result<VirtualSession> play_lab(const performer::PrologueMotion& motion, const std::vector<SkinSite>& sites,
+                                const sensor::Rig& rig, const Random& random, double noise_rad) {
+  MIEN_TRY_ASSIGN(Sent sent, send_lab(motion, sites, rig, random, noise_rad));
+  return receive_all(std::move(sent), motion, rig);
 }
 
 }  // namespace mien::virt

@@ -23,8 +23,8 @@ constexpr double kBehindS = 12 / kTrajectoryRateHz;
 
 class ImusOnNetwork final : public NodeDevices {
  public:
-  ImusOnNetwork(const Stage& stage, const DeviceFaults& faults, const std::vector<SkinSite>& sites,
-                const PlayedMotion& motion, NodeLanguage language)
+  ImusOnNetwork(const Stage& stage, const sensor::Rig& rig, const DeviceFaults& faults,
+                const std::vector<SkinSite>& sites, const PlayedMotion& motion, NodeLanguage language)
       : tracer_(motion.curve, sites, -kDeviceMarginS, motion.curve.duration_s() + kDeviceMarginS,
                 motion.encore) {
     for (std::size_t s = 0; s < sites.size(); ++s) {
@@ -33,7 +33,7 @@ class ImusOnNetwork final : public NodeDevices {
       if (language == NodeLanguage::slimevr)
         nodes_.push_back(std::make_unique<SlimeVrNode>(s, clock));
       else
-        nodes_.push_back(std::make_unique<MienNode>(s, stage.rig.sensors[s].name, clock, faults));
+        nodes_.push_back(std::make_unique<MienNode>(s, rig.sensors[s].name, clock, faults));
     }
   }
   [[nodiscard]] std::vector<Node*> nodes() override {
@@ -61,21 +61,20 @@ performer::PrologueNeeds WornImus::prologue(const Stage& stage) const {
   return {.gestures = !stage.lab};
 }
 
-Result<VirtualSession> WornImus::play(const Stage& stage, const Progress& progress) const {
-  if (stage.lab) return play_lab(stage.motion, sites_, stage.rig, stage.devices);
-  return play_devices(stage.motion, sites_, stage.rig, faults_, stage.devices, progress);
+Result<Sent> WornImus::send(const Stage& stage, const Progress& progress) const {
+  if (stage.lab) return send_lab(stage.motion, sites_, rig_, stage.devices);
+  return send_devices(stage.motion, sites_, rig_, faults_, stage.devices, progress);
 }
 
 std::vector<take::CalibrationVersion> WornImus::calibrations(const Stage& stage,
                                                              const VirtualSession& session) const {
   if (stage.lab) return {};
-  const sensor::Rig& rig = stage.rig;
-  imu::Pipeline pipeline(rig);
+  imu::Pipeline pipeline(rig_);
   for (const take::Event& event : session.events)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   std::vector<take::CalibrationVersion> versions;
   model::FeatureFrame frame;
-  sensor::TimeLines lines(rig.sensors.size(), rig.find(rig.reference));
+  sensor::TimeLines lines(rig_.sensors.size(), rig_.find(rig_.reference));
   for (const auto& step : take::replay_order(session.samples, session.ticks)) {
     if (step.item != nullptr) {
       lines.add(step.item->arrival, step.item->sample);
@@ -91,7 +90,7 @@ std::vector<take::CalibrationVersion> WornImus::calibrations(const Stage& stage,
 
 Result<std::unique_ptr<NodeDevices>> WornImus::on_network(const Stage& stage, const PlayedMotion& motion,
                                                           NodeLanguage language) const {
-  return std::make_unique<ImusOnNetwork>(stage, faults_, sites_, motion, language);
+  return std::make_unique<ImusOnNetwork>(stage, rig_, faults_, sites_, motion, language);
 }
 
 Result<std::shared_ptr<const WornDevices>> wear_imus(const StageRequest& request, face::Face face,
@@ -106,7 +105,7 @@ Result<std::shared_ptr<const WornDevices>> wear_imus(const StageRequest& request
   MIEN_TRY_ASSIGN(std::vector<SkinSite> sites, skin_sites(face, stage.rig, placement_m));
   if (request.unlike > 0)
     sites = draw_kinematics(sites, KinematicsSpread().times(request.unlike), root.fork("kinematics"));
-  return std::make_shared<const WornImus>(std::move(drawn), std::move(sites));
+  return std::make_shared<const WornImus>(stage.rig, std::move(drawn), std::move(sites));
 }
 
 }  // namespace mien::virt

@@ -16,14 +16,14 @@ namespace mien::virt {
 /// IMUs glued to the skin.
 class WornImus final : public WornDevices {
  public:
-  /// `sites`: where the rig's sensors are on the skin, in the rig's order.
-  WornImus(DeviceFaults faults, std::vector<SkinSite> sites)
-      : faults_(std::move(faults)), sites_(std::move(sites)) {}
+  /// `rig`: of nothing but these. `sites`: where its sensors are on the skin, in its order.
+  WornImus(sensor::Rig rig, DeviceFaults faults, std::vector<SkinSite> sites)
+      : rig_(std::move(rig)), faults_(std::move(faults)), sites_(std::move(sites)) {}
 
   [[nodiscard]] const std::vector<SkinSite>& sites() const { return sites_; }
 
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
-  [[nodiscard]] Result<VirtualSession> play(const Stage& stage, const Progress& progress) const override;
+  [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
   /// None in the profile *lab*, where the calibration is the identity.
   [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const override;
@@ -32,6 +32,7 @@ class WornImus final : public WornDevices {
                                                                 NodeLanguage language) const override;
 
  private:
+  sensor::Rig rig_;
   DeviceFaults faults_;
   std::vector<SkinSite> sites_;
 };

@@ -26,7 +26,7 @@ const Stage& stage(performer::PrologueKind prologue) {
     stage.rig = sensor::read_rig(project_path("rigs/eyewear.toml")).value();
     const EyewearFaults faults = parse_eyewear_faults(stage.rig.faults_toml, "rig").value();
     stage.worn = std::make_shared<WornEyewear>(
-        faults, seat_eyewear(builtin_face::make_builtin(), stage.rig, faults, Random(5)).value());
+        stage.rig, faults, seat_eyewear(builtin_face::make_builtin(), stage.rig, faults, Random(5)).value());
     stage.motion = performer::with_prologue(test::talking(91), kind, Random(3));
     stage.devices = Random(11);
     return stage;

@@ -2,18 +2,19 @@
 
 #include <cstdint>
 #include <deque>
+#include <utility>
 
 #include "mien/virtual/network.h"
 #include "mien/virtual/node.h"
 
 namespace mien::virt {
 
-/// One board of smart eyewear: it sends its scans, greets nobody and hears nothing.
-class EyewearNode final : public Node {
+/// A board of smart eyewear, or a microphone: it sends what it measures, greets nobody and hears nothing.
+class SpeakingNode final : public Node {
  public:
-  explicit EyewearNode(std::uint64_t device) : device_(device) {}
-  /// A scan, heard at its time from the performance's time 0 on; in that order.
-  void hand_over(Datagram scan) { scans_.push_back(std::move(scan)); }
+  explicit SpeakingNode(std::uint64_t device) : device_(device) {}
+  /// A packet, which arrives at its time from the performance's time 0 on; in that order.
+  void hand_over(Datagram packet) { packets_.push_back(std::move(packet)); }
 
   void begin(HostTime start) override { start_ = start; }
   [[nodiscard]] HostTime due() const override;
@@ -22,12 +23,12 @@ class EyewearNode final : public Node {
   [[nodiscard]] std::uint64_t device() const override { return device_; }
   [[nodiscard]] bool listens() const override { return false; }
   [[nodiscard]] bool answered() const override { return false; }
-  [[nodiscard]] bool idle() const override { return scans_.empty(); }
+  [[nodiscard]] bool idle() const override { return packets_.empty(); }
 
  private:
   std::uint64_t device_;
   std::optional<HostTime> start_;
-  std::deque<Datagram> scans_;
+  std::deque<Datagram> packets_;
 };
 
 }  // namespace mien::virt
