@@ -214,8 +214,8 @@ std::uint16_t free_port() {
 
 std::size_t blocks_in(const take::Take& take) {
   std::size_t blocks = 0;
-  for (const take::LogEntry& entry : take.entries().value())
-    blocks += speech::logged_block(entry.bytes, {}) ? 1 : 0;
+  const std::vector<take::LogEntry> entries = take.entries().value();
+  for (const take::LogEntry& entry : entries) blocks += speech::logged_block(entry.bytes, {}) ? 1 : 0;
   return blocks;
 }
 

@@ -198,8 +198,8 @@ TEST_F(WornMicrophone, ATakeHoldsItsBlocks) {
   const take::Take take = take::Take::open(request.take).value();
   EXPECT_TRUE(take.check());
   std::size_t blocks = 0;
-  for (const take::LogEntry& entry : take.entries().value())
-    blocks += speech::logged_block(entry.bytes, {}) ? 1 : 0;
+  const std::vector<take::LogEntry> entries = take.entries().value();
+  for (const take::LogEntry& entry : entries) blocks += speech::logged_block(entry.bytes, {}) ? 1 : 0;
   EXPECT_GT(blocks, 200U);
   EXPECT_EQ(take.audio().value()->rate_hz, 16'000) << "what was said, as truth";
 }
