@@ -2,7 +2,6 @@
 
 #include "mien/live/engine.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -56,11 +55,6 @@ std::string text(const json& object) {
   return object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::string text_of(const json& command, const char* key) {
-  const auto found = command.find(key);
-  return found != command.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 }  // namespace
 
 struct Engine::State {
@@ -102,7 +96,7 @@ struct Engine::State {
   void look_at_interfaces();
   void on_message(std::uint64_t client, std::string_view text);
   void answer(std::uint64_t client, std::string_view text);
-  Result<std::string> execute(const json& command);
+  Result<std::string> execute(std::uint64_t client, const json& command);
   Result<std::string> execute_record(const json& command);
   Result<std::string> execute_sink(const json& command);
   Result<std::string> execute_replay(const json& command);
@@ -122,7 +116,7 @@ struct Engine::State {
   Intake intake;
   Recorder recorder;
   TrackerLoop loop;
-  Feeds feeds;  // Before what they fill is gone they have ended.
+  Hearing hearing;  // Before what its feeds fill is gone they have ended.
   Player player;
   TakeListing listing;
   asio::posix::stream_descriptor wake;
@@ -289,7 +283,8 @@ void Engine::State::on_beat() {
       tell("not_calibrated",
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
-  if (const auto hearing = loop.report().hearing) feeds.want(hearing->on);
+  const auto heard = loop.report().hearing;
+  hearing.look(heard ? std::optional(heard->on) : std::nullopt, page.get());
   const bool watched = page && page->clients() > 0;
   if (beats % kBeatsPerStatus != 0 || (!watched && !listener.seen)) return;
   const Status now_is = status();
@@ -320,6 +315,7 @@ Status Engine::State::status() const {
   Status out;
   out.report = loop.report();
   out.missed = loop.missed();
+  out.hearing = hearing.state();
   for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
   out.lines = intake.lines();
@@ -393,36 +389,39 @@ void Engine::State::answer(std::uint64_t client, std::string_view text) {
       page->send(client, reply_json(number, "the session is busy; try again"));
     return;
   }
-  const Result<std::string> done = execute(command);
+  const Result<std::string> done = execute(client, command);
   page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
 }
 
-Result<std::string> Engine::State::execute(const json& command) {
+Result<std::string> Engine::State::execute(std::uint64_t client, const json& command) {
   const std::string name = command["command"].get<std::string>();
   if (name == "record") return execute_record(command);
   if (name == "sink") return execute_sink(command);
   if (name == "replay") return execute_replay(command);
   if (name == "listen") return execute_listen(command);
   if (name == "pair") return execute_pair();
+  if (name == "microphone") {
+    MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
+    MIEN_TRY(hearing.microphone(client, on, *page));
+    return std::string();
+  }
   if (name == "takes") return text(list_takes(true));
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }
 
 Result<std::string> Engine::State::execute_record(const json& command) {
-  const auto on = command.find("on");
-  if (on == command.end() || !on->is_boolean())
-    return fail(ErrorCode::malformed, "\"on\" is missing", "record");
-  if (!on->get<bool>()) {
+  MIEN_TRY_ASSIGN(const bool on, switch_field(command, "record"));
+  if (!on) {
     recorder.end(notes());
     return std::string();
   }
-  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_of(command, "name")));
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_field(command, "name")));
   MIEN_TRY(start_recording(path, false));
   return text(json({{"take", path.string()}}));
 }
 
 Result<std::string> Engine::State::execute_sink(const json& command) {
-  if (const std::string address = text_of(command, "add"); !address.empty()) {
+  if (const std::string address = text_field(command, "add"); !address.empty()) {
     MIEN_TRY(check_page_sink(address));
     MIEN_TRY(add_sink(address));
     return std::string();
@@ -461,7 +460,7 @@ Result<std::string> Engine::State::execute_pair() {
 }
 
 Result<std::string> Engine::State::execute_replay(const json& command) {
-  if (const std::string name = text_of(command, "take"); !name.empty()) {
+  if (const std::string name = text_field(command, "take"); !name.empty()) {
     if (!settings.make_session) return fail(ErrorCode::unsupported, "this session replays nothing", "replay");
     MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, name));
     const bool was_on = player.on();
@@ -483,14 +482,7 @@ json Engine::State::list_takes(bool read_lengths) {
   std::optional<TakeListing::Growing> growing;
   if (const Recorder::State recorded = recorder.state(); recorded.on)
     growing = {recorded.path, recorded.seconds};
-  json takes = json::array();
-  for (const TakeListing::Entry& one : listing.list(growing, read_lengths))
-    takes.push_back({{"name", one.name},
-                     {"seconds", one.seconds ? json(*one.seconds) : json(nullptr)},
-                     {"error", one.error.empty() ? json(nullptr) : json(one.error)},
-                     {"megabytes", one.megabytes},
-                     {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(one.written))}});
-  return {{"takes", std::move(takes)}};
+  return takes_json(listing.list(growing, read_lengths));
 }
 
 void Engine::State::send_takes() {
@@ -513,7 +505,8 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
     MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address));
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
-  MIEN_TRY(state->feeds.open(std::move(state->settings.feeds), state->settings.hear, state->intake));
+  MIEN_TRY(state->hearing.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
+                               state->intake));
   state->look_at_interfaces();
   for (const std::string& address : state->settings.out) MIEN_TRY(state->add_sink(address));
   if (state->settings.page) {
@@ -524,7 +517,11 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
     const auto message = [state](std::uint64_t client, std::string_view text) {
       state->on_message(client, text);
     };
-    MIEN_TRY_ASSIGN(state->page, PageServer::open(state->network, *state->settings.page, hello, message));
+    const auto bytes = [state](std::uint64_t client, std::span<const std::byte> sent) {
+      state->hearing.take(client, sent);
+    };
+    MIEN_TRY_ASSIGN(state->page,
+                    PageServer::open(state->network, *state->settings.page, hello, message, bytes));
   }
   if (state->settings.record)
     MIEN_TRY(state->start_recording(*state->settings.record, state->settings.replace));
@@ -560,11 +557,11 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   s.wait_for_answers();
   s.wait_for_beat();
   s.loop.start();
-  s.feeds.begin([&s](std::string kind, std::string said) {
+  s.hearing.begin([&s](std::string kind, std::string said) {
     asio::post(s.network, [&s, kind = std::move(kind), said = std::move(said)] { s.tell(kind, said); });
   });
   s.network.run();
-  s.feeds.end();
+  s.hearing.end();
   s.loop.stop();
   s.take_answers();
   s.wake.release();

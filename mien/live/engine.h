@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
-#include "mien/live/feeds.h"
+#include "mien/live/hearing.h"
 #include "mien/live/latency.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
@@ -37,7 +37,8 @@ struct EngineSettings {
   std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
   std::vector<Feed> feeds;          ///< Beside them.
   bool hear = true;                 ///< Whether they are wanted from the beginning on (FeedPort::wanted).
-  std::vector<std::string> out;     ///< Sinks' addresses, as sink::open_sink takes them.
+  bool shut = false;  ///< No microphone shall be opened whatever the page says: shown, not seen to.
+  std::vector<std::string> out;  ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.
   /// Where takes go that the page asks for, where it finds those to show, and where the session is kept while

@@ -13,6 +13,7 @@ Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
   feeds_ = std::move(feeds);
   for (const Feed& feed : feeds_) {
     MIEN_TRY_ASSIGN(sources_.emplace_back(), intake.add_source(feed.name));
+    troubles_.emplace_back();
   }
   return {};
 }
@@ -20,15 +21,38 @@ Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
 void Feeds::begin(FeedPort::Tell tell) {
   tell_ = std::move(tell);
   for (std::size_t i = 0; i < feeds_.size(); ++i)
-    threads_.emplace_back([this, &feed = feeds_[i], source = sources_[i]] {
-      FeedPort port(*source, stop_, wanted_, tell_);
+    threads_.emplace_back([this, &feed = feeds_[i], source = sources_[i], &trouble = troubles_[i]] {
+      FeedPort port(*source, stop_, wanted_, tell_, trouble);
       try {
         feed.run(port);
         if (!stop_) tell_("feed_over", feed.name + " is over");
       } catch (const std::exception& error) {
-        tell_("feed_failed", feed.name + " ended: " + error.what());
+        const std::string why = feed.name + " ended: " + error.what();
+        tell_("feed_failed", why);
+        trouble.set(why);
       }
     });
+}
+
+std::string Feeds::trouble() const {
+  for (const Trouble& one : troubles_)
+    if (std::string text = one.text(); !text.empty()) return text;
+  return {};
+}
+
+std::uint64_t Feeds::handed_over() const {
+  std::uint64_t sum = 0;
+  for (const PayloadSource* source : sources_) {
+    const PayloadSource::Counts counts = source->counts();
+    sum += counts.received - counts.too_long - counts.overrun;
+  }
+  return sum;
+}
+
+PageInlet* Feeds::inlet() const {
+  for (const Feed& feed : feeds_)
+    if (feed.inlet) return feed.inlet.get();
+  return nullptr;
 }
 
 void Feeds::end() {

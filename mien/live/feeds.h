@@ -1,26 +1,48 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
+#include <deque>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/live/page_inlet.h"
 #include "mien/live/payload_source.h"
 
 namespace mien::live {
 
 class Intake;
 
+/// What stands against hearing by a feed now, in one line; empty: nothing. Any thread.
+class Trouble {
+ public:
+  void set(std::string text) {
+    const std::scoped_lock lock(mutex_);
+    text_ = std::move(text);
+  }
+  [[nodiscard]] std::string text() const {
+    const std::scoped_lock lock(mutex_);
+    return text_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::string text_;
+};
+
 /// What a feed's thread sees of its session.
 class FeedPort {
  public:
   using Tell = std::function<void(std::string kind, std::string text)>;
   FeedPort(PayloadSource& source, const std::atomic<bool>& stop, const std::atomic<bool>& wanted,
-           const Tell& tell)
-      : source_(source), stop_(stop), wanted_(wanted), tell_(tell) {}
+           const Tell& tell, Trouble& trouble)
+      : source_(source), stop_(stop), wanted_(wanted), tell_(tell), trouble_(trouble) {}
 
   /// As PayloadSource::hand_over.
   bool hand_over(std::span<const std::byte> datagram, std::span<const std::byte> payload) {
@@ -32,12 +54,15 @@ class FeedPort {
   [[nodiscard]] bool wanted() const { return wanted_; }
   /// Says something to whoever looks on, as an event of this kind.
   void tell(std::string kind, std::string text) const { tell_(std::move(kind), std::move(text)); }
+  /// What stands against hearing now, for as long as it does; empty: nothing does any more.
+  void trouble(std::string text) { trouble_.set(std::move(text)); }
 
  private:
   PayloadSource& source_;
   const std::atomic<bool>& stop_;
   const std::atomic<bool>& wanted_;
   const Tell& tell_;
+  Trouble& trouble_;
 };
 
 /// A device inside this program: a microphone, a camera, or a file that is played.
@@ -46,6 +71,8 @@ struct Feed {
   /// Hands over what it has, on a thread of its own from the session's beginning on, until that is over or it
   /// has no more. Where it returns or throws before that the session says so and goes on.
   std::function<void(FeedPort& port)> run;
+  /// Where what it has comes from a browser: there the page's messages are left for it.
+  std::shared_ptr<PageInlet> inlet = nullptr;
 };
 
 /// A session's feeds, each with its source and its thread.
@@ -57,6 +84,12 @@ class Feeds {
   void begin(FeedPort::Tell tell);
   /// Whether the session is to hear.
   void want(bool wanted) { wanted_ = wanted; }
+  /// The first trouble that a feed has; empty: none has any.
+  [[nodiscard]] std::string trouble() const;
+  /// What the feeds handed over and the session took.
+  [[nodiscard]] std::uint64_t handed_over() const;
+  /// Of the feed that hears a browser; null: none does.
+  [[nodiscard]] PageInlet* inlet() const;
   /// Asks them to stop, and waits for it.
   void end();
   ~Feeds() { end(); }
@@ -66,7 +99,8 @@ class Feeds {
 
  private:
   std::vector<Feed> feeds_;
-  std::vector<PayloadSource*> sources_;  // One a feed.
+  std::vector<PayloadSource*> sources_;  // One a feed, ...
+  std::deque<Trouble> troubles_;         // ... and so are these.
   std::atomic<bool> stop_ = false;
   std::atomic<bool> wanted_ = true;
   FeedPort::Tell tell_;

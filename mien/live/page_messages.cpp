@@ -1,5 +1,6 @@
 #include "mien/live/page_messages.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -80,13 +81,21 @@ json log_json(const Recorder::State& recording) {
           {"error", recording.unable.empty() ? json(nullptr) : json(recording.unable)}};
 }
 
-json hearing_json(const session::Report& report) {
-  if (!report.hearing) return nullptr;
-  const session::Report::Hearing& hearing = *report.hearing;
+json hearing_json(const session::Report& report, const HearingState& feeds) {
+  // Who shut every microphone is shown that, whatever the rig has.
+  if (!report.hearing && !feeds.shut) return nullptr;
+  const session::Report::Hearing hearing = report.hearing.value_or(
+      session::Report::Hearing{.on = false, .speaks = false, .share = 0, .later = {}});
+  json browser = nullptr;
+  if (feeds.browser) browser = {{"heard", feeds.browser->heard}, {"refused", feeds.browser->refused}};
   return {{"on", hearing.on},
           {"speaks", hearing.speaks},
           {"share", rounded(hearing.share)},
-          {"later_ms", milliseconds(hearing.later)}};
+          {"later_ms", milliseconds(hearing.later)},
+          {"shut", feeds.shut},
+          {"blocks", feeds.handed_over},
+          {"trouble", feeds.trouble.empty() ? json(nullptr) : json(feeds.trouble)},
+          {"browser", std::move(browser)}};
 }
 
 /// The settings, and the resting face that is in force.
@@ -240,7 +249,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
        {"shaping", shaping_json(status.report)},
-       {"hearing", hearing_json(status.report)},
+       {"hearing", hearing_json(status.report, status.hearing)},
        {"replay", std::move(replay)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }
@@ -286,6 +295,21 @@ std::string event_text(const take::Event& event) {
 
 std::string event_json(std::string_view kind, std::string_view text) {
   return dump({{"type", "event"}, {"kind", kind}, {"text", text}});
+}
+
+std::string microphone_json(std::string_view why) {
+  return dump({{"type", "microphone"}, {"on", false}, {"why", why}});
+}
+
+nlohmann::json takes_json(const std::vector<TakeListing::Entry>& takes) {
+  json out = json::array();
+  for (const TakeListing::Entry& one : takes)
+    out.push_back({{"name", one.name},
+                   {"seconds", one.seconds ? json(*one.seconds) : json(nullptr)},
+                   {"error", one.error.empty() ? json(nullptr) : json(one.error)},
+                   {"megabytes", one.megabytes},
+                   {"recorded", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(one.written))}});
+  return {{"takes", std::move(out)}};
 }
 
 }  // namespace mien::live

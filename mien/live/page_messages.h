@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "mien/live/hearing.h"
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/recorder.h"
 #include "mien/live/serial_port.h"
+#include "mien/live/take_listing.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/report.h"
 #include "mien/sink/json_frame.h"
@@ -56,6 +59,7 @@ struct Status {
   double recording_megabytes = 0;
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
   std::optional<ReplayState> replay;
+  HearingState hearing;
 };
 
 [[nodiscard]] sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string model,
@@ -68,5 +72,9 @@ struct Status {
 /// for links lost and back, which LinkNews puts into words.
 [[nodiscard]] std::string event_text(const take::Event& event);
 [[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);
+/// To the browser whose microphone was heard and is heard no more.
+[[nodiscard]] std::string microphone_json(std::string_view why);
+/// The object of a list of takes.
+[[nodiscard]] nlohmann::json takes_json(const std::vector<TakeListing::Entry>& takes);
 
 }  // namespace mien::live

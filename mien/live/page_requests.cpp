@@ -9,10 +9,22 @@
 #include <boost/asio/ip/address.hpp>
 #include <chrono>
 #include <ctime>
+#include <nlohmann/json.hpp>
 
 #include "mien/sink/address.h"
 
 namespace mien::live {
+
+std::string text_field(const nlohmann::json& command, const char* key) {
+  const auto found = command.find(key);
+  return found != command.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+Result<bool> switch_field(const nlohmann::json& command, const std::string& name) {
+  const auto on = command.find("on");
+  if (on == command.end() || !on->is_boolean()) return fail(ErrorCode::malformed, "\"on\" is missing", name);
+  return on->get<bool>();
+}
 
 Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
   if (name.empty()) {

@@ -1,12 +1,18 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "mien/core/error.h"
 
 // What the page asks for, made safe: it may name takes and receivers, and nothing else of this machine.
 namespace mien::live {
+
+/// A text of a command; empty where it has none.
+[[nodiscard]] std::string text_field(const nlohmann::json& command, const char* key);
+/// What a command's "on" says. Errors: malformed (it has none), told of `name`.
+[[nodiscard]] Result<bool> switch_field(const nlohmann::json& command, const std::string& name);
 
 /// The take that a person means in `folder`: a name, never a path; empty: one by the time of day. Errors:
 /// bad_usage.

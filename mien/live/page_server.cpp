@@ -55,6 +55,7 @@ struct PageServer::State : std::enable_shared_from_this<PageServer::State> {
   PageSettings settings;
   OnOpen on_open;
   OnMessage on_message;
+  OnBytes on_bytes;
   tcp::acceptor acceptor;
   bool loopback = true;
   std::uint64_t next_client = 1;
@@ -200,7 +201,10 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
     socket_->async_read(message_, [self = shared_from_this()](beast::error_code code, std::size_t) {
       if (code) return;
       const auto data = self->message_.cdata();
-      self->state_->on_message(self->client_, {static_cast<const char*>(data.data()), data.size()});
+      if (self->socket_->got_text())
+        self->state_->on_message(self->client_, {static_cast<const char*>(data.data()), data.size()});
+      else if (self->state_->on_bytes)
+        self->state_->on_bytes(self->client_, {static_cast<const std::byte*>(data.data()), data.size()});
       self->message_.consume(self->message_.size());
       self->read_message();
     });
@@ -271,11 +275,12 @@ PageServer::~PageServer() {
   state_->acceptor.close(ignored);
   // What is still in flight finds nobody to tell.
   state_->on_message = [](std::uint64_t, std::string_view) {};
+  state_->on_bytes = {};
   state_->on_open = [] { return std::string(); };
 }
 
 Result<std::unique_ptr<PageServer>> PageServer::open(asio::io_context& network, PageSettings settings,
-                                                     OnOpen on_open, OnMessage on_message) {
+                                                     OnOpen on_open, OnMessage on_message, OnBytes on_bytes) {
   const std::string where = fmt::format("{}:{}", settings.host, settings.port);
   beast::error_code code;
   const asio::ip::address address = settings.host == "localhost"
@@ -291,6 +296,7 @@ Result<std::unique_ptr<PageServer>> PageServer::open(asio::io_context& network, 
                 "give a token, or bind it to 127.0.0.1");
   state->on_open = std::move(on_open);
   state->on_message = std::move(on_message);
+  state->on_bytes = std::move(on_bytes);
   const tcp::endpoint endpoint(address, state->settings.port);
   state->acceptor.open(endpoint.protocol(), code);
   if (!code) state->acceptor.set_option(asio::socket_base::reuse_address(true), code);
@@ -313,6 +319,10 @@ std::string PageServer::address() const {
 
 std::size_t PageServer::clients() const {
   return state_->clients.size();
+}
+
+bool PageServer::has(std::uint64_t client) const {
+  return state_->clients.contains(client);
 }
 
 void PageServer::send_frame(std::string frame) {

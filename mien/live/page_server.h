@@ -42,19 +42,23 @@ class PageServer {
  public:
   /// Called with a client's number and its message.
   using OnMessage = std::function<void(std::uint64_t client, std::string_view text)>;
+  /// Called with a client's number and its binary message.
+  using OnBytes = std::function<void(std::uint64_t client, std::span<const std::byte> bytes)>;
   /// Called when a client is there; returns what is sent to it first.
   using OnOpen = std::function<std::string()>;
 
-  /// Errors: bad_usage (no token on another address than loopback; the port is taken), not_found (no such
-  /// address).
+  /// Without `on_bytes` binary messages are left unread. Errors: bad_usage (no token on another address than
+  /// loopback; the port is taken), not_found (no such address).
   [[nodiscard]] static Result<std::unique_ptr<PageServer>> open(boost::asio::io_context& network,
                                                                 PageSettings settings, OnOpen on_open,
-                                                                OnMessage on_message);
+                                                                OnMessage on_message, OnBytes on_bytes = {});
   ~PageServer();
 
   /// Where a browser finds it, token and all.
   [[nodiscard]] std::string address() const;
   [[nodiscard]] std::size_t clients() const;
+  /// Whether this client is still there.
+  [[nodiscard]] bool has(std::uint64_t client) const;
 
   /// To everybody; a client that has not taken the last frame yet gets this one instead of it.
   void send_frame(std::string frame);

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,10 +56,13 @@ class PageClient {
 
   /// Sends a text; the answer is among the messages, later.
   void say(std::string text) {
-    bool written = false;
-    stream_.async_write(boost::asio::buffer(text),
-                        [&](boost::system::error_code, std::size_t) { written = true; });
-    EXPECT_TRUE(run_until(network_, [&] { return written; }));
+    stream_.text(true);
+    write(std::as_bytes(std::span(text)));
+  }
+  /// Sends a binary message.
+  void send(std::span<const std::byte> bytes) {
+    stream_.binary(true);
+    write(bytes);
   }
   /// Sends a command; returns its reply, or null when the connection ends first.
   nlohmann::json ask(nlohmann::json command) {
@@ -96,6 +100,13 @@ class PageClient {
 
  private:
   void end() { ended_ = true; }
+  void write(std::span<const std::byte> bytes) {
+    EXPECT_TRUE(run_until(network_, [this] { return stream_.is_open() || ended_; }));
+    bool written = false;
+    stream_.async_write(boost::asio::buffer(bytes.data(), bytes.size()),
+                        [&](boost::system::error_code, std::size_t) { written = true; });
+    EXPECT_TRUE(run_until(network_, [&] { return written; }));
+  }
   void read() {
     stream_.async_read(buffer_, [this](boost::system::error_code code, std::size_t) {
       if (code) return end();

@@ -155,5 +155,27 @@ TEST(PageMessages, StatusTellsWhatIsLeftOfTheLog) {
   EXPECT_EQ(said["error"], "the disk is full");
 }
 
+TEST(PageMessages, StatusSaysWhatIsHeardAndWhatStandsAgainstIt) {
+  Status now = status();
+  const auto hearing = [&] { return Json::parse(status_json(now, glasses()))["hearing"]; };
+  EXPECT_TRUE(hearing().is_null()) << "no microphone";
+  now.hearing.shut = true;
+  EXPECT_EQ(hearing()["shut"], true) << "who shut it is shown that";
+  EXPECT_EQ(hearing()["on"], false);
+  now.hearing.shut = false;
+  now.report.hearing = session::Report::Hearing{
+      .on = true, .speaks = true, .share = 0.25, .later = std::chrono::milliseconds(35)};
+  now.hearing.handed_over = 50;
+  EXPECT_EQ(hearing(),
+            Json::parse(R"({"on": true, "speaks": true, "share": 0.25, "later_ms": 35.0, "shut": false,
+                                       "blocks": 50, "trouble": null, "browser": null})"));
+  now.hearing.trouble = "no sound";
+  now.hearing.browser = HearingState::Browser{.heard = true, .refused = 3};
+  EXPECT_EQ(hearing()["trouble"], "no sound");
+  EXPECT_EQ(hearing()["browser"], Json::parse(R"({"heard": true, "refused": 3})"));
+  EXPECT_EQ(Json::parse(microphone_json("why")),
+            Json::parse(R"({"type": "microphone", "on": false, "why": "why"})"));
+}
+
 }  // namespace
 }  // namespace mien::live::page_messages_test

@@ -37,7 +37,8 @@ class PageServerTest : public ::testing::Test {
         [this](std::uint64_t client, std::string_view text) {
           received.emplace_back(text);
           server->send(client, R"({"type": "reply", "id": 0})");
-        });
+        },
+        [this](std::uint64_t, std::span<const std::byte> piece) { pieces.push_back(piece.size()); });
     ASSERT_TRUE(made) << made.error().message();
     server = *std::move(made);
     port = test::port_of(server->address());
@@ -59,6 +60,7 @@ class PageServerTest : public ::testing::Test {
   std::promise<Result<std::vector<std::byte>>> making;
   std::shared_future<Result<std::vector<std::byte>>> late = making.get_future().share();
   std::vector<std::string> received;
+  std::vector<std::size_t> pieces;  // Bytes of each binary message.
   std::unique_ptr<PageServer> server;
   std::uint16_t port = 0;
 };
@@ -162,6 +164,22 @@ TEST_F(PageServerTest, SpeaksToAllOrOneAndHearsThem) {
   EXPECT_TRUE(run_until(network, [&] { return one.frames() == 1 && two.frames() == 1; }));
   EXPECT_FALSE(two.last("status").is_null());
   server->send(999, "nobody");
+}
+
+TEST_F(PageServerTest, TellsBinaryMessagesFromTexts) {
+  open(kToken);
+  PageClient stranger(network, port), guest(network, port, std::string("/ws?token=") + kToken);
+  EXPECT_TRUE(run_until(network, [&] { return stranger.ended() && server->clients() == 1; }));
+  const std::vector<std::byte> sound(40'000);
+  guest.send(sound);
+  guest.say("{}");
+  guest.send(std::span(sound).first(3));
+  EXPECT_TRUE(run_until(network, [&] { return pieces.size() == 2 && received.size() == 1; }));
+  EXPECT_EQ(pieces, (std::vector<std::size_t>{40'000, 3}));
+  EXPECT_TRUE(server->has(2) != server->has(1));
+  guest.send(std::vector<std::byte>((1 << 16) + 1));
+  EXPECT_TRUE(run_until(network, [&] { return guest.ended() && server->clients() == 0; }));
+  EXPECT_EQ(pieces.size(), 2U);
 }
 
 TEST_F(PageServerTest, EndsWhoSaysTooMuchAndForgetsWhoGoes) {
