@@ -168,10 +168,10 @@ Option add_session_options(Command command, LiveRequest& request) {
       "for none (default: that file's rule that always holds, mouthClose at most jawOpen)");
   command
       .add_option("--audio", request.audio,
-                  "What is heard: a microphone (default, or a part of its name), a WAV file in real time, or "
-                  "network (a microphone that sends its blocks, as mien perform's). Mouth and jaw follow it "
-                  "where no sensor tells them, and a recording keeps it. Nothing is "
-                  "heard unless asked")
+                  "What is heard: a microphone of this machine (default, or a part of its name), a WAV file "
+                  "in real time, page (that of a browser that looks at the page) or network (one that sends "
+                  "its blocks, as mien perform's). Mouth and jaw follow it where no sensor tells them, and a "
+                  "recording keeps it. Nothing is heard unless asked")
       .check([](const std::string& file) { return file.empty() ? "the sound has no name" : ""; });
   command
       .add_option("--hears-by", request.hears_by,

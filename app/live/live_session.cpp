@@ -169,6 +169,9 @@ Result<LiveSession> open_live(LiveRequest request) {
   MIEN_TRY_ASSIGN(request.rig, path_or(request.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(std::string rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(sensor::Rig rig, sensor::parse_rig(rig_toml, request.rig));
+  if (request.audio == "page" && request.page == "off")
+    return fail(ErrorCode::bad_usage, "there is no page whose browser could be heard", "--audio page",
+                "leave out --page off, or hear this machine's microphone with --audio default");
   // A rig's own microphone is opened, or heard, from the page, and only there, where the command line names
   // none.
   const bool own = request.audio.empty() && !sensor::sensors_of(rig, "speech").empty();
@@ -190,6 +193,7 @@ Result<LiveSession> open_live(LiveRequest request) {
     rig_toml = sensor::write_rig(rig);
   }
   settings.hear = !own && !request.no_audio;
+  settings.shut = request.no_audio;
   if (!settings.hear) settings.commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});
   MIEN_TRY_ASSIGN(const std::filesystem::path model, modalities::live_model(rig, request.model));
   std::vector<sensor::SealKey> keys;

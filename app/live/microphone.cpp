@@ -14,8 +14,7 @@
 #include <thread>
 #include <utility>
 
-#include "mien/speech/block_maker.h"
-#include "mien/speech/sound_block.h"
+#include "app/live/heard_sound.h"
 
 namespace mien::app {
 namespace {
@@ -27,13 +26,8 @@ constexpr auto kLook = std::chrono::milliseconds(50);
 constexpr auto kPoll = std::chrono::milliseconds(3);
 /// Without a sample for so long a microphone was pulled out.
 constexpr auto kGone = std::chrono::seconds(1);
-/// Below it for so long a microphone is told to be silent: a quiet room is louder.
-constexpr float kSilence = 3e-4F;
-constexpr auto kSilent = std::chrono::seconds(5);
-/// A stream that falls so far behind has lost sound, ...
+/// A stream that falls so far behind has lost sound.
 constexpr double kLost_s = 0.2;
-/// ... beside what it was behind over about so long.
-constexpr auto kDrift = std::chrono::seconds(10);
 
 /// ALSA and JACK tell standard error of everything that they do not find.
 class QuietErrors {
@@ -162,7 +156,10 @@ bool close_patiently(std::unique_ptr<Opened> opened) {
 class Listening {
  public:
   Listening(std::string name, std::uint64_t device, live::FeedPort& port)
-      : name_(std::move(name)), device_(device), port_(port) {}
+      : asked_(std::move(name)),
+        name_(asked_ == "default" ? "the default microphone" : asked_),
+        port_(port),
+        heard_(name_, device, port, Clock::now()) {}
 
   void run() {
     while (!port_.stopped()) {
@@ -174,12 +171,19 @@ class Listening {
       auto opened = std::make_unique<Opened>();
       const bool unwanted = listen(*opened, why);
       if (!close_patiently(std::move(opened))) {
-        port_.tell("microphone_lost",
-                   name_ + ": the sound system does not answer any more; begin the session anew to hear");
+        const std::string gone =
+            name_ + ": the sound system does not answer any more; begin the session anew to hear";
+        port_.tell("microphone_lost", gone);
+        port_.trouble(gone);
         return;
       }
-      if (unwanted) continue;
-      if (told_ != why) port_.tell("microphone_lost", name_ + ": " + why + "; it is tried again each second");
+      if (unwanted) {
+        port_.trouble({});
+        continue;
+      }
+      const std::string lost = name_ + ": " + why + "; it is tried again each second";
+      if (told_ != why) port_.tell("microphone_lost", lost);
+      port_.trouble(lost);
       told_ = why;
       for (const auto again = Clock::now() + kRetry; !port_.stopped() && Clock::now() < again;)
         std::this_thread::sleep_for(kLook);
@@ -193,7 +197,7 @@ class Listening {
       why = sound.audio.error();
       return false;
     }
-    const auto device = find_input(name_);
+    const auto device = find_input(asked_);
     if (!device) {
       why = "there is no such microphone";
       return false;
@@ -201,19 +205,17 @@ class Listening {
     sound.stream = Stream::open(*device, why);
     const Stream* const stream = sound.stream.get();
     if (stream == nullptr) return false;
-    auto maker = speech::BlockMaker::create(stream->rate_hz());
-    if (!maker) {
-      why = maker.error().message();
+    const auto opened = Clock::now();
+    if (const auto begun = heard_.begin(stream->rate_hz(), opened); !begun) {
+      why = begun.error().message();
       return false;
     }
     if (!told_.empty()) port_.tell("microphone_back", name_ + " is back");
     told_.clear();
-    const auto opened = Clock::now();
-    std::uint64_t samples = 0;
-    quiet_since_ = opened;
-    begun_blocks_ = false;
+    port_.trouble({});
+    Lateness lateness(opened);
+    double heard_s = 0;
     auto newest = opened;
-    double usual_s = 0;
     while (!port_.stopped() && port_.wanted()) {
       std::this_thread::sleep_for(kPoll);
       const std::span<const float> piece = sound.stream->read();
@@ -224,55 +226,21 @@ class Listening {
         return false;
       }
       newest = now;
-      watch_silence(piece);
-      samples += piece.size();
-      // A card's clock is not the machine's: what grows slowly is drift, what jumps was lost.
-      const double behind_s = std::chrono::duration<double>(now - opened).count() -
-                              static_cast<double>(samples) / stream->rate_hz();
-      usual_s += std::chrono::duration<double>(kPoll) / kDrift * (behind_s - usual_s);
-      if (behind_s - usual_s > kLost_s) {
-        samples += static_cast<std::uint64_t>((behind_s - usual_s) * stream->rate_hz());
-        next_block_ = std::max(next_block_, block_now());
+      heard_s += static_cast<double>(piece.size()) / stream->rate_hz();
+      if (const double lost_s = lateness.at(heard_s, now); lost_s > kLost_s) {
+        heard_s += lost_s;
+        heard_.catch_up(now);
       }
-      maker->push(piece, [this](const speech::Block& block) { hand_over(block); });
+      lateness.follow(heard_s, now);
+      heard_.push(piece, now);
     }
     return true;
   }
 
-  void watch_silence(std::span<const float> piece) {
-    const auto now = Clock::now();
-    if (std::ranges::any_of(piece, [](float s) { return std::abs(s) > kSilence; })) {
-      if (said_silent_) port_.tell("microphone_heard", name_ + " is heard");
-      said_silent_ = false;
-      quiet_since_ = now;
-    } else if (!said_silent_ && now - quiet_since_ >= kSilent) {
-      said_silent_ = true;
-      port_.tell(
-          "microphone_silent",
-          name_ + " has been silent for 5 s: see that it is switched on, and that this program may hear it");
-    }
-  }
-
-  /// By the machine's clock.
-  [[nodiscard]] std::uint64_t block_now() const {
-    return static_cast<std::uint64_t>((Clock::now() - begun_) / speech::kBlockDuration);
-  }
-  void hand_over(const speech::Block& block) {
-    if (!begun_blocks_) next_block_ = std::max(next_block_, block_now());
-    begun_blocks_ = true;
-    if (const auto header = speech::encode_header({.device = device_, .block = next_block_}))
-      port_.hand_over(*header, speech::payload_of(block));
-    ++next_block_;
-  }
-
-  std::string name_;
-  std::uint64_t device_;
+  std::string asked_;  // As find_input() takes it.
+  std::string name_;   // As it is told.
   live::FeedPort& port_;
-  Clock::time_point begun_ = Clock::now();
-  Clock::time_point quiet_since_;
-  std::uint64_t next_block_ = 0;
-  bool begun_blocks_ = false;
-  bool said_silent_ = false;
+  HeardSound heard_;
   std::string told_;  // Why it was lost, as it was said.
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "app/live/microphone.h"
+#include "app/live/page_microphone.h"
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/sensor/bindings.h"
@@ -55,6 +56,7 @@ std::string source_name(const std::string& file) {
 }  // namespace
 
 Result<live::Feed> sound_feed(const std::string& what) {
+  if (what == "page") return page_feed(speech::kThisMachine);
   std::error_code ignored;
   if (what != "default" &&
       (what.ends_with(".wav") || what.ends_with(".WAV") || std::filesystem::is_regular_file(what, ignored)))

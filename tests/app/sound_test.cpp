@@ -163,6 +163,12 @@ TEST_F(SoundProgram, TheMouthIsHeardByPhonesWhereTheRigSaysSo) {
   EXPECT_NEAR(took["network"]["answer_is_older_ms"].get<double>(), 30, 1e-6);
 }
 
+TEST_F(SoundProgram, ABrowserIsHeardWhereThereIsAPageOnly) {
+  const Outcome none = run(live({"--audio", "page"}));
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.err, HasSubstr("--audio page: there is no page"));
+}
+
 TEST_F(SoundProgram, WithoutAudioNoMicrophoneIsOpened) {
   const Outcome both = run(live({"--no-audio", "--audio", "default"}));
   EXPECT_EQ(both.status, 2);
