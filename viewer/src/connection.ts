@@ -22,6 +22,8 @@ const FIRST_RETRY_MS = 500;
 const LONGEST_RETRY_MS = 5000;
 /** A message longer than this is not read. */
 const LONGEST_MESSAGE = 1 << 20;
+/** Of sound so many bytes may wait to be sent, half a second: what comes later than that is of no use. */
+const MOST_WAITING_SOUND = 50_000;
 
 /** An address of this page's host with the page's token passed on. */
 export function withToken(path: string, location: { href: string; search: string }): URL {
@@ -93,6 +95,12 @@ export class Connection {
       const timer = window.setTimeout(() => this.answer(refusal(id, "The session did not answer.")), REPLY_TIMEOUT_MS);
       this.waiting.set(id, { settle: resolve, timer });
     });
+  }
+
+  /** Sends a piece of sound, or lets it go where what was sent before still waits. */
+  sendSound(message: ArrayBuffer): void {
+    const socket = this.socket;
+    if (socket?.readyState === WebSocket.OPEN && socket.bufferedAmount < MOST_WAITING_SOUND) socket.send(message);
   }
 
   private hear(data: unknown): void {

@@ -3,7 +3,7 @@
  * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
  * for what cannot be used at all.
  */
-import { type Hearing, readHearing } from "./hearing_protocol";
+import { type Hearing, type MicrophoneOver, readHearing } from "./hearing_protocol";
 import { type NetworkStatus, readNetwork } from "./network_protocol";
 import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
@@ -234,7 +234,7 @@ export interface Takes {
   takes: Take[];
 }
 
-export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes;
+export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver;
 
 /** wearer: neutral, nod and shake, expressions, then a minute of others, from which skin sensors learn the wearer. */
 export type CalibrationKind = "short" | "full" | "wearer";
@@ -256,6 +256,7 @@ export type Command =
   | { command: "shape"; smoothing?: number; merge?: { audio: boolean }; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "listen"; only: string }
   | { command: "pair" }
+  | { command: "microphone"; on: boolean }
   | { command: "takes" }
   | { command: "replay"; take: string }
   | { command: "replay"; paused: boolean }
@@ -572,6 +573,8 @@ export function readMessage(message: string, order: Int16Array): Message | null 
       return { type: "event", kind: text(fields["kind"]), text: text(fields["text"]) };
     case "takes":
       return { type: "takes", takes: readTakes(fields) };
+    case "microphone":
+      return { type: "microphone", why: text(fields["why"]) };
     default:
       return null;
   }

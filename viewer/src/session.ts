@@ -1,5 +1,6 @@
 /** What the page knows of the session, and what it may ask of it: the connection with its messages laid out as signals. */
 import { Connection, type ConnectionState } from "./connection";
+import type { MicrophoneOver } from "./hearing_protocol";
 import { History } from "./history";
 import { Playout } from "./playout";
 import { readTakes, type Command, type Frame, type Hello, type Message, type Reply, type SessionEvent, type Status, type Take } from "./protocol";
@@ -20,6 +21,8 @@ export class Session {
   readonly events = new Signal<readonly (SessionEvent & { atMs: number })[]>([]);
   readonly latencies = new Signal<readonly { p50: number; p99: number }[]>([]);
   readonly takes = new Signal<readonly Take[]>([]);
+  /** That this browser's microphone is heard no more, and why. */
+  readonly microphoneOver = new Signal<MicrophoneOver | null>(null);
   readonly history = new History();
   readonly playout = new Playout();
 
@@ -49,6 +52,11 @@ export class Session {
   /** Never rejects: a refusal is a reply that is not ok. */
   send(command: Command): Promise<Reply> {
     return this.link.send(command);
+  }
+
+  /** A piece of sound; lost where the connection is behind or away. */
+  sendSound(message: ArrayBuffer): void {
+    this.link.sendSound(message);
   }
 
   async refreshTakes(): Promise<void> {
@@ -82,6 +90,9 @@ export class Session {
         break;
       case "takes":
         this.takes.set(message.takes);
+        break;
+      case "microphone":
+        this.microphoneOver.set(message);
         break;
     }
   }

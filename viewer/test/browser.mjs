@@ -5,7 +5,7 @@ import { chromium } from "playwright-core";
 
 /** A graphics card made of software is slow, and the machine may be busy: ms. */
 export const PATIENCE = 150_000;
-const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+export const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
 /** By default with a graphics card of software. */
 export async function launch(...gl) {

@@ -1,9 +1,10 @@
 // A session for developing and testing the page without devices: serves the built page, a face and /ws, and behaves as
 // docs/reference/page_protocol.md says, with made-up but believable data: a talking face, a lossy sensor, a frozen one, a lost one.
 //
-//   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated] [-- --eyewear] [-- --prompts]
+//   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated] [-- --eyewear] [-- --prompts] [-- --microphone]
 //
-// --eyewear wears the glasses of rigs/eyewear.toml beside the ear's sensor; --prompts records, and asks for a few poses.
+// --eyewear wears the glasses of rigs/eyewear.toml beside the ear's sensor; --prompts records, and asks for a few poses;
+// --microphone hears that of a browser.
 //
 // The face is the built-in one where MIEN_PROGRAM names the program that makes it, else an egg.
 import { execFileSync } from "node:child_process";
@@ -13,6 +14,7 @@ import { tmpdir } from "node:os";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
+import { MockVoice } from "./mock_voice.mjs";
 import { SHAPES, sphereHead } from "./sphere_head.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -39,6 +41,8 @@ const IMUS = RIG.map(([name, ...position]) => ({
   name, kind: "imu", site: name.replace(/_[LR]$/, ""), side: /_([LR])$/.exec(name)?.[1] ?? "M",
   role: name === "mastoid_L" ? "head" : "face", position_m: position,
 }));
+
+const MICROPHONE = { name: "microphone", kind: "speech", site: "", side: "M", role: "face", position_m: null };
 
 const PROMPTS = [
   { name: "neutral", say: "Look ahead, relax your face and hold still", seconds: 10, target: {} },
@@ -138,8 +142,9 @@ class MockSession {
   /** While set, a calibration that has reached this step stays there, half way through. */
   holdAt = "";
 
-  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false } = {}) {
-    this.sensors = eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : IMUS;
+  /** `microphone`: it hears one, that of a browser. */
+  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false } = {}) {
+    this.sensors = eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : microphone ? [...IMUS, MICROPHONE] : IMUS;
     this.quick = quick;
     this.random = seeded(7);
     this.started = Date.now();
@@ -165,7 +170,7 @@ class MockSession {
     if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
     this.shaping = { smoothing: 0.25, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
-    this.hearing = { on: true, speaks: true, share: 0.37, later_ms: 35 };
+    this.voice = new MockVoice(microphone);
     this.replay = null;
     this.tap = null;
     this.network = {
@@ -279,7 +284,7 @@ class MockSession {
         reordered: 0, malformed: 0, loss: !heard ? null : state === "lost" ? 1 : state === "lossy" ? 0.12 + 0.02 * this.random() : 0.003 * this.random(),
         offset_ms: heard ? 3187.4 * (i + 1) + 0.2 * this.random() : null, drift_ppm: heard ? 18 * Math.sin(3 * i) : null, uncertainty_ms: heard ? 0.3 + 0.2 * this.random() : null,
         battery: heard && kind === "imu" ? 92 - ((7 * i) % 60) : null, heading_sigma_deg: heard && kind === "imu" ? 1.4 + 0.3 * (i % 4) : null,
-        level: kind === "eyewear" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
+        level: kind === "speech" ? this.voice.level : kind === "eyewear" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
       };
     });
     const run = this.calibration.run;
@@ -297,7 +302,7 @@ class MockSession {
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
-      shaping: this.shaping, hearing: this.hearing, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
+      shaping: this.shaping, hearing: this.voice.hearing, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
       network: this.network,
     };
   }
@@ -353,7 +358,7 @@ class MockSession {
   }
 
   /** Obeys one command; gives the reply's `result`, or throws with the reply's `error`. */
-  obey(command) {
+  obey(command, client) {
     switch (command.command) {
       case "calibrate":
         if (this.replay) throw new Error("A replay cannot be calibrated.");
@@ -419,13 +424,16 @@ class MockSession {
       case "shape":
         if (command.smoothing !== undefined) this.shaping.smoothing = command.smoothing;
         for (const key of ["constraints", "lids_follow_eyes"]) if (command[key] !== undefined) this.shaping[key] = command[key];
-        if (command.merge?.audio !== undefined) Object.assign(this.hearing, { on: command.merge.audio, speaks: false });
+        if (command.merge?.audio !== undefined) this.voice.switch(command.merge.audio);
         if (command.resting !== undefined) {
           this.shaping.resting = command.resting;
           this.shaping.resting_face.rest = command.resting ? { eyeBlink_L: 0.3, eyeBlink_R: 0.28, browInnerUp_L: 0.22, browInnerUp_R: 0.25, mouthSmile_L: 0.12 } : {};
         }
         Object.assign(this.shaping.gains, command.gains);
         Object.assign(this.shaping.limits, command.limits);
+        return null;
+      case "microphone":
+        this.voice.ask(client, command.on === true);
         return null;
       case "listen":
         if (command.only !== "" && !this.network.interfaces.some((one) => [one.name, one.address].includes(command.only))) {
@@ -479,14 +487,18 @@ class MockSession {
 
   join(client) {
     this.clients.add(client);
-    client.on("close", () => this.clients.delete(client));
-    client.on("message", (data) => {
+    client.on("close", () => {
+      this.clients.delete(client);
+      this.voice.leave(client);
+    });
+    client.on("message", (data, isBinary) => {
+      if (isBinary) return this.voice.take(client, data);
       let id = -1;
       try {
         const command = JSON.parse(String(data));
         id = command.id;
         this.commands.push(command);
-        const result = this.obey(command);
+        const result = this.obey(command, client);
         client.send(JSON.stringify({ type: "reply", id, ok: true, error: "", result }));
         this.say(this.status());
       } catch (error) {
@@ -570,7 +582,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   };
   const { url } = await startMockSession({
     port: Number(option("port", 8740)), token: option("token", ""), uncalibrated: process.argv.includes("--uncalibrated"),
-    eyewear: process.argv.includes("--eyewear"), prompts: process.argv.includes("--prompts"),
+    eyewear: process.argv.includes("--eyewear"), prompts: process.argv.includes("--prompts"), microphone: process.argv.includes("--microphone"),
   });
   console.log(`A mock session: ${url}\nIts page with changes shown at once: npm run dev`);
 }

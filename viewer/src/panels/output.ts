@@ -3,12 +3,12 @@ import type { Actions } from "../actions";
 import { h, KeyedList, setHidden, setText } from "../dom";
 import { fixed } from "../format";
 import { ink } from "../ink";
-import type { Hearing } from "../hearing_protocol";
 import type { SinkStatus, Status } from "../protocol";
 import type { Session } from "../session";
 import { shapeIndex, shapeLabel } from "../shapes";
 import type { ViewState } from "../view_state";
 import { slider } from "./shape_knobs";
+import { VoiceBlock } from "./voice";
 import { isLimited } from "./weights";
 
 const SINK_KINDS: readonly (readonly [string, string])[] = [
@@ -37,16 +37,6 @@ export class OutputPanel {
       onclick: () => void this.actions.send({ command: "shape", [key]: !this.session.status.value?.shaping[key] }),
     }),
   }));
-  private readonly hear = h("button", {
-    type: "button", class: "switch", role: "switch", "aria-label": "Hear the voice",
-    onclick: () => void this.actions.send({ command: "shape", merge: { audio: !this.session.status.value?.hearing?.on } }),
-  });
-  private readonly heard = h("span", { class: "quiet" });
-  private readonly voice = h(
-    "section", { hidden: true },
-    h("h3", { text: "Voice" }),
-    h("div", { class: "switch-row" }, this.hear, h("span", {}, "Hear the voice ", this.heard)),
-  );
   private readonly shaped = h("ul", { class: "shaped-list" });
   private readonly shapedEmpty = h("p", { class: "quiet", text: "No gains or limits. Press a bar in Weights, then open its gain." });
   private readonly about = h("dl", { class: "facts" });
@@ -73,7 +63,7 @@ export class OutputPanel {
       ),
       this.shaped,
       this.shapedEmpty,
-      this.voice,
+      new VoiceBlock(session, actions).element,
       h("h3", { text: "Latency" }),
       this.latencyText,
       this.latency,
@@ -91,7 +81,6 @@ export class OutputPanel {
       sinks.update(status.sinks);
       if (this.timer === 0 && document.activeElement !== this.smoothing.input) this.smoothing.set(status.shaping.smoothing);
       for (const { key, element } of this.switches) element.setAttribute("aria-checked", String(status.shaping[key]));
-      this.drawVoice(status.hearing);
       this.drawShaped(status);
       this.drawAbout(status);
       this.drawLatency();
@@ -139,19 +128,6 @@ export class OutputPanel {
       this.timer = 0;
       void this.actions.send({ command: "shape", smoothing: this.smoothing.value });
     }, 120);
-  }
-
-  private drawVoice(hearing: Hearing | null): void {
-    setHidden(this.voice, hearing === null);
-    if (!hearing) return;
-    this.hear.setAttribute("aria-checked", String(hearing.on));
-    const late = Math.abs(hearing.laterMs) >= 1 ? ` Sound ${hearing.laterMs > 0 ? "lags behind" : "comes before"} the face by ${fixed(Math.abs(hearing.laterMs), 0)} ms.` : "";
-    setText(
-      this.heard,
-      hearing.on
-        ? `${hearing.speaks ? "Somebody speaks." : "Nobody speaks."} ${fixed(100 * hearing.share, 0)} % of all frames have shapes from it.${late}`
-        : "Sound is off; no shape is from it, and a microphone is closed.",
-    );
   }
 
   private drawShaped(status: Status): void {
