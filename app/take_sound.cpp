@@ -13,12 +13,17 @@ namespace {
 /// Blocks of a gap that is kept as silence: a minute.
 constexpr std::uint64_t kLongestGap = 60 * speech::kRateHz / speech::kBlockSamples;
 
+/// Blocks of a device that was started anew are counted from below this: a second.
+constexpr std::uint64_t kRestart = speech::kRateHz / speech::kBlockSamples;
+
 /// Appends block after block of one device.
 class Gathered {
  public:
   void add(const speech::BlockHeader& header, const speech::Block& block) {
     if (device_ && *device_ != header.device) return;
     device_ = header.device;
+    // Doubled, late, or of another who sends as this device; a device that restarts counts from 0.
+    if (next_ && header.block < *next_ && header.block > kRestart) return;
     if (next_ && header.block > *next_ && header.block - *next_ <= kLongestGap)
       sound_.samples.resize(sound_.samples.size() + (header.block - *next_) * speech::kBlockSamples);
     for (const std::int16_t sample : block)

@@ -548,6 +548,7 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   State& s = *state_;
   s.stop = &stop;
   s.listener = listener;
+  if (s.settings.shut) s.session->take_no_sound();
   for (const session::Command& command : s.settings.commands)
     MIEN_TRY(s.loop.execute(session::write_command(command)));
   for (const session::Prompt& prompt : s.settings.prompts)

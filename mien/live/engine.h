@@ -37,7 +37,7 @@ struct EngineSettings {
   std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
   std::vector<Feed> feeds;          ///< Beside them.
   bool hear = true;                 ///< Whether they are wanted from the beginning on (FeedPort::wanted).
-  bool shut = false;  ///< No microphone shall be opened whatever the page says: shown, not seen to.
+  bool shut = false;  ///< No sound is taken from anywhere, whatever the page says; no feed should bring any.
   std::vector<std::string> out;  ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
   bool replace = false;  ///< An existing take.

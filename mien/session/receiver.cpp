@@ -9,6 +9,9 @@
 namespace mien::session {
 namespace {
 
+/// The kind of sensors whose devices are heard.
+constexpr std::string_view kHears = "speech";
+
 using sensor::DeviceKey;
 using sensor::Verdict;
 
@@ -34,12 +37,6 @@ constexpr Duration kLost = std::chrono::milliseconds(100);
 constexpr Duration kLostEstimated = std::chrono::seconds(1);
 /// Samples that one datagram can hold.
 constexpr std::size_t kMostSamples = 256;
-
-bool brings_sound(const sensor::Inbox& inbox) {
-  return std::ranges::any_of(inbox.readings, [](const sensor::Reading& reading) {
-    return reading.sample.kind == sensor::SampleKind::sound;
-  });
-}
 
 }  // namespace
 
@@ -344,6 +341,14 @@ Receiver::Received Receiver::receive_logged(HostTime arrival, Sender sender,
   return decode(arrival, sender, protocol_of(datagram), datagram, payload, consumer);
 }
 
+bool Receiver::brings_unwanted_sound(const sensor::Inbox& inbox) const {
+  return std::ranges::any_of(inbox.readings, [&](const sensor::Reading& reading) {
+    if (reading.sample.kind != sensor::SampleKind::sound) return false;
+    const auto bound = std::ranges::find(bound_, reading.from, &std::pair<DeviceKey, std::uint16_t>::first);
+    return !listens_ || bound == bound_.end() || rig_.sensors[bound->second].kind != kHears;
+  });
+}
+
 Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t protocol,
                                     std::span<const std::byte> datagram, const sensor::Payload& payload,
                                     SampleConsumer& consumer) {
@@ -364,7 +369,7 @@ Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t
     ++refused_;
     return out;
   }
-  if (!listens_ && brings_sound(inbox_)) {
+  if (brings_unwanted_sound(inbox_)) {
     out.verdict = Verdict::ignored;
     out.log = {};
     out.payload = {};

@@ -111,7 +111,8 @@ class Receiver {
   /// where none of them has it.
   bool hear(std::uint16_t sensor, std::string_view source, SampleConsumer& consumer);
   /// Whether sound is taken, as it is at first. Else what brings some is ignored, and no log should keep it:
-  /// a voice that nobody asked for is nobody's to record.
+  /// a voice that nobody asked for is nobody's to record. So is, always, sound of a device that is bound to
+  /// no sensor of the kind "speech".
   void listen_to_sound(bool on) { listens_ = on; }
   /// The sensor's next samples stand on another clock.
   void forget(std::uint16_t sensor) { ticks_.forget(sensor); }
@@ -181,6 +182,8 @@ class Receiver {
   Received decode(HostTime arrival, Sender sender, std::size_t protocol, std::span<const std::byte> datagram,
                   const sensor::Payload& payload, SampleConsumer& consumer);
   Received reject_malformed(sensor::Peer peer);
+  /// Sound that nobody asked for, or of a device that is none of the rig's microphones.
+  [[nodiscard]] bool brings_unwanted_sound(const sensor::Inbox& inbox) const;
   [[nodiscard]] const Device* find(const sensor::DeviceKey& key) const;
   [[nodiscard]] Device* find(const sensor::DeviceKey& key);
   /// The device of this key, from now on if it is new.

@@ -296,7 +296,7 @@ Result<void> Session::execute(const Shape& command) {
   MIEN_TRY_ASSIGN(const shaping::ShaperSettings settings,
                   shaping::parse_settings(command.json, kSession, shaper_.settings()));
   shaper_.set(settings);
-  receiver_->listen_to_sound(settings.merge.audio);
+  receiver_->listen_to_sound(settings.merge.audio && !deaf_);
   if (reshape_) reshape_(settings);
   return {};
 }

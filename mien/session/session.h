@@ -48,6 +48,13 @@ class Session final : private SampleConsumer {
   Session& operator=(const Session&) = delete;
   ~Session() override = default;
 
+  /// From now on no sound is taken, whatever the settings come to say. A replay has no use for it: what was
+  /// not taken is not in the log.
+  void take_no_sound() {
+    deaf_ = true;
+    receiver_->listen_to_sound(false);
+  }
+
   using Received = Receiver::Received;
   /// One datagram. Fire all that due() gives before it, and again after it.
   /// `payload`: raw, as its device gave it; empty for none (Receiver::receive).
@@ -150,6 +157,7 @@ class Session final : private SampleConsumer {
   std::uint64_t frames_ = 0;
   std::uint64_t heard_frames_ = 0;  // Of which a shape is from sound.
   bool hears_ = false;              // The rig has a microphone.
+  bool deaf_ = false;               // take_no_sound().
   tracker::TickResult::Hearing hearing_;
   std::size_t sensors_present_ = 0;
   face::FrameHash hash_;

@@ -28,6 +28,15 @@ constexpr std::array<std::size_t, kPartCount> kPlaces = [] {
 /// The tongue has no confidence of its own.
 constexpr std::size_t kTongueGoesWith = face::shape("jawOpen");
 
+/// Whether the frame's tracker tells this part; the tongue is told with the jaw, a position with its head.
+bool tells(const OutputFrame& frame, std::size_t part) {
+  const Provenance provenance = part < face::kShapeCount ? frame.provenance[part]
+                                : part == kTonguePart    ? frame.provenance[kTongueGoesWith]
+                                : part == kEyesPart      ? frame.eyes_provenance
+                                                         : frame.head_provenance;
+  return provenance != Provenance::neutral;
+}
+
 bool has_estimate(const OutputFrame& frame) {
   const auto estimated = [](Provenance p) { return p != Provenance::neutral; };
   return std::ranges::any_of(frame.provenance, estimated) || estimated(frame.head_provenance) ||
@@ -226,7 +235,8 @@ std::size_t Merge::follow(const Source& source, History& history) {
 
 void Merge::change_hands(std::size_t part, const History& next, const OutputFrame& out) {
   const double step_s = to_seconds(shown_.time - shown_before_.time);
-  if (next.frames < 2 || step_s <= 0) return ease_out_.begin(part, shown_, out);
+  if (next.frames < 2 || step_s <= 0 || !tells(next.before, part) || !tells(next.earlier, part))
+    return ease_out_.begin(part, shown_, out);
   ease_out_.begin_moving(part, {shown_before_, shown_}, {next.earlier, next.before}, step_s);
 }
 

@@ -77,7 +77,8 @@ class Merge {
 
   /// Fills `out`; `sources` as many as `modalities`. Returns the number of sensors for Shaper::apply: those
   /// of all trackers with an estimate (any provenance but neutral); 0 when none is left; before any had one,
-  /// those of all. A single source passes to the bit where it senses mouth and jaw, or nobody measured it.
+  /// those of all. A single source passes to the bit where it senses mouth and jaw, or nobody measured it;
+  /// while it warms up none of its sensors counts.
   std::size_t apply(std::span<const Source> sources, face::OutputFrame& out);
 
   /// Takes effect at the next frame; values are clamped to their ranges. Not `on`: the first source's frame

@@ -13,7 +13,8 @@ bool MicrophoneProtocol::recognises(std::span<const std::byte> datagram) const {
 Verdict MicrophoneProtocol::receive(HostTime, sensor::Peer, std::span<const std::byte> datagram,
                                     sensor::Inbox& inbox) {
   const auto packet = parse_packet(datagram);
-  if (!packet) return packet.error().code == ErrorCode::unsupported ? Verdict::ignored : Verdict::malformed;
+  // Of another version too: what is ignored is logged, and a voice must not be.
+  if (!packet) return Verdict::malformed;
   const auto block = samples_of(packet->samples);
   if (!block) return Verdict::malformed;
   inbox.readings.push_back({.from = {packet->header.device, 0},

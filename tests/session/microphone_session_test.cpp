@@ -297,6 +297,36 @@ TEST(MicrophoneSession, ASwitchThatIsOffKeepsNothingOfIt) {
   EXPECT_EQ(session->receive(third.time, {0, "udp://a:1"}, third.bytes).samples.size(), 1U);
 }
 
+TEST(MicrophoneSession, StrangersAreNotRecorded) {
+  // A rig without a microphone, and one whose microphone is another.
+  for (const int microphones : {0, 1}) {
+    const auto receiver =
+        Receiver::create(rig_of(microphones, true), modalities::make_protocols().value()).value();
+    struct Nobody final : SampleConsumer {
+      void add(HostTime, const sensor::Sample&) override { ADD_FAILURE(); }
+      void rebound(std::uint16_t, const sensor::DeviceKey&, bool) override { ADD_FAILURE(); }
+    } nobody;
+    const virt::Datagram stranger = block(0, tone, 7);
+    const auto received = receiver->receive(stranger.time, {1, "udp://b:2"}, stranger.bytes, nobody);
+    EXPECT_EQ(received.verdict, Verdict::ignored);
+    EXPECT_TRUE(received.log.empty()) << "nobody asked for this voice";
+  }
+}
+
+TEST(MicrophoneSession, OneThatIsToTakeNoSoundTakesNoneWhateverItIsTold) {
+  const auto session = loud_session(rig_of(1));
+  session->take_no_sound();
+  const HostTime now{};
+  ASSERT_TRUE(session->command(now, write_command(Shape{R"({"merge": {"audio": true}})"})));
+  ASSERT_TRUE(session->command(now, write_command(Bind{"microphone", {speech::kAnyMicrophone + 1, 0}})));
+  for (const std::uint64_t microphone : {0U, 1U}) {
+    const virt::Datagram sound = block(0, tone, microphone);
+    const auto received = session->receive(sound.time, {0, "udp://a:1"}, sound.bytes);
+    EXPECT_TRUE(received.log.empty());
+    EXPECT_TRUE(received.samples.empty());
+  }
+}
+
 TEST(MicrophoneSession, WithAKeyOnlyASealedOneIsHeard) {
   const sensor::SealKey key{.id = 1, .secret = {std::byte{7}}};
   const auto receiver = Receiver::create(rig_of(1), modalities::make_protocols({key}).value()).value();

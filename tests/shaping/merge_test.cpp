@@ -83,6 +83,29 @@ TEST(Merge, ATrackerWarmsUpOnceItsSensorsAreBack) {
   EXPECT_EQ(count_at(5 + kWarmUpFrames, 11), 0U);
 }
 
+TEST(Merge, APartThatASourceNewlyTellsDoesNotJump) {
+  Merge both({"imu", "weights"});
+  OutputFrame before;
+  for (int i = 0; i < 60; ++i) {
+    OutputFrame imu = measured(i, 0.5F), weights = measured(i, 0.5F);
+    imu.head = exp_rotation({0, 0.1, 0});
+    weights.head = exp_rotation({0, 0.9, 0});
+    if (i < 20) {  // Its head is not told yet, only its face.
+      weights.head = Quat::Identity();
+      weights.head_provenance = Provenance::neutral;
+      weights.head_confidence = 0;
+    }
+    const std::array<Merge::Source, 2> sources = {Merge::Source{&imu, 11}, Merge::Source{&weights, 1}};
+    OutputFrame out;
+    both.apply(sources, out);
+    if (i > 0) {
+      ASSERT_LE(angle_between(out.head, before.head), 0.1 * 0.8) << i;
+    }
+    before = out;
+  }
+  EXPECT_NEAR(angle_between(before.head, exp_rotation({0, 0.9, 0})), 0, 0.01) << "it leads the head";
+}
+
 TEST(Merge, LeftOutTheFirstSourcePassesAsItIs) {
   Merge merging({"imu", "eyewear"});
   merging.set({}, {}, false);

@@ -109,7 +109,8 @@ TEST(MicrophoneProtocol, LeavesNoTraceOfWhatIsMalformed) {
   EXPECT_EQ(protocol.receive_with_payload({}, 0, packet, payload_of(ramp()), inbox), Verdict::malformed)
       << "it has its samples";
   packet[4] = std::byte{2};
-  EXPECT_EQ(protocol.receive({}, 0, packet, inbox), Verdict::ignored);
+  EXPECT_EQ(protocol.receive({}, 0, packet, inbox), Verdict::malformed)
+      << "what is ignored is logged, and it holds a voice";
   EXPECT_TRUE(inbox.readings.empty());
 }
 
