@@ -24,13 +24,13 @@ struct LiveRequest {
   TokenOption token;                    ///< Of the page.
   std::string face = "builtin";
   std::string performer;
-  std::string script = "live";           ///< What is performed: goes into takes.
-  std::string key;                       ///< A file; empty: everybody is heard.
-  double seconds = 0;                    ///< 0: until it is stopped.
-  std::string constraints;               ///< A file, or "off"; empty: the default.
-  std::string audio;                     ///< A WAV file or a microphone that is heard; empty: nothing is.
-  std::string hears_by;                  ///< "network" or "phones"; empty: as the rig says.
-  bool no_audio = false;                 ///< No microphone is opened, and no file heard.
+  std::string script = "live";  ///< What is performed: goes into takes.
+  std::string key;              ///< A file; empty: everybody is heard.
+  double seconds = 0;           ///< 0: until it is stopped.
+  std::string constraints;      ///< A file, or "off"; empty: the default.
+  std::string audio;      ///< A WAV file, a microphone, "page" or "network" that is heard; empty: nothing is.
+  std::string hears_by;   ///< "network" or "phones"; empty: as the rig says.
+  bool no_audio = false;  ///< No microphone is opened, and no file heard.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
   bool only_record = false;              ///< It ends when its prompts or its recording do.
   /// What the temporary log may take, 10^9 bytes.

@@ -69,7 +69,7 @@ Result<void> write_confidence(const StudySpeechOptions& options, speech::SpeechN
       network.confidence,
       study::measure_speech_confidence(
           network,
-          {.voices = study::VoiceUse::validation, .passages = options.request.passages, .seed = kMeasuredOn},
+          {.voices = study::VoiceUse::confidence, .passages = options.request.passages, .seed = kMeasuredOn},
           speaker_by_helper(), terminal_progress("confidence")));
   return speech::write_speech_network(options.write, network);
 }

@@ -103,7 +103,7 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
                 "cut it into pieces of at most 100000");
   if (words_per_minute < kSlowest || words_per_minute > kFastest)
     return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), language,
-                "choose 80 to 450");
+                fmt::format("choose {} to {}", kSlowest, kFastest));
   if (language.starts_with(kFlitePrefix))
     return speak_by_flite(language.substr(kFlitePrefix.size()), text, words_per_minute);
   const int rate_hz = espeak_Initialize(

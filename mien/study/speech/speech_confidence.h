@@ -17,7 +17,7 @@ namespace mien::study {
 
 /// Who is listened to, to learn what a network of speech is worth.
 struct HeardPeople {
-  VoiceUse voices = VoiceUse::validation;
+  VoiceUse voices = VoiceUse::confidence;
   int passages = 2;  ///< By each voice, each under all of kSoundConditions.
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: one a core.

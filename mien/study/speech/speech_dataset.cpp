@@ -23,6 +23,8 @@ namespace {
 constexpr std::array<std::string_view, 12> kTrainingVariants = {
     "+m1", "+m2", "+m3", "+m4", "+m6", "+m8", "+f1", "+f2", "+f5", "+Annie", "+benjamin", "+steph"};
 constexpr std::array<std::string_view, 3> kValidationVariants = {"+m7", "+f3", "+belinda"};
+constexpr std::array<std::string_view, 6> kConfidenceVariants = {"+Denis", "+linda", "+Gene",
+                                                                 "+Andy",  "+anika", "+paul"};
 constexpr std::array<std::string_view, 3> kTestVariants = {"+m5", "+f4", "+michel"};
 /// Made of people's recordings; each speaks one language. Those of flite are of whole sentences, or of pieces
 /// of them; those of festival are joined of pieces.
@@ -116,18 +118,30 @@ std::vector<Piece> pieces_for(VoiceUse use, int passages) {
 }  // namespace
 
 std::vector<Voice> voices_for(VoiceUse use) {
-  const auto pick = [use]<typename T>(std::span<const T> training, std::span<const T> validation,
-                                      std::span<const T> test) {
-    return use == VoiceUse::training ? training : use == VoiceUse::validation ? validation : test;
-  };
+  std::span<const std::string_view> variants;
+  std::span<const Person> people;
+  switch (use) {
+    case VoiceUse::training:
+      variants = kTrainingVariants;
+      people = kTrainingPeople;
+      break;
+    case VoiceUse::validation:
+      variants = kValidationVariants;
+      break;
+    case VoiceUse::confidence:
+      variants = kConfidenceVariants;
+      break;
+    case VoiceUse::test:
+      variants = kTestVariants;
+      people = kTestPeople;
+      break;
+  }
   std::vector<Voice> voices;
   const auto languages = reading_languages();
-  for (const std::string_view variant :
-       pick.operator()<std::string_view>(kTrainingVariants, kValidationVariants, kTestVariants))
+  for (const std::string_view variant : variants)
     for (std::size_t l = 0; l < languages.size(); ++l)
       voices.push_back({std::string(languages[l].voice) + std::string(variant), l});
-  for (const Person& person : pick.operator()<Person>(kTrainingPeople, {}, kTestPeople))
-    voices.push_back({std::string(person.voice), person.language});
+  for (const Person& person : people) voices.push_back({std::string(person.voice), person.language});
   return voices;
 }
 

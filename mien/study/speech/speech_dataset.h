@@ -32,9 +32,9 @@ struct Voice {
   std::string name;  ///< As Speaker takes it.
   std::size_t language = 0;
 };
-/// None is in two of the three. Those for tests are heard by `mien study speech`, and by nothing that learns
-/// or chooses.
-enum class VoiceUse : std::uint8_t { training, validation, test };
+/// None is in two of the four. On those for confidence a network's table of confidence is measured; those for
+/// tests are heard by `mien study speech`, and by nothing that learns or chooses.
+enum class VoiceUse : std::uint8_t { training, validation, confidence, test };
 [[nodiscard]] std::vector<Voice> voices_for(VoiceUse use);
 
 /// The shapes that a network of speech answers for, by name: what performer::perform_speech moves.

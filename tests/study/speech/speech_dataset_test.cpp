@@ -18,7 +18,8 @@ using testing::HasSubstr;
 TEST(SpeechDataset, VoicesAreApartAndOfFourLanguages) {
   std::set<std::string> all;
   std::size_t count = 0;
-  for (const VoiceUse use : {VoiceUse::training, VoiceUse::validation, VoiceUse::test}) {
+  for (const VoiceUse use :
+       {VoiceUse::training, VoiceUse::validation, VoiceUse::confidence, VoiceUse::test}) {
     std::set<std::size_t> languages;
     for (const Voice& voice : voices_for(use)) {
       all.insert(voice.name);
