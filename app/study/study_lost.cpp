@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -10,9 +9,8 @@
 #include "app/json_output.h"
 #include "app/media_helper.h"
 #include "app/seed_option.h"
+#include "app/study/spoken_scene.h"
 #include "mien/builtin_face/builtin_face.h"
-#include "mien/core/files.h"
-#include "mien/modalities/modalities.h"
 #include "mien/study/speech/lost_sensors_study.h"
 
 namespace mien::app {
@@ -41,12 +39,7 @@ Result<void> film(const study::LostSensorsPerson& person, const std::string& out
 
 Result<void> run_study_lost(const StudyLostOptions& options) {
   if (!options.film.empty()) MIEN_TRY(check_output(options.film, {".mp4"}));
-  study::LostSensorsScene scene;
-  MIEN_TRY_ASSIGN(const std::filesystem::path rig, path_or(options.rig, "rigs/default.toml"));
-  MIEN_TRY_ASSIGN(scene.rig, sensor::read_rig(rig));
-  MIEN_TRY_ASSIGN(scene.model, modalities::live_model(scene.rig, ""));
-  MIEN_TRY_ASSIGN(const std::filesystem::path network, find_resource("models/speech.safetensors"));
-  MIEN_TRY_ASSIGN(scene.network, speech::read_speech_network(network));
+  MIEN_TRY_ASSIGN(const study::SpokenScene scene, read_spoken_scene(options.rig));
   MIEN_TRY_ASSIGN(const auto people, study::study_lost_sensors(options.request, scene, speaker_by_helper(),
                                                                terminal_progress("lost sensors")));
   clear_progress();
@@ -81,7 +74,7 @@ void add_study_lost(Commands& commands, Command study) {
       "Sensors that are lost in the middle of a sentence, with and without a microphone (needs mien-media)",
       "mien study lost --rig rigs/eyewear.toml --film lost.mp4",
       [options] { return run_study_lost(*options); });
-  command.add_option("--rig", options->rig, "Of IMUs or of glasses (default: rigs/default.toml)");
+  add_spoken_rig_option(command, options->rig);
   command.add_option("--people", options->request.people, "Who speaks, a seed each")
       .in_range(1, 1000)
       .show_default();

@@ -43,6 +43,9 @@ class CombinedTracker final : public tracker::Tracker {
     sure_ = settings.merge.sure;
   }
 
+  /// What was found of the lag between sound and face.
+  [[nodiscard]] const Retiming& retiming() const { return retiming_; }
+
   /// "imu+eyewear".
   [[nodiscard]] std::string_view modality() const override { return modality_; }
   void add(HostTime arrival, const sensor::Sample& sample) override;

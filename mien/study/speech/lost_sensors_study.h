@@ -1,16 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/motion.h"
-#include "mien/sensor/rig.h"
-#include "mien/speech/speech_network.h"
 #include "mien/study/speech/speaker.h"
+#include "mien/study/speech/spoken_session.h"
 
 namespace mien::study {
 
@@ -19,13 +17,6 @@ struct LostSensorsRequest {
   double lost_s = 2;  ///< How long nothing comes from any sensor.
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: one a core.
-};
-
-/// What is worn.
-struct LostSensorsScene {
-  sensor::Rig rig;  ///< Sensors of one kind, "imu" or "eyewear".
-  std::filesystem::path model;
-  speech::SpeechNetworkFile network;
 };
 
 /// Sensors that are lost in the middle of a sentence and come back: what is shown with a microphone, and
@@ -51,11 +42,11 @@ struct LostSensorsPerson {
   Sound sound;  ///< What is heard meanwhile.
 };
 
-/// Lets people speak with sensors that are lost for a while. Voices are those for tests, sound is clean.
-/// Errors: bad_usage (a rig of several kinds, or of another one); the speaker's, the devices', the model's;
-/// cancelled.
+/// Lets people speak with sensors that are lost for a while. Voices are those for tests, sound is clean and
+/// not retimed: in so short a passage no lag is found. Errors: check_scene()'s; the speaker's, the devices',
+/// the model's; cancelled.
 [[nodiscard]] Result<std::vector<LostSensorsPerson>> study_lost_sensors(const LostSensorsRequest& request,
-                                                                        const LostSensorsScene& scene,
+                                                                        const SpokenScene& scene,
                                                                         const Speaker& speaker,
                                                                         const Progress& progress);
 

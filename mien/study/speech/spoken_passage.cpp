@@ -55,14 +55,14 @@ bool SpokenPassage::voiced_at(double time_s) const {
 }
 
 Result<SpokenPassage> speak_passage(const Speaker& speaker, const std::string& voice, std::size_t language,
-                                    const Random& random) {
+                                    const Random& random, double at_least_s) {
   constexpr int kLines = 3;
   Random drawn = random.fork("passage");
   const std::span<const std::string_view> lines =
       language < kNoLanguage ? reading_languages()[language].lines : std::span<const std::string_view>();
   SpokenPassage passage;
   double at_s = drawn.uniform(0.3, 1);
-  for (int l = 0; l < kLines; ++l) {
+  for (int l = 0; l < kLines || at_s < at_least_s; ++l) {
     const std::string text = drawn.chance(0.5) || lines.empty()
                                  ? invented_line(language, drawn)
                                  : std::string(lines[drawn.below(lines.size())]);

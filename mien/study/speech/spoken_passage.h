@@ -32,10 +32,12 @@ struct SpokenPassage {
   [[nodiscard]] bool voiced_at(double time_s) const;
 };
 
-/// Three lines by one voice, with pauses about them; half of them of words that do not exist, of kNoLanguage
-/// all. `language`: the voice's, of reading_languages(), or that. Errors: the speaker's.
+/// Three lines by one voice, or as many as take `at_least_s`, with pauses about them; half of them of words
+/// that do not exist, of kNoLanguage all. `language`: the voice's, of reading_languages(), or that. Errors:
+/// the speaker's.
 [[nodiscard]] Result<SpokenPassage> speak_passage(const Speaker& speaker, const std::string& voice,
-                                                  std::size_t language, const Random& random);
+                                                  std::size_t language, const Random& random,
+                                                  double at_least_s = 0);
 
 /// Sound of any rate at speech::kRateHz, as long as it was. Errors: BlockMaker's.
 [[nodiscard]] Result<std::vector<float>> resampled(const Sound& sound);

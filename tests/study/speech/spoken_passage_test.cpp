@@ -62,6 +62,19 @@ TEST(SpokenPassage, TheSameSeedSaysTheSame) {
   EXPECT_NE(one->utterance, other->utterance);
 }
 
+TEST(SpokenPassage, AReadingBeginsAsThePassageDoesAndIsAsLongAsAsked) {
+  const auto passage = speak_passage(test::letter_speaker(), "one", 1, Random(3));
+  const auto reading = speak_passage(test::letter_speaker(), "one", 1, Random(3), 40);
+  ASSERT_TRUE(passage && reading);
+  ASSERT_LT(passage->utterance.duration_s, 40) << "the test needs a longer one";
+  EXPECT_GE(reading->utterance.duration_s, 40);
+  EXPECT_LT(reading->utterance.duration_s, 60) << "by a line at most";
+  EXPECT_NEAR(reading->face.duration_s(), reading->utterance.duration_s, 0.05);
+  const std::size_t said = passage->utterance.phonemes.size();
+  ASSERT_GT(reading->utterance.phonemes.size(), said);
+  EXPECT_EQ(reading->utterance.phonemes[said - 1], passage->utterance.phonemes.back());
+}
+
 TEST(SpokenPassage, WhoHasNoLanguageSpeaksInventedLines) {
   std::vector<std::string> said;
   const Speaker letters = test::letter_speaker();
