@@ -40,7 +40,8 @@ Result<void> HeardSound::begin(int rate_hz, Clock::time_point now) {
   MIEN_TRY_ASSIGN(maker_, speech::BlockMaker::create(rate_hz));
   rate_hz_ = static_cast<std::uint64_t>(rate_hz);
   first_ = true;
-  said_silent_ = false;
+  silent_.clear();
+  publish();
   quiet_since_ = now;
   return {};
 }
@@ -64,24 +65,39 @@ void HeardSound::catch_up(Clock::time_point now) {
 
 void HeardSound::watch_silence(std::span<const float> samples, Clock::time_point now) {
   if (std::ranges::any_of(samples, [](float s) { return std::abs(s) > kSilence; })) {
-    if (said_silent_) {
+    if (!silent_.empty()) {
       port_.tell("microphone_heard", name_ + " is heard");
-      port_.trouble({});
+      silent_.clear();
+      publish();
     }
-    said_silent_ = false;
     quiet_since_ = now;
-  } else if (!said_silent_ && now - quiet_since_ >= kSilent) {
-    said_silent_ = true;
-    const std::string why = name_ +
-                            " has been silent for 5 s: see that it is switched on and not muted, and that "
-                            "the system lets it be heard";
-    port_.tell("microphone_silent", why);
-    port_.trouble(why);
+  } else if (silent_.empty() && now - quiet_since_ >= kSilent) {
+    silent_ = name_ +
+              " has been silent for 5 s: see that it is switched on and not muted, and that the system lets "
+              "it be heard";
+    port_.tell("microphone_silent", silent_);
+    publish();
   }
 }
 
+void HeardSound::trouble(std::string text) {
+  other_ = std::move(text);
+  publish();
+}
+
+void HeardSound::over() {
+  silent_.clear();
+  other_.clear();
+  publish();
+}
+
+void HeardSound::publish() {
+  port_.trouble(other_.empty() ? silent_ : other_);
+}
+
 std::uint64_t HeardSound::block_at(Clock::time_point now) const {
-  return static_cast<std::uint64_t>((now - begun_) / speech::kBlockDuration);
+  // What came in before the feed's thread began is of its first block.
+  return static_cast<std::uint64_t>(std::max(now - begun_, Clock::duration::zero()) / speech::kBlockDuration);
 }
 
 void HeardSound::hand_over(const speech::Block& block, Clock::time_point now) {

@@ -32,7 +32,9 @@ class Lateness {
 };
 
 /// What a microphone hears, on its way into the session: in blocks of 20 ms that are numbered on the
-/// machine's clock, so that no time is lost over gaps; that it stays silent is told. One thread.
+/// machine's clock, so that no time is lost over gaps; that it stays silent is told. It alone says what the
+/// feed's trouble is, so that neither a silence nor what the feed itself meets hides that the other goes on.
+/// One thread.
 class HeardSound {
  public:
   using Clock = std::chrono::steady_clock;
@@ -43,7 +45,8 @@ class HeardSound {
   HeardSound(std::string name, std::uint64_t device, live::FeedPort& port, Clock::time_point now)
       : name_(std::move(name)), device_(device), port_(port), begun_(now), quiet_since_(now) {}
 
-  /// A stream begins: its first block is the one of now. Errors: BlockMaker::create's.
+  /// A stream begins, of which no silence is known: its first block is the one of now. Errors:
+  /// BlockMaker::create's.
   [[nodiscard]] Result<void> begin(int rate_hz, Clock::time_point now);
   /// Its next samples, -1 to 1. After begin().
   void push(std::span<const float> samples, Clock::time_point now);
@@ -52,9 +55,14 @@ class HeardSound {
   void skip(std::uint64_t samples, Clock::time_point now);
   /// The next block is the one of now, or a later one.
   void catch_up(Clock::time_point now);
+  /// What else than silence stands against hearing, and is told rather than it; empty: nothing does any more.
+  void trouble(std::string text);
+  /// Nobody is to be heard any more: nothing stands against it.
+  void over();
 
  private:
   void watch_silence(std::span<const float> samples, Clock::time_point now);
+  void publish();
   void hand_over(const speech::Block& block, Clock::time_point now);
   [[nodiscard]] std::uint64_t block_at(Clock::time_point now) const;
 
@@ -67,7 +75,8 @@ class HeardSound {
   std::uint64_t next_block_ = 0;
   bool first_ = true;  // No block of this stream was handed over.
   Clock::time_point quiet_since_;
-  bool said_silent_ = false;
+  std::string silent_;  // That it is, as it was told; empty: it is not.
+  std::string other_;   // What trouble() was given.
 };
 
 }  // namespace mien::app

@@ -174,16 +174,16 @@ class Listening {
         const std::string gone =
             name_ + ": the sound system does not answer any more; begin the session anew to hear";
         port_.tell("microphone_lost", gone);
-        port_.trouble(gone);
+        heard_.trouble(gone);
         return;
       }
       if (unwanted) {
-        port_.trouble({});
+        heard_.over();
         continue;
       }
       const std::string lost = name_ + ": " + why + "; it is tried again each second";
       if (told_ != why) port_.tell("microphone_lost", lost);
-      port_.trouble(lost);
+      heard_.trouble(lost);
       told_ = why;
       for (const auto again = Clock::now() + kRetry; !port_.stopped() && Clock::now() < again;)
         std::this_thread::sleep_for(kLook);
@@ -212,7 +212,7 @@ class Listening {
     }
     if (!told_.empty()) port_.tell("microphone_back", name_ + " is back");
     told_.clear();
-    port_.trouble({});
+    heard_.trouble({});
     Lateness lateness(opened);
     double heard_s = 0;
     auto newest = opened;

@@ -1,5 +1,7 @@
 #include "app/live/page_microphone.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -16,6 +18,8 @@ constexpr double kFastest = 1.002;
 constexpr double kLeastSound_s = 0.005;
 constexpr auto kPageWait = std::chrono::milliseconds(50);
 constexpr const char* kItsName = "the browser's microphone";
+/// What to do where nothing better is known.
+constexpr const char* kAgain = "press Stop and use it again, or load the page anew";
 
 }  // namespace
 
@@ -24,7 +28,7 @@ PageSound::PageSound(std::uint64_t device, live::FeedPort& port, Clock::time_poi
 
 bool PageSound::take(std::uint64_t client, std::span<const std::byte> bytes, Clock::time_point now) {
   const Result<speech::SoundMessage> message = speech::parse_message(bytes);
-  if (!message) return refuse(client, message.error().message());
+  if (!message) return refuse(client, message.error());
   bool anew = !stream_ || stream_->client != client || stream_->rate_hz != message->rate_hz ||
               (message->count == 0 && stream_->next != 0);
   if (!anew) {
@@ -32,18 +36,18 @@ bool PageSound::take(std::uint64_t client, std::span<const std::byte> bytes, Clo
         stream_->lateness.at(stream_->position_s(message->count + message->samples.size()), now);
     if (std::abs(off_s) <= kOff_s) {
       stream_->off_since.reset();
-      if (message->count < stream_->next) return refuse(client, "it repeats what was heard");
+      if (message->count < stream_->next) return refuse(client, {.what = "it repeats what was heard"});
     } else {
       if (!stream_->off_since) stream_->off_since = now;
       if (now - *stream_->off_since < kPatience)
-        return refuse(client, off_s > 0 ? "it came more than a second late" : "it is ahead of its time");
+        return refuse(client,
+                      {.what = off_s > 0 ? "it came more than a second late" : "it is ahead of its time"});
       anew = true;
     }
   }
-  if (!pay(*message, now)) return refuse(client, "more sound than time passes");
+  if (!pay(*message, now)) return refuse(client, {.what = "more sound than time passes"});
   if (anew)
-    if (const auto begun = begin(client, *message, now); !begun)
-      return refuse(client, begun.error().message());
+    if (const auto begun = begin(client, *message, now); !begun) return refuse(client, begun.error());
   hear(*message, now);
   return true;
 }
@@ -54,22 +58,23 @@ void PageSound::look(std::uint64_t admitted, Clock::time_point now) {
     newest_ = now;
     stream_.reset();
     troubled_ = false;
-    port_.trouble({});
+    heard_.over();
     return;
   }
   if (admitted == 0 || troubled_ || now - newest_ < kGone) return;
   troubled_ = true;
-  const std::string why = std::string("nothing comes from ") + kItsName;
+  const std::string why = fmt::format("nothing comes from {}; {}", kItsName, kAgain);
   port_.tell("microphone_lost", why);
-  port_.trouble(why);
+  heard_.trouble(why);
 }
 
-bool PageSound::refuse(std::uint64_t client, const std::string& why) {
-  const std::string text = std::string(kItsName) + ": what it sent was refused, " + why;
+bool PageSound::refuse(std::uint64_t client, Error why) {
+  if (why.fix.empty()) why.fix = kAgain;
+  const std::string text = fmt::format("{}: what it sent was refused, {}", kItsName, why.message());
   if (told_ != client) port_.tell("microphone_failed", text);
   told_ = client;
   troubled_ = true;
-  port_.trouble(text);
+  heard_.trouble(text);
   return false;
 }
 
@@ -101,7 +106,7 @@ void PageSound::hear(const speech::SoundMessage& message, Clock::time_point now)
   stream_->next = message.count + message.samples.size();
   stream_->lateness.follow(stream_->position_s(stream_->next), now);
   newest_ = now;
-  if (std::exchange(troubled_, false)) port_.trouble({});
+  if (std::exchange(troubled_, false)) heard_.trouble({});
   samples_.resize(message.samples.size());
   std::ranges::transform(message.samples, samples_.begin(),
                          [](std::int16_t s) { return static_cast<float>(s) / speech::kFullScale; });

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "app/live/heard_sound.h"
+#include "mien/core/error.h"
 #include "mien/live/feeds.h"
 #include "mien/speech/sound_message.h"
 
 namespace mien::app {
 
 /// What a browser's messages become: sound, where they are what they claim to be. Refused are messages that
-/// cannot be read, that repeat what was heard, that stand more than kOff from the machine's clock, and more
+/// cannot be read, that repeat what was heard, that stand more than kOff_s from the machine's clock, and more
 /// than about real time of them. One thread.
 class PageSound {
  public:
@@ -46,7 +47,7 @@ class PageSound {
       return (static_cast<double>(count) - static_cast<double>(first)) / rate_hz;
     }
   };
-  bool refuse(std::uint64_t client, const std::string& why);
+  bool refuse(std::uint64_t client, Error why);
   bool pay(const speech::SoundMessage& message, Clock::time_point now);
   Result<void> begin(std::uint64_t client, const speech::SoundMessage& message, Clock::time_point now);
   void hear(const speech::SoundMessage& message, Clock::time_point now);
