@@ -2,6 +2,7 @@
 
 #include "mien/live/feeds.h"
 
+#include <algorithm>
 #include <exception>
 
 #include "mien/live/intake.h"
@@ -44,7 +45,9 @@ std::uint64_t Feeds::handed_over() const {
   std::uint64_t sum = 0;
   for (const PayloadSource* source : sources_) {
     const PayloadSource::Counts counts = source->counts();
-    sum += counts.received - counts.too_long - counts.overrun;
+    // Of different moments: a datagram that is refused meanwhile may be in one and not in the other.
+    const std::uint64_t refused = counts.too_long + counts.overrun;
+    sum += counts.received - std::min(counts.received, refused);
   }
   return sum;
 }
