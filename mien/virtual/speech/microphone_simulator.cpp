@@ -21,12 +21,12 @@ VirtualClock drawn_clock(const MicrophoneFaults& faults, Random random) {
 
 }  // namespace
 
-MicrophoneSimulator::MicrophoneSimulator(const HeardSound& sound, const MicrophoneFaults& faults,
+MicrophoneSimulator::MicrophoneSimulator(const SoundInAir& sound, const MicrophoneFaults& faults,
                                          std::uint64_t device, const Random& random)
     : MicrophoneSimulator(sound, faults, device, random, drawn_clock(faults, random.fork("clock"))) {}
 
 // Each fault has a stream of its own: changing one leaves the others as they were.
-MicrophoneSimulator::MicrophoneSimulator(const HeardSound& sound, const MicrophoneFaults& faults,
+MicrophoneSimulator::MicrophoneSimulator(const SoundInAir& sound, const MicrophoneFaults& faults,
                                          std::uint64_t device, const Random& random,
                                          const VirtualClock& clock)
     : sound_(sound),

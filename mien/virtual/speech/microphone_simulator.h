@@ -8,8 +8,8 @@
 #include "mien/core/error.h"
 #include "mien/core/random.h"
 #include "mien/virtual/network.h"
-#include "mien/virtual/speech/heard_sound.h"
 #include "mien/virtual/speech/microphone_faults.h"
+#include "mien/virtual/speech/sound_in_air.h"
 #include "mien/virtual/virtual_clock.h"
 
 namespace mien::virt {
@@ -19,10 +19,10 @@ namespace mien::virt {
 class MicrophoneSimulator {
  public:
   /// A microphone whose clock is drawn. `sound` outlives this. `device`: its id, which is not this machine's.
-  MicrophoneSimulator(const HeardSound& sound, const MicrophoneFaults& faults, std::uint64_t device,
+  MicrophoneSimulator(const SoundInAir& sound, const MicrophoneFaults& faults, std::uint64_t device,
                       const Random& random);
   /// One with this clock.
-  MicrophoneSimulator(const HeardSound& sound, const MicrophoneFaults& faults, std::uint64_t device,
+  MicrophoneSimulator(const SoundInAir& sound, const MicrophoneFaults& faults, std::uint64_t device,
                       const Random& random, const VirtualClock& clock);
 
   [[nodiscard]] const VirtualClock& clock() const { return clock_; }
@@ -36,7 +36,7 @@ class MicrophoneSimulator {
   Result<void> hear(const std::function<double(double)>& motion_s, std::vector<Datagram>& sent);
 
  private:
-  const HeardSound& sound_;
+  const SoundInAir& sound_;
   MicrophoneFaults faults_;
   std::uint64_t device_;
   VirtualClock clock_;

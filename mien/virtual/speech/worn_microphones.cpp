@@ -19,7 +19,7 @@ namespace {
 constexpr std::string_view kMicrophones = "microphone";
 
 std::vector<MicrophoneSimulator> simulators(const std::vector<std::uint64_t>& devices,
-                                            const MicrophoneFaults& faults, const HeardSound& sound,
+                                            const MicrophoneFaults& faults, const SoundInAir& sound,
                                             const Random& random) {
   std::vector<MicrophoneSimulator> all;
   for (std::size_t m = 0; m < devices.size(); ++m)
@@ -126,9 +126,9 @@ Result<std::shared_ptr<const WornDevices>> wear_microphones(const StageRequest& 
           fmt::format("write device = \"{}\" at it", sensor::format_device({speech::kAnyMicrophone, 0})));
     devices.push_back(keys[m].device);
   }
-  HeardSound sound;
+  SoundInAir sound;
   if (request.sound) {
-    MIEN_TRY_ASSIGN(sound, HeardSound::of(*request.sound));
+    MIEN_TRY_ASSIGN(sound, SoundInAir::of(*request.sound));
   }
   return std::make_shared<const WornMicrophones>(std::move(devices), faults, std::move(sound));
 }

@@ -7,8 +7,8 @@
 
 #include "mien/core/random.h"
 #include "mien/face/face.h"
-#include "mien/virtual/speech/heard_sound.h"
 #include "mien/virtual/speech/microphone_faults.h"
+#include "mien/virtual/speech/sound_in_air.h"
 #include "mien/virtual/stage.h"
 #include "mien/virtual/worn_devices.h"
 
@@ -18,7 +18,7 @@ namespace mien::virt {
 class WornMicrophones final : public WornDevices {
  public:
   /// `devices`: of each, its id, in the rig's order; none is this machine's.
-  WornMicrophones(std::vector<std::uint64_t> devices, MicrophoneFaults faults, HeardSound sound)
+  WornMicrophones(std::vector<std::uint64_t> devices, MicrophoneFaults faults, SoundInAir sound)
       : devices_(std::move(devices)), faults_(faults), sound_(std::move(sound)) {}
 
   /// A moment: there is nothing to calibrate.
@@ -34,12 +34,12 @@ class WornMicrophones final : public WornDevices {
  private:
   std::vector<std::uint64_t> devices_;
   MicrophoneFaults faults_;
-  HeardSound sound_;
+  SoundInAir sound_;
 };
 
 /// Reads their faults (the profile *lab* has none); they hear the request's sound, or a room in which nobody
 /// speaks. Errors: bad_usage (one that is bound to no device, to a channel above 0, or to what is heard on
-/// this machine), those of read_faults(), parse_microphone_faults() and HeardSound::of().
+/// this machine), those of read_faults(), parse_microphone_faults() and SoundInAir::of().
 [[nodiscard]] Result<std::shared_ptr<const WornDevices>> wear_microphones(const StageRequest& request,
                                                                           face::Face face, const Random& root,
                                                                           const Stage& stage);

@@ -46,25 +46,25 @@ std::vector<Heard> hear(MicrophoneSimulator& microphone, double until_s) {
   return heard;
 }
 
-std::vector<Heard> hear(const HeardSound& sound, const MicrophoneFaults& faults, double until_s,
+std::vector<Heard> hear(const SoundInAir& sound, const MicrophoneFaults& faults, double until_s,
                         const VirtualClock& clock = {}) {
   MicrophoneSimulator microphone(sound, faults, speech::kAnyMicrophone, Random(3), clock);
   return hear(microphone, until_s);
 }
 
-TEST(HeardSound, IsTheSoundAtAnyMoment) {
-  const HeardSound sound = HeardSound::of(tone(1)).value();
+TEST(SoundInAir, IsTheSoundAtAnyMoment) {
+  const SoundInAir sound = SoundInAir::of(tone(1)).value();
   for (double t = 0.1; t < 0.9; t += 0.01037)
     EXPECT_NEAR(sound.at(t), 0.5 * std::sin(2 * std::numbers::pi * kToneHz * t), 2e-3) << t;
   EXPECT_EQ(sound.at(-0.5), 0);
   EXPECT_EQ(sound.at(1.5), 0);
   EXPECT_EQ(sound.at(std::nan("")), 0);
-  EXPECT_EQ(HeardSound().at(0), 0);
-  EXPECT_EQ(HeardSound::of({.rate_hz = 1, .samples = {0}}).error().code, ErrorCode::out_of_range);
+  EXPECT_EQ(SoundInAir().at(0), 0);
+  EXPECT_EQ(SoundInAir::of({.rate_hz = 1, .samples = {0}}).error().code, ErrorCode::out_of_range);
 }
 
 TEST(Microphone, APerfectOneSendsEachBlockAtItsEnd) {
-  const HeardSound sound = HeardSound::of(tone(1)).value();
+  const SoundInAir sound = SoundInAir::of(tone(1)).value();
   const std::vector<Heard> heard = hear(sound, {}, 0.5);
   ASSERT_EQ(heard.size(), 25U);
   for (std::size_t b = 0; b < heard.size(); ++b) {
@@ -80,7 +80,7 @@ TEST(Microphone, APerfectOneSendsEachBlockAtItsEnd) {
 }
 
 TEST(Microphone, ACountOfItsSamplesIsItsOwnClock) {
-  const HeardSound sound = HeardSound::of(tone(30)).value();
+  const SoundInAir sound = SoundInAir::of(tone(30)).value();
   // A clock that is 300 ppm fast, and was switched on 7 s before.
   const VirtualClock clock{.offset_s = 7, .rate = 1 + 300e-6};
   const std::vector<Heard> heard = hear(sound, {}, 29, clock);
@@ -105,7 +105,7 @@ TEST(Microphone, DrawsItsClockAndIsTheSameForTheSameSeed) {
   faults.noise = 0.01;
   faults.radio_delay_ms = 3;
   faults.packet_loss = 0.1;
-  const HeardSound silence;
+  const SoundInAir silence;
   const auto make = [&](std::uint64_t seed) {
     return MicrophoneSimulator(silence, faults, speech::kAnyMicrophone, Random(seed));
   };
@@ -128,7 +128,7 @@ TEST(Microphone, LosesBlocksAndDelaysThemInOrder) {
   faults.packet_loss = 0.2;
   faults.radio_delay_min_ms = 120;
   faults.radio_delay_ms = 40;
-  const std::vector<Heard> heard = hear(HeardSound(), faults, 40);
+  const std::vector<Heard> heard = hear(SoundInAir(), faults, 40);
   EXPECT_NEAR(static_cast<double>(heard.size()), 0.8 * 2'000, 70);
   double most_s = 0, least_s = 10;
   for (std::size_t i = 0; i < heard.size(); ++i) {
@@ -148,7 +148,7 @@ TEST(Microphone, LosesBlocksAndDelaysThemInOrder) {
 TEST(Microphone, FallsSilentForSeconds) {
   MicrophoneFaults faults;
   faults.sensor_loss_per_hour = 600;
-  const std::vector<Heard> heard = hear(HeardSound(), faults, 90);
+  const std::vector<Heard> heard = hear(SoundInAir(), faults, 90);
   std::size_t gaps = 0;
   for (std::size_t i = 1; i < heard.size(); ++i)
     if (const auto missing = heard[i].header.block - heard[i - 1].header.block - 1; missing > 0) {
@@ -159,7 +159,7 @@ TEST(Microphone, FallsSilentForSeconds) {
 }
 
 TEST(Microphone, IsClippedAndBiasedAsItsFaultsSay) {
-  const HeardSound sound = HeardSound::of(tone(1)).value();
+  const SoundInAir sound = SoundInAir::of(tone(1)).value();
   MicrophoneFaults loud;
   loud.level = 1'000;
   const speech::Block clipped = hear(sound, loud, 0.5)[10].block;
@@ -167,11 +167,11 @@ TEST(Microphone, IsClippedAndBiasedAsItsFaultsSay) {
   EXPECT_EQ(*std::ranges::min_element(clipped), -32'768);
   MicrophoneFaults biased;
   biased.offset = 1;
-  EXPECT_THAT(hear(HeardSound(), biased, 0.5)[10].block, Each(32'767));
+  EXPECT_THAT(hear(SoundInAir(), biased, 0.5)[10].block, Each(32'767));
   MicrophoneFaults noisy;
   noisy.noise = 0.001;
-  EXPECT_NEAR(speech::loudness_of(hear(HeardSound(), noisy, 0.5)[10].block).rms, 0.001, 2e-4);
-  EXPECT_THAT(hear(HeardSound(), {}, 0.5)[10].block, Each(0)) << "a perfect one in a silent room";
+  EXPECT_NEAR(speech::loudness_of(hear(SoundInAir(), noisy, 0.5)[10].block).rms, 0.001, 2e-4);
+  EXPECT_THAT(hear(SoundInAir(), {}, 0.5)[10].block, Each(0)) << "a perfect one in a silent room";
 }
 
 TEST(MicrophoneFaults, AreReadFromTheirTable) {

@@ -1,4 +1,4 @@
-#include "mien/virtual/speech/heard_sound.h"
+#include "mien/virtual/speech/sound_in_air.h"
 
 #include <cmath>
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace mien::virt {
 
-Result<HeardSound> HeardSound::of(const Sound& sound) {
+Result<SoundInAir> SoundInAir::of(const Sound& sound) {
   MIEN_TRY_ASSIGN(speech::BlockMaker maker, speech::BlockMaker::create(static_cast<int>(sound.rate_hz)));
-  HeardSound heard;
+  SoundInAir heard;
   heard.samples_.reserve(static_cast<std::size_t>(sound.duration_s() * speech::kRateHz) +
                          speech::kBlockSamples);
   const auto take = [&](const speech::Block& block) {
@@ -21,7 +21,7 @@ Result<HeardSound> HeardSound::of(const Sound& sound) {
   return heard;
 }
 
-double HeardSound::at(double motion_s) const {
+double SoundInAir::at(double motion_s) const {
   const double place = motion_s * speech::kRateHz;
   if (!(place > -1) || place >= static_cast<double>(samples_.size())) return 0;
   const auto before = static_cast<std::ptrdiff_t>(std::floor(place));

@@ -8,13 +8,13 @@
 namespace mien::virt {
 
 /// The sound of a performance as the air has it: at any moment of the motion. Immutable.
-class HeardSound {
+class SoundInAir {
  public:
   /// Silence.
-  HeardSound() = default;
+  SoundInAir() = default;
   /// From the motion's time 0 on, by the way of every sound of the program (speech::BlockMaker). Errors:
   /// out_of_range (a rate outside 1 kHz to 768 kHz).
-  [[nodiscard]] static Result<HeardSound> of(const Sound& sound);
+  [[nodiscard]] static Result<SoundInAir> of(const Sound& sound);
 
   /// -1 to 1, and a little beyond between two samples at full scale; 0 before and after it.
   [[nodiscard]] double at(double motion_s) const;
@@ -22,5 +22,8 @@ class HeardSound {
  private:
   std::vector<float> samples_;  // Of speech::kRateHz.
 };
+
+/// Its name before; goes when tests/session/microphone_session_test.cpp says SoundInAir.
+using HeardSound = SoundInAir;
 
 }  // namespace mien::virt
