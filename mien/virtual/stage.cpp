@@ -108,8 +108,9 @@ Result<FaultsText> part_of(FaultsText all, std::string_view table) {
     own->as_table()->is_inline(false);  // Else it would be written in braces.
     out << *own->as_table();
   } else {
-    if (std::ranges::none_of(kFaultTables, [&](std::string_view name) { return faults.erase(name) > 0; }))
-      return all;
+    bool erased = false;
+    for (const std::string_view name : kFaultTables) erased = faults.erase(name) > 0 || erased;
+    if (!erased) return all;
     out << faults;
   }
   return FaultsText{out.str(), std::move(all.where)};
