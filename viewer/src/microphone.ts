@@ -11,6 +11,7 @@ export type MicrophoneState =
   /** What stands against it, and what to do. */
   | { kind: "refused"; why: string };
 
+const AGAIN = "press again, or load the page anew";
 const HOST = "start the session with --audio default: it then hears the microphone of its own machine";
 
 /** Why a browser gives no microphone, and what to do: of the error that it threw; null: to an insecure page it has none. */
@@ -23,9 +24,9 @@ export function refusalWords(error: { name: string; message: string } | null): s
     case "NotFoundError":
       return `The browser finds no microphone. Plug one in and press again; or ${HOST}.`;
     case "NotReadableError":
-      return "The microphone cannot be opened: another program may hold it, or the system may not let the browser hear it.";
+      return `The microphone cannot be opened: another program may hold it, or the system may not let the browser hear it. End that program, or allow it in the system's settings, and ${AGAIN}; or ${HOST}.`;
     default:
-      return `The microphone cannot be used: ${error?.message || error?.name}.`;
+      return `The microphone cannot be used: ${error?.message || error?.name}. To try once more, ${AGAIN}; or ${HOST}.`;
   }
 }
 
@@ -38,7 +39,7 @@ interface Opened {
 export class BrowserMicrophone {
   readonly state = new Signal<MicrophoneState>({ kind: "off" });
   private opened: Opened | null = null;
-  /** Presses so far: what was begun by an earlier one is not gone on with. */
+  /** How often it was begun or let go so far: what was begun before is not gone on with. */
   private presses = 0;
 
   constructor(private readonly session: Session) {
@@ -46,14 +47,14 @@ export class BrowserMicrophone {
       if (over && this.state.value.kind === "on") this.close(over.why === "" ? { kind: "off" } : { kind: "refused", why: over.why });
     });
     session.connection.listen((connection) => {
-      if (connection.kind === "lost" && this.opened) this.close({ kind: "refused", why: "The connection to the session broke." });
+      if (connection.kind === "lost" && this.opened) this.close({ kind: "refused", why: `The connection to the session broke. When it is back, ${AGAIN}.` });
     });
   }
 
   /** Asks the browser for its microphone and the session to hear it. Never rejects. */
   async start(): Promise<void> {
-    const press = ++this.presses;
     this.close({ kind: "asking" });
+    const press = this.presses;
     try {
       // An insecure page has none, whatever the types say.
       const devices = navigator.mediaDevices as MediaDevices | undefined;
@@ -80,7 +81,6 @@ export class BrowserMicrophone {
 
   /** Lets the microphone go, and tells the session. */
   stop(state: MicrophoneState = { kind: "off" }): void {
-    ++this.presses;
     const heard = this.opened !== null;
     this.close(state);
     if (heard) void this.session.send({ command: "microphone", on: false });
@@ -97,13 +97,14 @@ export class BrowserMicrophone {
     void context.resume();
     for (const track of stream.getTracks()) {
       track.onended = () => {
-        if (this.opened?.stream === stream) this.stop({ kind: "refused", why: "The microphone was unplugged, or the browser took it back." });
+        if (this.opened?.stream === stream) this.stop({ kind: "refused", why: `The microphone was unplugged, or the browser took it back. Plug it in and ${AGAIN}.` });
       };
     }
   }
 
-  /** The browser's sign that it is heard goes off. */
+  /** The browser's sign that it is heard goes off, and a start that is on its way ends. */
   private close(state: MicrophoneState): void {
+    ++this.presses;
     const opened = this.opened;
     this.opened = null;
     if (opened) {

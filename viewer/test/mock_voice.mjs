@@ -19,7 +19,10 @@ export class MockVoice {
   /** Of the newest piece, 0 to 1: 0 at -60 dB. */
   level = 0;
   client = null;
+  /** Of this client's sound so far. */
   samples = 0;
+  /** Blocks of whoever was heard before. */
+  before = 0;
 
   /** `browser`: one may be heard. */
   constructor(browser) {
@@ -37,14 +40,18 @@ export class MockVoice {
     if (on && !this.hearing.on) throw new Error("microphone: the voice is switched off; switch it on first");
     if (!on && this.client !== client) return;
     if (this.client !== client) this.release("Another browser's microphone is heard instead.");
-    Object.assign(this, { client: on ? client : null, samples: 0, level: 0 });
+    this.begin(on ? client : null);
     this.hearing.browser.heard = on;
   }
 
   release(why) {
     this.client?.send(JSON.stringify({ type: "microphone", on: false, why }));
-    Object.assign(this, { client: null, samples: 0, level: 0 });
+    this.begin(null);
     if (this.hearing.browser) this.hearing.browser.heard = false;
+  }
+
+  begin(client) {
+    Object.assign(this, { client, samples: 0, level: 0, before: this.hearing.blocks });
   }
 
   take(client, data) {
@@ -56,7 +63,7 @@ export class MockVoice {
     }
     this.samples = piece.count + piece.samples;
     this.level = Math.min(1, Math.max(0, 1 + Math.log10(piece.rms + 1e-9) / 3));
-    this.hearing.blocks = Math.floor((50 * this.samples) / piece.rate);
+    this.hearing.blocks = this.before + Math.floor((50 * this.samples) / piece.rate);
   }
 
   leave(client) {

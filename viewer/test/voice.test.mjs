@@ -56,8 +56,8 @@ async function levelMoves(page) {
   await page.evaluate(() => clearInterval(globalThis.watching));
 }
 
-const heardSeconds = (page) => page.locator(".voice-browser .quiet").innerText().then((text) => Number(/heard: (\d+) s/.exec(text)?.[1] ?? 0));
-const secondsHeard = (page, least) => settled(page, (s) => Number(/heard: (\d+) s/.exec(document.querySelector(".voice-browser .quiet").textContent)?.[1] ?? 0) >= s, "sound that is counted", least);
+const heardSeconds = (page) => page.locator(".voice-browser .quiet").innerText().then((text) => Number(/(\d+) s of sound/.exec(text)?.[1] ?? 0));
+const secondsHeard = (page, least) => settled(page, (s) => Number(/(\d+) s of sound/.exec(document.querySelector(".voice-browser .quiet").textContent)?.[1] ?? 0) >= s, "sound that is counted", least);
 
 test("a browser's microphone is heard, stopped, taken over and switched off", { timeout: 6 * PATIENCE }, async (t) => {
   const troubles = [];
@@ -98,6 +98,7 @@ test("a browser's microphone is heard, stopped, taken over and switched off", { 
   await stop(other).waitFor();
   await settled(page, () => /Another browser's microphone is heard instead/.test(document.querySelector(".voice").textContent), "the first is told");
   assert.deepEqual(await tracksOf(page), ["ended", "ended"]);
+  await secondsHeard(other, 1 + Math.ceil(blocks / 50));
   await picture(page, "voice_taken");
 
   // The switch lets it go, wherever it was pressed.

@@ -26,7 +26,7 @@ export function microphoneWords(microphone: MicrophoneState, hearing: Hearing): 
     case "asking":
       return "Allow it where the browser asks.";
     case "on":
-      return `This browser is heard: ${fixed(hearing.blocks / 50, 0)} s so far.${refused}`;
+      return `This browser is heard; ${fixed(hearing.blocks / 50, 0)} s of sound were heard so far.${refused}`;
     case "refused":
       return microphone.why;
     case "off":

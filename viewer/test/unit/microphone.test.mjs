@@ -28,8 +28,8 @@ test("who is refused a microphone reads what to do", () => {
   assert.match(refusalWords(null), /only to pages of its own machine \(127\.0\.0\.1\) or over HTTPS.*--audio default/);
   assert.match(words("NotAllowedError"), /Allow it for this page.*--audio default/);
   assert.match(words("NotFoundError"), /finds no microphone.*--audio default/);
-  assert.match(words("NotReadableError"), /another program may hold it/);
-  assert.match(words("TypeError"), /cannot be used: odd\./);
+  assert.match(words("NotReadableError"), /another program may hold it.*press again, or load the page anew; or .*--audio default/);
+  assert.match(words("TypeError"), /cannot be used: odd\. .*press again, or load the page anew; or .*--audio default/);
   assert.match(refusalWords({ name: "AbortError", message: "" }), /AbortError/);
 });
 
@@ -42,7 +42,7 @@ test("the block of the voice says how it stands", () => {
   assert.equal(microphoneWords({ kind: "off" }, hearing), "No browser is heard yet.");
   assert.equal(microphoneWords({ kind: "off" }, { ...hearing, on: false }), "");
   assert.match(microphoneWords({ kind: "off" }, { ...hearing, browser: { heard: true, refused: 0 } }), /Another browser is heard/);
-  assert.equal(microphoneWords({ kind: "on" }, { ...hearing, browser: { heard: true, refused: 0 } }), "This browser is heard: 10 s so far.");
+  assert.equal(microphoneWords({ kind: "on" }, { ...hearing, browser: { heard: true, refused: 0 } }), "This browser is heard; 10 s of sound were heard so far.");
   assert.match(microphoneWords({ kind: "on" }, { ...hearing, browser: { heard: true, refused: 2 } }), /2 pieces were refused/);
   assert.equal(microphoneWords({ kind: "refused", why: "No." }, hearing), "No.");
 });
@@ -70,7 +70,7 @@ test("a browser's microphone is heard until it is stopped, by whomever", async (
     lost: ({ session }) => session.connection.set({ kind: "lost", retryAtMs: 0, attempts: 1, refused: false }),
     unplugged: ({ track }) => track.onended(),
   };
-  const whys = { off: undefined, switched: undefined, taken: "Another is heard.", lost: "The connection to the session broke.", unplugged: "The microphone was unplugged, or the browser took it back." };
+  const whys = { off: undefined, switched: undefined, taken: "Another is heard.", lost: "The connection to the session broke. When it is back, press again, or load the page anew.", unplugged: "The microphone was unplugged, or the browser took it back. Plug it in and press again, or load the page anew." };
   for (const [way, end] of Object.entries(ways)) {
     const it = world();
     const started = it.microphone.start();
@@ -89,6 +89,30 @@ test("a browser's microphone is heard until it is stopped, by whomever", async (
     assert.equal(it.session.sound.length, 1, `${way}: nothing is sent any more`);
     const told = it.session.sent.slice(1);
     assert.deepEqual(told, way === "off" || way === "unplugged" ? [{ command: "microphone", on: false }] : [], way);
+  }
+});
+
+test("a connection that is lost while a microphone is asked for ends it", async () => {
+  const asks = {
+    module: (it, wait) => (it.context.audioWorklet.addModule = () => wait),
+    session: (it, wait) => (it.session.send = () => wait.then(() => ({ ok: true, error: "" }))),
+  };
+  for (const [where, hold] of Object.entries(asks)) {
+    const it = world();
+    let goOn;
+    hold(it, new Promise((resolve) => (goOn = resolve)));
+    const started = it.microphone.start();
+    it.asked[0].give();
+    await new Promise(setImmediate);
+    it.session.connection.set({ kind: "lost", retryAtMs: 0, attempts: 1, refused: false });
+    assert.equal(it.microphone.state.value.kind, "refused", where);
+    goOn();
+    await started;
+    assert.match(it.microphone.state.value.why, /connection to the session broke/, `${where}: it stays so`);
+    assert.equal(it.track.stopped, 1, where);
+    assert.equal(it.context.closed, 1, where);
+    assert.deepEqual(it.session.sent, [], where);
+    assert.equal(it.node.port.onmessage, null, where);
   }
 });
 
