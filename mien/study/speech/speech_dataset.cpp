@@ -32,22 +32,17 @@ struct Person {
   std::string_view voice;
   std::size_t language;
 };
-constexpr std::array kTrainingPeople = {Person{"flite:slt", 0},
-                                        Person{"flite:rms", 0},
-                                        Person{"flite:kal16", 0},
-                                        Person{"festival:lp_diphone", kNoLanguage},
-                                        Person{"festival:pc_diphone", kNoLanguage},
-                                        Person{"festival:czech_dita", kNoLanguage},
-                                        Person{"festival:czech_krb", kNoLanguage},
-                                        Person{"festival:czech_machac", kNoLanguage},
-                                        Person{"festival:czech_ph", kNoLanguage},
-                                        Person{"festival:hy_fi_mv_diphone", kNoLanguage},
-                                        Person{"festival:suo_fi_lj_diphone", kNoLanguage},
-                                        Person{"festival:msu_ru_nsh_clunits", kNoLanguage}};
+constexpr std::array kTrainingPeople = {Person{"flite:slt", 0}, Person{"flite:rms", 0},
+                                        Person{"flite:kal16", 0}};
+constexpr std::array kOtherPeople = {
+    Person{"festival:lp_diphone", kNoLanguage},        Person{"festival:pc_diphone", kNoLanguage},
+    Person{"festival:czech_dita", kNoLanguage},        Person{"festival:czech_krb", kNoLanguage},
+    Person{"festival:czech_machac", kNoLanguage},      Person{"festival:czech_ph", kNoLanguage},
+    Person{"festival:hy_fi_mv_diphone", kNoLanguage},  Person{"festival:suo_fi_lj_diphone", kNoLanguage},
+    Person{"festival:msu_ru_nsh_clunits", kNoLanguage}};
 constexpr std::array kTestPeople = {Person{"flite:awb", 0}, Person{"festival:ked_diphone", 0}};
 /// Lips need so long to meet and to part.
 constexpr double kLipsMeet_s = 0.04;
-constexpr int kPassagesOfPeople = 6;
 
 constexpr std::array<std::string_view, 12> kShapes = {
     "jawOpen",        "mouthFunnel",  "mouthPucker", "mouthStretch",   "mouthSmile",     "mouthDimple",
@@ -104,15 +99,20 @@ struct Piece {
   std::size_t other = kOtherSoundNames.size();  // Of kOtherSoundNames; else speech.
 };
 
-std::vector<Piece> pieces_for(VoiceUse use, int passages) {
+std::vector<Piece> pieces_for(const std::vector<Voice>& voices, int passages, int times_people = 1) {
   std::vector<Piece> pieces;
-  for (const Voice& voice : voices_for(use)) {
+  for (const Voice& voice : voices) {
     const bool person = voice.name.contains(':');
-    const int count = person ? kPassagesOfPeople * passages : passages;
-    for (int p = 0; p < count; ++p)
+    for (int p = 0; p < (person ? times_people * passages : passages); ++p)
       pieces.push_back({.voice = voice, .number = static_cast<std::uint64_t>(p)});
   }
   return pieces;
+}
+
+std::vector<Voice> as_voices(std::span<const Person> people) {
+  std::vector<Voice> voices;
+  for (const Person& person : people) voices.push_back({std::string(person.voice), person.language});
+  return voices;
 }
 
 }  // namespace
@@ -141,7 +141,7 @@ std::vector<Voice> voices_for(VoiceUse use) {
   for (const std::string_view variant : variants)
     for (std::size_t l = 0; l < languages.size(); ++l)
       voices.push_back({std::string(languages[l].voice) + std::string(variant), l});
-  for (const Person& person : people) voices.push_back({std::string(person.voice), person.language});
+  std::ranges::move(as_voices(people), std::back_inserter(voices));
   return voices;
 }
 
@@ -161,7 +161,7 @@ Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view text, const s
   const std::string place = where + ", [data]";
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, place));
   SpeechDataRecipe recipe;
-  constexpr std::int64_t kMostPassages = 1'000;
+  constexpr std::int64_t kMostPassages = 1'000, kMostTimes = 100;
   constexpr double kMostSeconds = 3600;
   for (const auto& [key, value] : table) {
     const auto whole = value.value_exact<std::int64_t>();
@@ -175,6 +175,9 @@ Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view text, const s
     } else if (key == "passages" || key == "validation_passages") {
       if (!whole || *whole < 1 || *whole > kMostPassages) return wrong("a whole number from 1 to 1000");
       (key == "passages" ? recipe.passages : recipe.validation_passages) = static_cast<int>(*whole);
+    } else if (key == "people" || key == "other_people") {
+      if (!whole || *whole < 0 || *whole > kMostTimes) return wrong("a whole number from 0 to 100");
+      (key == "people" ? recipe.people : recipe.other_people) = static_cast<int>(*whole);
     } else if (key == "other_seconds") {
       if (!number || !(*number >= 5 && *number <= kMostSeconds)) return wrong("from 5 to 3600");
       recipe.other_seconds = *number;
@@ -182,8 +185,9 @@ Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view text, const s
       if (!whole || *whole < 0 || *whole > 1) return wrong("0 or 1");
       recipe.look_ahead = static_cast<std::size_t>(*whole);
     } else {
-      return fail(ErrorCode::malformed, fmt::format("[data] has no key \"{}\"", excerpt(key.str())), where,
-                  "use seed, passages, validation_passages, other_seconds and look_ahead");
+      return fail(
+          ErrorCode::malformed, fmt::format("[data] has no key \"{}\"", excerpt(key.str())), where,
+          "use seed, passages, people, other_people, validation_passages, other_seconds and look_ahead");
     }
   }
   return recipe;
@@ -191,14 +195,17 @@ Result<SpeechDataRecipe> parse_speech_data_recipe(std::string_view text, const s
 
 Result<SpeechData> make_speech_dataset(const SpeechDataRecipe& recipe, const Speaker& speaker,
                                        const Progress& progress, unsigned threads) {
-  std::vector<Piece> pieces = pieces_for(VoiceUse::training, recipe.passages);
+  std::vector<Piece> pieces = pieces_for(voices_for(VoiceUse::training), recipe.passages, recipe.people);
+  std::ranges::move(pieces_for(as_voices(kOtherPeople), recipe.passages, recipe.other_people),
+                    std::back_inserter(pieces));
   const auto add_others = [&](std::uint64_t number) {
     for (std::size_t kind = 0; kind < kOtherSoundNames.size(); ++kind)
       pieces.push_back({.voice = {}, .number = number, .other = kind});
   };
   add_others(0);
   const std::size_t trained = pieces.size();
-  std::ranges::move(pieces_for(VoiceUse::validation, recipe.validation_passages), std::back_inserter(pieces));
+  std::ranges::move(pieces_for(voices_for(VoiceUse::validation), recipe.validation_passages),
+                    std::back_inserter(pieces));
   add_others(1);
   std::vector<SpeechSequence> sequences(pieces.size());
   const Random root(recipe.seed);
