@@ -210,7 +210,7 @@ TEST_F(PageSoundTest, ARefusalAndASilenceDoNotHideEachOthersEnd) {
   EXPECT_EQ(trouble.text(), "");
 
   // A stream that begins anew has not been silent yet, and is told of in its turn.
-  const auto late = seconds(6);
+  const auto late = seconds(11);
   EXPECT_EQ(stream(16'000, 262, 530, {}, 0), 268);
   EXPECT_THAT(trouble.text(), HasSubstr("silent for 5 s"));
   told.clear();
@@ -220,7 +220,7 @@ TEST_F(PageSoundTest, ARefusalAndASilenceDoNotHideEachOthersEnd) {
   EXPECT_EQ(stream(16'000, 249, 260, late, 0), 11);
   EXPECT_THAT(told, ElementsAre("microphone_silent"));
   EXPECT_THAT(trouble.text(), HasSubstr("silent for 5 s"));
-  sound.look(1, start + seconds(12));
+  sound.look(1, start + seconds(17));
   EXPECT_EQ(trouble.text(), "") << "another is to be heard";
 }
 
