@@ -10,8 +10,8 @@
 
 namespace mien::app {
 
-/// What `--audio` names on this machine: "page" a browser's microphone (page_feed()), a WAV file where it ends
-/// in ".wav" or is there, else a microphone (microphone_feed()). Errors: theirs.
+/// What `--audio` names on this machine: "page" a browser's microphone (page_feed()), a WAV file where it
+/// ends in ".wav" or is there, else a microphone (microphone_feed()). Errors: theirs.
 [[nodiscard]] Result<live::Feed> sound_feed(const std::string& what);
 
 /// The rig, none of whose microphones can be heard by the network: for a session that is to hear nothing.

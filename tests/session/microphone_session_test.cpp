@@ -123,8 +123,8 @@ Drifted hear_for(double seconds, double drift_ppm) {
   const auto receiver = Receiver::create(rig, modalities::make_protocols().value()).value();
   const auto tracker = loud_tracker(rig);
   Feed feed(*tracker);
-  const virt::HeardSound sound =
-      virt::HeardSound::of(
+  const virt::SoundInAir sound =
+      virt::SoundInAir::of(
           {.rate_hz = speech::kRateHz, .samples = std::vector<float>(speech::kRateHz / 2, 0.5F)})
           .value();
   virt::MicrophoneFaults faults;

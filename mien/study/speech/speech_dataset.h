@@ -14,9 +14,13 @@ namespace mien::study {
 /// How much of what virtual speakers say to train on: the [data] table of a recipe for speech.
 struct SpeechDataRecipe {
   std::uint64_t seed = 1;
-  /// Of three lines each, by every variant of espeak-ng's voices. Voices that were made of people's
-  /// recordings are few, and say six times as many.
-  int passages = 8;
+  int passages = 8;  ///< Of three lines each, by every variant of espeak-ng's voices.
+  /// How many times as many are said by each English voice that was made of a person's recordings (flite):
+  /// they are few. Raising: more like people, less like each language's synthetic voices.
+  int people = 12;
+  /// The same of nine such voices of other languages (festival, script/packages/voices.txt). They helped
+  /// nobody who was listened to (docs/experiments/speech.md), so by default there are none.
+  int other_people = 0;
   int validation_passages = 2;  ///< By each variant that is held out.
   double other_seconds = 120;   ///< Of each kind of sound that is no speech.
   std::size_t look_ahead = 1;   ///< What a network's answer is delayed by, blocks: 0 or 1.

@@ -23,7 +23,4 @@ class SoundInAir {
   std::vector<float> samples_;  // Of speech::kRateHz.
 };
 
-/// Its name before; goes when tests/session/microphone_session_test.cpp says SoundInAir.
-using HeardSound = SoundInAir;
-
 }  // namespace mien::virt
