@@ -6,11 +6,11 @@
 
 #include "mien/core/time.h"
 #include "mien/speech/listeners.h"
-#include "mien/speech/spoken_mouth.h"
 #include "mien/study/confidence_fit.h"
 #include "mien/study/logistic_fit.h"
 #include "mien/study/performers.h"
 #include "mien/study/region_tally.h"
+#include "mien/study/speech/heard_frames.h"
 #include "mien/study/speech/sound_conditions.h"
 #include "mien/study/speech/spoken_passage.h"
 #include "mien/tracker/shape_confidence.h"
@@ -37,21 +37,11 @@ tracker::Coverage coverage_of(const HeardFrame& frame) {
 
 std::vector<HeardFrame> listen(speech::Listener& listener, std::span<const speech::Block> blocks,
                                const face::MotionCurve& truth) {
-  listener.reset();
-  speech::SpokenMouth mouth(listener.smoothing());
   std::vector<HeardFrame> frames;
-  DeviceTime block_time{};
-  std::int64_t frame = 0;
-  for (const speech::Block& block : blocks) {
-    mouth.push(listener.push(block_time, block));
-    for (; DeviceTime(frame_offset(frame)) <= block_time + speech::kBlockDuration / 2; ++frame) {
-      const DeviceTime time(frame_offset(frame));
-      if (const auto heard = mouth.tick(time))
-        frames.push_back(
-            {heard->voice, heard->weights, truth.at(to_seconds(time.time_since_epoch())).weights});
-    }
-    block_time += speech::kBlockDuration;
-  }
+  hear_frames(listener, blocks, [&](DeviceTime time, const std::optional<speech::Heard>& heard) {
+    if (heard)
+      frames.push_back({heard->voice, heard->weights, truth.at(to_seconds(time.time_since_epoch())).weights});
+  });
   return frames;
 }
 

@@ -6,12 +6,11 @@
 #include <map>
 #include <utility>
 
-#include "mien/core/time.h"
 #include "mien/speech/heard_track.h"
 #include "mien/speech/listeners.h"
-#include "mien/speech/spoken_mouth.h"
 #include "mien/study/confidence_fit.h"
 #include "mien/study/performers.h"
+#include "mien/study/speech/heard_frames.h"
 #include "mien/study/speech/lines.h"
 #include "mien/study/speech/loudness_listener.h"
 #include "mien/study/speech/other_sounds.h"
@@ -74,26 +73,12 @@ struct Shown {
 };
 
 Shown show(Listener& listener, std::span<const speech::Block> blocks) {
-  listener.reset();
-  speech::SpokenMouth mouth(listener.smoothing());
   Shown shown;
-  DeviceTime block_time{};
-  std::int64_t frame = 0;
-  for (const speech::Block& block : blocks) {
-    mouth.push(listener.push(block_time, block));
-    // A frame is fired by the sample that reaches it, which is in the middle of its block.
-    for (; DeviceTime(frame_offset(frame)) <= block_time + speech::kBlockDuration / 2; ++frame) {
-      const DeviceTime time(frame_offset(frame));
-      const auto heard = mouth.tick(time);
-      shown.jaw.push_back(heard ? heard->weights[face::shape("jawOpen")] : 0);
-      shown.closure.push_back(heard ? heard->closure : 0);
-      float most = 0;
-      if (heard)
-        for (std::size_t k = 0; k < face::kShapeCount; ++k) most = std::max(most, heard->weights[k]);
-      shown.most.push_back(most);
-    }
-    block_time += speech::kBlockDuration;
-  }
+  hear_frames(listener, blocks, [&](DeviceTime, const std::optional<Heard>& heard) {
+    shown.jaw.push_back(heard ? heard->weights[face::shape("jawOpen")] : 0);
+    shown.closure.push_back(heard ? heard->closure : 0);
+    shown.most.push_back(heard ? std::ranges::max(heard->weights.values) : 0);
+  });
   return shown;
 }
 
