@@ -191,9 +191,12 @@ void add_take_command(Commands& commands) {
     std::string file, out;
   };
   const auto sound_options = std::make_shared<SoundOptions>();
-  const Command sound_command = commands.add_under(
-      parent, "sound", "Writes what is heard in a take as a WAV file", "mien take sound a.mien --out a.wav",
-      [sound_options] { return write_sound(sound_options->file, sound_options->out); });
+  const Command sound_command =
+      commands.add_under(parent, "sound",
+                         "Writes what is heard in a take as a WAV file: its microphone's blocks, else the "
+                         "sound of the performance",
+                         "mien take sound a.mien --out a.wav",
+                         [sound_options] { return write_sound(sound_options->file, sound_options->out); });
   sound_command.add_option("take", sound_options->file, "The take").required();
   sound_command.add_option("--out", sound_options->out, "The WAV file").required();
 

@@ -175,6 +175,9 @@ Result<LiveSession> open_live(LiveRequest request) {
   // A rig's own microphone is opened, or heard, from the page, and only there, where the command line names
   // none.
   const bool own = request.audio.empty() && !sensor::sensors_of(rig, "speech").empty();
+  if (!request.hears_by.empty() && !own && request.audio.empty())
+    return fail(ErrorCode::bad_usage, "this rig has no microphone to hear by",
+                "--hears-by " + request.hears_by, "give --audio too");
   if (!request.no_audio && (own || !request.audio.empty())) {
     const bool from_network = own ? hears_network(rig) : request.audio == kFromNetwork;
     auto hearing = with_microphone(rig, request.hears_by, from_network);

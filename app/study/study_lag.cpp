@@ -72,6 +72,9 @@ Result<void> run_study_lag(const StudyLagOptions& options) {
                  100 * row.followed.believed_share, 1e3 * row.followed.offset_s, row.held.mouth_mm,
                  row.heard.mouth_mm, row.retimed.mouth_mm, figure(row.heard.jaw, 2),
                  figure(row.retimed.jaw, 2));
+  fmt::print(
+      "\nSound that is late cannot be asked for before it is heard: it is believed, and shown as it "
+      "comes.\n");
   return {};
 }
 

@@ -62,6 +62,9 @@ Result<void> run_study_lost(const StudyLostOptions& options) {
                  person.voice, row->audio ? "yes" : "no", row->jerk_ratio, 1e3 * row->notice_s,
                  1e3 * row->recover_s, row->mouth_mm,
                  person.held.mouth_mm == 0 ? 0 : 100 * (row->mouth_mm / person.held.mouth_mm - 1));
+  fmt::print(
+      "\njerk: of mouth and jaw about the change, over that of whoever answers then without one\n"
+      "mouth: mean error of the face's vertices meanwhile; of held: of the row without a microphone\n");
   return {};
 }
 

@@ -51,8 +51,8 @@ Result<std::unique_ptr<PassageMicrophone>> make_microphone(const SpokenSession& 
 Result<void> check_scene(const SpokenScene& scene) {
   const std::vector<std::string> kinds = sensor::kinds_of(scene.rig);
   if (kinds.size() == 1 && (kinds.front() == "imu" || kinds.front() == "eyewear")) return {};
-  return fail(ErrorCode::bad_usage, "the study is of IMUs or of glasses", "rig " + scene.rig.name,
-              "name a rig of one of them");
+  return fail(ErrorCode::bad_usage, "the study is of IMUs or of glasses alone, and brings its own microphone",
+              "rig " + scene.rig.name, "name a rig of one of them");
 }
 
 Result<virt::VirtualSession> feel(const sensor::Rig& rig, const face::Face& face, face::Motion motion,
