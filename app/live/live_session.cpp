@@ -191,10 +191,6 @@ Result<LiveSession> open_live(LiveRequest request) {
       rig_toml = sensor::write_rig(rig);
     }
   }
-  if (request.no_audio && !sensor::sensors_of(rig, "speech").empty()) {
-    MIEN_TRY_ASSIGN(rig, without_network_sound(std::move(rig)));
-    rig_toml = sensor::write_rig(rig);
-  }
   settings.hear = !own && !request.no_audio;
   settings.shut = request.no_audio;
   if (!settings.hear) settings.commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});

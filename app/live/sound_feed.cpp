@@ -87,16 +87,6 @@ bool hears_network(const sensor::Rig& rig) {
   return key && key->device != speech::kThisMachine;
 }
 
-Result<sensor::Rig> without_network_sound(sensor::Rig rig) {
-  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
-  for (const auto& [key, number] : bound) rig.sensors[number].device = sensor::format_device(key);
-  // One that is bound to nobody, in a rig that binds nothing else, would be a virtual node.
-  std::string device = sensor::format_device({speech::kThisMachine, 0});
-  for (sensor::Mount& mount : rig.sensors)
-    if (mount.kind == kKind) mount.device = std::exchange(device, {});
-  return rig;
-}
-
 Result<sensor::Rig> with_microphone(sensor::Rig rig, const std::string& hears_by, bool from_network) {
   MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
   // A rig that binds nothing means virtual nodes, and with a microphone bound it would no longer.

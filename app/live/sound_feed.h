@@ -14,10 +14,6 @@ namespace mien::app {
 /// ends in ".wav" or is there, else a microphone (microphone_feed()). Errors: theirs.
 [[nodiscard]] Result<live::Feed> sound_feed(const std::string& what);
 
-/// The rig, none of whose microphones can be heard by the network: for a session that is to hear nothing.
-/// Errors: sensor::bindings'.
-[[nodiscard]] Result<sensor::Rig> without_network_sound(sensor::Rig rig);
-
 /// The sound of a WAV file, as if it were spoken from the session's beginning on: in real time, once. Errors:
 /// read_file's, parse_wav's, BlockMaker::create's; truncated (no sound), out_of_range (more than two hours).
 /// While the session is not to hear, the file goes on unheard.

@@ -5,12 +5,10 @@
 
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/level.h"
+#include "mien/shaping/merge.h"
 
 namespace mien::session {
 namespace {
-
-/// The kind of sensors whose devices are heard.
-constexpr std::string_view kHears = "speech";
 
 using sensor::DeviceKey;
 using sensor::Verdict;
@@ -345,7 +343,8 @@ bool Receiver::brings_unwanted_sound(const sensor::Inbox& inbox) const {
   return std::ranges::any_of(inbox.readings, [&](const sensor::Reading& reading) {
     if (reading.sample.kind != sensor::SampleKind::sound) return false;
     const auto bound = std::ranges::find(bound_, reading.from, &std::pair<DeviceKey, std::uint16_t>::first);
-    return !listens_ || bound == bound_.end() || rig_.sensors[bound->second].kind != kHears;
+    return !listens_ || bound == bound_.end() ||
+           rig_.sensors[bound->second].kind != shaping::Merge::kListening;
   });
 }
 

@@ -8,10 +8,12 @@
 
 namespace mien::speech {
 
-/// Shapes that sound tells of: those of the regions of mouth and jaw.
+/// Regions that sound tells of: mouth and jaw; and their shapes.
+[[nodiscard]] constexpr bool is_heard(face::ShapeRegion region) {
+  return region == face::ShapeRegion::mouth || region == face::ShapeRegion::jaw;
+}
 [[nodiscard]] constexpr bool is_heard(std::size_t shape) {
-  return face::kShapeRegions[shape] == face::ShapeRegion::mouth ||
-         face::kShapeRegions[shape] == face::ShapeRegion::jaw;
+  return is_heard(face::kShapeRegions[shape]);
 }
 
 /// What was heard of the mouth at one moment.

@@ -84,9 +84,8 @@ tracker::TickResult SpeechTracker::tick(DeviceTime frame, const sensor::TimeLine
     out.provenance[k] = is_heard(k) ? Provenance::audio : Provenance::neutral;
     if (!is_heard(k)) out.confidence[k] = 0;
   }
-  for (const face::ShapeRegion region :
-       {face::ShapeRegion::brows, face::ShapeRegion::eyes, face::ShapeRegion::cheeks})
-    out.region_confidence[static_cast<std::size_t>(region)] = 0;
+  for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+    if (!is_heard(static_cast<face::ShapeRegion>(r))) out.region_confidence[r] = 0;
   out.tongue_out = heard->tongue;
   return result;
 }

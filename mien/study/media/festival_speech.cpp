@@ -54,9 +54,7 @@ std::string in_quotes(std::string_view text) {
 Result<std::string> festival_script(const std::string& voice, const std::string& text, int words_per_minute,
                                     const std::filesystem::path& wav) {
   MIEN_TRY(find_voice(voice));
-  if (words_per_minute < kSlowest || words_per_minute > kFastest)
-    return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), voice,
-                fmt::format("use {} to {}", kSlowest, kFastest));
+  MIEN_TRY(check_rate(words_per_minute, voice));
   const auto is_plain = [](char letter) { return letter >= ' ' && letter <= '~'; };
   if (text.empty() || !std::ranges::all_of(text, is_plain))
     return fail(ErrorCode::bad_usage, "festival's voices read ASCII, and there is none or other letters",

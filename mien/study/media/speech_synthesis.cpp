@@ -94,6 +94,12 @@ bool choose_voice(const std::string& name) {
 
 }  // namespace
 
+Result<void> check_rate(int words_per_minute, const std::string& where) {
+  if (words_per_minute >= kSlowest && words_per_minute <= kFastest) return {};
+  return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), where,
+              fmt::format("choose {} to {}", kSlowest, kFastest));
+}
+
 Result<SpokenText> speak(const std::string& language, const std::string& text, int words_per_minute) {
   constexpr std::size_t kMaxText = 100'000;
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
@@ -101,9 +107,7 @@ Result<SpokenText> speak(const std::string& language, const std::string& text, i
   if (text.size() > kMaxText)
     return fail(ErrorCode::bad_usage, fmt::format("a text of {} bytes is too long", text.size()), language,
                 "cut it into pieces of at most 100000");
-  if (words_per_minute < kSlowest || words_per_minute > kFastest)
-    return fail(ErrorCode::bad_usage, fmt::format("a rate of {} words a minute", words_per_minute), language,
-                fmt::format("choose {} to {}", kSlowest, kFastest));
+  MIEN_TRY(check_rate(words_per_minute, language));
   if (language.starts_with(kFlitePrefix))
     return speak_by_flite(language.substr(kFlitePrefix.size()), text, words_per_minute);
   const int rate_hz = espeak_Initialize(

@@ -24,6 +24,8 @@ struct SpokenText {
 
 /// Words a minute that voices speak.
 inline constexpr int kSlowest = 80, kFastest = 450;
+/// Errors: bad_usage (a rate beyond these), told of `where`.
+[[nodiscard]] Result<void> check_rate(int words_per_minute, const std::string& where);
 
 /// Reads `text` (UTF-8, at most 100,000 bytes) in a language of espeak-ng ("en-us", "de", "fr-fr", "es"),
 /// with one of its voices' variants behind a "+" ("de+f3"), or by a voice of flite ("flite:slt"), at
