@@ -21,6 +21,9 @@ constexpr std::size_t kMaxTextBytes = 128;
 constexpr double kMaxPositionM = 10.0;
 /// Face sensors of a rig whose skin's motion is told; each frame's work grows with the cube of them.
 constexpr std::size_t kMaxSkinSensors = 64;
+constexpr std::size_t kMaxLamps = 8;  // Beside one camera.
+/// A camera whose line of sight and up differ by less (sine) has no up.
+constexpr double kLeastUp = 0.05;
 
 bool printable(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7F; });
@@ -83,10 +86,122 @@ Result<std::optional<Vec3>> unit_vector(const toml::table& table, std::string_vi
   return direction;
 }
 
+/// Puts the number that the table has under `key`, if it has one, into `value`; `least` and `most` are
+/// allowed.
+Result<void> number(const toml::table& table, std::string_view key, double least, double most, double& value,
+                    const std::string& where) {
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return {};
+  const auto read = node->value<double>();
+  if (!read) return fail(ErrorCode::malformed, fmt::format("'{}' is not a number", key), place(where, *node));
+  if (!(*read >= least && *read <= most))  // Not so where it is no number.
+    return fail(ErrorCode::out_of_range, fmt::format("'{}' is not within {:g} and {:g}", key, least, most),
+                place(where, *node));
+  value = *read;
+  return {};
+}
+
+/// A place near the head, metres.
+Result<std::optional<Vec3>> near_place(const toml::table& table, std::string_view key,
+                                       const std::string& where) {
+  MIEN_TRY_ASSIGN(const std::optional<Vec3> position_m, vector(table, key, where));
+  if (position_m && position_m->norm() > kMaxPositionM)
+    return fail(ErrorCode::out_of_range, fmt::format("'{}' is metres away from the head", key),
+                place(where, table), "give it in metres");
+  return position_m;
+}
+
+Result<Lamp> read_lamp(const toml::table& table, const std::string& where) {
+  MIEN_TRY(only_keys(table, {"position_m", "aim", "power_mw", "half_angle_deg"}, where));
+  Lamp lamp;
+  MIEN_TRY_ASSIGN(const std::optional<Vec3> position_m, near_place(table, "position_m", where));
+  MIEN_TRY_ASSIGN(const std::optional<Vec3> aim, unit_vector(table, "aim", where));
+  if (!position_m || !aim)
+    return fail(ErrorCode::malformed, "a lamp without 'position_m' or 'aim'", place(where, table));
+  lamp.position_m = *position_m;
+  lamp.aim = *aim;
+  MIEN_TRY(number(table, "power_mw", 0, 10'000, lamp.power_mw, where));
+  MIEN_TRY(number(table, "half_angle_deg", 1, 89, lamp.half_angle_deg, where));
+  return lamp;
+}
+
+Result<void> read_pixels(const toml::table& table, CameraMount& camera, const std::string& where) {
+  if (const toml::node* node = table.get("size")) {
+    MIEN_TRY_ASSIGN(const Eigen::VectorXd size, number_list(node, 2, "size", where));
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double side = size[static_cast<Eigen::Index>(i)];
+      const double most = i == 0 ? 1280 : 960;
+      if (side < 16 || side > most || side != std::floor(side))
+        return fail(ErrorCode::out_of_range, "'size' is not 16 x 16 to 1280 x 960 whole pixels",
+                    place(where, *node));
+      camera.size[i] = static_cast<int>(side);
+    }
+  }
+  if (const toml::node* node = table.get("crop")) {
+    MIEN_TRY_ASSIGN(const Eigen::VectorXd crop, number_list(node, 4, "crop", where));
+    for (Eigen::Index i = 0; i < 4; ++i) camera.crop[static_cast<std::size_t>(i)] = crop[i];
+    const auto& [left, top, width, height] = camera.crop;
+    if (left < 0 || top < 0 || width < 0.05 || height < 0.05 || left + width > 1 || top + height > 1)
+      return fail(ErrorCode::out_of_range, "'crop' leaves the picture, or too little of it",
+                  place(where, *node), "give left, top, width and height as shares of the picture");
+  }
+  if (const toml::node* node = table.get("turn_deg")) {
+    const auto turn = node->value_exact<std::int64_t>();
+    if (!turn || *turn < 0 || *turn > 270 || *turn % 90 != 0)
+      return fail(ErrorCode::out_of_range, "'turn_deg' is not 0, 90, 180 or 270", place(where, *node));
+    camera.turn_deg = static_cast<int>(*turn);
+  }
+  if (const toml::node* node = table.get("mirror")) {
+    const auto mirror = node->value_exact<bool>();
+    if (!mirror) return fail(ErrorCode::malformed, "'mirror' is neither true nor false", place(where, *node));
+    camera.mirror = *mirror;
+  }
+  return {};
+}
+
+/// The table 'camera' of a sensor that stands at `position_m`.
+Result<CameraMount> read_camera(const toml::node& node, const std::optional<Vec3>& position_m,
+                                const std::string& where) {
+  const toml::table* table = node.as_table();
+  const std::string here = place(where, node);
+  if (table == nullptr) return fail(ErrorCode::malformed, "'camera' is not a table", here);
+  MIEN_TRY(only_keys(*table,
+                     {"look_at_m", "up", "field_of_view_deg", "radial_k1", "size", "rate_hz", "exposure_ms",
+                      "crop", "turn_deg", "mirror", "lamps"},
+                     where));
+  CameraMount camera;
+  MIEN_TRY_ASSIGN(const std::optional<Vec3> look_at_m, near_place(*table, "look_at_m", where));
+  MIEN_TRY_ASSIGN(const std::optional<Vec3> up, unit_vector(*table, "up", where));
+  if (!look_at_m || !up || !position_m)
+    return fail(ErrorCode::malformed, "a camera without 'position_m', 'camera.look_at_m' or 'camera.up'",
+                here);
+  camera.look_at_m = *look_at_m;
+  camera.up = *up;
+  const Vec3 sight_m = camera.look_at_m - *position_m;
+  if (sight_m.norm() < 1e-3 || sight_m.normalized().cross(camera.up).norm() < kLeastUp)
+    return fail(ErrorCode::out_of_range, "a camera that looks along its 'up', or at itself", here);
+  MIEN_TRY(number(*table, "field_of_view_deg", 5, 170, camera.field_of_view_deg, where));
+  MIEN_TRY(number(*table, "radial_k1", -0.5, 0.5, camera.radial_k1, where));
+  MIEN_TRY(number(*table, "rate_hz", 1, 130, camera.rate_hz, where));
+  MIEN_TRY(number(*table, "exposure_ms", 0.01, 1000 / camera.rate_hz, camera.exposure_ms, where));
+  MIEN_TRY(read_pixels(*table, camera, where));
+  if (const toml::node* lamps = table->get("lamps")) {
+    const toml::array* list = lamps->as_array();
+    if (list == nullptr || list->size() > kMaxLamps)
+      return fail(ErrorCode::malformed, fmt::format("'lamps' is not a list of up to {} tables", kMaxLamps),
+                  place(where, *lamps));
+    for (const toml::node& lamp : *list) {
+      if (!lamp.is_table()) return fail(ErrorCode::malformed, "a lamp is not a table", place(where, lamp));
+      MIEN_TRY_ASSIGN(camera.lamps.emplace_back(), read_lamp(*lamp.as_table(), where));
+    }
+  }
+  return camera;
+}
+
 Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   MIEN_TRY(only_keys(table,
                      {"name", "kind", "site", "side", "role", "device", "ict_vertex", "position_m", "outward",
-                      "aim", "recentre", "hears_by"},
+                      "aim", "recentre", "hears_by", "camera"},
                      where));
   Mount mount;
   MIEN_TRY_ASSIGN(mount.name, text(table, "name", true, where));
@@ -111,10 +226,7 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
       return fail(ErrorCode::out_of_range, "'ict_vertex' is not a vertex number", place(where, *node));
     mount.ict_vertex = static_cast<int>(*vertex);
   }
-  MIEN_TRY_ASSIGN(mount.position_m, vector(table, "position_m", where));
-  if (mount.position_m && mount.position_m->norm() > kMaxPositionM)
-    return fail(ErrorCode::out_of_range, "'position_m' is metres away from the head", place(where, table),
-                "give it in metres");
+  MIEN_TRY_ASSIGN(mount.position_m, near_place(table, "position_m", where));
   MIEN_TRY_ASSIGN(mount.outward, unit_vector(table, "outward", where));
   MIEN_TRY_ASSIGN(mount.aim, unit_vector(table, "aim", where));
   if (const toml::node* node = table.get("recentre")) {
@@ -134,6 +246,19 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   if (!mount.hears_by.empty() && mount.hears_by != "network" && mount.hears_by != "phones")
     return fail(ErrorCode::malformed, fmt::format("'hears_by' is '{}'", excerpt(mount.hears_by)),
                 place(where, table), "use \"network\" or \"phones\"");
+  const toml::node* camera = table.get("camera");
+  if ((camera != nullptr) != (mount.kind == "camera"))
+    return fail(ErrorCode::malformed,
+                camera != nullptr ? fmt::format("'camera' of a sensor of kind '{}'", excerpt(mount.kind))
+                                  : fmt::format("the camera '{}' has no table 'camera'", excerpt(mount.name)),
+                place(where, table), "give a sensor of kind \"camera\", and no other, a table 'camera'");
+  if (camera != nullptr) {
+    if (mount.site != "eye" && mount.site != "mouth")
+      return fail(ErrorCode::malformed,
+                  fmt::format("the camera '{}' has the site '{}'", excerpt(mount.name), excerpt(mount.site)),
+                  place(where, table), "use \"eye\" or \"mouth\"");
+    MIEN_TRY_ASSIGN(mount.camera, read_camera(*camera, mount.position_m, where));
+  }
   return mount;
 }
 
@@ -245,6 +370,29 @@ void line(std::ostringstream& out, std::string_view key, const T& value) {
 
 toml::array numbers(const Vec3& v) {
   return toml::array{v.x(), v.y(), v.z()};
+}
+
+toml::table camera_table(const CameraMount& camera) {
+  toml::table table{
+      {"look_at_m", numbers(camera.look_at_m)},
+      {"up", numbers(camera.up)},
+      {"field_of_view_deg", camera.field_of_view_deg},
+      {"radial_k1", camera.radial_k1},
+      {"size", toml::array{camera.size[0], camera.size[1]}},
+      {"rate_hz", camera.rate_hz},
+      {"exposure_ms", camera.exposure_ms},
+      {"crop", toml::array{camera.crop[0], camera.crop[1], camera.crop[2], camera.crop[3]}},
+      {"turn_deg", camera.turn_deg},
+      {"mirror", camera.mirror},
+  };
+  toml::array lamps;
+  for (const Lamp& lamp : camera.lamps)
+    lamps.push_back(toml::table{{"position_m", numbers(lamp.position_m)},
+                                {"aim", numbers(lamp.aim)},
+                                {"power_mw", lamp.power_mw},
+                                {"half_angle_deg", lamp.half_angle_deg}});
+  table.insert("lamps", std::move(lamps));
+  return table;
 }
 
 }  // namespace
@@ -364,6 +512,7 @@ std::string write_rig(const Rig& rig) {
     if (mount.aim) line(out, "aim", numbers(*mount.aim));
     if (mount.recentre) line(out, "recentre", true);
     if (!mount.hears_by.empty()) line(out, "hears_by", mount.hears_by);
+    if (mount.camera) line(out, "camera", camera_table(*mount.camera));
   }
   if (rig.skin) out << '\n' << write_skin(*rig.skin);
   if (!rig.faults_toml.empty()) {

@@ -10,13 +10,14 @@
 
 #include "mien/core/error.h"
 #include "mien/core/rotation.h"
+#include "mien/sensor/camera_mount.h"
 
 namespace mien::sensor {
 
 /// One sensor of a rig.
 struct Mount {
   std::string name;     ///< Unique in the rig: "zygomaticus_upper_L".
-  std::string kind;     ///< Its modality: "imu", "eyewear".
+  std::string kind;     ///< Its modality: "imu", "eyewear", "camera".
   std::string site;     ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
   char side = 'M';      ///< 'L', 'R' (the performer's own) or 'M'.
   std::string role;     ///< "face", or "head" for the sensor that carries the head's rotation.
@@ -31,6 +32,7 @@ struct Mount {
   bool recentre = false;
   /// Of a microphone: how the mouth is heard, "network" (empty is the same) or "phones".
   std::string hears_by;
+  std::optional<CameraMount> camera;  ///< Of a camera, and of nothing else.
 };
 
 /// How the skin under face sensors turns, over many people and performances: mean and covariance of the

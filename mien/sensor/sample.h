@@ -21,8 +21,10 @@ enum class SampleKind : std::uint8_t {
   weights = 6,             ///< Some of a face's weights as another program tells them: order in mien/phone.
   weights_confidence = 7,  ///< Their confidences, likewise.
   head_pose = 8,           ///< Head position, frame W, m (3), q_world_head w,x,y,z (4), mien/phone's (3).
-  sound = 9,  ///< A block of sound: root mean square and peak, shares of full scale, 0 to 1 (2); the block
-              ///< itself is the sample's payload (mien/speech).
+  sound = 9,     ///< A block of sound: root mean square and peak, shares of full scale, 0 to 1 (2); the block
+                 ///< itself is the sample's payload (mien/speech).
+  picture = 10,  ///< A camera's picture (7): order and units in mien/headset; its features, or the picture
+                 ///< itself, are the sample's payload.
 };
 
 inline constexpr std::size_t kMaxSampleValues = 16;

@@ -1,9 +1,12 @@
 #include "mien/sensor/rig.h"
 #include "tests/project_path.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
+#include <tuple>
 
 namespace mien::sensor::rig_test {
 namespace {
@@ -123,6 +126,79 @@ TEST(Rig, LightMayBeRecentred) {
   EXPECT_EQ(parse_rig(write_rig(*hearing), "again")->sensors[0].hears_by, "phones");
   EXPECT_FALSE(parse_rig(with("kind = \"imu\"\nsite", "kind = \"imu\"\nhears_by = \"phones\"\nsite"), "rig"));
   EXPECT_FALSE(parse_rig(with("kind = \"imu\"\nsite", "kind = \"speech\"\nhears_by = \"ear\"\nsite"), "rig"));
+}
+
+TEST(Rig, HeadsetsOfThisProjectAreRead) {
+  for (const auto& [name, cameras, mouths] : {std::tuple{"headset", 4, 2}, std::tuple{"headset_diy", 3, 1}}) {
+    const auto rig = read_rig(project_path(fmt::format("rigs/{}.toml", name)));
+    ASSERT_TRUE(rig) << rig.error().message();
+    ASSERT_EQ(rig->sensors.size(), static_cast<std::size_t>(cameras));
+    int of_mouth = 0;
+    for (const Mount& mount : rig->sensors) {
+      ASSERT_TRUE(mount.camera) << mount.name;
+      EXPECT_EQ(mount.camera->mirror, mount.side == 'R') << mount.name;
+      EXPECT_EQ(mount.camera->size, (std::array{240, 240}));
+      of_mouth += mount.site == "mouth" ? 1 : 0;
+    }
+    EXPECT_EQ(of_mouth, mouths);
+    const auto again = parse_rig(write_rig(*rig), "again");
+    ASSERT_TRUE(again) << again.error().message();
+    for (std::size_t i = 0; i < rig->sensors.size(); ++i)
+      EXPECT_TRUE(again->sensors[i].camera == rig->sensors[i].camera) << rig->sensors[i].name;
+  }
+}
+
+TEST(Rig, RefusesCamerasThatNoneIs) {
+  const auto rig_with = [](std::string_view sensor, std::string_view camera) {
+    return parse_rig(fmt::format("name = \"r\"\nreference = \"eye\"\n[[sensor]]\nname = \"eye\"\n{}\n"
+                                 "role = \"face\"\n[sensor.camera]\n{}\n",
+                                 sensor, camera),
+                     "r");
+  };
+  constexpr std::string_view kSensor = "kind = \"camera\"\nsite = \"eye\"\nposition_m = [0.05, 0, 0.1]";
+  constexpr std::string_view kLooks = "look_at_m = [0, 0, 0]\nup = [0, 1, 0]\n";
+  const auto good = rig_with(kSensor, kLooks);
+  ASSERT_TRUE(good) << good.error().message();
+  EXPECT_EQ(good->sensors[0].camera->size, (std::array{240, 240}));
+
+  for (const std::string_view sensor :
+       {"kind = \"camera\"\nsite = \"eye\"", "kind = \"camera\"\nsite = \"ear\"\nposition_m = [0.05, 0, 0.1]",
+        "kind = \"imu\"\nsite = \"eye\"\nposition_m = [0.05, 0, 0.1]"})
+    EXPECT_FALSE(rig_with(sensor, kLooks)) << sensor;
+  for (const std::string_view camera :
+       {"look_at_m = [0, 0, 0]", "up = [0, 1, 0]", "look_at_m = [0.05, 0, 0.1]\nup = [0, 1, 0]",
+        "look_at_m = [0.05, 1, 0.1]\nup = [0, 1, 0]"})
+    EXPECT_FALSE(rig_with(kSensor, camera)) << camera;
+  for (const std::string_view more :
+       {"field_of_view_deg = 180",
+        "field_of_view_deg = nan",
+        "radial_k1 = 2",
+        "size = [240]",
+        "size = [8, 8]",
+        "size = [240.5, 240]",
+        "size = [2000, 240]",
+        "rate_hz = 0",
+        "rate_hz = 1000",
+        "rate_hz = 100\nexposure_ms = 11",
+        "crop = [0, 0, 1, 1.1]",
+        "crop = [-0.1, 0, 1, 1]",
+        "crop = [0, 0, 0, 1]",
+        "turn_deg = 45",
+        "turn_deg = 360",
+        "mirror = 1",
+        "lamps = 1",
+        "lamps = [1]",
+        "lamps = [{}]",
+        "lamps = [{ position_m = [0, 0, 0.1], aim = [0, 0, 3] }]",
+        "lamps = [{ position_m = [0, 0, 0.1], aim = [0, 0, 1], half_angle_deg = 90 }]",
+        "zoom = 2"}) {
+    const auto rig = rig_with(kSensor, fmt::format("{}{}", kLooks, more));
+    ASSERT_FALSE(rig) << more;
+    EXPECT_NE(rig.error().message().find("r, line"), std::string::npos) << rig.error().message();
+  }
+  std::string lamps = "lamps = [";
+  for (int i = 0; i < 9; ++i) lamps += "{ position_m = [0, 0, 0.1], aim = [0, 0, 1] },";
+  EXPECT_FALSE(rig_with(kSensor, fmt::format("{}{}]", kLooks, lamps)));
 }
 
 struct Wrong {
