@@ -50,18 +50,24 @@ void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_o
   }
 }
 
-void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m) {
+std::array<Eigen::Vector2f, 2> eyes_rad(const BlendshapeWeights& weights) {
   constexpr auto kRadPerUnit = static_cast<float>(kEyeTurnRadPerUnit);
-  const float left_yaw = weights[shape("eyeLookOut_L")] - weights[shape("eyeLookIn_L")];
-  const float left_pitch = weights[shape("eyeLookUp_L")] - weights[shape("eyeLookDown_L")];
-  const float right_yaw = weights[shape("eyeLookIn_R")] - weights[shape("eyeLookOut_R")];
-  const float right_pitch = weights[shape("eyeLookUp_R")] - weights[shape("eyeLookDown_R")];
-  const std::array<std::array<float, 2>, 2> angles = {{{left_yaw, left_pitch}, {right_yaw, right_pitch}}};
+  const auto difference = [&](std::size_t more, std::size_t less) {
+    return kRadPerUnit * (weights[more] - weights[less]);
+  };
+  return {Eigen::Vector2f(difference(shape("eyeLookOut_L"), shape("eyeLookIn_L")),
+                          difference(shape("eyeLookUp_L"), shape("eyeLookDown_L"))),
+          Eigen::Vector2f(difference(shape("eyeLookIn_R"), shape("eyeLookOut_R")),
+                          difference(shape("eyeLookUp_R"), shape("eyeLookDown_R")))};
+}
+
+void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m) {
+  const std::array<Eigen::Vector2f, 2> angles_rad = eyes_rad(weights);
   for (std::size_t e = 0; e < 2; ++e) {
     const Eyeball& eye = face.eyes[e];
     // +X is the performer's left and +Z forward: a positive turn about +Y looks left, about -X looks up.
-    const Eigen::Matrix3f turn = (Eigen::AngleAxisf(kRadPerUnit * angles[e][0], Vec3f::UnitY()) *
-                                  Eigen::AngleAxisf(-kRadPerUnit * angles[e][1], Vec3f::UnitX()))
+    const Eigen::Matrix3f turn = (Eigen::AngleAxisf(angles_rad[e].x(), Vec3f::UnitY()) *
+                                  Eigen::AngleAxisf(-angles_rad[e].y(), Vec3f::UnitX()))
                                      .toRotationMatrix();
     for (std::uint32_t i = eye.first_vertex; i < eye.first_vertex + eye.vertex_count; ++i)
       vertices_m[i] = eye.centre_m + turn * (vertices_m[i] - eye.centre_m);

@@ -104,7 +104,11 @@ struct Face {
 void evaluate(const Face& face, const BlendshapeWeights& weights, float tongue_out,
               std::span<Vec3f> vertices_m);
 
-/// Turns the eyeballs in place as the eyeLook weights say: kEyeTurnRadPerUnit a unit.
+/// Where the eyes look as the eyeLook weights say, kEyeTurnRadPerUnit a unit: yaw to the performer's left and
+/// pitch upwards, rad; left eye, right eye.
+[[nodiscard]] std::array<Eigen::Vector2f, 2> eyes_rad(const BlendshapeWeights& weights);
+
+/// Turns the eyeballs in place to there.
 void turn_eyes(const Face& face, const BlendshapeWeights& weights, std::span<Vec3f> vertices_m);
 
 /// Normals by Max's weights (normals.h), unit; shape as vertices_m.

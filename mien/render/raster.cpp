@@ -157,11 +157,13 @@ void TileDepths::clear(int left, int top) {
   std::ranges::fill(triangle_, kNothing);
 }
 
-void TileDepths::draw(std::uint32_t triangle, const ScreenTriangle& on_screen) {
+void TileDepths::draw(std::uint32_t triangle, const ScreenTriangle& on_screen, Coverage samples) {
   // 1 / depth is linear on the screen.
   const Eigen::Vector2f slope = on_screen.gradient(on_screen.inverse_depth());
   const auto [least, most] = std::ranges::minmax(on_screen.inverse_depth());
   on_screen.scan({left_, top_, left_ + kTile, top_ + kTile}, [&](int x, int y, Coverage coverage) {
+    coverage &= samples;
+    if (coverage == 0) return;
     empty_ = false;
     const Eigen::Vector2f from_corner =
         Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y)) - on_screen.first_corner();

@@ -172,7 +172,8 @@ class TileDepths {
   TileDepths();
   /// Begins the tile whose upper left pixel is this.
   void clear(int left, int top);
-  void draw(std::uint32_t triangle, const ScreenTriangle& on_screen);
+  /// Into these of each pixel's samples.
+  void draw(std::uint32_t triangle, const ScreenTriangle& on_screen, Coverage samples = kWholePixel);
   /// Of what is drawn so far, for hides().
   void find_farthest();
   /// Whether a triangle of these corners is nowhere nearer than what find_farthest() met. It may be hidden

@@ -63,8 +63,10 @@ RayScene::Hit RayScene::first_hit(const Vec3f& origin, const Vec3f& direction, f
   return {.triangle = ray.hit.primID, .distance = ray.ray.tfar, .u = ray.hit.u, .v = ray.hit.v};
 }
 
-void RayScene::blocked(const Vec3f& origin, std::span<const Vec3f> directions, float from, float to,
-                       std::span<std::uint8_t> is_blocked) const {
+/// `ray(k)`: direction and end of the ray to the k-th.
+template <class Ray>
+void RayScene::blocked_each(const Vec3f& origin, float from, RTCIntersectContextFlags flags, const Ray& ray,
+                            std::span<std::uint8_t> is_blocked) const {
   constexpr std::size_t kPacket = 16;
   if (positions_ == nullptr) {
     std::ranges::fill(is_blocked, std::uint8_t{0});
@@ -72,29 +74,52 @@ void RayScene::blocked(const Vec3f& origin, std::span<const Vec3f> directions, f
   }
   alignas(64) RTCRay16 rays;
   alignas(64) std::array<int, kPacket> valid;
-  for (std::size_t first = 0; first < directions.size(); first += kPacket) {
-    const std::size_t count = std::min(kPacket, directions.size() - first);
+  for (std::size_t first = 0; first < is_blocked.size(); first += kPacket) {
+    const std::size_t count = std::min(kPacket, is_blocked.size() - first);
     for (std::size_t k = 0; k < kPacket; ++k) {
-      const Vec3f& direction = directions[first + std::min(k, count - 1)];
+      const ToDirection to = ray(first + std::min(k, count - 1));
       valid[k] = k < count ? -1 : 0;
       rays.org_x[k] = origin.x();
       rays.org_y[k] = origin.y();
       rays.org_z[k] = origin.z();
       rays.tnear[k] = from;
-      rays.dir_x[k] = direction.x();
-      rays.dir_y[k] = direction.y();
-      rays.dir_z[k] = direction.z();
+      rays.dir_x[k] = to.direction.x();
+      rays.dir_y[k] = to.direction.y();
+      rays.dir_z[k] = to.direction.z();
       rays.time[k] = 0;
-      rays.tfar[k] = to;
+      rays.tfar[k] = to.to;
       rays.mask[k] = ~0U;
       rays.id[k] = 0;
       rays.flags[k] = 0;
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
+    context.flags = flags;
     rtcOccluded16(valid.data(), scene_.get(), &context, &rays);
     for (std::size_t k = 0; k < count; ++k) is_blocked[first + k] = rays.tfar[k] < 0 ? 1 : 0;
   }
+}
+
+void RayScene::blocked(const Vec3f& origin, std::span<const Vec3f> directions, float from, float to,
+                       std::span<std::uint8_t> is_blocked) const {
+  blocked_each(
+      origin, from, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT,
+      [&](std::size_t k) {
+        return ToDirection{directions[k], to};
+      },
+      is_blocked.first(directions.size()));
+}
+
+void RayScene::blocked_towards(const Vec3f& origin, std::span<const Vec3f> targets_m, float short_m,
+                               std::span<std::uint8_t> is_blocked) const {
+  blocked_each(
+      origin, 0, RTC_INTERSECT_CONTEXT_FLAG_COHERENT,
+      [&](std::size_t k) {
+        const Vec3f way = targets_m[k] - origin;
+        const float length = way.norm();
+        return ToDirection{way / std::max(length, 1e-6F), std::max(0.0F, length - short_m)};
+      },
+      is_blocked.first(targets_m.size()));
 }
 
 bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const {

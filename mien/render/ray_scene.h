@@ -35,8 +35,20 @@ class RayScene {
   void blocked(const Vec3f& origin, std::span<const Vec3f> directions, float from, float to,
                std::span<std::uint8_t> is_blocked) const;
   [[nodiscard]] bool blocked(const Vec3f& origin, const Vec3f& direction, float from, float to) const;
+  /// Of each target: 1 where something stands between `origin` and a place `short_m` before it, else 0.
+  /// Shape: `is_blocked` beside `targets_m`. Targets close to each other in the list are cheaper.
+  void blocked_towards(const Vec3f& origin, std::span<const Vec3f> targets_m, float short_m,
+                       std::span<std::uint8_t> is_blocked) const;
 
  private:
+  struct ToDirection {
+    Vec3f direction = Vec3f::UnitZ();  // Unit.
+    float to = 0;
+  };
+  template <class Ray>
+  void blocked_each(const Vec3f& origin, float from, RTCIntersectContextFlags flags, const Ray& ray,
+                    std::span<std::uint8_t> is_blocked) const;
+
   struct Release {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mien/render/infrared_eye.h"
+#include "mien/render/infrared_scene.h"
+#include "mien/render/ray_scene.h"
+
+// What the infrared scene's sources share. Found once and of a pose: infrared_scene.cpp; of a picture:
+// infrared_draw.cpp.
+namespace mien::render {
+
+/// How a surface mirrors; what an eye does is infrared_eye.h's.
+enum class Gloss : std::uint8_t { skin, lips, wet, teeth, thing, eye };
+
+/// A triangle as it is shaded.
+struct Facet {
+  std::uint32_t first_texel = 0;  ///< Its albedos lie in rows along its sides.
+  std::uint8_t steps = 1;         ///< Texels of a side, less one.
+  Gloss gloss = Gloss::skin;
+  std::uint8_t index = 0;  ///< Of the eye, or of the thing.
+  bool two_sided = false;
+};
+
+struct InfraredScene::State {
+  State(const face::Face& f, InfraredWearer w, std::span<const Vec3f> cameras_m, float reach_m);
+
+  void bake(std::span<const std::uint32_t> of_face);
+  void find_normals();
+  void find_eyes(std::span<const Vec3f> vertices_m, std::array<SeenEye, 2>& eyes) const;
+  /// Finds the vertices whose shadows are found by rays, such that each other one has one of them beside it.
+  void find_shadow_vertices();
+  [[nodiscard]] std::span<const std::uint32_t> shadows_of(std::uint32_t vertex) const {
+    return std::span(shadow_of).subspan(shadow_start[vertex],
+                                        shadow_start[vertex + 1] - shadow_start[vertex]);
+  }
+  /// Of a lamp at `lamp_m` that would give this at the seen vertices: `arriving`, where it matters.
+  void ask_shadows(const Vec3f& lamp_m, std::span<const float> would_fall);
+  /// The albedo of a facet where its second and third corner have these weights.
+  [[nodiscard]] float albedo(const Facet& facet, float second, float third) const;
+  /// Radiance that a camera at `from_m` gets of a place of a facet; `spread_m`: half of what a sample spans.
+  [[nodiscard]] float shade(std::uint32_t facet, const std::array<float, 3>& weight, const Vec3f& from_m,
+                            float row_time, float spread_m) const;
+
+  /// What a pixel gets where no face is.
+  [[nodiscard]] float background(const Lens& lens, float x, float y) const;
+
+  const face::Face& face;
+  InfraredWearer wearer;
+  std::vector<std::uint32_t> kept;                     // Vertices of the face; those of the things follow.
+  std::vector<std::array<std::uint32_t, 3>> triangle;  // Solid, of the kept.
+  std::vector<Facet> facet;                            // Beside them.
+  std::vector<std::uint8_t> texel;                     // Albedos, 255 is 1.
+  std::vector<std::array<std::uint32_t, 3>> strand;    // Ribbons of lashes and brows.
+  std::vector<Eigen::Vector2f> uv;                     // Beside the kept, of ribbons.
+  std::vector<float> strand_albedo;                    // Beside the kept.
+  std::array<Vec3f, 2> neutral_axis;                   // Of the eyes.
+  // Beside the kept: of a vertex the ones that tell its shadow, itself alone where rays are sent to it.
+  std::vector<std::uint32_t> shadow_start, shadow_of;
+  std::vector<std::uint8_t> is_strand;  // Beside the kept.
+
+  RayScene solid;
+  // Of the pose.
+  bool moves = false;
+  std::vector<Vec3f> first, last, normal;  // Beside the kept.
+  struct Coordinates {
+    std::vector<float> x, y, z;
+    void assign(std::span<const Vec3f> places_m);
+  };
+  Coordinates first_m, last_m;  // The same, for Lens::project().
+  std::array<SeenEye, 2> first_eyes, last_eyes;
+  // Of the light.
+  std::vector<InfraredLamp> lamps;
+  std::vector<FallingLight> light;  // Beside the kept.
+  float background_radiance = 0;
+  // Memory of light().
+  std::vector<std::uint32_t> seen, asked;
+  std::vector<ScreenPoint> points;
+  std::vector<std::uint8_t> is_seen;
+  std::vector<float> asked_of, arrived_of;  // Beside `seen`: of the lamps that rays are sent to.
+  std::vector<float> falling;               // Beside `seen`, lamp by lamp: what would fall without shadows.
+  std::vector<float> arriving;  // Beside the kept, of one lamp: which share arrives; below 0: not asked.
+  std::vector<Vec3f> targets;
+  std::vector<std::uint8_t> is_blocked;
+};
+
+}  // namespace mien::render
