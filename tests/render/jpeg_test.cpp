@@ -69,5 +69,15 @@ TEST(Jpeg, RefusesWhatIsNoPicture) {
   EXPECT_EQ(code(4, 4, 101, 48), ErrorCode::out_of_range);
 }
 
+TEST(Jpeg, OfGreyHasOneChannel) {
+  std::vector<std::uint8_t> grey = waves(50, 30);
+  grey.resize(50 * 30);
+  const auto fine = encode_jpeg(50, 30, JpegPixels::grey, 95, grey).value();
+  EXPECT_EQ(header(fine).channels, 1);
+  EXPECT_EQ(header(fine).width, 50);
+  EXPECT_GT(fine.size(), encode_jpeg(50, 30, JpegPixels::grey, 20, grey).value().size());
+  EXPECT_FALSE(encode_jpeg(50, 30, JpegPixels::grey, 95, waves(50, 30))) << "three numbers a pixel";
+}
+
 }  // namespace
 }  // namespace mien::render::jpeg_test
