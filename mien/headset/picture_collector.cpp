@@ -1,0 +1,34 @@
+#include "mien/headset/picture_collector.h"
+
+namespace mien::headset {
+
+void PictureCollector::begin(std::span<const std::byte> first, std::optional<std::size_t> length) {
+  end();
+  open_ = true;
+  size_ = 0;
+  length_ = length;
+  walker_.begin();
+  for (const std::byte byte : first) add(byte);
+}
+
+void PictureCollector::end() {
+  if (!open_) return;
+  open_ = false;
+  ++(size_ > bytes_->size() ? counts_.overlong : counts_.broken);
+}
+
+bool PictureCollector::add(std::byte byte) {
+  if (size_ < bytes_->size()) (*bytes_)[size_] = byte;
+  ++size_;
+  const JpegWalker::State state = walker_.add(byte);
+  if (state == JpegWalker::State::inside && size_ != length_) return false;
+  if (state != JpegWalker::State::whole || size_ > bytes_->size() || (length_ && size_ != *length_)) {
+    end();
+    return false;
+  }
+  open_ = false;
+  ++counts_.whole;
+  return true;
+}
+
+}  // namespace mien::headset
