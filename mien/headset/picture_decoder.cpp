@@ -1,0 +1,52 @@
+#include "mien/headset/picture_decoder.h"
+
+#include <turbojpeg.h>
+
+#include "mien/headset/jpeg_gate.h"
+
+namespace mien::headset {
+namespace {
+
+constexpr int kWhole = 8;
+
+int scaled(int side, int eighths) {
+  return (side * eighths + kWhole - 1) / kWhole;
+}
+
+}  // namespace
+
+void PictureDecoder::Close::operator()(void* decoder) const {
+  tjDestroy(decoder);
+}
+
+PictureDecoder::PictureDecoder(void* decoder)
+    : decoder_(decoder), pixels_(static_cast<std::size_t>(kMaxPictureWidth) * kMaxPictureHeight) {}
+
+Result<PictureDecoder> PictureDecoder::create() {
+  void* const decoder = tjInitDecompress();
+  if (decoder == nullptr) return fail(ErrorCode::internal, "libjpeg-turbo gives no decoder", "cameras");
+  return PictureDecoder(decoder);
+}
+
+std::expected<GreyPicture, PictureFault> PictureDecoder::decode(std::span<const std::byte> jpeg,
+                                                                int least_width, int least_height) {
+  const auto header = check_jpeg(jpeg);
+  if (!header) return std::unexpected(header.error());
+  int eighths = 1;
+  while (eighths < kWhole &&
+         (scaled(header->width, eighths) < least_width || scaled(header->height, eighths) < least_height))
+    ++eighths;
+  const GreyPicture made{
+      .width = scaled(header->width, eighths),
+      .height = scaled(header->height, eighths),
+      .pixels = std::span(pixels_).first(static_cast<std::size_t>(scaled(header->width, eighths)) *
+                                         static_cast<std::size_t>(scaled(header->height, eighths)))};
+  // It takes the scale that fits into this size, which is the one above. Its warnings are of broken data.
+  const int status = tjDecompress2(decoder_.get(), reinterpret_cast<const unsigned char*>(jpeg.data()),
+                                   header->bytes, pixels_.data(), made.width, 0, made.height, TJPF_GRAY,
+                                   TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT);
+  if (status != 0) return std::unexpected(PictureFault::damaged);
+  return made;
+}
+
+}  // namespace mien::headset
