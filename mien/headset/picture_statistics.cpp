@@ -1,0 +1,90 @@
+#include "mien/headset/picture_statistics.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+#include "mien/headset/grey_levels.h"
+
+namespace mien::headset {
+namespace {
+
+constexpr double kWhiteNoise = 20;  // 4 * 4 + 4 * 1: what the Laplacian makes of a variance of 1.
+
+struct Moments {
+  std::int64_t count = 0;
+  std::int64_t sum = 0;
+  std::int64_t squares = 0;
+  void add(std::int64_t value) {
+    ++count;
+    sum += value;
+    squares += value * value;
+  }
+  /// Times the count's square: a whole number. 1.2 million values of at most 1020 stay below 2^61.
+  [[nodiscard]] std::int64_t variance() const { return count * squares - sum * sum; }
+};
+
+float sharpness_of(const GreyPicture& picture) {
+  const auto width = static_cast<std::size_t>(picture.width);
+  Moments laplacian;
+  Moments levels;
+  for (int y = 1; y + 1 < picture.height; ++y) {
+    const std::uint8_t* const row = picture.pixels.data() + static_cast<std::size_t>(y) * width;
+    for (std::size_t x = 1; x + 1 < width; ++x) {
+      levels.add(row[x]);
+      laplacian.add(row[x - 1] + row[x + 1] + row[x - width] + row[x + width] - 4 * row[x]);
+    }
+  }
+  if (levels.variance() == 0) return 0;
+  return static_cast<float>(static_cast<double>(laplacian.variance()) /
+                            (kWhiteNoise * static_cast<double>(levels.variance())));
+}
+
+/// Eight bytes at a time, each mixed into all bits by a multiplication and a shift (the finaliser of
+/// splitmix64, whose constants these are).
+std::uint64_t hash_of(const GreyPicture& picture) {
+  std::uint64_t hash = 0;
+  const auto mix = [&hash](std::uint64_t word) {
+    hash = (hash ^ word) * 0xBF58476D1CE4E5B9U;
+    hash = (hash ^ hash >> 27U) * 0x94D049BB133111EBU;
+    hash ^= hash >> 31U;
+  };
+  mix(static_cast<std::uint64_t>(picture.width) << 32U | static_cast<std::uint64_t>(picture.height) |
+      1U << 31U);
+  for (std::span<const std::uint8_t> left = picture.pixels; !left.empty();) {
+    std::uint64_t word = 0;
+    const std::size_t size = std::min(left.size(), sizeof(word));
+    std::memcpy(&word, left.data(), size);
+    if constexpr (std::endian::native != std::endian::little) word = __builtin_bswap64(word);
+    mix(word);
+    left = left.subspan(size);
+  }
+  return hash;
+}
+
+}  // namespace
+
+PictureStatistics statistics_of(const GreyPicture& picture) {
+  PictureStatistics statistics;
+  if (picture.pixels.empty()) return statistics;
+  GreyLevels levels;
+  for (const std::uint8_t level : picture.pixels) levels.add(level);
+  statistics.mean = levels.mean();
+  statistics.saturated = levels.share(kSaturatedLevel, 255);
+  statistics.black = levels.share(0, kBlackLevel);
+  statistics.sharpness = sharpness_of(picture);
+  statistics.p2 = levels.percentile(2);
+  statistics.p98 = levels.percentile(98);
+  statistics.hash = hash_of(picture);
+  return statistics;
+}
+
+bool FrozenPictures::add(std::uint64_t hash) {
+  in_a_row_ = in_a_row_ > 0 && hash == hash_ ? std::min(in_a_row_ + 1, kFrozen) : 1;
+  hash_ = hash;
+  return in_a_row_ >= kFrozen;
+}
+
+}  // namespace mien::headset

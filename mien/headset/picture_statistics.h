@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+
+#include "mien/headset/grey_picture.h"
+
+namespace mien::headset {
+
+/// How a picture was taken: exposure, sharpness, contrast, and what tells it from the one before. All numbers
+/// are of its grey levels as they are, 0 to 255 as 0 to 1.
+struct PictureStatistics {
+  float mean = 0;       ///< 0 to 1.
+  float saturated = 0;  ///< Share of pixels of kSaturatedLevel or more, 0 to 1.
+  float black = 0;      ///< Share of pixels of kBlackLevel or less, 0 to 1.
+  /// The variance of the Laplacian (four neighbours less four times the pixel, without the picture's edge)
+  /// over 20 times the variance of the same pixels: 1 for white noise, less the smoother, 3.2 for a
+  /// chessboard of single pixels, 0 without contrast. It does not depend on exposure; where there is hardly
+  /// any contrast (p98 - p2) it is the noise's. Of pictures of one size and scene alone it compares the lens.
+  float sharpness = 0;
+  float p2 = 0;   ///< The least level that 2 % of the pixels do not exceed, 0 to 1.
+  float p98 = 0;  ///< The same of 98 %.
+  /// Of size and pixels: two pictures of one hash are the same, but for one chance in 2^64.
+  std::uint64_t hash = 0;
+  bool operator==(const PictureStatistics&) const = default;
+};
+
+inline constexpr int kSaturatedLevel = 250;
+inline constexpr int kBlackLevel = 5;
+
+/// Of a picture of at most kMaxPictureWidth x kMaxPictureHeight; all 0 of one without pixels. Sums are whole
+/// numbers: the same bits always. No allocation. Thread-safe.
+[[nodiscard]] PictureStatistics statistics_of(const GreyPicture& picture);
+
+/// Tells a camera whose picture stands still: sensors have noise, so no two pictures are the same.
+class FrozenPictures {
+ public:
+  /// So many of one content in a row.
+  static constexpr int kFrozen = 3;
+
+  /// The next picture's PictureStatistics::hash. True: it is frozen.
+  bool add(std::uint64_t hash);
+  /// Another connection: what it sends is compared with nothing that was before.
+  void restart() { in_a_row_ = 0; }
+
+ private:
+  std::uint64_t hash_ = 0;
+  int in_a_row_ = 0;
+};
+
+}  // namespace mien::headset
