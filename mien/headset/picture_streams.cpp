@@ -1,0 +1,76 @@
+#include "mien/headset/picture_streams.h"
+
+#include "mien/headset/picture_packet.h"
+#include "mien/headset/response_head.h"
+
+namespace mien::headset {
+
+std::span<const std::byte> PictureNumbering::packet_of(const sensor::StreamCounts& counts,
+                                                       std::optional<DeviceTime> time) {
+  packet_.clear();
+  const auto written = write_picture_packet({.from = camera_,
+                                             .sequence = static_cast<std::uint32_t>(counts.all() - 1),
+                                             .time = time,
+                                             .first = first_},
+                                            packet_);
+  static_cast<void>(written);  // MultipartReader gives no time that is out of range.
+  first_ = false;
+  return packet_.bytes();
+}
+
+MjpegStream::MjpegStream(sensor::DeviceKey camera) : numbering_(camera) {
+  head_.reserve(kMaxHeadBytes + 1);
+}
+
+void MjpegStream::restart() {
+  head_.clear();
+  in_body_ = false;
+  chunked_ = false;
+  chunks_.restart();
+  parts_.restart();
+  numbering_.restart();
+}
+
+Result<bool> MjpegStream::read_head(std::span<const std::byte>& bytes) {
+  while (!bytes.empty()) {
+    head_ += static_cast<char>(bytes.front());
+    bytes = bytes.subspan(1);
+    const bool ends = head_.ends_with("\n\r\n") || head_.ends_with("\n\n");
+    if (!ends && head_.size() <= kMaxHeadBytes) continue;
+    if (ends) head_.resize(head_.size() - (head_.ends_with("\r\n") ? 2 : 1));
+    MIEN_TRY_ASSIGN(const ResponseHead head, parse_response_head(head_));
+    chunked_ = head.chunked;
+    return true;
+  }
+  return false;
+}
+
+Result<void> MjpegStream::read(std::span<const std::byte> bytes, const OnPayload& on_payload) {
+  if (!in_body_) {
+    MIEN_TRY_ASSIGN(in_body_, read_head(bytes));
+  }
+  while (!bytes.empty()) {
+    std::span<const std::byte> content = bytes;
+    if (chunked_) {
+      MIEN_TRY_ASSIGN(content, chunks_.read(bytes));
+    } else {
+      bytes = {};
+    }
+    while (const auto picture = parts_.read(content))
+      on_payload(numbering_.packet_of(parts_.counts(), picture->time), picture->jpeg);
+  }
+  return {};
+}
+
+void EtvrStream::restart() {
+  frames_.restart();
+  numbering_.restart();
+}
+
+Result<void> EtvrStream::read(std::span<const std::byte> bytes, const OnPayload& on_payload) {
+  while (const auto picture = frames_.read(bytes))
+    on_payload(numbering_.packet_of(frames_.counts(), std::nullopt), *picture);
+  return {};
+}
+
+}  // namespace mien::headset

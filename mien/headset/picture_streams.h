@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "mien/core/bytes.h"
+#include "mien/core/time.h"
+#include "mien/headset/chunked_body.h"
+#include "mien/headset/etvr_frames.h"
+#include "mien/headset/multipart.h"
+#include "mien/sensor/payload_stream.h"
+#include "mien/sensor/protocol.h"
+
+namespace mien::headset {
+
+/// Writes the packet of each of a camera's pictures in memory of its own.
+class PictureNumbering {
+ public:
+  explicit PictureNumbering(sensor::DeviceKey camera) : camera_(camera) {}
+  void restart() { first_ = true; }
+  /// Of the picture that `counts` counted last. Valid until the next call.
+  [[nodiscard]] std::span<const std::byte> packet_of(const sensor::StreamCounts& counts,
+                                                     std::optional<DeviceTime> time);
+
+ private:
+  sensor::DeviceKey camera_;
+  bool first_ = true;
+  ByteWriter packet_;
+};
+
+/// A camera that answers GET with a multipart stream of pictures (docs/reference/protocol.md, type 15): the
+/// response's head, chunks where it has them, and its parts. Errors of read(): those of parse_response_head()
+/// and of ChunkedBody::read().
+class MjpegStream final : public sensor::PayloadStream {
+ public:
+  explicit MjpegStream(sensor::DeviceKey camera);
+  void restart() override;
+  [[nodiscard]] Result<void> read(std::span<const std::byte> bytes, const OnPayload& on_payload) override;
+  [[nodiscard]] sensor::StreamCounts counts() const override { return parts_.counts(); }
+
+ private:
+  /// True: the head is over.
+  Result<bool> read_head(std::span<const std::byte>& bytes);
+
+  std::string head_;
+  bool in_body_ = false;
+  bool chunked_ = false;
+  ChunkedBody chunks_;
+  MultipartReader parts_;
+  PictureNumbering numbering_;
+};
+
+/// A camera on a serial line (EtvrFrames). Its pictures have no time. read() has no errors.
+class EtvrStream final : public sensor::PayloadStream {
+ public:
+  explicit EtvrStream(sensor::DeviceKey camera) : numbering_(camera) {}
+  void restart() override;
+  [[nodiscard]] Result<void> read(std::span<const std::byte> bytes, const OnPayload& on_payload) override;
+  [[nodiscard]] sensor::StreamCounts counts() const override { return frames_.counts(); }
+
+ private:
+  EtvrFrames frames_;
+  PictureNumbering numbering_;
+};
+
+}  // namespace mien::headset
