@@ -56,15 +56,6 @@ struct Intake::Port {
   std::array<std::byte, kMaxDatagram + 1> bytes;
 };
 
-bool Intake::Budget::spend(HostTime now, double rate) {
-  // The clock begins anew when the session does, after its ports were opened.
-  tokens = std::min(rate, tokens + rate * to_seconds(std::max(now - refilled, Duration{})));
-  refilled = now;
-  if (tokens < 1) return false;
-  --tokens;
-  return true;
-}
-
 Intake::Intake(asio::io_context& network, Clock clock)
     : network_(network), clock_(std::move(clock)), ring_(kRingBytes) {}
 

@@ -16,6 +16,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/live/budget.h"
 #include "mien/live/byte_ring.h"
 #include "mien/live/payload_source.h"
 #include "mien/live/serial_port.h"
@@ -114,11 +115,6 @@ class Intake {
 
  private:
   struct Port;
-  struct Budget {
-    double tokens = 0;
-    HostTime refilled;
-    [[nodiscard]] bool spend(HostTime now, double rate);
-  };
   /// A place in the table of senders, and who has it.
   struct PeerState {
     sensor::Peer id = kNobody;  // Never given to another.
