@@ -23,6 +23,13 @@ void EtvrFrames::restart() {
 
 std::optional<std::span<const std::byte>> EtvrFrames::read(std::span<const std::byte>& bytes) {
   while (!bytes.empty()) {
+    if (pictures_.is_open()) {
+      if (const std::size_t run = pictures_.add_run(bytes); run > 0) {
+        bytes = bytes.subspan(run);
+        newest_ = 0;  // No FF is in it.
+        continue;
+      }
+    }
     const std::byte byte = bytes.front();
     bytes = bytes.subspan(1);
     newest_ = newest_ << 8U | std::to_integer<std::uint64_t>(byte);

@@ -1,5 +1,7 @@
 #include "mien/headset/jpeg_walker.h"
 
+#include <cstring>
+
 #include "mien/headset/jpeg_marker.h"
 
 namespace mien::headset {
@@ -45,6 +47,13 @@ JpegWalker::State JpegWalker::add(std::byte byte) {
       return left_ == 0 ? end_of_segment() : State::inside;
   }
   return State::broken;
+}
+
+std::size_t JpegWalker::coded_run(std::span<const std::byte> next) const {
+  if (at_ != At::coded || next.empty()) return 0;
+  const void* const mark = std::memchr(next.data(), std::to_integer<int>(jpeg::kMark), next.size());
+  return mark == nullptr ? next.size()
+                         : static_cast<std::size_t>(static_cast<const std::byte*>(mark) - next.data());
 }
 
 }  // namespace mien::headset

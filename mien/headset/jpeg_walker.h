@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace mien::headset {
 
@@ -20,6 +21,9 @@ class JpegWalker {
   void begin() { *this = {}; }
   /// Takes the next byte. After `whole` and `broken` nothing may be added before begin().
   State add(std::byte byte);
+  /// How many of the next bytes are coded data, which add() would take as State::inside and nothing else:
+  /// they need not be added. 0 in a picture's header.
+  [[nodiscard]] std::size_t coded_run(std::span<const std::byte> next) const;
 
  private:
   enum class At : std::uint8_t {

@@ -77,6 +77,13 @@ void MultipartReader::read_lines_of_broken() {
 
 std::optional<MultipartReader::Picture> MultipartReader::read(std::span<const std::byte>& bytes) {
   while (!bytes.empty()) {
+    if (pictures_.is_open()) {
+      if (const std::size_t run = pictures_.add_run(bytes); run > 0) {
+        bytes = bytes.subspan(run);
+        newest_ = 0;  // No FF is in it.
+        continue;
+      }
+    }
     const std::byte byte = bytes.front();
     bytes = bytes.subspan(1);
     newest_ = newest_ << 8U | std::to_integer<std::uint32_t>(byte);

@@ -70,7 +70,7 @@ void NetworkView::cover(int pixels, double from, double to, std::span<Cover> cov
     one.count = end - one.first;
     one.middle_share = static_cast<float>(1 / step);
     one.first_share = one.count == 1 ? 1.0F : static_cast<float>((one.first + 1 - first) / step);
-    one.last_share = static_cast<float>((last - (end - 1)) / step);
+    one.last_share = one.count == 1 ? 0.0F : static_cast<float>((last - (end - 1)) / step);
   }
 }
 
@@ -101,9 +101,11 @@ void NetworkView::average(const GreyPicture& picture) {
     }
     for (std::ptrdiff_t x = 0; x < side; ++x) {
       const Cover& columns = columns_[static_cast<std::size_t>(x)];
-      float mean = 0;
-      for (int i = 0; i < columns.count; ++i)
-        mean += share_of(columns, i) * row_[static_cast<std::size_t>(columns.first + i)];
+      const float* const pixels = row_.data() + columns.first;
+      float middle = 0;
+      for (int i = 1; i + 1 < columns.count; ++i) middle += pixels[i];
+      const float ends = columns.first_share * pixels[0] + columns.last_share * pixels[columns.count - 1];
+      const float mean = ends + columns.middle_share * middle;
       const std::ptrdiff_t place = layout.origin + x * layout.right + y * layout.down;
       view_[static_cast<std::size_t>(place)] = std::clamp(mean, 0.0F, 1.0F);
     }

@@ -31,4 +31,13 @@ bool PictureCollector::add(std::byte byte) {
   return true;
 }
 
+std::size_t PictureCollector::add_run(std::span<const std::byte> next) {
+  std::size_t count = walker_.coded_run(next);
+  if (length_) count = size_ < *length_ ? std::min(count, *length_ - size_ - 1) : 0;
+  if (size_ < bytes_->size())
+    std::ranges::copy(next.first(std::min(count, bytes_->size() - size_)), bytes_->begin() + size_);
+  size_ += count;
+  return count;
+}
+
 }  // namespace mien::headset

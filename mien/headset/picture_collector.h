@@ -26,6 +26,9 @@ class PictureCollector {
   /// The next byte of the open picture. True: it was the last, and picture() is whole. False and not open
   /// any more: it is broken or too long.
   bool add(std::byte byte);
+  /// Adds as many of the next bytes at once as cannot end the picture, and gives their number; 0: the next is
+  /// for add().
+  std::size_t add_run(std::span<const std::byte> next);
 
   [[nodiscard]] bool is_open() const { return open_; }
   /// What there is, and is kept, of the newest picture. Valid until the next is begun or one is added to.

@@ -22,8 +22,8 @@ class PictureDecoder {
   /// Errors: internal (libjpeg gives no decoder).
   [[nodiscard]] static Result<PictureDecoder> create();
 
-  /// The picture in the smallest of its sizes by eighths, rounded up, that is at least so wide and so high;
-  /// where none is, in its own. Valid until the next call.
+  /// The picture at an eighth, a quarter or half of its size, rounded up, or its own: at the smallest that is
+  /// at least so wide and so high; where none is, at its own. Valid until the next call.
   [[nodiscard]] std::expected<GreyPicture, PictureFault> decode(std::span<const std::byte> jpeg,
                                                                 int least_width, int least_height);
 

@@ -48,9 +48,10 @@ TEST_F(Decoder, TakesTheSmallestSizeThatIsLargeEnough) {
     int least_width, least_height, width, height;
   };
   for (const Case& one : {Case{96, 0, 120, 90},
-                          {96, 96, 150, 113},
-                          {90, 60, 90, 68},
-                          {91, 1, 120, 90},
+                          {96, 96, 240, 180},
+                          {60, 45, 60, 45},
+                          {61, 1, 120, 90},
+                          {1, 46, 120, 90},
                           {1, 1, 30, 23},
                           {0, 0, 30, 23},
                           {240, 180, 240, 180},
