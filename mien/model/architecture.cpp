@@ -103,10 +103,13 @@ std::vector<TensorSpec> network_tensors(const Architecture& a) {
 }
 
 Result<void> check_tensors(const Architecture& a, std::span<const Tensor> network) {
+  return check_tensors(network_tensors(a), network);
+}
+
+Result<void> check_tensors(std::span<const TensorSpec> specs, std::span<const Tensor> network) {
   const auto listed = [](const std::vector<std::size_t>& shape) {
     return fmt::format("[{}]", fmt::join(shape, ", "));
   };
-  const std::vector<TensorSpec> specs = network_tensors(a);
   if (network.size() != specs.size())
     return fail(ErrorCode::mismatch,
                 fmt::format("the network has {} tensors, not {}", network.size(), specs.size()));

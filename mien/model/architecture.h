@@ -75,6 +75,8 @@ struct TensorSpec {
 /// Whether these are exactly a network's tensors, in order and of the right sizes. Errors: mismatch, which
 /// says what stands where another belongs.
 [[nodiscard]] Result<void> check_tensors(const Architecture& architecture, std::span<const Tensor> network);
+/// The same of any network whose tensors these are.
+[[nodiscard]] Result<void> check_tensors(std::span<const TensorSpec> specs, std::span<const Tensor> network);
 
 [[nodiscard]] std::size_t parameter_count(const Architecture& architecture);
 

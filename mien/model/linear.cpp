@@ -19,10 +19,29 @@ std::size_t place(const PackedLinear& layer, std::size_t o, std::size_t i) {
          i % numbers * (kWordBytes / numbers);
 }
 
-/// One column's numbers as bytes, the largest +-127.
+/// The largest sum of weights of one sign, among those whose products with non-negative inputs one lane of 16
+/// bits adds: a half of each word of a group.
+float largest_group(std::span<const float> column) {
+  constexpr std::size_t kNumbers = numbers_in_word(Precision::int8) * kGroupWords;
+  float largest = 0;
+  for (std::size_t first = 0; first < column.size(); first += kNumbers) {
+    float above[2] = {}, below[2] = {};
+    for (std::size_t i = first; i < std::min(first + kNumbers, column.size()); ++i) {
+      above[i / 2 % 2] += std::max(column[i], 0.0F);
+      below[i / 2 % 2] += std::max(-column[i], 0.0F);
+    }
+    largest = std::max({largest, above[0], above[1], below[0], below[1]});
+  }
+  return largest;
+}
+
+/// One column's numbers as bytes, the largest +-127. Of non-negative inputs less where a group's sum would
+/// not fit: 127 times 258 does, of which rounding takes up to 4.
 void pack_bytes(std::span<const float> column, std::size_t o, PackedLinear& layer) {
   float largest = 0;
   for (const float w : column) largest = std::max(largest, std::abs(w));
+  if (layer.inputs == Inputs::nonnegative)
+    largest = std::max(largest, largest_group(column) * (127.0F / 254.0F));
   layer.scale[o] = largest / 127.0F;
   std::int32_t sum = 0;
   for (std::size_t i = 0; i < column.size(); ++i) {
@@ -30,7 +49,7 @@ void pack_bytes(std::span<const float> column, std::size_t o, PackedLinear& laye
     layer.weights[place(layer, o, i)] = static_cast<std::byte>(byte);
     sum += static_cast<std::int32_t>(byte);
   }
-  layer.start[o] = -128 * sum;
+  layer.start[o] = layer.inputs == Inputs::nonnegative ? 0 : -128 * sum;
 }
 
 void pack_column(std::span<const float> column, std::size_t o, PackedLinear& layer) {
@@ -62,12 +81,16 @@ void convert(const PackedLinear& layer, std::size_t rows, RowsIn x, ConvertedRow
 }  // namespace
 
 PackedLinear pack_linear(std::span<const float> weight, std::span<const float> bias, std::size_t out,
-                         std::size_t total_in, std::size_t first, std::size_t count, Precision precision) {
+                         std::size_t total_in, std::size_t first, std::size_t count, Precision precision,
+                         Inputs inputs) {
   assert(weight.size() == out * total_in && first + count <= total_in &&
          (bias.empty() || bias.size() == out));
   const std::size_t numbers = numbers_in_word(precision);
-  PackedLinear packed{
-      .precision = precision, .in = count, .out = out, .words = (count + numbers - 1) / numbers};
+  PackedLinear packed{.precision = precision,
+                      .inputs = inputs,
+                      .in = count,
+                      .out = out,
+                      .words = (count + numbers - 1) / numbers};
   packed.weights = Aligned<std::byte>(padded(out) * packed.words * kWordBytes);
   packed.bias = AlignedFloats(padded(out));
   if (precision == Precision::int8) {
@@ -79,6 +102,18 @@ PackedLinear pack_linear(std::span<const float> weight, std::span<const float> b
   return packed;
 }
 
+Product product_of(const PackedLinear& layer) {
+  return {
+      .words = layer.words,
+      .b = layer.weights.data(),
+      .b_step = kPanel * kWordBytes,
+      .panel_step = layer.words * kPanel * kWordBytes,
+      .bias = layer.bias.data(),
+      .column_scale = layer.scale.data(),
+      .column_start = layer.start.data(),
+  };
+}
+
 ConvertedRows::ConvertedRows(std::size_t rows, std::size_t width)
     // A line more than bf16 takes: rows at a power of two from each other would fight for one place in the
     // cache.
@@ -87,24 +122,17 @@ ConvertedRows::ConvertedRows(std::size_t rows, std::size_t width)
 void apply_linear(const PackedLinear& layer, std::size_t rows, RowsIn x, RowsOut y, const LinearEnd& end,
                   ConvertedRows& memory) {
   const bool fp32 = layer.precision == Precision::fp32;
+  assert(layer.inputs == Inputs::any);
   if (!fp32) convert(layer, rows, x, memory);
-  const Product product{
-      .words = layer.words,
-      .a = fp32 ? reinterpret_cast<const std::byte*>(x.first) : memory.words.data(),
-      .a_stride = fp32 ? x.stride * sizeof(float) : memory.stride,
-      .b = layer.weights.data(),
-      .b_step = kPanel * kWordBytes,
-      .panel_step = layer.words * kPanel * kWordBytes,
-      .bias = layer.bias.data(),
-      .add = end.add.first,
-      .add_stride = end.add.stride,
-      .relu = end.relu,
-      .c = y.first,
-      .c_stride = y.stride,
-      .row_scale = memory.scale.data(),
-      .column_scale = layer.scale.data(),
-      .column_start = layer.start.data(),
-  };
+  Product product = product_of(layer);
+  product.a = fp32 ? reinterpret_cast<const std::byte*>(x.first) : memory.words.data();
+  product.a_stride = fp32 ? x.stride * sizeof(float) : memory.stride;
+  product.add = end.add.first;
+  product.add_stride = end.add.stride;
+  product.relu = end.relu;
+  product.c = y.first;
+  product.c_stride = y.stride;
+  product.row_scale = memory.scale.data();
   multiplier(layer.precision).multiply(rows, padded(layer.out) / kPanel, product);
 }
 

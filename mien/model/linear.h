@@ -19,21 +19,30 @@ namespace mien::model {
   return precision == Precision::fp32 ? 1 : precision == Precision::bf16 ? 2 : 4;
 }
 
+/// What is known of a layer's inputs: after a ReLU they are not negative, and int8 then takes them as bytes
+/// from 0 to 127.
+enum class Inputs { any, nonnegative };
+
+/// Of non-negative inputs int8 adds the products of this many words in 16 bits. Columns are packed so that
+/// they fit.
+inline constexpr std::size_t kGroupWords = 4;
+
 /// A linear layer y = W x + b, laid out so that each call reads its weights in order.
 struct PackedLinear {
   Precision precision = Precision::fp32;
+  Inputs inputs = Inputs::any;
   std::size_t in = 0, out = 0;
   std::size_t words = 0;        ///< `in` in words, rounded up; zeros behind the end.
   Aligned<std::byte> weights;   ///< padded(out) / kPanel panels of words x kPanel words.
   AlignedFloats bias;           ///< padded(out); zeros behind the end.
   AlignedFloats scale;          ///< int8: padded(out), what a weight's byte counts.
-  Aligned<std::int32_t> start;  ///< int8: padded(out), -128 times the sum of a column's bytes.
+  Aligned<std::int32_t> start;  ///< int8: padded(out), -128 times the sum of a column's bytes, or 0.
 };
 
 /// Packs columns [first, first + count) of the [out, total_in] matrix `weight`; an empty bias is zero.
 [[nodiscard]] PackedLinear pack_linear(std::span<const float> weight, std::span<const float> bias,
                                        std::size_t out, std::size_t total_in, std::size_t first,
-                                       std::size_t count, Precision precision);
+                                       std::size_t count, Precision precision, Inputs inputs = Inputs::any);
 
 /// Memory in which rows are put into a layer's precision: for up to `rows` of up to `width` numbers.
 struct ConvertedRows {

@@ -37,6 +37,7 @@ struct Fp32 {
   using Weights = Vector;
   using Input = Vector;
   static constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
+  static constexpr std::size_t kGroup = 1, kMostVectors = 8;
   /// As many as leave room for the weights and an input: 24 sums where there are 32 registers, 12 where 16.
   static constexpr std::size_t kTileRows = HWY_TARGET <= HWY_AVX3 || HWY_TARGET == HWY_NEON ? 12 : 6;
   static HWY_INLINE Sum start(const Product&, std::size_t) { return hn::Zero(Lanes()); }
@@ -57,7 +58,7 @@ struct WordStep {
   using Weights = hn::Vec<Words>;
   using Input = Weights;
   static constexpr std::size_t kLanes = hn::MaxLanes(Lanes());
-  static constexpr std::size_t kTileRows = 4;
+  static constexpr std::size_t kTileRows = 4, kGroup = 1, kMostVectors = 8;
   static HWY_INLINE Weights load(const std::byte* b) {
     return hn::LoadU(Words(), reinterpret_cast<const std::uint32_t*>(b));
   }
@@ -155,6 +156,21 @@ float quantise_row(std::size_t count, const float* x, std::uint8_t* out) {
   return largest / 127.0F;
 }
 
+float largest_number(std::size_t count, const float* x) {
+  const Lanes d;
+  auto high = hn::Zero(d);
+  for (std::size_t i = 0; i < count; i += Fp32::kLanes) high = hn::Max(high, hn::LoadU(d, x + i));
+  return hn::GetLane(hn::MaxOfLanes(d, high));
+}
+
+void quantise_nonnegative(std::size_t count, float largest, const float* x, std::uint8_t* out) {
+  const Lanes d;
+  const hn::Rebind<std::uint8_t, Lanes> bytes;
+  const auto factor = hn::Set(d, largest > 0 ? 127.0F / largest : 0.0F);
+  for (std::size_t i = 0; i < count; i += Fp32::kLanes)
+    hn::StoreU(hn::DemoteTo(bytes, hn::NearestInt(hn::Mul(hn::LoadU(d, x + i), factor))), bytes, out + i);
+}
+
 std::int64_t target() {
   return HWY_TARGET;
 }
@@ -170,9 +186,11 @@ HWY_EXPORT(multiply_bf16);
 HWY_EXPORT(multiply_int8);
 HWY_EXPORT(round_row);
 HWY_EXPORT(quantise_row);
+HWY_EXPORT(largest_number);
+HWY_EXPORT(quantise_nonnegative);
 HWY_EXPORT(target);
 
-Multiplier multiplier(Precision precision) {
+Multiplier multiplier(Precision precision, [[maybe_unused]] bool nonnegative) {
 #if defined(__x86_64__)
   // A forced kernel forbids what is beyond it.
   const std::int64_t target = HWY_DYNAMIC_DISPATCH(target)();
@@ -181,7 +199,8 @@ Multiplier multiplier(Precision precision) {
     return {multiply_bf16_avx512, "vdpbf16ps"};
   if (precision == Precision::int8 && avx512 && __builtin_cpu_supports("avx512vnni"))
     return {multiply_int8_avx512, "vpdpbusd"};
-  if (precision == Precision::int8 && avx2) return {multiply_int8_avx2, "vpmaddubsw"};
+  if (precision == Precision::int8 && avx2)
+    return {nonnegative ? multiply_nonnegative_avx2 : multiply_int8_avx2, "vpmaddubsw"};
 #endif
   switch (precision) {
     case Precision::bf16:
@@ -200,6 +219,14 @@ void round_row(std::size_t count, const float* x, std::uint16_t* out) {
 
 float quantise_row(std::size_t count, const float* x, std::uint8_t* out) {
   return HWY_DYNAMIC_DISPATCH(quantise_row)(count, x, out);
+}
+
+float largest_number(std::size_t count, const float* x) {
+  return HWY_DYNAMIC_DISPATCH(largest_number)(count, x);
+}
+
+void quantise_nonnegative(std::size_t count, float largest, const float* x, std::uint8_t* out) {
+  HWY_DYNAMIC_DISPATCH(quantise_nonnegative)(count, largest, x, out);
 }
 
 }  // namespace mien::model

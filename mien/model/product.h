@@ -9,6 +9,8 @@
 
 namespace mien::model {
 
+struct PackedLinear;  // linear.h
+
 inline constexpr std::size_t kWordBytes = 4;
 inline constexpr std::size_t kLineBytes = 64;  ///< Of the caches.
 
@@ -19,9 +21,11 @@ inline constexpr std::size_t kLineBytes = 64;  ///< Of the caches.
 /// many numbers of one row; `b` has at each step, for each of its columns, a word of that many numbers of
 /// the column. So every precision is walked alike, and what differs is what a step does with its two words.
 struct Product {
-  std::size_t words = 0;  ///< Steps.
+  std::size_t words = 0;  ///< Steps: of the whole sum, or of each of its runs.
   const std::byte* a = nullptr;
   std::size_t a_stride = 0;  ///< Bytes from row to row.
+  std::size_t runs = 1;      ///< Pieces that a row of `a` lies in, run_step bytes from one to the next.
+  std::size_t run_step = 0;
   const std::byte* b = nullptr;
   std::size_t b_step = 0;       ///< Bytes from step to step of one panel of columns.
   std::size_t panel_step = 0;   ///< Bytes from panel to panel.
@@ -31,10 +35,11 @@ struct Product {
   bool relu = false;
   float* c = nullptr;
   std::size_t c_stride = 0;
-  // int8 only: a number stands for (its byte - 128) row_scale, or its byte times column_scale.
+  // int8 only: a number stands for (its byte - 128) row_scale, or its byte times column_scale; of a
+  // non-negative one the byte counts as it is.
   const float* row_scale = nullptr;
   const float* column_scale = nullptr;
-  const std::int32_t* column_start = nullptr;  ///< -128 times the sum of a column's bytes.
+  const std::int32_t* column_start = nullptr;  ///< -128 times the sum of a column's bytes, or 0.
 };
 
 /// Rows x panels of a product. Every sum runs over the steps in order, so that neither the number of rows
@@ -46,13 +51,21 @@ struct Multiplier {
   Multiply* multiply = nullptr;
   std::string_view instruction;
 };
-[[nodiscard]] Multiplier multiplier(Precision precision);
+/// `nonnegative` (linear.h says of what): int8's words are then a multiple of kGroupWords.
+[[nodiscard]] Multiplier multiplier(Precision precision, bool nonnegative = false);
+
+/// The product of a packed layer, but for `a`, `c` and what is done at its end.
+[[nodiscard]] Product product_of(const PackedLinear& layer);
 
 /// `count` numbers to bf16, rounded to the nearest, halves to even; up to 15 numbers behind them become 0.
 void round_row(std::size_t count, const float* x, std::uint16_t* out);
 /// `count` numbers to bytes, 128 for 0 and the largest 127 away from it; up to 15 behind them become 128.
 /// Returns what one step of a byte counts.
 [[nodiscard]] float quantise_row(std::size_t count, const float* x, std::uint8_t* out);
+/// The largest of `count` numbers, a multiple of 16, or 0.
+[[nodiscard]] float largest_number(std::size_t count, const float* x);
+/// `count` numbers, a multiple of 16, from 0 to `largest`, to bytes from 0 to 127.
+void quantise_nonnegative(std::size_t count, float largest, const float* x, std::uint8_t* out);
 
 #if defined(__x86_64__)
 // Beyond what Debian's Highway knows. Only for CPUs that have the instructions: multiplier() asks.
@@ -64,6 +77,8 @@ Multiply multiply_bf16_avx512;
 Multiply multiply_int8_avx512;
 /// vpmaddubsw: the same bits again.
 Multiply multiply_int8_avx2;
+/// Of non-negative inputs: four words' products are added in 16 bits.
+Multiply multiply_nonnegative_avx2;
 #endif
 
 }  // namespace mien::model

@@ -15,7 +15,7 @@ struct Bf16 {
   using Weights = __m512bh;
   using Input = __m512bh;
   static constexpr std::size_t kLanes = 16;
-  static constexpr std::size_t kTileRows = 12;
+  static constexpr std::size_t kTileRows = 12, kGroup = 1, kMostVectors = 8;
   static Sum start(const Product&, std::size_t) { return _mm512_setzero_ps(); }
   static Weights load(const std::byte* b) { return (__m512bh)_mm512_loadu_si512(b); }
   static Input broadcast(const std::byte* a) {

@@ -10,6 +10,17 @@ namespace {
 
 #include "mien/model/tile.inc"
 
+/// To numbers, + bias + add, relu, and into c.
+void scale_and_finish(__m256i sum, const Product& p, std::size_t row, std::size_t column) {
+  const __m256 scale =
+      _mm256_mul_ps(_mm256_set1_ps(p.row_scale[row]), _mm256_load_ps(p.column_scale + column));
+  __m256 y = _mm256_mul_ps(_mm256_cvtepi32_ps(sum), scale);
+  if (p.bias != nullptr) y = _mm256_add_ps(y, _mm256_load_ps(p.bias + column));
+  if (p.add != nullptr) y = _mm256_add_ps(y, _mm256_load_ps(p.add + row * p.add_stride + column));
+  if (p.relu) y = _mm256_max_ps(y, _mm256_setzero_ps());
+  _mm256_store_ps(p.c + row * p.c_stride + column, y);
+}
+
 /// vpmaddubsw adds two products in 16 bits and holds what is too large. An input's magnitude is at most 128
 /// and a weight's 127, so two of them fit; the input's sign goes to the weight.
 struct Int8 {
@@ -19,7 +30,7 @@ struct Int8 {
   using Sum = __m256i;
   using Weights = __m256i;
   static constexpr std::size_t kLanes = 8;
-  static constexpr std::size_t kTileRows = 4;
+  static constexpr std::size_t kTileRows = 4, kGroup = 1, kMostVectors = 8;
   static Sum start(const Product&, std::size_t) { return _mm256_setzero_si256(); }
   static Weights load(const std::byte* b) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b)); }
   static Input broadcast(const std::byte* a) {
@@ -32,13 +43,28 @@ struct Int8 {
     return _mm256_add_epi32(sum, _mm256_madd_epi16(pairs, _mm256_set1_epi16(1)));
   }
   static void finish(Sum sum, const Product& p, std::size_t row, std::size_t column) {
-    const __m256 scale =
-        _mm256_mul_ps(_mm256_set1_ps(p.row_scale[row]), _mm256_load_ps(p.column_scale + column));
-    __m256 y = _mm256_mul_ps(_mm256_cvtepi32_ps(sum), scale);
-    if (p.bias != nullptr) y = _mm256_add_ps(y, _mm256_load_ps(p.bias + column));
-    if (p.add != nullptr) y = _mm256_add_ps(y, _mm256_load_ps(p.add + row * p.add_stride + column));
-    if (p.relu) y = _mm256_max_ps(y, _mm256_setzero_ps());
-    _mm256_store_ps(p.c + row * p.c_stride + column, y);
+    scale_and_finish(sum, p, row, column);
+  }
+};
+
+/// Bytes from 0 to 127 need no signs moved, and their columns are packed so that the 16 bits hold four words'
+/// products: one widening for four multiplications.
+struct NonnegativeInt8 {
+  using Sum = __m256i;
+  using Weights = __m256i;
+  using Input = __m256i;
+  static constexpr std::size_t kLanes = 8;
+  static constexpr std::size_t kTileRows = 3, kGroup = 4, kMostVectors = 2;
+  static Sum start(const Product&, std::size_t) { return _mm256_setzero_si256(); }
+  static Weights load(const std::byte* b) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b)); }
+  static Input broadcast(const std::byte* a) { return _mm256_set1_epi32(*reinterpret_cast<const int*>(a)); }
+  static Sum begin(Weights w, Input x) { return _mm256_maddubs_epi16(x, w); }
+  static Sum go_on(Sum part, Weights w, Input x) { return _mm256_add_epi16(part, begin(w, x)); }
+  static Sum end(Sum sum, Sum part) {
+    return _mm256_add_epi32(sum, _mm256_madd_epi16(part, _mm256_set1_epi16(1)));
+  }
+  static void finish(Sum sum, const Product& p, std::size_t row, std::size_t column) {
+    scale_and_finish(sum, p, row, column);
   }
 };
 
@@ -46,6 +72,10 @@ struct Int8 {
 
 void multiply_int8_avx2(std::size_t rows, std::size_t panels, const Product& p) {
   multiply_panels<Int8>(rows, panels, p);
+}
+
+void multiply_nonnegative_avx2(std::size_t rows, std::size_t panels, const Product& p) {
+  multiply_panels<NonnegativeInt8>(rows, panels, p);
 }
 
 }  // namespace mien::model

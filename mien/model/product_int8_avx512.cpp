@@ -15,7 +15,7 @@ struct Int8 {
   using Weights = __m512i;
   using Input = __m512i;
   static constexpr std::size_t kLanes = 16;
-  static constexpr std::size_t kTileRows = 12;
+  static constexpr std::size_t kTileRows = 12, kGroup = 1, kMostVectors = 8;
   static Sum start(const Product& p, std::size_t column) {
     return (__v16si)_mm512_load_si512(p.column_start + column);
   }
