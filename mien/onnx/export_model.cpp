@@ -7,6 +7,7 @@
 
 #include "mien/core/files.h"
 #include "mien/model/network_parts.h"
+#include "mien/onnx/backbone_graph.h"
 #include "mien/onnx/causal_graph.h"
 #include "mien/onnx/features_graph.h"
 #include "mien/onnx/graph.h"
@@ -177,6 +178,19 @@ Result<std::vector<std::byte>> onnx_of(const eyewear::MarkerNetworkFile& model,
                "head's frame (+X the performer's left, +Y up, +Z forward), on Mien's built-in face.",
        .factor = static_cast<float>(model.scale_m)},
       request.steps);
+  return bytes_of(graph);
+}
+
+Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
+                                       std::span<const model::Tensor> tensors) {
+  MIEN_TRY(model::check(shape));
+  MIEN_TRY(model::check_tensors(model::tensor_specs(shape), tensors));
+  Graph graph("mien_backbone", "A network of Mien that looks at a camera's picture.");
+  tell_kind(graph, "backbone");
+  graph.input({.name = "pictures",
+               .shape = {"batch", std::size_t{1}, shape.size, shape.size},
+               .says = "Pictures, line by line, 0 (black) to 1."});
+  add_backbone(graph, shape, tensors, "pictures");
   return bytes_of(graph);
 }
 

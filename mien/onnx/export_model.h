@@ -8,6 +8,7 @@
 
 #include "mien/core/error.h"
 #include "mien/eyewear/marker_network.h"
+#include "mien/model/backbone.h"
 #include "mien/model/model_file.h"
 
 namespace mien::onnx {
@@ -33,6 +34,10 @@ struct ExportRequest {
 /// The eyewear model's: its answer is in metres.
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of(const eyewear::MarkerNetworkFile& model,
                                                      const ExportRequest& request = {});
+/// A network of pictures alone: "pictures" [batch x 1 x size x size] to "features" [batch x features].
+/// `tensors` in tensor_specs()'s order. Errors: out_of_range, mismatch.
+[[nodiscard]] Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
+                                                     std::span<const model::Tensor> tensors);
 /// Of a model file of either format. Errors: also the readers'.
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of_file(const std::filesystem::path& path,
                                                           const ExportRequest& request = {});

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/folder.h"
+#include "tests/model/random_backbone.h"
 #include "tests/onnx/example_models.h"
 #include "tests/project_path.h"
 
@@ -168,6 +169,20 @@ TEST(ExportModel, ReadsFilesOfEitherFormatAndNoOther) {
   EXPECT_EQ(onnx_of_file(folder / "eyewear.safetensors"), onnx_of(eyewear::test::small_marker_network()));
   EXPECT_EQ(onnx_of_file(folder / "missing.safetensors").error().code, ErrorCode::not_found);
   EXPECT_EQ(onnx_of_file(project_path("README.md")).error().code, ErrorCode::malformed);
+}
+
+TEST(ExportModel, ABackboneTakesPictures) {
+  const model::BackboneShape shape{.size = 32, .widths = {4, 8}, .features = 6};
+  const auto tensors = model::random_backbone(shape, 1);
+  const auto bytes = onnx_of(shape, tensors).value();
+  check_file(bytes);
+  const auto model = test::parsed(bytes);
+  EXPECT_THAT(shapes_of(model.graph().input()), ElementsAre("pictures: batch 1 32 32"));
+  EXPECT_THAT(shapes_of(model.graph().output()), ElementsAre("features: batch 6"));
+  EXPECT_EQ(test::metadata(model).at("kind"), "backbone");
+  EXPECT_EQ(onnx_of({.size = 64, .widths = {4, 8}, .features = 6}, tensors).error().code,
+            ErrorCode::mismatch);
+  EXPECT_EQ(onnx_of({.size = 1}, tensors).error().code, ErrorCode::out_of_range);
 }
 
 }  // namespace

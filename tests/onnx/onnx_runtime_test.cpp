@@ -15,6 +15,7 @@
 #include "mien/model/denoiser.h"
 #include "mien/onnx/export_model.h"
 #include "tests/folder.h"
+#include "tests/model/random_backbone.h"
 #include "tests/onnx/example_models.h"
 #include "tests/project_path.h"
 
@@ -234,6 +235,22 @@ TEST(OnnxRuntime, WhatSensorsSayBecomesTheCondition) {
         largest_difference(answers[f].at("weights"), {from, from + static_cast<std::ptrdiff_t>(a.outputs)}),
         kLimit)
         << f;
+  }
+}
+
+TEST(OnnxRuntime, PicturesGiveTheSameFeatures) {
+  MIEN_SKIP_WITHOUT_ONNX_RUNTIME();
+  for (const model::BackboneShape& shape :
+       {model::BackboneShape{}, model::BackboneShape{.size = 33, .widths = {5, 20, 7}, .features = 9}}) {
+    const auto tensors = model::random_backbone(shape, 5);
+    const model::Backbone backbone = model::Backbone::create(shape, tensors).value();
+    model::Backbone::Workspace workspace(backbone, 2);
+    const Floats pictures = noise(2 * shape.size * shape.size, 9);
+    Floats features(2 * shape.features);
+    backbone.apply(pictures, workspace, features);
+    const Json call = {{"pictures", tensor({2, 1, shape.size, shape.size}, pictures)}};
+    const Json answers = replay(onnx_of(shape, tensors).value(), Json::array({call}));
+    EXPECT_LE(largest_difference(answers.at(0).at("features"), features), kLimit);
   }
 }
 
