@@ -14,6 +14,7 @@
 
 #include "app/bench/bench_attack.h"
 #include "app/bench/bench_causal.h"
+#include "app/bench/bench_headset.h"
 #include "app/bench/bench_onnxruntime.h"
 #include "app/bench/bench_render.h"
 #include "app/bench/bench_shaping.h"
@@ -235,6 +236,22 @@ void add_bench_command(Commands& commands) {
   causal.add_option("--model", asked->model, "The live model (default: models/live.safetensors)");
   causal.add_flag("--no-peers", asked->no_peers, "Do not run ONNX Runtime and libtorch beside it");
   causal.add_flag("--json", asked->json, "Print one JSON object");
+
+  auto headset = std::make_shared<HeadsetBench>();
+  const Command cameras =
+      commands.add_under(bench, "headset",
+                         "A headset's four views of 96 x 96 pixels through the networks of pictures, with "
+                         "random weights, in each "
+                         "precision: paced at 60 a second with cold caches and in a hot loop, beside ONNX "
+                         "Runtime and the core's "
+                         "measured peak",
+                         "mien bench headset --json", [headset] { return run_headset_bench(*headset); });
+  cameras.add_option("--frames", headset->frames, "Paced frames of a 60th of a second, in each precision")
+      .in_range(1, 1'000'000)
+      .show_default();
+  cameras.add_option("--seed", headset->seed, "Of the weights and the pictures").show_default();
+  cameras.add_flag("--no-peers", headset->no_peers, "Do not run ONNX Runtime beside it");
+  cameras.add_flag("--json", headset->json, "Print one JSON object");
 }
 
 }  // namespace mien::app

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -14,11 +12,11 @@
 
 #include "app/bench/bench_peers.h"
 #include "app/bench/clock.h"
+#include "app/bench/paced.h"
 #include "app/command.h"
 #include "app/json_output.h"
 #include "mien/core/time.h"
 #include "mien/face/frame_hash.h"
-#include "mien/model/aligned.h"
 #include "mien/model/peak.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/crowd.h"
@@ -27,8 +25,6 @@ namespace mien::app {
 namespace {
 
 constexpr double kFrameS = 1.0 / 60;
-/// Read between two frames, as other programs do in life: twice the third cache of large CPUs.
-constexpr std::size_t kColdBytes = std::size_t{64} << 20;
 /// Of what the third cache's rate is measured: more than most second caches, less than most third ones.
 constexpr std::size_t kCacheBytes = std::size_t{8} << 20;
 constexpr std::size_t kCrowd = 500;
@@ -49,35 +45,6 @@ model::FeatureFrame moving_sensors(std::size_t sensors, std::size_t frame, std::
   return out;
 }
 
-/// `share` 0 to 1 of sorted values.
-double percentile(const std::vector<double>& sorted, double share) {
-  return sorted[std::min(sorted.size() - 1,
-                         static_cast<std::size_t>(share * static_cast<double>(sorted.size())))];
-}
-
-struct Spread {
-  double p50_s = 0, p99_s = 0;
-};
-
-Spread spread_of(std::vector<double> values) {
-  std::ranges::sort(values);
-  return {percentile(values, 0.5), percentile(values, 0.99)};
-}
-
-/// The memory of another program, whose reading takes ours out of the caches.
-class Stranger {
- public:
-  void read() {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < memory_.size(); i += 8) sum += memory_[i];
-    seen_ = sum;
-  }
-
- private:
-  model::Aligned<std::uint64_t> memory_ = model::Aligned<std::uint64_t>(kColdBytes / sizeof(std::uint64_t));
-  volatile std::uint64_t seen_ = 0;
-};
-
 struct PacedFrames {
   Spread frame;
   std::string hash;
@@ -86,7 +53,7 @@ struct PacedFrames {
 /// Whole frames, sixty a second, with cold caches.
 Result<PacedFrames> measure_paced(tracker::CausalTracker& tracker, std::size_t frames,
                                   const Progress& progress) {
-  Stranger stranger;
+  OtherProgram other;
   std::vector<double> took(frames);
   face::FrameHash hash;
   face::OutputFrame out;
@@ -94,7 +61,7 @@ Result<PacedFrames> measure_paced(tracker::CausalTracker& tracker, std::size_t f
   auto next = Clock::now();
   for (std::size_t f = 0; f < frames; ++f) {
     const model::FeatureFrame features = moving_sensors(tracker.file().features.sensors.size(), f, 0);
-    stranger.read();
+    other.read();
     // A frame that the machine kept from us does not make the next one hurry.
     next = std::max(next + std::chrono::nanoseconds(16'666'667), Clock::now());
     std::this_thread::sleep_until(next);
@@ -109,25 +76,13 @@ Result<PacedFrames> measure_paced(tracker::CausalTracker& tracker, std::size_t f
   return PacedFrames{spread_of(std::move(took)), hash.hex()};
 }
 
-/// One step of the network with everything where it was the last time: the smallest of rounds' medians, as
-/// its peers are measured.
+/// One step of the network with everything where it was the last time.
 double measure_hot_step(const model::CausalNetwork& network) {
-  constexpr std::size_t kSteps = 16, kRounds = 9, kTries = 200;
+  constexpr std::size_t kSteps = 16, kTries = 200;
   model::CausalNetwork::State state(network);
   const std::vector<float> condition(network.architecture().condition, 0.1F);
   std::vector<float> out(network.architecture().outputs);
-  double least = std::numeric_limits<double>::infinity();
-  std::vector<double> took(kTries);
-  for (std::size_t round = 0; round < kRounds; ++round) {
-    for (double& one : took) {
-      const auto from = Clock::now();
-      for (std::size_t j = 0; j < kSteps; ++j) network.step(condition, state, out);
-      one = seconds_since(from) / kSteps;
-    }
-    std::ranges::nth_element(took, took.begin() + kTries / 2);
-    least = std::min(least, took[kTries / 2]);
-  }
-  return least;
+  return measure_hot(kSteps, kTries, [&] { network.step(condition, state, out); });
 }
 
 /// Frames of 500 performers, of as many at a time as go through the network together: short enough that a

@@ -78,7 +78,7 @@ void add_onnxruntime_bench(Commands& commands, Command bench) {
       "mien bench onnxruntime --json", [options] { return run_bench_onnxruntime(*options); });
   command.add_option("--model", options->models,
                      "A model file; may be given many times (default: the live and the window model)");
-  command.add_option("--rounds", options->request.rounds, "Rounds through all graphs")
+  command.add_option("--rounds", options->request.effort.rounds, "Rounds through all graphs")
       .in_range(1, 1000)
       .show_default();
   command.add_flag("--json", options->json, "Print one JSON object");

@@ -36,7 +36,9 @@ class FeatureMaps {
   [[nodiscard]] Precision precision() const { return precision_; }
   /// Numbers of a pixel, with those that fill it up.
   [[nodiscard]] std::size_t pixel() const { return pixel_; }
-  [[nodiscard]] std::size_t pixel_bytes() const { return pixel_ * sizeof(float) / numbers_in_word(precision_); }
+  [[nodiscard]] std::size_t pixel_bytes() const {
+    return pixel_ * sizeof(float) / numbers_in_word(precision_);
+  }
   [[nodiscard]] std::size_t line_bytes() const { return (size_.width + 2) * pixel_bytes(); }
   [[nodiscard]] std::size_t map_bytes() const { return (size_.height + 2) * line_bytes(); }
   /// Where a pixel stands; lines and pixels count from the zeros before the first.

@@ -158,9 +158,14 @@ float quantise_row(std::size_t count, const float* x, std::uint8_t* out) {
 
 float largest_number(std::size_t count, const float* x) {
   const Lanes d;
-  auto high = hn::Zero(d);
-  for (std::size_t i = 0; i < count; i += Fp32::kLanes) high = hn::Max(high, hn::LoadU(d, x + i));
-  return hn::GetLane(hn::MaxOfLanes(d, high));
+  auto high = hn::Zero(d), other = high;
+  constexpr std::size_t kHalf = Fp32::kLanes == 16 ? 0 : 8;  // Two, so that none waits for the other.
+  for (std::size_t i = 0; i < count; i += 16)
+    for (std::size_t j = 0; j < 16 - kHalf; j += Fp32::kLanes) {
+      high = hn::Max(high, hn::LoadU(d, x + i + j));
+      if (kHalf > 0) other = hn::Max(other, hn::LoadU(d, x + i + kHalf + j));
+    }
+  return hn::GetLane(hn::MaxOfLanes(d, hn::Max(high, other)));
 }
 
 void quantise_nonnegative(std::size_t count, float largest, const float* x, std::uint8_t* out) {
@@ -226,6 +231,9 @@ float largest_number(std::size_t count, const float* x) {
 }
 
 void quantise_nonnegative(std::size_t count, float largest, const float* x, std::uint8_t* out) {
+#if defined(__x86_64__)
+  if (HWY_DYNAMIC_DISPATCH(target)() == HWY_AVX2) return quantise_nonnegative_avx2(count, largest, x, out);
+#endif
   HWY_DYNAMIC_DISPATCH(quantise_nonnegative)(count, largest, x, out);
 }
 

@@ -79,6 +79,7 @@ Multiply multiply_int8_avx512;
 Multiply multiply_int8_avx2;
 /// Of non-negative inputs: four words' products are added in 16 bits.
 Multiply multiply_nonnegative_avx2;
+void quantise_nonnegative_avx2(std::size_t count, float largest, const float* x, std::uint8_t* out);
 #endif
 
 }  // namespace mien::model

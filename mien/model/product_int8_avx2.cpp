@@ -59,7 +59,12 @@ struct NonnegativeInt8 {
   static Weights load(const std::byte* b) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(b)); }
   static Input broadcast(const std::byte* a) { return _mm256_set1_epi32(*reinterpret_cast<const int*>(a)); }
   static Sum begin(Weights w, Input x) { return _mm256_maddubs_epi16(x, w); }
-  static Sum go_on(Sum part, Weights w, Input x) { return _mm256_add_epi16(part, begin(w, x)); }
+  static Sum go_on(Sum part, Weights w, Input x) {
+    part = _mm256_add_epi16(part, begin(w, x));
+    // g++ would add the words in pairs, for which there are not enough registers.
+    __asm__("" : "+x"(part));
+    return part;
+  }
   static Sum end(Sum sum, Sum part) {
     return _mm256_add_epi32(sum, _mm256_madd_epi16(part, _mm256_set1_epi16(1)));
   }
@@ -76,6 +81,27 @@ void multiply_int8_avx2(std::size_t rows, std::size_t panels, const Product& p) 
 
 void multiply_nonnegative_avx2(std::size_t rows, std::size_t panels, const Product& p) {
   multiply_panels<NonnegativeInt8>(rows, panels, p);
+}
+
+void quantise_nonnegative_avx2(std::size_t count, float largest, const float* x, std::uint8_t* out) {
+  const __m256 factor = _mm256_set1_ps(largest > 0 ? 127.0F / largest : 0.0F);
+  // Packing takes the halves of registers by themselves; this puts their fours back in order.
+  const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7);
+  std::size_t i = 0;
+  for (; i + 32 <= count; i += 32) {
+    __m256i four[4];
+    for (std::size_t j = 0; j < 4; ++j)
+      four[j] = _mm256_cvtps_epi32(_mm256_mul_ps(_mm256_loadu_ps(x + i + 8 * j), factor));
+    const __m256i packed =
+        _mm256_packus_epi16(_mm256_packs_epi32(four[0], four[1]), _mm256_packs_epi32(four[2], four[3]));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out + i), _mm256_permutevar8x32_epi32(packed, order));
+  }
+  if (i == count) return;
+  const __m256i low = _mm256_cvtps_epi32(_mm256_mul_ps(_mm256_loadu_ps(x + i), factor));
+  const __m256i high = _mm256_cvtps_epi32(_mm256_mul_ps(_mm256_loadu_ps(x + i + 8), factor));
+  const __m256i words = _mm256_packs_epi32(low, high);
+  const __m256i packed = _mm256_permutevar8x32_epi32(_mm256_packus_epi16(words, words), order);
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(out + i), _mm256_castsi256_si128(packed));
 }
 
 }  // namespace mien::model
