@@ -85,9 +85,16 @@ TEST(Multipart, NeedsNeitherLengthsNorBoundariesNorTimes) {
 
 TEST(Multipart, LengthsThatLieDoNoHarm) {
   const Bytes jpeg = grey_jpeg(40, 40, 1);
-  for (const std::string length :
-       {"-1", "0", "1", "4294967296", "18446744073709551616", "x", "",
-        std::to_string(jpeg.size() - 1).c_str(), std::to_string(jpeg.size() + 100).c_str()}) {
+  const std::vector<std::string> lengths = {"-1",
+                                            "0",
+                                            "1",
+                                            "4294967296",
+                                            "18446744073709551616",
+                                            "x",
+                                            "",
+                                            std::to_string(jpeg.size() - 1),
+                                            std::to_string(jpeg.size() + 100)};
+  for (const std::string& length : lengths) {
     Bytes stream;
     for (int i = 0; i < 3; ++i) {
       stream += part_head(length, "1.5");
