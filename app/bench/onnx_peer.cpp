@@ -88,6 +88,8 @@ Result<std::vector<PeerGraph>> graphs_of(const model::ModelFile& model) {
       graphs.push_back(std::move(graph));
       break;
     }
+    case model::NetworkKind::views:  // bench headset brings graphs of its own.
+      break;
   }
   return graphs;
 }

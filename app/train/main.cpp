@@ -22,7 +22,7 @@ using namespace mien;
 using Json = nlohmann::ordered_json;
 
 struct TrainArguments {
-  std::string recipe, out, from, face = "builtin", rig;
+  std::string recipe, out, from, face = "builtin", rig, films;
   train::TrainOptions options;
   bool json = false;
 };
@@ -40,6 +40,8 @@ Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const std::string rig_text, read_text(rig_path));
   MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::parse_rig(rig_text, rig_path.string()));
 
+  std::filesystem::path films = arguments.films;
+  if (films.empty()) films = std::filesystem::path(arguments.out).replace_extension(".films");
   const Progress shown = app::terminal_progress("training");
   MIEN_TRY_ASSIGN(const std::unique_ptr<train::Task> task,
                   train::make_task(recipe,
@@ -47,7 +49,8 @@ Result<void> run_train(const TrainArguments& arguments) {
                                     .face = arguments.face,
                                     .rig = rig,
                                     .rig_text = rig_text,
-                                    .speaker = app::speaker_by_helper()},
+                                    .speaker = app::speaker_by_helper(),
+                                    .films = films},
                                    [&](double part, std::string_view what) {
                                      return shown(kDataShare * part * 0.999, what);
                                    }));
@@ -145,6 +148,9 @@ int main(int argc, char** argv) {
   train_command.add_option("--out", train.out, "The model to write").required();
   train_command.add_option("--face", train.face, "builtin, an ICT-FaceKit folder, or a .glb or .vrm file");
   train_command.add_option("--rig", train.rig, "The sensor rig; rigs/default.toml unless told");
+  train_command.add_option("--films", train.films,
+                           "Folder that films of headset cameras are rendered into, and kept in for the next "
+                           "training; the model's name with .films unless told");
   train_command.add_option("--from", train.from,
                            "Begin with this model's network and normalisation instead of with drawn "
                            "weights; --resume wants it again");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mien/core/excerpt.h"
+#include "mien/model/backbone.h"
 
 namespace mien::model {
 namespace {
@@ -26,7 +27,27 @@ std::vector<TensorSpec> causal_tensors(const Architecture& a) {
   return specs;
 }
 
+/// Eyes' backbone, mouths' backbone, what stands for a view that is missing, and the layers behind them.
+std::vector<TensorSpec> views_tensors(const Architecture& a) {
+  std::vector<TensorSpec> specs;
+  for (const char* of : {"eye.", "mouth."})
+    for (TensorSpec spec : tensor_specs(backbone_shape(a))) {
+      spec.name = of + spec.name;
+      specs.push_back(std::move(spec));
+    }
+  specs.push_back({"missing", {kViews, a.features}});
+  specs.push_back({"hidden.weight", {a.d_model, kViews * a.features}});
+  specs.push_back({"hidden.bias", {a.d_model}});
+  specs.push_back({"output.weight", {a.outputs, a.d_model}});
+  specs.push_back({"output.bias", {a.outputs}});
+  return specs;
+}
+
 }  // namespace
+
+BackboneShape backbone_shape(const Architecture& a) {
+  return {.size = a.side, .widths = a.widths, .features = a.features};
+}
 
 Result<Architecture> named_architecture(std::string_view name, std::size_t condition) {
   Architecture result;
@@ -46,8 +67,20 @@ Result<Architecture> named_architecture(std::string_view name, std::size_t condi
     result.window = 240;
     return result;
   }
+  if (name == "views") {
+    const BackboneShape usual;
+    result.kind = NetworkKind::views;
+    result.layers = usual.widths.size();
+    result.heads = result.d_head = result.ffn = 0;
+    result.window = 1;
+    result.side = usual.size;
+    result.features = usual.features;
+    result.widths = usual.widths;
+    result.condition = views_condition(result.side);
+    return result;
+  }
   return fail(ErrorCode::not_found, fmt::format("there is no architecture called \"{}\"", excerpt(name)), {},
-              "use faithful, light or causal");
+              "use faithful, light, causal or views");
 }
 
 Result<void> check(const Architecture& a) {
@@ -56,24 +89,32 @@ Result<void> check(const Architecture& a) {
     std::size_t value, low, high, step;
   };
   // The upper ends keep a hostile file from asking for more memory than any network of ours needs.
-  const bool causal = a.kind == NetworkKind::causal;
-  const auto denoisers = [causal](Range range) {
-    return causal ? Range{range.name, range.value, 0, 0, 1} : range;
+  const bool views = a.kind == NetworkKind::views;
+  const auto denoisers = [&](Range range) {
+    return a.kind == NetworkKind::window ? range : Range{range.name, range.value, 0, 0, 1};
   };
   for (const Range& r :
        {Range{"layers", a.layers, 1, 32, 1}, Range{"d_model", a.d_model, 32, 4096, 32},
         denoisers({"heads", a.heads, 1, 64, 1}), denoisers({"d_head", a.d_head, 32, 1024, 32}),
-        denoisers({"ffn", a.ffn, 32, 16384, 32}), Range{"window", a.window, 2, 1024, 1},
-        Range{"condition", a.condition, 1, 4096, 1}, Range{"outputs", a.outputs, 1, 1024, 1}})
+        denoisers({"ffn", a.ffn, 32, 16384, 32}),
+        views ? Range{"window", a.window, 1, 1, 1} : Range{"window", a.window, 2, 1024, 1},
+        views ? Range{"condition", a.condition, views_condition(a.side), views_condition(a.side), 1}
+              : Range{"condition", a.condition, 1, 4096, 1},
+        Range{"side", a.side, 0, views ? 256UL : 0UL, 1},
+        Range{"features", a.features, 0, views ? 4096UL : 0UL, 1},
+        Range{"widths", a.widths.size(), views ? a.layers : 0, views ? a.layers : 0, 1},
+        Range{"outputs", a.outputs, 1, 1024, 1}})
     if (r.value < r.low || r.value > r.high || r.value % r.step != 0)
       return fail(ErrorCode::out_of_range,
                   fmt::format("{} is {}, not a multiple of {} between {} and {}", r.name, r.value, r.step,
                               r.low, r.high),
                   "architecture");
+  if (views) return check(backbone_shape(a));
   return {};
 }
 
 std::vector<TensorSpec> network_tensors(const Architecture& a) {
+  if (a.kind == NetworkKind::views) return views_tensors(a);
   if (a.kind == NetworkKind::causal) return causal_tensors(a);
   std::vector<TensorSpec> specs;
   const auto linear = [&](const std::string& name, std::size_t out, std::size_t in) {
@@ -138,6 +179,8 @@ double flop_count(const Architecture& a) {
   const auto d = [](std::size_t n) { return static_cast<double>(n); };
   if (a.kind == NetworkKind::causal)
     return 2 * d(a.d_model) * (d(a.condition + a.outputs) + d(a.layers) * 2 * d(kGates) * d(a.d_model));
+  if (a.kind == NetworkKind::views)
+    return d(kViews) * flop_count(backbone_shape(a)) + 2 * d(a.d_model) * d(kViews * a.features + a.outputs);
   const double tokens = d(a.tokens());
   const double layer = 2 * tokens * (4 * d(a.d_model) * d(a.d_attention()) + 2 * d(a.d_model) * d(a.ffn)) +
                        4 * tokens * tokens * d(a.d_attention());

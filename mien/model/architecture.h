@@ -21,7 +21,14 @@ enum class NetworkKind {
   /// A recurrent network that answers each frame when it comes: gated recurrent units (Cho et al. 2014), each
   /// layer added to what it reads. model::CausalNetwork.
   causal,
+  /// Pictures of several cameras at one moment: a backbone for eyes and one for mouths, and a hidden layer of
+  /// what they find. model::ViewsNetwork.
+  views,
 };
+
+/// Cameras that a network of pictures has places for, in their order: left eye, right eye, left half of the
+/// mouth, right half. Views of the right side are mirrored, so that both sides look alike.
+inline constexpr std::size_t kViews = 4;
 
 /// The size of a network. docs/method/window_model.md and docs/method/live_model.md draw both kinds.
 struct Architecture {
@@ -35,6 +42,11 @@ struct Architecture {
   std::size_t window = 120;   ///< Frames that one call sees at most; causal: of a sequence in training.
   std::size_t condition = 0;  ///< Numbers of condition a frame: FeatureLayout::width().
   std::size_t outputs = 53;   ///< Shapes.
+  // Of a network of pictures; 0 and empty in others. Its layers are the convolutions, d_model the hidden
+  // layer.
+  std::size_t side = 0;             ///< Pixels of a view either way.
+  std::size_t features = 0;         ///< Numbers that a backbone finds in a view.
+  std::vector<std::size_t> widths;  ///< Channels of its convolutions.
 
   [[nodiscard]] std::size_t input() const { return outputs + condition; }
   [[nodiscard]] std::size_t tokens() const { return window + 1; }
@@ -54,7 +66,8 @@ inline constexpr double kLayerNormEpsilon = 1e-5;
 /// "faithful": EgoEgo's 4 layers of 512, 4 heads of 256, feed-forward 512, to be used without presence flags.
 /// "light": 4 layers of 256, 4 heads of 64, feed-forward 1024: a quarter of the work.
 /// "causal": 2 recurrent layers of 256.
-/// `condition` is the layout's width. Errors: not_found.
+/// "views": views of 96 pixels, convolutions of 16, 32, 64, 96 and 128 channels, 96 features, a hidden layer
+/// of 256; `condition` is what it says. `condition` is the layout's width. Errors: not_found.
 [[nodiscard]] Result<Architecture> named_architecture(std::string_view name, std::size_t condition);
 
 /// Errors: out_of_range, when a number is outside what its comment says. Everything below expects a checked
@@ -67,6 +80,12 @@ struct TensorSpec {
   std::vector<std::size_t> shape;
   bool operator==(const TensorSpec&) const = default;
 };
+
+/// Numbers that a network of pictures reads a moment: the views' pixels one after the other, 0 to 1, then of
+/// each whether it is there, 0 or 1.
+[[nodiscard]] constexpr std::size_t views_condition(std::size_t side) {
+  return kViews * (side * side + 1);
+}
 
 /// Every tensor of the network, in one fixed order. Training writes exactly these and the run time reads
 /// them.

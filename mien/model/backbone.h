@@ -24,6 +24,9 @@ struct BackboneShape {
 
 inline constexpr std::size_t kMostConvolutions = 8;
 
+/// Of both backbones of a network of pictures.
+[[nodiscard]] BackboneShape backbone_shape(const Architecture& architecture);
+
 /// Errors: out_of_range. Everything below expects a checked one.
 [[nodiscard]] Result<void> check(const BackboneShape& shape);
 

@@ -3,20 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "mien/core/excerpt.h"
+#include "mien/model/backbone.h"
 
 namespace mien::model {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kKindWindow = "window";
-constexpr const char* kKindCausal = "causal";
+/// Beside NetworkKind.
+constexpr std::array<std::string_view, 3> kKinds = {"window", "causal", "views"};
 constexpr std::string_view kPrefix = "network.";
 
 constexpr std::size_t Architecture::*kSizes[] = {
@@ -29,9 +31,13 @@ constexpr const char* kSizeNames[] = {"layers", "d_model", "heads",     "d_head"
 }  // namespace
 
 std::string format_architecture(const Architecture& architecture) {
-  Json json = {{"name", architecture.name},
-               {"kind", architecture.kind == NetworkKind::causal ? kKindCausal : kKindWindow}};
+  Json json = {{"name", architecture.name}, {"kind", kKinds[static_cast<std::size_t>(architecture.kind)]}};
   for (std::size_t i = 0; i < std::size(kSizes); ++i) json[kSizeNames[i]] = architecture.*kSizes[i];
+  if (architecture.kind == NetworkKind::views) {
+    json["side"] = architecture.side;
+    json["features"] = architecture.features;
+    json["widths"] = architecture.widths;
+  }
   return json.dump();
 }
 
@@ -40,17 +46,24 @@ Result<Architecture> parse_architecture(std::string_view text, const std::string
   try {
     const Json from = Json::parse(text);
     // Files from before there were causal networks name no kind.
-    const std::string kind = from.value("kind", kKindWindow);
-    if (kind != kKindWindow && kind != kKindCausal)
+    const auto kind = std::ranges::find(kKinds, from.value("kind", std::string(kKinds[0])));
+    if (kind == kKinds.end())
       return fail(ErrorCode::unsupported, "the model's network is of a kind that is not known here", where,
                   "update the program");
-    a.kind = kind == kKindCausal ? NetworkKind::causal : NetworkKind::window;
+    a.kind = static_cast<NetworkKind>(kind - kKinds.begin());
     a.name = from.at("name").get<std::string>();
-    for (std::size_t i = 0; i < std::size(kSizes); ++i) {
-      const Json& value = from.at(kSizeNames[i]);
-      // A wrong number becomes one that check() refuses.
-      a.*kSizes[i] =
-          value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
+    // A wrong number becomes one that check() refuses.
+    const auto whole = [](const Json& value) {
+      return value.is_number_unsigned() ? value.get<std::size_t>() : std::numeric_limits<std::size_t>::max();
+    };
+    for (std::size_t i = 0; i < std::size(kSizes); ++i) a.*kSizes[i] = whole(from.at(kSizeNames[i]));
+    if (a.kind == NetworkKind::views) {
+      a.side = whole(from.at("side"));
+      a.features = whole(from.at("features"));
+      for (const Json& width : from.at("widths")) {
+        a.widths.push_back(whole(width));
+        if (a.widths.size() > kMostConvolutions) break;  // check() says so.
+      }
     }
   } catch (const Json::exception& error) {
     return fail(ErrorCode::malformed,

@@ -144,6 +144,8 @@ Result<std::vector<std::byte>> onnx_of(const model::ModelFile& model, const Expo
     case model::NetworkKind::window:
       MIEN_TRY(check(request, false));
       return window_graph(model, request.features);
+    case model::NetworkKind::views:  // Its backbones have graphs of their own.
+      break;
   }
   return fail(ErrorCode::unsupported, "there is no ONNX form of this kind of network");
 }

@@ -48,7 +48,8 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
 }
 
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
-  const torch::Tensor difference = predicted - batch.clean;
+  // What nobody can know of a window is no number, and asks for nothing.
+  const torch::Tensor difference = (predicted - batch.clean).nan_to_num(0.0);
   const torch::Tensor error = error_of(recipe.loss, difference);
   if (recipe.difference_weight > 0) {
     const torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
@@ -65,11 +66,12 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
                          const NoiseMixer& mixer, const torch::Device& device) {
   const at::NoGradGuard no_gradients;
   DeviceBatch all = to_device(windows, recipe, device);
-  if (recipe.architecture.kind == model::NetworkKind::causal) {
+  if (recipe.architecture.kind != model::NetworkKind::window) {
     const torch::Tensor error =
-        predict_causal(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16})
-            .clamp(-1, 1) -
-        all.clean;
+        (predict_at_once(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16})
+             .clamp(-1, 1) -
+         all.clean)
+            .nan_to_num(0.0);
     // Half the distance in [-1, 1] is the distance of weights.
     return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};
   }

@@ -12,11 +12,13 @@
 #include "mien/core/files.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/study/eyewear/eyewear_dataset.h"
+#include "mien/study/headset/headset_dataset.h"
 #include "mien/study/imu/make_dataset.h"
 #include "mien/study/speech/speech_dataset.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/marker_task.h"
 #include "mien/train/speech_task.h"
+#include "mien/train/views_task.h"
 
 namespace mien::train {
 namespace {
@@ -56,6 +58,15 @@ MadeTask make_speech_task(Recipe recipe, const TaskSource& source, const Progres
   return SpeechTask::create(std::move(recipe), std::move(data.train), std::move(data.validation));
 }
 
+MadeTask make_views_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
+  MIEN_TRY(expect_builtin(source, "virtual wearers of headsets are of the built-in family"));
+  MIEN_TRY_ASSIGN(const study::HeadsetDataRecipe data_recipe,
+                  study::parse_headset_data_recipe(recipe.data, source.where));
+  MIEN_TRY_ASSIGN(study::HeadsetFilms films,
+                  study::make_headset_films(data_recipe, source.rig, source.films, progress));
+  return ViewsTask::create(std::move(recipe), std::move(films), source.rig, source.rig_text);
+}
+
 /// A kind of sensors, and what their network learns.
 struct Modality {
   std::string_view kind;  ///< As rigs name it.
@@ -65,6 +76,7 @@ constexpr std::array kModalities = {
     Modality{"imu", make_blendshape_task},
     Modality{"eyewear", make_marker_task},
     Modality{"speech", make_speech_task},
+    Modality{"camera", make_views_task},
 };
 
 }  // namespace

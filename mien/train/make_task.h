@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -14,17 +15,18 @@ namespace mien::train {
 
 /// Whose data a task is made of.
 struct TaskSource {
-  std::string where;       ///< Names the recipe in messages.
-  std::string face;        ///< study::make_dataset's.
-  sensor::Rig rig;         ///< Whose sensors learn.
-  std::string rig_text;    ///< Its file, which goes into the model.
-  study::Speaker speaker;  ///< Who speaks for microphones.
+  std::string where;            ///< Names the recipe in messages.
+  std::string face;             ///< study::make_dataset's.
+  sensor::Rig rig;              ///< Whose sensors learn.
+  std::string rig_text;         ///< Its file, which goes into the model.
+  study::Speaker speaker;       ///< Who speaks for microphones.
+  std::filesystem::path films;  ///< A folder for films of headset cameras: kept, and gone on with.
 };
 
 /// What the rig's sensors are to learn, with data made by the recipe's [data]: IMUs learn blendshape weights,
-/// eyewear learns markers, a microphone learns the mouth (make_task.cpp has the table). Errors: those of data
-/// and task; unsupported (sensors of several kinds, or of an unknown one); bad_usage (a face other than the
-/// built-in one for photo-reflective sensors or for a microphone).
+/// eyewear learns markers, a microphone learns the mouth, cameras learn weights and gaze (make_task.cpp has
+/// the table). Errors: those of data and task; unsupported (sensors of several kinds, or of an unknown one);
+/// bad_usage (a face other than the built-in one for photo-reflective sensors or for a microphone).
 [[nodiscard]] Result<std::unique_ptr<Task>> make_task(Recipe recipe, const TaskSource& source,
                                                       const Progress& progress);
 

@@ -20,6 +20,13 @@ class Cursor {
     const torch::Tensor weight = take(), bias = take();
     return torch::linear(x.to(type_), weight, bias);
   }
+  /// 3 x 3 pixels, stride 2, zeros around.
+  torch::Tensor convolve(const torch::Tensor& x) {
+    const torch::Tensor weight = take(), bias = take();
+    return torch::conv2d(x.to(type_), weight, bias, 2, 1);
+  }
+  /// A parameter that is added as it is.
+  torch::Tensor plain() { return *next_++; }
   /// Query, key and value in one product, which is faster than three.
   torch::Tensor three_linears(const torch::Tensor& x) {
     std::vector<torch::Tensor> weights, biases;
@@ -106,9 +113,15 @@ Parameters fresh_parameters(const model::Architecture& architecture, std::uint64
       shape.push_back(static_cast<std::int64_t>(n));
       count *= shape.back();
     }
-    if (spec.shape.size() == 2) inputs = spec.shape[1];  // A bias follows its weight.
+    // A bias follows its weight.
+    if (spec.shape.size() >= 2) inputs = static_cast<std::size_t>(count) / spec.shape[0];
     const bool norm = spec.name.find("_norm.") != std::string::npos;
-    const double spread = 1 / std::sqrt(static_cast<double>(inputs));
+    // Behind a ReLU as strong as before it (He et al. 2015, doi:10.1109/ICCV.2015.123), since many follow
+    // each other; elsewhere as libtorch's own layers begin.
+    const bool convolution = spec.name.find("convolutions.") != std::string::npos;
+    const double spread = convolution
+                              ? (spec.shape.size() == 4 ? std::sqrt(6.0 / static_cast<double>(inputs)) : 0)
+                              : 1 / std::sqrt(static_cast<double>(inputs));
     std::vector<float> values(static_cast<std::size_t>(count), spec.name.ends_with("weight") ? 1.0F : 0.0F);
     if (!norm)
       for (float& v : values) v = static_cast<float>(random.uniform(-spread, spread));
@@ -138,6 +151,33 @@ Parameters from_tensors(const std::vector<model::Tensor>& tensors, const torch::
     parameters.push_back(as_tensor(
         tensor.values, std::vector<std::int64_t>(tensor.shape.begin(), tensor.shape.end()), device));
   return parameters;
+}
+
+torch::Tensor predict_views(const model::Architecture& a, const Parameters& parameters,
+                            const torch::Tensor& condition, const Pass& pass) {
+  constexpr auto kViews = static_cast<std::int64_t>(model::kViews);
+  const auto side = static_cast<std::int64_t>(a.side), moments = condition.size(0);
+  const torch::Tensor all = condition.view({moments, -1});
+  const torch::Tensor views = all.narrow(1, 0, kViews * side * side).view({moments, kViews, side, side});
+  const torch::Tensor present = all.narrow(1, kViews * side * side, kViews).unsqueeze(2);
+  Cursor use(parameters, pass);
+  std::vector<torch::Tensor> found;
+  for (const std::int64_t first : {0, 2}) {  // Eyes, then mouths: two views through one backbone.
+    torch::Tensor x = views.narrow(1, first, 2).reshape({2 * moments, 1, side, side});
+    for (std::size_t layer = 0; layer < a.layers; ++layer) x = torch::relu(use.convolve(x));
+    found.push_back(use.linear(x.flatten(1)).to(torch::kFloat).view({moments, 2, -1}));
+  }
+  const torch::Tensor seen = torch::cat(found, 1);
+  const torch::Tensor features = present * seen + (1 - present) * use.plain().unsqueeze(0);
+  const torch::Tensor hidden = torch::relu(use.linear(use.drop(features.flatten(1))));
+  return use.linear(hidden).to(torch::kFloat).unsqueeze(1);
+}
+
+torch::Tensor predict_at_once(const model::Architecture& architecture, const Parameters& parameters,
+                              const torch::Tensor& condition, const Pass& pass) {
+  return architecture.kind == model::NetworkKind::views
+             ? predict_views(architecture, parameters, condition, pass)
+             : predict_causal(architecture, parameters, condition, pass);
 }
 
 torch::Tensor predict_causal(const model::Architecture& a, const Parameters& parameters,

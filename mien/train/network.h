@@ -36,6 +36,17 @@ struct Pass {
                                            const Parameters& parameters, const torch::Tensor& condition,
                                            const Pass& pass);
 
+/// What a network of pictures answers: the same function as model::ViewsNetwork. Shapes: condition [moments,
+/// 1, model::views_condition()], result [moments, 1, outputs] in fp32.
+[[nodiscard]] torch::Tensor predict_views(const model::Architecture& architecture,
+                                          const Parameters& parameters, const torch::Tensor& condition,
+                                          const Pass& pass);
+
+/// Either of them, by the architecture's kind, which is not a window's.
+[[nodiscard]] torch::Tensor predict_at_once(const model::Architecture& architecture,
+                                            const Parameters& parameters, const torch::Tensor& condition,
+                                            const Pass& pass);
+
 /// The clean windows that the network sees in noisy ones, differentiable: the same function as
 /// model::Denoiser. Shapes: noisy [windows, frames, outputs], condition [windows, frames, condition], level
 /// [windows] (whole numbers), result [windows, frames, outputs] in fp32.

@@ -116,20 +116,31 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   MIEN_TRY(top.finish());
 
   Section n(network, "network.", where);
-  const std::string name = n.choice("architecture", {"light", "faithful", "causal"}).value_or("light");
-  const bool known = name == "faithful" || name == "causal";  // The choice reports another in finish().
+  const std::string name =
+      n.choice("architecture", {"light", "faithful", "causal", "views"}).value_or("light");
+  const bool known =
+      name == "faithful" || name == "causal" || name == "views";  // The choice reports another in finish().
   MIEN_TRY_ASSIGN(r.architecture, model::named_architecture(known ? name : "light", 1));
   const bool causal = r.architecture.kind == model::NetworkKind::causal;
+  const bool views = r.architecture.kind == model::NetworkKind::views;
   r.presence_flags = name != "faithful";
-  n.whole("layers", r.architecture.layers, 1, 32);
   n.whole("d_model", r.architecture.d_model, 32, 4096);
-  if (!causal) {
+  if (views) {
+    n.whole("side", r.architecture.side, 16, 256);
+    n.whole("features", r.architecture.features, 1, 4096);
+    n.whole_list("widths", r.architecture.widths, 1, 1024);
+    r.architecture.layers = r.architecture.widths.size();
+    r.architecture.condition = model::views_condition(r.architecture.side);
+  } else {
+    n.whole("layers", r.architecture.layers, 1, 32);
+  }
+  if (!causal && !views) {
     n.whole("heads", r.architecture.heads, 1, 64);
     n.whole("d_head", r.architecture.d_head, 32, 1024);
     n.whole("ffn", r.architecture.ffn, 32, 16384);
     n.flag("near_first", r.near_first);
   }
-  n.whole("window", r.architecture.window, 2, 1024);
+  if (!views) n.whole("window", r.architecture.window, 2, 1024);
   n.flag("presence_flags", r.presence_flags);
   n.number("dropout", r.dropout, 0, 0.9);
   MIEN_TRY(n.finish());

@@ -103,8 +103,8 @@ double take_step(const Recipe& recipe, const torch::Device& device, const NoiseM
   const DeviceBatch windows = to_device(batch, recipe, device);
   const Pass pass{.dropout = recipe.dropout, .bf16 = recipe.bf16};
   torch::Tensor predicted;
-  if (recipe.architecture.kind == model::NetworkKind::causal) {
-    predicted = predict_causal(recipe.architecture, weights, windows.condition, pass);
+  if (recipe.architecture.kind != model::NetworkKind::window) {
+    predicted = predict_at_once(recipe.architecture, weights, windows.condition, pass);
   } else {
     const torch::Tensor noisy = mixer.mix(windows, torch::randn_like(windows.clean));
     predicted = predict(recipe.architecture, weights, noisy, windows.condition, windows.level, pass);

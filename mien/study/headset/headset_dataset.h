@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/progress.h"
+#include "mien/face/face.h"
+#include "mien/face/motion.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/headset/headset_film.h"
+#include "mien/virtual/headset/headset_simulator.h"
+
+namespace mien::study {
+
+/// Films to learn from: the [data] table of a recipe for a headset's network of pictures.
+struct HeadsetDataRecipe {
+  std::uint64_t seed = 1;
+  int wearers = 300;            ///< In training, each with a face, looks and a headset of their own.
+  int validation_wearers = 20;  ///< None of whom is in training.
+  int donnings = 2;             ///< Times that each puts the headset on anew.
+  double seconds = 4;           ///< Of motion a donning, after the neutral.
+  double rate_hz = 15;          ///< Pictures a second. Raising: more frames that look alike.
+  double neutral_s = 0.4;       ///< The face rests at each donning, looking ahead.
+  double failing = 0.1;         ///< Share of donnings in which something hides the face.
+  int side = 96;                ///< Pixels of a view either way.
+  bool operator==(const HeadsetDataRecipe&) const = default;
+};
+
+/// Reads the table's text. Errors, which name the key: malformed, out_of_range, unknown keys.
+[[nodiscard]] Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view toml,
+                                                                  const std::string& where);
+
+/// Failures that training sees; the others are kept for tests of what confidence is worth.
+[[nodiscard]] std::vector<virt::HeadsetFailure> training_failures();
+[[nodiscard]] std::vector<virt::HeadsetFailure> test_failures();
+
+/// One donning of a wearer: rests, then performs.
+struct HeadsetTakeRequest {
+  double neutral_s = 0.4;
+  double rate_hz = 15;
+  virt::HeadsetFailure failure = virt::HeadsetFailure::none;
+  std::optional<virt::HeadsetSeat> seat;  ///< None: drawn.
+  int side = 96;
+};
+/// The frames of `motion` as these cameras see it, the neutral before.
+[[nodiscard]] std::vector<FilmFrame> film_wearer(const virt::HeadsetWearer& wearer,
+                                                 const virt::HeadsetFaults& faults,
+                                                 const face::Motion& motion,
+                                                 const HeadsetTakeRequest& request, const Random& random);
+
+/// What a wearer does for training: a random script, and poses of single shapes and few, quickly changing.
+[[nodiscard]] face::Motion headset_motion(double seconds, const Random& random);
+
+/// Films of training and validation, a file a wearer.
+struct HeadsetFilms {
+  std::vector<HeadsetFilm> train, validation;
+};
+/// Renders into `folder` what is not there yet, and opens all; a run that was stopped goes on. The same
+/// recipe and rig give the same bits on any number of threads; 0 threads: one a core. Errors: those of the
+/// wearers; io; mismatch (films of another recipe stand there); cancelled. Cost: mien bench headset,
+/// pictures_per_s.
+[[nodiscard]] Result<HeadsetFilms> make_headset_films(const HeadsetDataRecipe& recipe, const sensor::Rig& rig,
+                                                      const std::filesystem::path& folder,
+                                                      const Progress& progress, unsigned threads = 0);
+
+}  // namespace mien::study

@@ -1,0 +1,252 @@
+#include "mien/train/views_task.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "mien/core/sha256.h"
+#include "mien/headset/answer.h"
+#include "mien/headset/network_view.h"
+#include "mien/model/views_network.h"
+#include "mien/train/view_augmentation.h"
+
+namespace mien::train {
+namespace {
+
+using headset::kAnswerOutputs;
+using model::kViews;
+
+/// Of a view, that it is missing; of a moment, that its face is mirrored.
+constexpr double kMissing = 0.05, kMirrored = 0.5;
+/// Below this openness a gaze cannot be seen.
+constexpr float kShut = 0.25F;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Whether an output is of the upper face.
+bool is_upper(std::size_t output) {
+  if (output > headset::kTongueOutput) return true;  // Gaze, openness, pupils.
+  if (output == headset::kTongueOutput) return false;
+  return face::kShapeNames[output].starts_with("eye") || face::kShapeNames[output].starts_with("brow");
+}
+
+/// What the network should answer; what cannot be seen is unknown.
+std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
+  headset::Answer answer{.weights = {},
+                         .tongue_out = truth.tongue_out,
+                         .gaze_rad = truth.gaze_rad,
+                         .openness = truth.openness,
+                         .pupil_mm = truth.pupil_mm};
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) answer.weights[k] = truth.weights[k];
+  std::array<float, kAnswerOutputs> wanted{};
+  headset::encode_answer(answer, wanted);
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i)
+    if (truth.visible[is_upper(i) ? 0 : 1] == 0) wanted[i] = kUnknown;
+  for (std::size_t e = 0; e < 2; ++e)
+    if (truth.openness[e] < kShut) {
+      wanted[headset::kGazeOutput + 2 * e] = wanted[headset::kGazeOutput + 2 * e + 1] = kUnknown;
+      wanted[headset::kPupilOutput + e] = kUnknown;
+    }
+  return wanted;
+}
+
+std::string hash_of(const std::vector<study::HeadsetFilm>& films) {
+  Sha256 hash;
+  for (const study::HeadsetFilm& film : films) {
+    hash.add(std::as_bytes(std::span(film.hash())));
+    hash.add_value(static_cast<std::uint64_t>(film.frames()));
+  }
+  return hash.hex();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::HeadsetFilms films,
+                                                     const sensor::Rig& rig, std::string rig_text) {
+  if (recipe.architecture.kind != model::NetworkKind::views)
+    return fail(ErrorCode::bad_usage, "a headset's network is one of pictures", "[network] architecture",
+                "write architecture = \"views\"");
+  recipe.architecture.outputs = kAnswerOutputs;
+  MIEN_TRY(model::check(recipe.architecture));
+  for (const auto* part : {&films.train, &films.validation})
+    for (const study::HeadsetFilm& film : *part)
+      if (film.side() != recipe.architecture.side || film.views() != rig.sensors.size())
+        return fail(ErrorCode::mismatch,
+                    fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
+                                film.side(), rig.sensors.size(), recipe.architecture.side),
+                    "[data] side");
+  auto task = std::unique_ptr<ViewsTask>(new ViewsTask(std::move(recipe), std::move(films)));
+  for (std::size_t c = 0; c < rig.sensors.size(); ++c) {
+    const sensor::Mount& mount = rig.sensors[c];
+    // A camera before the middle of the mouth stands for its left half.
+    const std::size_t place = (mount.site == "mouth" ? 2 : 0) + (mount.side == 'R' ? 1 : 0);
+    task->places_[place] = {.camera = c, .is_there = true, .mirror = mount.camera && mount.camera->mirror};
+  }
+  for (const bool training : {true, false}) {
+    const auto& part = training ? task->films_.train : task->films_.validation;
+    for (std::uint32_t f = 0; f < part.size(); ++f)
+      for (std::uint32_t frame = 0; frame < part[f].frames(); ++frame)
+        (training ? task->training_ : task->validation_).push_back({f, frame});
+  }
+  task->model_.architecture = task->recipe_.architecture;
+  task->model_.rig = std::move(rig_text);
+  task->model_.recipe = task->recipe_.text;
+  task->find_mean();
+  return task;
+}
+
+void ViewsTask::find_mean() {
+  std::array<double, kAnswerOutputs> sum{}, count{};
+  for (const Moment& moment : training_) {
+    const auto wanted = wanted_of(films_.train[moment.film].truth(moment.frame));
+    for (std::size_t i = 0; i < kAnswerOutputs; ++i)
+      if (!std::isnan(wanted[i])) {
+        sum[i] += double{wanted[i]};
+        ++count[i];
+      }
+  }
+  model_.mean_answer.clear();
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i)
+    model_.mean_answer.push_back(static_cast<float>(sum[i] / std::max(1.0, count[i])));
+}
+
+void ViewsTask::append(const study::HeadsetFilm& film, std::size_t frame, Random* augment,
+                       Batch& batch) const {
+  const auto side = static_cast<int>(recipe_.architecture.side);
+  const std::size_t pixels = film.side() * film.side(), begin = batch.condition.size();
+  batch.condition.resize(begin + model::views_condition(film.side()), 0.0F);
+  const bool mirrored = augment != nullptr && augment->chance(kMirrored);
+  std::vector<std::uint8_t> changed, memory;
+  for (std::size_t v = 0; v < kViews; ++v) {
+    // A mirrored face's left camera sees what the right one saw, mirrored: and right views are shown
+    // mirrored.
+    const Place& place = places_[mirrored ? v ^ 1U : v];
+    if (!place.is_there) continue;
+    if (augment != nullptr && augment->chance(kMissing)) continue;
+    const std::span<const std::uint8_t> view = film.view(frame, place.camera);
+    changed.assign(view.begin(), view.end());
+    if (augment != nullptr) augment_view(changed, side, *augment, memory);
+    auto shown = headset::NetworkView::create({.side = side, .mirror = place.mirror});
+    shown->make({.width = side, .height = side, .pixels = changed},
+                std::span(batch.condition).subspan(begin + v * pixels, pixels));
+    batch.condition[begin + kViews * pixels + v] = 1;
+  }
+  const auto wanted = wanted_of(film.truth(frame));
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
+    const std::size_t from = mirrored ? headset::mirrored_outputs()[i] : i;
+    batch.clean.push_back(mirrored && headset::mirrors_sign(i) ? -wanted[from] : wanted[from]);
+  }
+  batch.level.push_back(0);
+  batch.held.push_back(0);
+  ++batch.windows;
+}
+
+Batch ViewsTask::random_batch(std::size_t count, Random random) const {
+  Batch batch;
+  while (batch.windows < count) {
+    const Moment& moment = training_[random.below(training_.size())];
+    append(films_.train[moment.film], moment.frame, &random, batch);
+  }
+  return batch;
+}
+
+Batch ViewsTask::validation_batch(Random) const {
+  Batch batch;
+  const std::size_t count = std::min(recipe_.windows, validation_.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Moment& moment = validation_[i * validation_.size() / count];
+    append(films_.validation[moment.film], moment.frame, nullptr, batch);
+  }
+  return batch;
+}
+
+std::string ViewsTask::training_hash() const {
+  return hash_of(films_.train);
+}
+
+std::string ViewsTask::validation_hash() const {
+  return hash_of(films_.validation);
+}
+
+Result<std::string> ViewsTask::results_of(const std::filesystem::path& model) const {
+  MIEN_TRY_ASSIGN(const headset::ViewsFile standing, headset::read_views_file(model));
+  return standing.results;
+}
+
+Result<std::vector<model::Tensor>> ViewsTask::begin_with(const std::filesystem::path& model) {
+  MIEN_TRY_ASSIGN(headset::ViewsFile standing, headset::read_views_file(model));
+  if (model::network_tensors(standing.architecture) != model::network_tensors(recipe_.architecture))
+    return fail(ErrorCode::mismatch, "it is a network of another size", model.string(),
+                "start from a model of the recipe's own architecture");
+  return std::move(standing.network);
+}
+
+Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
+  model_.network.assign(network.begin(), network.end());
+  MIEN_TRY_ASSIGN(const model::ViewsNetwork runs,
+                  model::ViewsNetwork::create(recipe_.architecture, model_.network));
+  model::ViewsNetwork::Workspace memory(runs);
+  const std::size_t pixels = recipe_.architecture.side * recipe_.architecture.side;
+  std::vector<float> features(kViews * recipe_.architecture.features);
+  std::array<float, kAnswerOutputs> answer{};
+  double squares = 0, mean_squares = 0, weights = 0, hits = 0, told = 0, shut = 0;
+  std::vector<double> gaze_deg;
+  for (std::size_t m = 0; m < validation_.size(); ++m) {
+    if (m % 64 == 0 &&
+        !progress(static_cast<double>(m) / static_cast<double>(validation_.size()), "measuring"))
+      return fail(ErrorCode::cancelled, "stopped while measuring the model");
+    Batch batch;
+    append(films_.validation[validation_[m].film], validation_[m].frame, nullptr, batch);
+    std::array<bool, kViews> present{};
+    for (std::size_t v = 0; v < kViews; ++v) present[v] = batch.condition[kViews * pixels + v] > 0;
+    runs.find(std::span(batch.condition).first(kViews * pixels), present, memory, features);
+    runs.answer(features, memory, answer);
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      if (std::isnan(batch.clean[k])) continue;
+      // Half the distance in [-1, 1] is the distance of weights.
+      const double error = 0.5 * (std::clamp(double{answer[k]}, -1.0, 1.0) - double{batch.clean[k]});
+      const double of_mean = 0.5 * double{model_.mean_answer[k] - batch.clean[k]};
+      squares += error * error;
+      mean_squares += of_mean * of_mean;
+      ++weights;
+    }
+    const headset::Answer seen = headset::decode_answer(answer);
+    const study::FilmTruth truth = films_.validation[validation_[m].film].truth(validation_[m].frame);
+    for (std::size_t e = 0; e < 2; ++e) {
+      if (truth.visible[0] == 0) continue;
+      if (truth.openness[e] >= kShut)
+        gaze_deg.push_back(57.29578 *
+                           std::hypot(double{seen.gaze_rad[2 * e] - truth.gaze_rad[2 * e]},
+                                      double{seen.gaze_rad[2 * e + 1] - truth.gaze_rad[2 * e + 1]}));
+      const bool is = truth.openness[e] < kShut, says = seen.openness[e] < kShut;
+      shut += is ? 1 : 0;
+      told += says ? 1 : 0;
+      hits += is && says ? 1 : 0;
+    }
+  }
+  std::ranges::sort(gaze_deg);
+  const auto share = [&](double at) {
+    return gaze_deg.empty()
+               ? 0.0
+               : gaze_deg[static_cast<std::size_t>(at * static_cast<double>(gaze_deg.size() - 1))];
+  };
+  return nlohmann::json{{"headset",
+                         {{"mse", squares / std::max(1.0, weights)},
+                          {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
+                          {"gaze_median_deg", share(0.5)},
+                          {"gaze_p90_deg", share(0.9)},
+                          {"closed_f1", 2 * hits / std::max(1.0, shut + told)}}}}
+      .dump();
+}
+
+Result<void> ViewsTask::write(const std::filesystem::path& path, const std::string& results) const {
+  headset::ViewsFile whole = model_;
+  whole.results = results;
+  return headset::write_views_file(path, whole);
+}
+
+}  // namespace mien::train

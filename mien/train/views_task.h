@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "mien/headset/views_file.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/headset/headset_dataset.h"
+#include "mien/train/task.h"
+
+namespace mien::train {
+
+/// Pictures of a headset's cameras to the face, moment by moment: models of headset::ViewsFile.
+class ViewsTask final : public Task {
+ public:
+  /// `rig`: whose cameras the films are of. Errors: bad_usage (not a network of pictures), mismatch (films of
+  /// another size or number of views).
+  [[nodiscard]] static Result<std::unique_ptr<ViewsTask>> create(Recipe recipe, study::HeadsetFilms films,
+                                                                 const sensor::Rig& rig,
+                                                                 std::string rig_text);
+
+  [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
+  /// Half of them mirrored; one view in twenty missing.
+  [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
+  [[nodiscard]] Batch validation_batch(Random random) const override;
+  [[nodiscard]] std::string training_hash() const override;
+  [[nodiscard]] std::string validation_hash() const override;
+  [[nodiscard]] std::size_t training_frames() const override { return training_.size(); }
+  [[nodiscard]] std::size_t validation_frames() const override { return validation_.size(); }
+  [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
+  [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
+  /// "headset": over validation, moment by moment, of what can be seen: squared error of the weights beside
+  /// the mean answer's, the gaze's median error, and how well closed lids are told.
+  [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
+                                           const Progress& progress) override;
+  [[nodiscard]] Result<void> write(const std::filesystem::path& path,
+                                   const std::string& results) const override;
+
+ private:
+  struct Moment {
+    std::uint32_t film, frame;
+  };
+  /// Which camera stands in a place of the network, and whether its view is mirrored; none: no camera.
+  struct Place {
+    std::size_t camera = 0;
+    bool is_there = false, mirror = false;
+  };
+  ViewsTask(Recipe recipe, study::HeadsetFilms films)
+      : recipe_(std::move(recipe)), films_(std::move(films)) {}
+  void find_mean();
+  /// Appends a moment; `augment` may be null.
+  void append(const study::HeadsetFilm& film, std::size_t frame, Random* augment, Batch& batch) const;
+
+  Recipe recipe_;
+  study::HeadsetFilms films_;
+  std::array<Place, model::kViews> places_{};
+  std::vector<Moment> training_, validation_;
+  headset::ViewsFile model_;
+};
+
+}  // namespace mien::train

@@ -1,0 +1,68 @@
+#include "mien/headset/views_file.h"
+
+#include <gtest/gtest.h>
+
+#include "mien/headset/answer.h"
+
+namespace mien::headset::views_file_test {
+namespace {
+
+ViewsFile small() {
+  ViewsFile file;
+  file.architecture = model::named_architecture("views", 1).value();
+  file.architecture.side = 16;
+  file.architecture.widths = {4, 8};
+  file.architecture.layers = 2;
+  file.architecture.features = 8;
+  file.architecture.d_model = 32;
+  file.architecture.outputs = kAnswerOutputs;
+  file.architecture.condition = model::views_condition(16);
+  file.mean_answer.assign(kAnswerOutputs, 0.25F);
+  file.rig = "name = \"r\"";
+  file.recipe = "seed = 1";
+  float value = 0;
+  for (const model::TensorSpec& spec : model::network_tensors(file.architecture)) {
+    std::size_t count = 1;
+    for (const std::size_t n : spec.shape) count *= n;
+    std::vector<float> values(count);
+    for (float& v : values) v = value += 0.001F;
+    file.network.push_back({.name = spec.name, .shape = spec.shape, .values = std::move(values)});
+  }
+  return file;
+}
+
+TEST(ViewsFile, ReadsWhatItWrites) {
+  const ViewsFile file = small();
+  const auto bytes = format_views_file(file);
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  const auto back = parse_views_file(*bytes, "file");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_TRUE(back->architecture == file.architecture);
+  EXPECT_EQ(back->mean_answer, file.mean_answer);
+  EXPECT_EQ(back->rig, file.rig);
+  EXPECT_EQ(back->recipe, file.recipe);
+  ASSERT_EQ(back->network.size(), file.network.size());
+  for (std::size_t i = 0; i < file.network.size(); ++i)
+    EXPECT_EQ(back->network[i].values, file.network[i].values);
+}
+
+TEST(ViewsFile, RefusesWhatDoesNotBelong) {
+  const auto refused = [](const auto& change) {
+    ViewsFile file = small();
+    change(file);
+    return !format_views_file(file).has_value();
+  };
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.mean_answer.pop_back(); }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.mean_answer[0] = 1e9F; }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.network.pop_back(); }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.outputs = 53; }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.widths.push_back(8); }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.side = 100'000; }));
+  EXPECT_FALSE(parse_views_file({}, "nothing"));
+  const auto bytes = format_views_file(small()).value();
+  for (std::size_t size = 0; size < bytes.size(); size += bytes.size() / 61)
+    EXPECT_FALSE(parse_views_file(std::span(bytes).first(size), "cut")) << size;
+}
+
+}  // namespace
+}  // namespace mien::headset::views_file_test
