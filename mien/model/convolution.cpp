@@ -26,6 +26,29 @@ std::size_t gathered_stride(const FeatureMaps& in) {
   return rounded_up(kSide * kSide * in.pixel_bytes(), kLineBytes) + kLineBytes;
 }
 
+/// Weights of paired lines that are more than this do not stay in the second cache.
+constexpr std::size_t kPairedBytes = std::size_t{400} << 10;
+
+/// `rows`: out rows of three lines of `line` weights each.
+PairedLines pack_pairs(std::span<const float> rows, std::span<const float> bias, std::size_t out,
+                       std::size_t line) {
+  std::vector<float> shared, upper, lower;
+  for (std::size_t o = 0; o < out; ++o) {
+    const auto row = rows.subspan(o * kSide * line, kSide * line);
+    const auto u = row.first(line), v = row.subspan(line, line), w = row.last(line);
+    for (std::size_t i = 0; i < line; ++i) shared.push_back(u[i] + w[i]);
+    upper.insert(upper.end(), u.begin(), u.end());
+    upper.insert(upper.end(), v.begin(), v.end());
+    lower.insert(lower.end(), v.begin(), v.end());
+    for (const float weight : w) lower.push_back(-weight);
+  }
+  const auto pack = [&](std::span<const float> weights, std::span<const float> with, std::size_t lines) {
+    return pack_linear(weights, with, out, lines * line, 0, lines * line, Precision::fp32,
+                       Inputs::nonnegative);
+  };
+  return {pack(shared, bias, 1), pack(upper, {}, 2), pack(lower, {}, 2)};
+}
+
 /// Calls make_line(y, where) for each line of a map, and puts what it wrote into the map's precision.
 template <class MakeLine>
 void fill_map(FeatureMaps& out, std::size_t map, float* answers, const MakeLine& make_line) {
@@ -75,7 +98,15 @@ PackedConvolution pack_convolution(std::span<const float> weight, std::span<cons
     for (std::size_t c = 0; c < in; ++c)
       for (std::size_t place = 0; place < places; ++place)
         rows[o * width + place * in_pixel + c] = weight[(o * in + c) * places + place];
-  return {stride, in_pixel, pack_linear(rows, bias, out, width, 0, width, precision, Inputs::nonnegative)};
+  PackedConvolution packed{
+      .stride = stride,
+      .in_pixel = in_pixel,
+      .product = pack_linear(rows, bias, out, width, 0, width, precision, Inputs::nonnegative),
+      .pairs = std::nullopt};
+  const std::size_t paired_bytes = 5 * kSide * in_pixel * padded(out) * sizeof(float);
+  if (precision == Precision::fp32 && stride == 2 && paired_bytes <= kPairedBytes)
+    packed.pairs = pack_pairs(rows, bias, out, kSide * in_pixel);
+  return packed;
 }
 
 PictureConvolution pack_picture_convolution(std::span<const float> weight, std::span<const float> bias,
@@ -103,9 +134,50 @@ void ConvolutionMemory::reserve(const FeatureMaps& in, const FeatureMaps& out, s
   const bool gathers = out.size().width < kDirectWidth;
   const std::size_t rows = gathers ? count * out.size().height * out.size().width : out.size().width;
   if (row_scales_.size() < rows) row_scales_ = AlignedFloats(rows);
-  if (!gathers) return;
+  if (!gathers) {
+    const std::size_t numbers = (in.size().width + 2) * in.pixel(), shared = rows * out.pixel();
+    if (in.precision() == Precision::fp32 && differences_.size() < numbers)
+      differences_ = AlignedFloats(numbers);
+    if (in.precision() == Precision::fp32 && shared_.size() < shared) shared_ = AlignedFloats(shared);
+    return;
+  }
   if (rows_.size() < rows * gathered_stride(in)) rows_ = Aligned<std::byte>(rows * gathered_stride(in));
   if (row_answers_.size() < rows * out.pixel()) row_answers_ = AlignedFloats(rows * out.pixel());
+}
+
+/// The upper line of a pair leaves behind what the lower one shares with it.
+void ConvolutionMemory::convolve_paired(const PairedLines& pairs, const FeatureMaps& in, std::size_t map,
+                                        std::size_t y, RowsOut to, std::size_t width) {
+  const auto line = [&](std::size_t i) {
+    return reinterpret_cast<const float*>(in.at(map, y / 2 * 4 + i, 0));
+  };
+  const std::size_t numbers = (in.size().width + 2) * in.pixel();
+  Multiply* const multiply = multiplier(Precision::fp32, true).multiply;
+  const auto run = [&](const PackedLinear& layer, const float* first, const float* second, float* c,
+                       const float* add) {
+    Product product = product_of(layer);
+    product.a = reinterpret_cast<const std::byte*>(first);
+    product.a_stride = 2 * in.pixel_bytes();
+    if (second != nullptr) {
+      product.runs = 2;
+      product.words /= 2;
+      product.run_step = reinterpret_cast<std::uintptr_t>(second) - reinterpret_cast<std::uintptr_t>(first);
+    }
+    product.add = add;
+    product.add_stride = product.c_stride = to.stride;
+    product.relu = add != nullptr;
+    product.c = c;
+    multiply(width, padded(layer.out) / kPanel, product);
+  };
+  float* const difference = differences_.data();
+  if (y % 2 == 0) {
+    run(pairs.shared, line(2), nullptr, shared_.data(), nullptr);
+    subtract(numbers, line(0), line(2), difference);
+    run(pairs.upper, difference, line(1), to.first, shared_.data());
+  } else {
+    subtract(numbers, line(2), line(4), difference);
+    run(pairs.lower, line(3), difference, to.first, shared_.data());
+  }
 }
 
 void convolve(const PackedConvolution& layer, const FeatureMaps& in, std::size_t first_in, FeatureMaps& out,
@@ -128,9 +200,12 @@ void convolve(const PackedConvolution& layer, const FeatureMaps& in, std::size_t
     product.run_step = in.line_bytes();
     product.a_stride = stride * pixel;
     for (std::size_t i = 0; i < count; ++i) {
-      std::fill_n(memory.row_scales_.data(), width, in.scales()[first_in + i]);
+      const std::size_t map = first_in + i;
+      std::fill_n(memory.row_scales_.data(), width, in.scales()[map]);
       fill_map(out, first_out + i, memory.answers_.data(), [&](std::size_t y, float* to) {
-        product.a = in.at(first_in + i, y * stride, 0);
+        if (layer.pairs && y / 2 * 2 + 1 < height)
+          return memory.convolve_paired(*layer.pairs, in, map, y, {to, out.pixel()}, width);
+        product.a = in.at(map, y * stride, 0);
         product.c = to;
         multiply(width, panels, product);
       });

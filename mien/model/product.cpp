@@ -156,6 +156,12 @@ float quantise_row(std::size_t count, const float* x, std::uint8_t* out) {
   return largest / 127.0F;
 }
 
+void subtract(std::size_t count, const float* a, const float* b, float* HWY_RESTRICT out) {
+  const Lanes d;
+  for (std::size_t i = 0; i < count; i += Fp32::kLanes)
+    hn::StoreU(hn::Sub(hn::LoadU(d, a + i), hn::LoadU(d, b + i)), d, out + i);
+}
+
 float largest_number(std::size_t count, const float* x) {
   const Lanes d;
   auto high = hn::Zero(d), other = high;
@@ -191,6 +197,7 @@ HWY_EXPORT(multiply_bf16);
 HWY_EXPORT(multiply_int8);
 HWY_EXPORT(round_row);
 HWY_EXPORT(quantise_row);
+HWY_EXPORT(subtract);
 HWY_EXPORT(largest_number);
 HWY_EXPORT(quantise_nonnegative);
 HWY_EXPORT(target);
@@ -224,6 +231,10 @@ void round_row(std::size_t count, const float* x, std::uint16_t* out) {
 
 float quantise_row(std::size_t count, const float* x, std::uint8_t* out) {
   return HWY_DYNAMIC_DISPATCH(quantise_row)(count, x, out);
+}
+
+void subtract(std::size_t count, const float* a, const float* b, float* out) {
+  HWY_DYNAMIC_DISPATCH(subtract)(count, a, b, out);
 }
 
 float largest_number(std::size_t count, const float* x) {

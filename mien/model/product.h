@@ -24,8 +24,10 @@ struct Product {
   std::size_t words = 0;  ///< Steps: of the whole sum, or of each of its runs.
   const std::byte* a = nullptr;
   std::size_t a_stride = 0;  ///< Bytes from row to row.
-  std::size_t runs = 1;      ///< Pieces that a row of `a` lies in, run_step bytes from one to the next.
-  std::size_t run_step = 0;
+  /// Pieces that a row of `a` lies in, run_step bytes from one to the next, in whatever memory: a step
+  /// backwards wraps around.
+  std::size_t runs = 1;
+  std::uintptr_t run_step = 0;
   const std::byte* b = nullptr;
   std::size_t b_step = 0;       ///< Bytes from step to step of one panel of columns.
   std::size_t panel_step = 0;   ///< Bytes from panel to panel.
@@ -62,6 +64,8 @@ void round_row(std::size_t count, const float* x, std::uint16_t* out);
 /// `count` numbers to bytes, 128 for 0 and the largest 127 away from it; up to 15 behind them become 128.
 /// Returns what one step of a byte counts.
 [[nodiscard]] float quantise_row(std::size_t count, const float* x, std::uint8_t* out);
+/// a - b, `count` numbers, a multiple of 16.
+void subtract(std::size_t count, const float* a, const float* b, float* out);
 /// The largest of `count` numbers, a multiple of 16, or 0.
 [[nodiscard]] float largest_number(std::size_t count, const float* x);
 /// `count` numbers, a multiple of 16, from 0 to `largest`, to bytes from 0 to 127.
