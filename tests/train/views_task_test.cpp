@@ -1,5 +1,6 @@
 #include "mien/train/views_task.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

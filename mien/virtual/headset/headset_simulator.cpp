@@ -20,6 +20,8 @@ constexpr std::array<std::string_view, kHeadsetFailures> kNames = {
     "none", "hand", "cup", "mask", "moustache", "poor_seat", "smear", "sun", "dark", "covered"};
 /// Of poor donning; of grease on a lens.
 constexpr double kPoor_m = 8e-3, kPoor_rad = 8 * kRadPerDeg;
+/// How far a cup is tipped against the lips.
+constexpr double kDrinking_rad = 60 * kRadPerDeg;
 constexpr std::array<double, 2> kGrease = {0.6, 0.9};
 /// Sun is so many times as bright as the lamps at the cheek; in the dark a lamp gives this share.
 constexpr float kSun = 25, kDark = 0.004F;
@@ -125,6 +127,7 @@ HeadsetSimulator::HeadsetSimulator(const HeadsetWearer& wearer, const HeadsetFau
       break;
     case HeadsetFailure::cup:
       hide_by(make_cup(fails), mouth_m + Vec3f(0, 0.002F, 0.004F), 10);
+      obstacle_->turn_rad.x() -= kDrinking_rad;
       break;
     case HeadsetFailure::mask:
       hide_by(make_mask(fails), mouth_m + Vec3f(0, 0.012F, 0), 1);
