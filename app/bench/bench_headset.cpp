@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/bench/bench_pictures.h"
 #include "app/bench/clock.h"
 #include "app/bench/onnx_peer.h"
 #include "app/bench/paced.h"
@@ -127,6 +128,7 @@ struct EncoderFigures {
   std::vector<MeasuredEncoder> precisions;
   std::optional<double> onnxruntime_s;  ///< The same four views.
   std::string why_not;                  ///< Else.
+  PictureFigures pictures;              ///< Of the simulator.
 };
 
 Spread measure_each(Encoder& encoder) {
@@ -211,6 +213,7 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
     MIEN_TRY_ASSIGN(m.paced, measure_paced(encoders[i], static_cast<std::size_t>(options.frames),
                                            std::string(model::precision_name(m.precision)), progress));
   }
+  MIEN_TRY_ASSIGN(f.pictures, measure_pictures(options.seed));
   clear_progress();
   return f;
 }
@@ -238,6 +241,8 @@ Json as_json(const HeadsetBench& options, const Headset& headset, const EncoderF
                  {"flop", f.flop},
                  {"onnxruntime_ms", f.onnxruntime_s ? Json(1e3 * *f.onnxruntime_s) : Json(nullptr)},
                  {"precisions", precisions}}},
+               {"pictures_per_s", f.pictures.pictures_per_s},
+               {"vs_single_rays", f.pictures.vs_single_rays},
                {"frames", options.frames},
                {"seed", options.seed}};
   if (!f.onnxruntime_s) json["onnxruntime"] = f.why_not;
@@ -262,6 +267,8 @@ void print_headset(const Headset& headset, const EncoderFigures& f) {
     fmt::print("ONNX Runtime, fp32, one thread: {:.3f} ms\n", 1e3 * *f.onnxruntime_s);
   else
     fmt::print("ONNX Runtime: {}\n", f.why_not);
+  fmt::print("virtual headset: {:.0f} pictures of 96 x 96 a second, {:.1f} times as quick as ray by ray\n",
+             f.pictures.pictures_per_s, f.pictures.vs_single_rays);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,6 +53,29 @@ std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
       wanted[headset::kPupilOutput + e] = kUnknown;
     }
   return wanted;
+}
+
+/// What the ridge reads: means of blocks of each view, and a one. Blocks a side.
+constexpr std::size_t kBlocks = 12;
+constexpr std::size_t kRidgeInputs = kViews * kBlocks * kBlocks + 1;
+/// Moments that it is fitted to at most, and its penalty, in moments.
+constexpr std::size_t kRidgeMoments = 6000;
+constexpr double kRidgePenalty = 30;
+
+Eigen::VectorXd ridge_inputs(std::span<const float> views, std::size_t side) {
+  Eigen::VectorXd inputs = Eigen::VectorXd::Zero(kRidgeInputs);
+  Eigen::VectorXd counts = Eigen::VectorXd::Constant(kRidgeInputs, 1e-9);
+  for (std::size_t v = 0; v < kViews; ++v)
+    for (std::size_t y = 0; y < side; ++y)
+      for (std::size_t x = 0; x < side; ++x) {
+        const auto block =
+            static_cast<Eigen::Index>((v * kBlocks + y * kBlocks / side) * kBlocks + x * kBlocks / side);
+        inputs[block] += double{views[(v * side + y) * side + x]};
+        ++counts[block];
+      }
+  inputs = inputs.cwiseQuotient(counts).array() - 0.5;
+  inputs[kRidgeInputs - 1] = 1;
+  return inputs;
 }
 
 std::string hash_of(const std::vector<study::HeadsetFilm>& films) {
@@ -185,6 +209,28 @@ Result<std::vector<model::Tensor>> ViewsTask::begin_with(const std::filesystem::
   return std::move(standing.network);
 }
 
+Eigen::MatrixXd ViewsTask::fit_ridge() const {
+  constexpr auto kIn = static_cast<Eigen::Index>(kRidgeInputs),
+                 kOut = static_cast<Eigen::Index>(kAnswerOutputs);
+  Eigen::MatrixXd square = kRidgePenalty * Eigen::MatrixXd::Identity(kIn, kIn);
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(kIn, kOut);
+  const std::size_t step = training_.size() / kRidgeMoments + 1, side = recipe_.architecture.side;
+  for (std::size_t m = 0; m < training_.size(); m += step) {
+    Batch batch;
+    append(films_.train[training_[m].film], training_[m].frame, nullptr, batch);
+    const Eigen::VectorXd inputs = ridge_inputs(std::span(batch.condition).first(kViews * side * side), side);
+    Eigen::VectorXd wanted(kOut);
+    // What cannot be known is taken for the mean.
+    for (Eigen::Index i = 0; i < kOut; ++i) {
+      const float value = batch.clean[static_cast<std::size_t>(i)];
+      wanted[i] = double{std::isnan(value) ? model_.mean_answer[static_cast<std::size_t>(i)] : value};
+    }
+    square.selfadjointView<Eigen::Lower>().rankUpdate(inputs);
+    product += inputs * wanted.transpose();
+  }
+  return square.selfadjointView<Eigen::Lower>().ldlt().solve(product);
+}
+
 Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
   model_.network.assign(network.begin(), network.end());
   MIEN_TRY_ASSIGN(const model::ViewsNetwork runs,
@@ -193,7 +239,8 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
   const std::size_t pixels = recipe_.architecture.side * recipe_.architecture.side;
   std::vector<float> features(kViews * recipe_.architecture.features);
   std::array<float, kAnswerOutputs> answer{};
-  double squares = 0, mean_squares = 0, weights = 0, hits = 0, told = 0, shut = 0;
+  const Eigen::MatrixXd ridge = fit_ridge();
+  double squares = 0, mean_squares = 0, ridge_squares = 0, weights = 0, hits = 0, told = 0, shut = 0;
   std::vector<double> gaze_deg;
   for (std::size_t m = 0; m < validation_.size(); ++m) {
     if (m % 64 == 0 &&
@@ -205,8 +252,14 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
     for (std::size_t v = 0; v < kViews; ++v) present[v] = batch.condition[kViews * pixels + v] > 0;
     runs.find(std::span(batch.condition).first(kViews * pixels), present, memory, features);
     runs.answer(features, memory, answer);
+    const Eigen::VectorXd by_ridge =
+        ridge.transpose() *
+        ridge_inputs(std::span(batch.condition).first(kViews * pixels), recipe_.architecture.side);
     for (std::size_t k = 0; k < face::kShapeCount; ++k) {
       if (std::isnan(batch.clean[k])) continue;
+      const double off =
+          0.5 * (std::clamp(by_ridge[static_cast<Eigen::Index>(k)], -1.0, 1.0) - double{batch.clean[k]});
+      ridge_squares += off * off;
       // Half the distance in [-1, 1] is the distance of weights.
       const double error = 0.5 * (std::clamp(double{answer[k]}, -1.0, 1.0) - double{batch.clean[k]});
       const double of_mean = 0.5 * double{model_.mean_answer[k] - batch.clean[k]};
@@ -237,6 +290,7 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
   return nlohmann::json{{"headset",
                          {{"mse", squares / std::max(1.0, weights)},
                           {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
+                          {"ridge_mse", ridge_squares / std::max(1.0, weights)},
                           {"gaze_median_deg", share(0.5)},
                           {"gaze_p90_deg", share(0.9)},
                           {"closed_f1", 2 * hits / std::max(1.0, shut + told)}}}}

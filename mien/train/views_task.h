@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -30,7 +32,8 @@ class ViewsTask final : public Task {
   [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
   [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
   /// "headset": over validation, moment by moment, of what can be seen: squared error of the weights beside
-  /// the mean answer's, the gaze's median error, and how well closed lids are told.
+  /// the mean answer's and a ridge's on 12 x 12 means of each view, the gaze's median error, and how well
+  /// closed lids are told.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
                                            const Progress& progress) override;
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,
@@ -48,6 +51,8 @@ class ViewsTask final : public Task {
   ViewsTask(Recipe recipe, study::HeadsetFilms films)
       : recipe_(std::move(recipe)), films_(std::move(films)) {}
   void find_mean();
+  /// From ridge_inputs() to the outputs: inputs x outputs.
+  [[nodiscard]] Eigen::MatrixXd fit_ridge() const;
   /// Appends a moment; `augment` may be null.
   void append(const study::HeadsetFilm& film, std::size_t frame, Random* augment, Batch& batch) const;
 

@@ -15,6 +15,8 @@ TEST(BenchHeadset, GivesTheFieldsThatScriptsRelyOn) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_GT(json["peak_gflops"], 0);
+  EXPECT_GT(json["pictures_per_s"].get<double>(), 0);
+  EXPECT_GT(json["vs_single_rays"].get<double>(), 0);
   const auto& encoder = json["encoder"];
   EXPECT_EQ(encoder["views"], 4);
   EXPECT_EQ(encoder["size"], 96);
