@@ -31,6 +31,10 @@ inline constexpr int kBlackLevel = 5;
 /// numbers: the same bits always. No allocation. Thread-safe.
 [[nodiscard]] PictureStatistics statistics_of(const GreyPicture& picture);
 
+/// What is measured is the picture as PictureDecoder gives it for so many pixels either way, whoever measures
+/// it and whatever else is made of it.
+inline constexpr int kMeasuredSide = 96;
+
 /// Tells a camera whose picture stands still: sensors have noise, so no two pictures are the same.
 class FrozenPictures {
  public:

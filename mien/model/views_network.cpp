@@ -57,11 +57,19 @@ void ViewsNetwork::find(std::span<const float> views, const std::array<bool, kVi
     for (const std::size_t v : {first, first + 1}) {
       const std::span<float> out = features.subspan(v * found, found);
       if (present[v])
-        backbone.apply(views.subspan(v * pixels, pixels), memory, out);
+        find_one(v, views.subspan(v * pixels, pixels), workspace, out);
       else
-        std::copy_n(missing_.data() + v * found, found, out.data());
+        std::ranges::copy(missing(v), out.data());
     }
   }
+}
+
+void ViewsNetwork::find_one(std::size_t which, std::span<const float> view, Workspace& workspace,
+                            std::span<float> features) const {
+  if (which < 2)
+    eye_.apply(view, workspace.eye_, features);
+  else
+    mouth_.apply(view, workspace.mouth_, features);
 }
 
 void ViewsNetwork::answer(std::span<const float> features, Workspace& workspace, std::span<float> out) const {

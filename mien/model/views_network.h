@@ -38,6 +38,14 @@ class ViewsNetwork {
   /// not there are passed over, and what stands for them is written. `features`: kViews x features.
   void find(std::span<const float> views, const std::array<bool, kViews>& present, Workspace& workspace,
             std::span<float> features) const;
+  /// The same of one view, `which` below kViews: side x side numbers in, its features out, with the bits that
+  /// find() gives it beside others.
+  void find_one(std::size_t which, std::span<const float> view, Workspace& workspace,
+                std::span<float> features) const;
+  /// What stands for a view that is not there.
+  [[nodiscard]] std::span<const float> missing(std::size_t which) const {
+    return {missing_.data() + which * architecture_.features, architecture_.features};
+  }
   /// What it answers of them: architecture().outputs numbers, nominally in [-1, 1].
   void answer(std::span<const float> features, Workspace& workspace, std::span<float> out) const;
 

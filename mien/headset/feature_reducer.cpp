@@ -1,0 +1,91 @@
+#include "mien/headset/feature_reducer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/core/sha256.h"
+#include "mien/headset/feature_record.h"
+#include "mien/headset/picture_packet.h"
+#include "mien/headset/picture_statistics.h"
+#include "mien/sensor/bindings.h"
+
+namespace mien::headset {
+namespace {
+
+/// To be raised with every change of how a picture becomes numbers.
+constexpr std::uint32_t kMethodVersion = 1;
+
+int least_pixels(int side, double share) {
+  return static_cast<int>(std::ceil(side / share));
+}
+
+}  // namespace
+
+FeatureReducer::FeatureReducer(std::shared_ptr<const HeadsetModel> model, PictureDecoder decoder)
+    : model_(std::move(model)), decoder_(std::move(decoder)), workspace_(model_->network()) {
+  const model::Architecture& architecture = model_->network().architecture();
+  view_.resize(architecture.side * architecture.side);
+  features_.resize(architecture.features);
+}
+
+Result<FeatureReducer> FeatureReducer::create(const sensor::Rig& rig,
+                                              std::shared_ptr<const HeadsetModel> model) {
+  MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+  MIEN_TRY_ASSIGN(std::vector<HeadsetCamera> cameras,
+                  headset_cameras(rig, model->network().architecture().side));
+  MIEN_TRY_ASSIGN(PictureDecoder decoder, PictureDecoder::create());
+  FeatureReducer made(std::move(model), std::move(decoder));
+  Sha256 hash;
+  hash.add_value(kMethodVersion);
+  hash.add(std::as_bytes(std::span(made.model_->hash())));
+  for (HeadsetCamera& camera : cameras) {
+    const NetworkViewSettings& see = camera.view;
+    const auto device = std::ranges::find(bound, camera.sensor, [](const auto& one) { return one.second; });
+    const sensor::DeviceKey key = device == bound.end() ? sensor::DeviceKey() : device->first;
+    if (device != bound.end()) made.bound_.push_back(*device);
+    hash.add_value(camera.sensor);
+    hash.add_value(static_cast<std::uint32_t>(camera.place));
+    hash.add_value(key.device);
+    hash.add_value(key.channel);
+    for (const double edge : {see.left, see.top, see.right, see.bottom}) hash.add_value(edge);
+    hash.add_value(static_cast<std::uint32_t>(see.quarter_turns));
+    hash.add_value(static_cast<std::uint32_t>(see.mirror ? 1 : 0));
+    MIEN_TRY_ASSIGN(NetworkView view, NetworkView::create(see));
+    made.cameras_.push_back({.camera = std::move(camera),
+                             .view = std::move(view),
+                             .least_width = least_pixels(see.side, see.right - see.left),
+                             .least_height = least_pixels(see.side, see.bottom - see.top)});
+  }
+  made.hash_ = hash.hex();
+  return made;
+}
+
+std::optional<std::size_t> FeatureReducer::reduce(std::span<const std::byte> datagram,
+                                                  std::span<const std::byte> payload,
+                                                  std::span<std::byte> out) {
+  const auto packet = parse_picture_packet(datagram);
+  if (!packet) return std::nullopt;
+  const auto bound = std::ranges::find(bound_, packet->from, [](const auto& one) { return one.first; });
+  return reduce_picture(bound == bound_.end() ? std::nullopt : std::optional(bound->second), payload, out);
+}
+
+std::optional<std::size_t> FeatureReducer::reduce_picture(std::optional<std::uint16_t> sensor,
+                                                          std::span<const std::byte> jpeg,
+                                                          std::span<std::byte> out) {
+  auto picture = decoder_.decode(jpeg, kMeasuredSide, kMeasuredSide);
+  if (!picture) return std::nullopt;
+  FeatureRecord record{.statistics = statistics_of(*picture),
+                       .jpeg_bytes = static_cast<std::uint32_t>(jpeg.size())};
+  const auto seen = std::ranges::find_if(
+      cameras_, [&](const Camera& camera) { return sensor && camera.camera.sensor == *sensor; });
+  if (seen == cameras_.end()) return write_feature_record(record, {}, out);
+  record.sensor = sensor;
+  if (picture->width < seen->least_width || picture->height < seen->least_height)
+    picture = decoder_.decode(jpeg, seen->least_width, seen->least_height);
+  if (!picture) return std::nullopt;
+  seen->view.make(*picture, view_);
+  model_->network().find_one(seen->camera.place, view_, workspace_, features_);
+  return write_feature_record(record, features_, out);
+}
+
+}  // namespace mien::headset

@@ -1,0 +1,50 @@
+#include "mien/headset/headset_camera.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "mien/sensor/rig_part.h"
+
+namespace mien::headset {
+namespace {
+
+constexpr int kQuarterTurn_deg = 90;
+
+}  // namespace
+
+Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::size_t side) {
+  const std::string where = "rig " + rig.name;
+  std::vector<HeadsetCamera> cameras;
+  for (const std::uint16_t number : sensor::sensors_of(rig, "camera")) {
+    const sensor::Mount& mount = rig.sensors[number];
+    if (!mount.camera)
+      return fail(ErrorCode::mismatch, fmt::format("camera {} has no [sensor.camera]", mount.name), where,
+                  "say what it looks at, as rigs/headset.toml does");
+    const sensor::CameraMount& camera = *mount.camera;
+    const std::size_t place = (mount.site == "mouth" ? 2U : 0U) + (mount.side == 'R' ? 1U : 0U);
+    const auto other = std::ranges::find(cameras, place, &HeadsetCamera::place);
+    if (other != cameras.end())
+      return fail(ErrorCode::mismatch,
+                  fmt::format("{} and {} look at the same, and the network has one place for it", other->name,
+                              mount.name),
+                  where, "leave one of them out, or give them sides L and R");
+    const auto& [left, top, width, height] = camera.crop;
+    cameras.push_back({.sensor = number,
+                       .place = place,
+                       .name = mount.name,
+                       .view = {.side = static_cast<int>(side),
+                                .left = left,
+                                .top = top,
+                                .right = std::min(1.0, left + width),
+                                .bottom = std::min(1.0, top + height),
+                                .quarter_turns = camera.turn_deg / kQuarterTurn_deg,
+                                .mirror = camera.mirror},
+                       .half_exposure = from_seconds(camera.exposure_ms / 2000)});
+  }
+  if (cameras.empty()) return fail(ErrorCode::mismatch, "no sensor of this rig is of the kind camera", where);
+  return cameras;
+}
+
+}  // namespace mien::headset

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/core/time.h"
+#include "mien/headset/network_view.h"
+#include "mien/sensor/rig.h"
+
+namespace mien::headset {
+
+/// A camera of a rig as the network knows it.
+struct HeadsetCamera {
+  std::uint16_t sensor = 0;  ///< Its number in the rig.
+  std::size_t place = 0;     ///< Below model::kViews.
+  std::string name;          ///< In the rig.
+  NetworkViewSettings view;  ///< What of its pictures the network sees.
+  Duration half_exposure{};  ///< From the middle of a picture's exposure to its end.
+};
+
+/// The cameras of a rig, in its order, for a network whose views have `side` pixels either way. One before
+/// the middle of the face stands for the left. Errors: mismatch (no camera; one without a [sensor.camera];
+/// two for one place).
+[[nodiscard]] Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::size_t side);
+
+}  // namespace mien::headset
