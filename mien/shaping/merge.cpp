@@ -47,13 +47,13 @@ bool has_estimate(const OutputFrame& frame) {
 
 std::array<MergeSettings::Order, kMergePlaceCount> MergeSettings::default_order() {
   return {{
-      {"headset", "weights", "eyewear", "imu", "speech"},          // brows
-      {"headset", "gaze", "weights", "eyewear", "imu", "speech"},  // eyes
-      {"imu", "eyewear", "headset", "weights", "speech"},          // cheeks
-      {"headset", "weights", "imu", "eyewear", "speech"},          // mouth
-      {"headset", "weights", "imu", "eyewear", "speech"},          // jaw
-      {"weights", "imu", "headset", "eyewear", "speech"},          // head
-      {"headset", "gaze", "weights", "eyewear", "imu", "speech"},  // gaze
+      {"camera", "weights", "eyewear", "imu", "speech"},          // brows
+      {"camera", "gaze", "weights", "eyewear", "imu", "speech"},  // eyes
+      {"imu", "eyewear", "camera", "weights", "speech"},          // cheeks
+      {"camera", "weights", "imu", "eyewear", "speech"},          // mouth
+      {"camera", "weights", "imu", "eyewear", "speech"},          // jaw
+      {"weights", "imu", "camera", "eyewear", "speech"},          // head
+      {"camera", "gaze", "weights", "eyewear", "imu", "speech"},  // gaze
   }};
 }
 

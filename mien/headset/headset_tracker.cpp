@@ -1,0 +1,289 @@
+#include "mien/headset/headset_tracker.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mien/tracker/provenance.h"
+
+namespace mien::headset {
+namespace {
+
+using face::Provenance;
+using tracker::CalibrationEvent;
+using tracker::Step;
+
+/// Where a camera's time runs back farther than this it began anew.
+constexpr Duration kBeganAnew = std::chrono::milliseconds(200);
+/// Share of a hold's frames in which all cameras must have been there.
+constexpr double kThere = 0.5;
+
+// Confidence by the cameras that are there, until a model brings a measured one: above the merge's `sure`
+// where a shape is seen, below its `unsure` where it is guessed from what else is seen.
+constexpr float kSeen = 0.9F;
+constexpr float kSeenByOne = 0.6F;
+constexpr float kGuessed = 0.2F;
+
+/// Lids open less than this hide where the eye looks; open by kOpen they hide nothing.
+constexpr float kClosed = 0.15F, kOpen = 0.4F;
+
+constexpr std::size_t kLeftEye = 0, kRightEye = 1, kLeftMouth = 2, kRightMouth = 3;
+
+using Confidence = std::array<float, face::kShapeCount>;
+
+float of_eye(const std::array<bool, model::kViews>& present, std::size_t eye) {
+  if (present[eye]) return kSeen;
+  return present[1 - eye] ? kGuessed : 0.0F;
+}
+
+float of_mouth(const std::array<bool, model::kViews>& present) {
+  if (present[kLeftMouth] && present[kRightMouth]) return kSeen;
+  return present[kLeftMouth] || present[kRightMouth] ? kSeenByOne : 0.0F;
+}
+
+/// Brows and lids are their eye's camera's; what raises the cheek or wrinkles the nose is seen from above and
+/// below; all else is the mouth's.
+float confidence_of(std::size_t shape, const std::array<bool, model::kViews>& present) {
+  const std::string_view name = face::kShapeNames[shape];
+  const std::size_t eye = name.ends_with("_R") ? kRightEye : kLeftEye;
+  switch (face::kShapeRegions[shape]) {
+    case face::ShapeRegion::brows:
+    case face::ShapeRegion::eyes:
+      return of_eye(present, eye);
+    case face::ShapeRegion::cheeks:
+      if (name.starts_with("cheekPuff")) return of_mouth(present);
+      return std::max(std::min(of_eye(present, eye), kSeenByOne), of_mouth(present));
+    case face::ShapeRegion::mouth:
+    case face::ShapeRegion::jaw:
+      break;
+  }
+  return of_mouth(present);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HeadsetTracker>> HeadsetTracker::create(const sensor::Rig& rig,
+                                                               std::shared_ptr<const HeadsetModel> model) {
+  MIEN_TRY_ASSIGN(std::vector<HeadsetCamera> cameras,
+                  headset_cameras(rig, model->network().architecture().side));
+  MIEN_TRY_ASSIGN(FeatureReducer reducer, FeatureReducer::create(rig, model));
+  return std::unique_ptr<HeadsetTracker>(
+      new HeadsetTracker(std::move(cameras), std::move(model), std::move(reducer)));
+}
+
+HeadsetTracker::HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_ptr<const HeadsetModel> model,
+                               FeatureReducer reducer)
+    : model_(std::move(model)),
+      workspace_(model_->network()),
+      reducer_(std::move(reducer)),
+      reduced_(feature_record_bytes(model_->network().architecture().features)),
+      features_(model::kViews * model_->network().architecture().features) {
+  const std::size_t count = model_->network().architecture().features;
+  for (HeadsetCamera& camera : cameras) {
+    Channel& channel = channels_.emplace_back();
+    channel.camera = std::move(camera);
+    channel.pictures.resize(Channel::kPictures);
+    for (Seen& seen : channel.pictures) seen.features.resize(count);
+  }
+}
+
+const HeadsetTracker::Seen* HeadsetTracker::Channel::at(DeviceTime time) const {
+  for (std::size_t back = 1; back <= std::min(next, kPictures); ++back) {
+    const Seen& seen = pictures[(next - back) % kPictures];
+    if (seen.time > time + kAhead) continue;
+    return time - seen.time <= kPresent && !seen.frozen ? &seen : nullptr;
+  }
+  return nullptr;
+}
+
+void HeadsetTracker::add_with_payload(HostTime, const sensor::Sample& sample,
+                                      std::span<const std::byte> payload) {
+  const auto channel =
+      std::ranges::find_if(channels_, [&](const Channel& c) { return c.camera.sensor == sample.sensor; });
+  if (channel == channels_.end()) return;
+  if (!is_feature_record(payload)) {
+    const auto bytes = reducer_.reduce_picture(sample.sensor, payload, reduced_);
+    if (!bytes) return;
+    payload = std::span(reduced_).first(*bytes);
+  }
+  const auto record = parse_feature_record(payload);
+  // Found for another place, or by another network.
+  if (!record || record->sensor != sample.sensor ||
+      record->count() != model_->network().architecture().features)
+    return;
+  const DeviceTime time = sample.time - channel->camera.half_exposure;
+  if (const Seen* const newest = channel->newest()) {
+    const Duration since = time - newest->time;
+    if (since < -kBeganAnew) {
+      channel->next = 0;
+      channel->frozen.restart();
+    } else if (since <= Duration::zero()) {
+      return;  // Doubled, or out of order.
+    }
+  }
+  Seen& seen = channel->pictures[channel->next++ % Channel::kPictures];
+  seen.time = time;
+  seen.frozen = channel->frozen.add(record->statistics.hash);
+  for (std::size_t i = 0; i < seen.features.size(); ++i) seen.features[i] = record->feature(i);
+}
+
+void HeadsetTracker::forget(std::uint16_t sensor) {
+  for (Channel& channel : channels_) {
+    if (channel.camera.sensor != sensor) continue;
+    channel.next = 0;
+    channel.frozen.restart();
+    // What a face at rest looks like is another camera's.
+    in_force_.reset();
+    before_.reset();
+    last_eyes_rad_.reset();
+  }
+}
+
+HeadsetTracker::Present HeadsetTracker::gather(DeviceTime frame, const sensor::TimeLines& lines) {
+  const std::size_t count = model_->network().architecture().features;
+  Present present{};
+  for (std::size_t place = 0; place < model::kViews; ++place)
+    std::ranges::copy(model_->network().missing(place),
+                      std::span(features_).subspan(place * count, count).begin());
+  if (!lines.ready()) return present;
+  for (const Channel& channel : channels_) {
+    const HeadsetCamera& camera = channel.camera;
+    if (!lines.has_samples(camera.sensor)) continue;
+    const Seen* const seen = channel.at(lines.from_line(camera.sensor, frame));
+    if (seen == nullptr) continue;
+    present[camera.place] = true;
+    std::ranges::copy(seen->features, std::span(features_).subspan(camera.place * count, count).begin());
+  }
+  return present;
+}
+
+tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
+                                         face::OutputFrame& out) {
+  tracker::TickResult result;
+  out = {};
+  out.time = frame;
+  out.provenance.fill(Provenance::neutral);
+  const Present present = gather(frame, lines);
+  result.sensors_present = static_cast<std::size_t>(std::ranges::count(present, true));
+  Answer answer;
+  if (result.sensors_present > 0) {
+    model_->network().answer(features_, workspace_, outputs_);
+    answer = decode_answer(outputs_);
+  }
+  lead(frame, present, answer, result);
+  if (result.sensors_present == 0) return result;
+  if (in_force_) in_force_->correct(answer);
+  write(present, answer, out);
+  result.explained = out.confidence;
+  return result;
+}
+
+void HeadsetTracker::write(const Present& present, const Answer& answer, face::OutputFrame& out) {
+  out.weights = answer.weights;
+  out.tongue_out = answer.tongue_out;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    out.confidence[k] = confidence_of(k, present);
+    // Where the eyes look is told by their directions, which the lids follow (shaping::Lids).
+    out.provenance[k] =
+        out.confidence[k] > kGuessed && !tracker::is_gaze(k) ? Provenance::measured : Provenance::predicted;
+  }
+  std::array<float, 2> seen{};
+  for (std::size_t e = 0; e < seen.size(); ++e)
+    if (present[e])
+      seen[e] = kSeen * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
+  const bool sees = seen[0] > 0 || seen[1] > 0;
+  if (sees) {
+    last_eyes_rad_.emplace();
+    for (std::size_t e = 0; e < seen.size(); ++e) {
+      const std::size_t from = seen[e] > 0 ? e : 1 - e;
+      (*last_eyes_rad_)[e] = {answer.gaze_rad[2 * from], answer.gaze_rad[2 * from + 1]};
+    }
+    out.eyes_confidence = (seen[0] + seen[1]) / 2;
+  }
+  if (!last_eyes_rad_) return;
+  out.eyes_rad = *last_eyes_rad_;
+  out.eyes_provenance = sees ? Provenance::measured : Provenance::held;
+}
+
+bool HeadsetTracker::is_complete(const Present& present) const {
+  return std::ranges::find(present, true) != present.end() &&
+         std::ranges::all_of(channels_, [&](const Channel& channel) {
+           return channel.next == 0 || present[channel.camera.place];
+         });
+}
+
+void HeadsetTracker::lead(DeviceTime frame, const Present& present, const Answer& answer,
+                          tracker::TickResult& result) {
+  if (hold_ && frame >= hold_->end) {
+    CalibrationEvent& event = result.calibration.emplace_back();
+    event.modality = modality();
+    const double wanted = kThere * kFrameRateHz * to_seconds(hold_->end - hold_->begin);
+    hold_.reset();
+    if (maker_.frames() > 0 && static_cast<double>(maker_.frames()) >= wanted) {
+      std::vector<std::string> names;
+      for (const Channel& channel : channels_) names.push_back(channel.camera.name);
+      in_force_ = maker_.make(std::move(names));
+      event.kind = CalibrationEvent::Kind::calibrated;
+    } else {
+      failure_ = "a camera gave too few pictures during the hold; check the cameras and calibrate again";
+      in_force_ = before_;
+      event.kind = CalibrationEvent::Kind::withdrawn;
+    }
+  }
+  if (hold_ && frame >= hold_->begin && is_complete(present)) maker_.add(answer);
+  if (guided_until_ && frame >= *guided_until_) guided_until_.reset();
+}
+
+void HeadsetTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
+  if (step != Step::neutral) return;
+  if (!guided_until_) before_ = in_force_;
+  guided_until_ = std::max(end, guided_until_.value_or(end));
+  hold_ = Hold{begin, end};
+  maker_.begin();
+  failure_ = {};
+}
+
+void HeadsetTracker::guide_range(DeviceTime, DeviceTime end) {
+  if (guided_until_) guided_until_ = std::max(end, *guided_until_);
+}
+
+void HeadsetTracker::cancel_guidance() {
+  if (!guided_until_) return;
+  guided_until_.reset();
+  hold_.reset();
+  in_force_ = before_;
+}
+
+tracker::CalibrationState HeadsetTracker::calibration_state() const {
+  using Phase = tracker::CalibrationState::Phase;
+  tracker::CalibrationState state;
+  state.hint = failure_;
+  if (hold_) {
+    state.phase = Phase::guided;
+    state.step = Step::neutral;
+  } else {
+    state.phase = Phase::done;
+  }
+  return state;
+}
+
+std::string HeadsetTracker::calibration() const {
+  return in_force_ ? write_neutral_face(*in_force_) : std::string();
+}
+
+std::vector<sensor::Score> HeadsetTracker::scores() const {
+  return in_force_ ? in_force_->scores : std::vector<sensor::Score>();
+}
+
+Result<void> HeadsetTracker::restore(std::string_view json) {
+  MIEN_TRY_ASSIGN(NeutralFace neutral, parse_neutral_face(json, "calibration"));
+  if (!std::ranges::equal(neutral.cameras, channels_, {}, {},
+                          [](const Channel& channel) { return channel.camera.name; }))
+    return fail(ErrorCode::mismatch, "the calibration is of another rig's cameras", "calibration",
+                "calibrate anew");
+  cancel_guidance();
+  in_force_ = std::move(neutral);
+  failure_ = {};
+  return {};
+}
+
+}  // namespace mien::headset

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/headset/answer.h"
+#include "mien/headset/feature_record.h"
+#include "mien/headset/feature_reducer.h"
+#include "mien/headset/headset_camera.h"
+#include "mien/headset/headset_model.h"
+#include "mien/headset/neutral_face.h"
+#include "mien/headset/picture_statistics.h"
+#include "mien/sensor/rig.h"
+#include "mien/tracker/tracker.h"
+
+namespace mien::headset {
+
+/// Tracker of the modality "camera": the newest features of each camera of a headset (FeatureRecord) through
+/// the network's last layers, read against the wearer's own neutral face where that is known. Pictures that
+/// come as such it reduces itself, to the same bits. A camera whose newest picture is older than kPresent, or
+/// stands still (FrozenPictures), is missing: the network knows a token for that.
+///
+/// It answers without a calibration too. Until a model brings a measured confidence, that of a shape says
+/// which of the cameras that see it are there, and that of regions is unknown. Shapes that a camera sees are
+/// measured; others, and the eight that follow the eyes, predicted. Eye directions are those last seen while
+/// both lids are closed. No head.
+///
+/// No allocation in add and tick, but where a calibration is made.
+class HeadsetTracker final : public tracker::Tracker {
+ public:
+  static constexpr Duration kPresent = std::chrono::milliseconds(100);
+  /// A picture so much later than a frame is taken for it: half a frame, so that the picture is the nearest.
+  static constexpr Duration kAhead = std::chrono::microseconds(8333);
+  static constexpr Duration kNeutral = std::chrono::seconds(3);
+
+  /// Errors: FeatureReducer::create's.
+  [[nodiscard]] static Result<std::unique_ptr<HeadsetTracker>> create(
+      const sensor::Rig& rig, std::shared_ptr<const HeadsetModel> model);
+
+  [[nodiscard]] std::string_view modality() const override { return "camera"; }
+  /// Nothing: a picture is its payload.
+  void add(HostTime, const sensor::Sample&) override {}
+  void add_with_payload(HostTime arrival, const sensor::Sample& sample,
+                        std::span<const std::byte> payload) override;
+  void forget(std::uint16_t sensor) override;
+  tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
+  /// Three seconds of neutral; no gestures.
+  [[nodiscard]] tracker::Guidance guidance() const override {
+    return {.neutral = kNeutral, .gestures = false};
+  }
+  void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
+  /// Nothing is learnt from it; until its end guidance can be cancelled.
+  void guide_range(DeviceTime begin, DeviceTime end) override;
+  void cancel_guidance() override;
+  /// Done where nothing is calibrated yet, too: nobody is asked for anything before a face is shown.
+  [[nodiscard]] tracker::CalibrationState calibration_state() const override;
+  [[nodiscard]] std::string calibration() const override;
+  [[nodiscard]] std::vector<sensor::Score> scores() const override;
+  [[nodiscard]] Result<void> restore(std::string_view json) override;
+  [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t) const override { return {}; }
+
+ private:
+  struct Seen {
+    DeviceTime time;  // Middle of the exposure, the camera's clock.
+    bool frozen = false;
+    std::vector<float> features;
+  };
+  /// One camera's newest pictures, a ring.
+  struct Channel {
+    static constexpr std::size_t kPictures = 32;
+    HeadsetCamera camera;
+    std::vector<Seen> pictures;
+    std::size_t next = 0;
+    FrozenPictures frozen;
+    [[nodiscard]] const Seen* newest() const {
+      return next == 0 ? nullptr : &pictures[(next - 1) % kPictures];
+    }
+    /// The newest that is not later than kAhead after `time`; null where it is missing.
+    [[nodiscard]] const Seen* at(DeviceTime time) const;
+  };
+  using Present = std::array<bool, model::kViews>;
+  struct Hold {
+    DeviceTime begin, end;
+  };
+
+  HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_ptr<const HeadsetModel> model,
+                 FeatureReducer reducer);
+  /// Features of the frame into features_, and which places have any.
+  Present gather(DeviceTime frame, const sensor::TimeLines& lines);
+  /// A step of the guided hold; the event that it ends with.
+  void lead(DeviceTime frame, const Present& present, const Answer& answer, tracker::TickResult& result);
+  /// All cameras that ever gave a picture do so now, and there is one.
+  [[nodiscard]] bool is_complete(const Present& present) const;
+  void write(const Present& present, const Answer& answer, face::OutputFrame& out);
+
+  std::shared_ptr<const HeadsetModel> model_;
+  model::ViewsNetwork::Workspace workspace_;
+  FeatureReducer reducer_;
+  std::vector<Channel> channels_;
+  std::vector<std::byte> reduced_;  // Of a picture that came as such.
+  std::vector<float> features_;
+  std::array<float, kAnswerOutputs> outputs_{};
+
+  std::optional<NeutralFace> in_force_, before_;
+  NeutralMaker maker_;
+  std::optional<Hold> hold_;
+  std::optional<DeviceTime> guided_until_;
+  std::string_view failure_;
+  std::optional<std::array<Eigen::Vector2f, 2>> last_eyes_rad_;
+};
+
+}  // namespace mien::headset

@@ -1,0 +1,148 @@
+#include "mien/headset/neutral_face.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <utility>
+
+#include "mien/sensor/calibration_json.h"
+
+namespace mien::headset {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostScores = 1024;
+constexpr std::size_t kMostCameras = 256;
+constexpr float kMostGaze_rad = 1.1F;
+constexpr float kMostOpenness = 1.5F;
+/// Mean over the shapes of each one's standard deviation, beyond which a face did not hold still.
+constexpr double kRestless = 0.04;
+/// A weight that is taken for more at rest was no rest, or is not understood.
+constexpr double kNotAtRest = 0.5;
+
+float beyond_rest(float weight, float at_rest) {
+  return std::clamp((weight - at_rest) / (1 - at_rest), 0.0F, 1.0F);
+}
+
+/// An array of so many numbers within a range.
+Result<void> read_numbers(const json& root, const char* key, float least, float most, std::span<float> out,
+                          const std::string& where) {
+  const auto found = root.find(key);
+  if (found == root.end() || !found->is_array() || found->size() != out.size())
+    return fail(ErrorCode::malformed, fmt::format("'{}' is no list of {} numbers", key, out.size()), where);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!(*found)[i].is_number())
+      return fail(ErrorCode::malformed, fmt::format("'{}' is no list of numbers", key), where);
+    const double value = (*found)[i].get<double>();
+    if (!(value >= double{least} && value <= double{most}))
+      return fail(ErrorCode::out_of_range,
+                  fmt::format("'{}' has {}, which is not within {} to {}", key, value, least, most), where);
+    out[i] = static_cast<float>(value);
+  }
+  return {};
+}
+
+}  // namespace
+
+void NeutralFace::correct(Answer& answer) const {
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    answer.weights[k] = beyond_rest(answer.weights[k], weights[k]);
+  answer.tongue_out = beyond_rest(answer.tongue_out, tongue_out);
+  for (std::size_t i = 0; i < gaze_rad.size(); ++i) answer.gaze_rad[i] -= gaze_rad[i];
+  for (std::size_t e = 0; e < openness.size(); ++e)
+    answer.openness[e] = std::min(answer.openness[e] / openness[e], kMostOpenness);
+}
+
+std::string write_neutral_face(const NeutralFace& neutral) {
+  return json({{"cameras", neutral.cameras},
+               {"weights", neutral.weights.values},
+               {"tongue_out", std::array{neutral.tongue_out}},
+               {"gaze_rad", neutral.gaze_rad},
+               {"openness", neutral.openness},
+               {"scores", sensor::scores_json(neutral.scores)}})
+      .dump();
+}
+
+Result<NeutralFace> parse_neutral_face(std::string_view text, const std::string& where) {
+  const json root = json::parse(text, nullptr, false);
+  if (!root.is_object()) return fail(ErrorCode::malformed, "not a JSON object", where);
+  NeutralFace neutral;
+  const auto cameras = root.find("cameras");
+  if (cameras == root.end() || !cameras->is_array())
+    return fail(ErrorCode::malformed, "'cameras' is no list of names", where);
+  const auto scores = root.find("scores");
+  if (scores == root.end() || !scores->is_array())
+    return fail(ErrorCode::malformed, "'scores' is no list of scores", where);
+  if (cameras->size() > kMostCameras || scores->size() > kMostScores)
+    return fail(ErrorCode::out_of_range, "more cameras or scores than a rig has", where);
+  for (const json& name : *cameras) {
+    if (!name.is_string()) return fail(ErrorCode::malformed, "'cameras' is no list of names", where);
+    neutral.cameras.push_back(name.get<std::string>());
+  }
+  MIEN_TRY(read_numbers(root, "weights", 0, NeutralFace::kMostAtRest, neutral.weights.values, where));
+  MIEN_TRY(read_numbers(root, "tongue_out", 0, NeutralFace::kMostAtRest, {&neutral.tongue_out, 1}, where));
+  MIEN_TRY(read_numbers(root, "gaze_rad", -kMostGaze_rad, kMostGaze_rad, neutral.gaze_rad, where));
+  MIEN_TRY(
+      read_numbers(root, "openness", NeutralFace::kLeastOpenness, kMostOpenness, neutral.openness, where));
+  MIEN_TRY_ASSIGN(neutral.scores, sensor::read_scores(*scores, where));
+  return neutral;
+}
+
+void NeutralMaker::add(const Answer& answer) {
+  const auto add_to = [this](std::size_t place, float value) {
+    sum_[place] += double{value};
+    squares_[place] += double{value} * double{value};
+  };
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) add_to(k, answer.weights[k]);
+  add_to(kTongueOutput, answer.tongue_out);
+  for (std::size_t i = 0; i < answer.gaze_rad.size(); ++i) add_to(kGazeOutput + i, answer.gaze_rad[i]);
+  for (std::size_t e = 0; e < answer.openness.size(); ++e) add_to(kOpennessOutput + e, answer.openness[e]);
+  ++frames_;
+}
+
+NeutralFace NeutralMaker::make(std::vector<std::string> cameras) const {
+  const auto count = static_cast<double>(frames_);
+  const auto mean = [&](std::size_t place) { return sum_[place] / count; };
+  NeutralFace neutral;
+  neutral.cameras = std::move(cameras);
+  double restless = 0, most = 0;
+  std::size_t which = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    neutral.weights[k] = std::clamp(static_cast<float>(mean(k)), 0.0F, NeutralFace::kMostAtRest);
+    restless += std::sqrt(std::max(0.0, squares_[k] / count - mean(k) * mean(k))) / face::kShapeCount;
+    // Where the eyes look is no tension of the face.
+    if (face::kShapeNames[k].starts_with("eyeLook") || mean(k) <= most) continue;
+    most = mean(k);
+    which = k;
+  }
+  neutral.tongue_out = std::clamp(static_cast<float>(mean(kTongueOutput)), 0.0F, NeutralFace::kMostAtRest);
+  for (std::size_t i = 0; i < neutral.gaze_rad.size(); ++i)
+    neutral.gaze_rad[i] =
+        std::clamp(static_cast<float>(mean(kGazeOutput + i)), -kMostGaze_rad, kMostGaze_rad);
+  for (std::size_t e = 0; e < neutral.openness.size(); ++e)
+    neutral.openness[e] =
+        std::clamp(static_cast<float>(mean(kOpennessOutput + e)), NeutralFace::kLeastOpenness, kMostOpenness);
+  const bool still = restless <= kRestless, at_rest = most <= kNotAtRest;
+  neutral.scores.push_back({.name = "neutral face",
+                            .value = 100 * restless,
+                            .unit = "%",
+                            .pass = still,
+                            .sentence = still ? "how much a weight wandered on average: the face held still"
+                                              : "the face moved; relax, hold still and calibrate again"});
+  neutral.scores.push_back(
+      {.name = "face at rest",
+       .value = 100 * most,
+       .unit = "%",
+       .pass = at_rest,
+       .sentence = at_rest ? fmt::format("the most that any shape had, {}", face::kShapeNames[which])
+                           : fmt::format("{} had so much at rest; relax, or see to how the headset sits, and "
+                                         "calibrate again",
+                                         face::kShapeNames[which])});
+  return neutral;
+}
+
+}  // namespace mien::headset

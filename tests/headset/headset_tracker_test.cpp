@@ -1,0 +1,303 @@
+// Allocations are counted, by taking the place of operator new.
+#include "mien/headset/headset_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "mien/headset/picture_sample.h"
+#include "mien/sensor/clock_model.h"
+#include "tests/allocation_count.h"
+#include "tests/headset/small_jpeg.h"
+#include "tests/headset/small_model.h"
+
+namespace mien::headset::headset_tracker_test {
+namespace {
+
+using namespace test;
+using face::Provenance;
+using tracker::Step;
+using Phase = tracker::CalibrationState::Phase;
+
+const std::size_t kJaw = face::shape("jawOpen"), kBlinkL = face::shape("eyeBlink_L"),
+                  kBlinkR = face::shape("eyeBlink_R"), kLookL = face::shape("eyeLookIn_L");
+
+/// A network whose answer is the same whatever it sees, as its output layer's bias has it.
+ViewsFile constant_file(const Answer& answer) {
+  ViewsFile file = small_views_file();
+  std::array<float, kAnswerOutputs> outputs{};
+  encode_answer(answer, outputs);
+  model::Tensor& weight = file.network[file.network.size() - 2];
+  model::Tensor& bias = file.network.back();
+  std::ranges::fill(weight.values, 0.0F);
+  std::ranges::copy(outputs, bias.values.begin());
+  return file;
+}
+
+/// A headset that is worn for a while: pictures at 60 Hz, frames between them.
+class Worn {
+ public:
+  explicit Worn(std::shared_ptr<const HeadsetModel> model = small_model())
+      : tracker(HeadsetTracker::create(headset_rig(), model).value()),
+        reducer_(FeatureReducer::create(headset_rig(), model).value()) {}
+
+  std::unique_ptr<HeadsetTracker> tracker;
+  sensor::TimeLines lines{4, std::uint16_t{0}};
+  std::array<bool, 4> sends{true, true, true, true};
+  std::array<bool, 4> stands_still{};
+  bool raw = false;
+  std::int64_t index = 0;
+  face::OutputFrame frame;
+  tracker::TickResult result;
+  std::vector<tracker::CalibrationEvent> events;
+
+  DeviceTime now() const { return DeviceTime(frame_offset(index)); }
+  void step() {
+    for (std::uint16_t c = 0; c < 4; ++c)
+      if (sends[c]) send(c, stands_still[c] ? 0 : static_cast<int>((index + 7 * c) % 40));
+    result = tracker->tick(now(), lines, frame);
+    std::ranges::copy(result.calibration, std::back_inserter(events));
+    ++index;
+  }
+  void run(double seconds) {
+    for (auto n = static_cast<int>(60 * seconds); n > 0; --n) step();
+  }
+  /// A picture whose exposure's middle is at the frame.
+  void send(std::uint16_t camera, int number) {
+    const Bytes& jpeg = picture(number);
+    sensor::Sample sample;
+    sample.sensor = camera;
+    sample.kind = sensor::SampleKind::picture;
+    sample.time = now() + std::chrono::milliseconds(2);
+    const HostTime arrival(sample.time.time_since_epoch() + std::chrono::milliseconds(3));
+    lines.add(arrival, sample);
+    std::span<const std::byte> payload = jpeg;
+    if (!raw) payload = std::span(record_).first(reducer_.reduce_picture(camera, jpeg, record_).value());
+    tracker->add_with_payload(arrival, sample, payload);
+  }
+
+ private:
+  static const Bytes& picture(int number) {
+    static const std::vector<Bytes> pictures = [] {
+      std::vector<Bytes> made;
+      for (int n = 0; n < 40; ++n) made.push_back(grey_jpeg(64, 64, n));
+      return made;
+    }();
+    return pictures[static_cast<std::size_t>(number)];
+  }
+  FeatureReducer reducer_;
+  Bytes record_ = Bytes(sensor::kMaxPayload);
+};
+
+Answer telling_answer() {
+  Answer answer;
+  answer.weights[kJaw] = 0.5F;
+  answer.weights[kBlinkL] = 0.25F;
+  answer.tongue_out = 0.2F;
+  answer.gaze_rad = {0.2F, -0.1F, 0.15F, -0.1F};
+  return answer;
+}
+
+TEST(HeadsetTracker, AnswersWhatItsNetworkDoesWithoutACalibrationToo) {
+  Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
+  worn.run(0.2);
+  EXPECT_EQ(worn.result.sensors_present, 4U);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0.5, 1e-5);
+  EXPECT_NEAR(worn.frame.tongue_out, 0.2, 1e-5);
+  EXPECT_EQ(worn.frame.provenance[kJaw], Provenance::measured);
+  EXPECT_GE(worn.frame.confidence[kJaw], 0.5F);
+  EXPECT_EQ(worn.frame.region_confidence[0], 0) << "nobody has measured it";
+  EXPECT_EQ(worn.frame.eyes_provenance, Provenance::measured);
+  EXPECT_NEAR(worn.frame.eyes_rad[0].x(), 0.2, 1e-5);
+  EXPECT_NEAR(worn.frame.eyes_rad[1].y(), -0.1, 1e-5);
+  EXPECT_GT(worn.frame.eyes_confidence, 0.5F);
+  EXPECT_EQ(worn.frame.provenance[kLookL], Provenance::predicted) << "the lids are the eyes' to turn";
+  EXPECT_EQ(worn.frame.head_provenance, Provenance::neutral);
+  EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::done) << "nobody waits for one";
+  EXPECT_TRUE(worn.tracker->calibration().empty());
+}
+
+TEST(HeadsetTracker, FollowsItsPictures) {
+  Worn worn;
+  worn.run(0.2);
+  const auto before = worn.frame.weights;
+  worn.run(0.1);
+  EXPECT_NE(worn.frame.weights, before);
+}
+
+TEST(HeadsetTracker, PicturesGiveTheBitsOfTheirFeatures) {
+  Worn reduced, raw;
+  raw.raw = true;
+  for (int i = 0; i < 30; ++i) {
+    reduced.step();
+    raw.step();
+    ASSERT_EQ(raw.frame.weights, reduced.frame.weights);
+    ASSERT_EQ(raw.frame.eyes_rad, reduced.frame.eyes_rad);
+    ASSERT_EQ(raw.result.sensors_present, reduced.result.sensors_present);
+  }
+  EXPECT_EQ(raw.result.sensors_present, 4U);
+}
+
+TEST(HeadsetTracker, ACameraWithoutPicturesIsMissing) {
+  Worn worn;
+  worn.run(0.3);
+  worn.sends[0] = false;
+  for (int i = 0; i < 6; ++i) {
+    worn.step();
+    EXPECT_EQ(worn.result.sensors_present, 4U) << "not yet: the newest picture is " << i + 1 << " frames old";
+  }
+  worn.step();
+  EXPECT_EQ(worn.result.sensors_present, 3U);
+  EXPECT_EQ(worn.frame.provenance[kBlinkL], Provenance::predicted);
+  EXPECT_LT(worn.frame.confidence[kBlinkL], 0.35F);
+  EXPECT_EQ(worn.frame.provenance[kBlinkR], Provenance::measured);
+  EXPECT_EQ(worn.frame.eyes_rad[0], worn.frame.eyes_rad[1]) << "the one that is seen tells both";
+  ASSERT_TRUE(worn.result.explained);
+  EXPECT_LT((*worn.result.explained)[kBlinkL], 0.35F);
+  // What stands for it is the network's token.
+  Worn three;
+  three.sends[0] = false;
+  three.index = worn.index - 20;
+  three.lines = worn.lines;
+  three.run(20.0 / 60);
+  EXPECT_EQ(three.frame.weights, worn.frame.weights);
+
+  worn.sends = {false, false, true, false};
+  worn.run(0.2);
+  EXPECT_EQ(worn.result.sensors_present, 1U);
+  EXPECT_EQ(worn.frame.eyes_provenance, Provenance::held);
+  EXPECT_EQ(worn.frame.eyes_confidence, 0);
+  EXPECT_GE(worn.frame.confidence[kJaw], 0.5F) << "one half of the mouth is seen";
+  worn.sends = {};
+  worn.run(0.2);
+  EXPECT_EQ(worn.result.sensors_present, 0U);
+  EXPECT_EQ(worn.frame.provenance[kJaw], Provenance::neutral);
+  EXPECT_FALSE(worn.result.explained);
+  worn.sends = {true, true, true, true};
+  worn.run(0.1);
+  EXPECT_EQ(worn.result.sensors_present, 4U);
+}
+
+TEST(HeadsetTracker, APictureThatStandsStillIsNone) {
+  Worn worn;
+  worn.run(0.2);
+  worn.stands_still[2] = true;
+  worn.run(2 / 60.0);
+  EXPECT_EQ(worn.result.sensors_present, 4U);
+  worn.step();
+  EXPECT_EQ(worn.result.sensors_present, 3U);
+  worn.run(0.5);
+  EXPECT_EQ(worn.result.sensors_present, 3U);
+  worn.stands_still[2] = false;
+  worn.step();
+  EXPECT_EQ(worn.result.sensors_present, 4U);
+}
+
+TEST(HeadsetTracker, TakesNoFeaturesOfAnotherPlaceOrNetwork) {
+  Worn worn;
+  auto other = FeatureReducer::create(headset_rig(), small_model()).value();
+  Bytes record(sensor::kMaxPayload);
+  record.resize(other.reduce_picture(1, grey_jpeg(64, 64, 1), record).value());
+  sensor::Sample sample;
+  sample.kind = sensor::SampleKind::picture;
+  worn.lines.add({}, sample);
+  worn.tracker->add_with_payload({}, sample, record);
+  worn.tracker->add_with_payload({}, sample, std::span(record).first(record.size() - 4));
+  worn.tracker->add_with_payload({}, sample, text_bytes("neither"));
+  worn.tracker->add({}, sample);
+  sample.sensor = 9;
+  worn.tracker->add_with_payload({}, sample, record);
+  EXPECT_EQ(worn.tracker->tick(worn.now(), worn.lines, worn.frame).sensors_present, 0U);
+}
+
+TEST(HeadsetTracker, AClosedEyeKeepsItsDirectionAndIsNotSureOfIt) {
+  Answer closed = telling_answer();
+  closed.openness = {0.05F, 0.05F};
+  Answer half = telling_answer();
+  half.openness = {0.3F, 1};
+  Worn blinks(HeadsetModel::create(constant_file(closed)).value());
+  blinks.run(0.2);
+  EXPECT_EQ(blinks.frame.eyes_confidence, 0);
+  EXPECT_EQ(blinks.frame.eyes_provenance, Provenance::neutral) << "no direction was ever seen";
+  Worn squints(HeadsetModel::create(constant_file(half)).value());
+  squints.run(0.2);
+  Worn open(HeadsetModel::create(constant_file(telling_answer())).value());
+  open.run(0.2);
+  EXPECT_GT(squints.frame.eyes_confidence, 0);
+  EXPECT_LT(squints.frame.eyes_confidence, open.frame.eyes_confidence);
+}
+
+TEST(HeadsetTracker, AGuidedNeutralIsTakenOff) {
+  Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
+  worn.run(0.5);
+  const tracker::Guidance wanted = worn.tracker->guidance();
+  EXPECT_EQ(wanted.neutral, std::chrono::seconds(3));
+  EXPECT_FALSE(wanted.gestures);
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + wanted.neutral);
+  worn.run(1);
+  EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::guided);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0.5, 1e-5);
+  worn.run(2.1);
+  ASSERT_EQ(worn.events.size(), 1U);
+  EXPECT_EQ(worn.events[0].kind, tracker::CalibrationEvent::Kind::calibrated);
+  EXPECT_EQ(worn.events[0].modality, "camera");
+  EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::done);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
+  EXPECT_NEAR(worn.frame.eyes_rad[0].norm(), 0, 1e-5);
+  EXPECT_TRUE(sensor::all_pass(worn.tracker->scores()));
+
+  // Another session of the same wearer.
+  const std::string json = worn.tracker->calibration();
+  Worn next(HeadsetModel::create(constant_file(telling_answer())).value());
+  ASSERT_TRUE(next.tracker->restore(json));
+  next.run(0.2);
+  EXPECT_EQ(next.frame.weights, worn.frame.weights);
+  EXPECT_EQ(next.tracker->calibration(), json);
+  EXPECT_EQ(next.tracker->restore("{}").error().code, ErrorCode::malformed);
+  std::string others = json;
+  others.replace(others.find("eye_L"), 5, "eye_X");
+  EXPECT_EQ(next.tracker->restore(others).error().code, ErrorCode::mismatch);
+  EXPECT_EQ(next.tracker->calibration(), json);
+  next.tracker->forget(2);
+  EXPECT_TRUE(next.tracker->calibration().empty()) << "another camera looks otherwise";
+}
+
+TEST(HeadsetTracker, AHoldWithoutPicturesLeavesWhatWasInForce) {
+  Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
+  worn.run(0.5);
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + HeadsetTracker::kNeutral);
+  worn.sends[3] = false;
+  worn.run(3.1);
+  ASSERT_EQ(worn.events.size(), 1U);
+  EXPECT_EQ(worn.events[0].kind, tracker::CalibrationEvent::Kind::withdrawn);
+  EXPECT_TRUE(worn.tracker->calibration().empty());
+  EXPECT_TRUE(worn.tracker->calibration_state().hint.starts_with("a camera gave too few pictures"));
+
+  worn.sends[3] = true;
+  worn.run(0.2);
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + HeadsetTracker::kNeutral);
+  worn.tracker->guide(Step::nod, worn.now(), worn.now() + HeadsetTracker::kNeutral);
+  worn.tracker->guide_range(worn.now() + HeadsetTracker::kNeutral, worn.now() + std::chrono::seconds(5));
+  worn.run(4);
+  EXPECT_FALSE(worn.tracker->calibration().empty());
+  worn.tracker->cancel_guidance();
+  EXPECT_TRUE(worn.tracker->calibration().empty()) << "the range still ran";
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + HeadsetTracker::kNeutral);
+  worn.run(3.1);
+  worn.tracker->cancel_guidance();
+  EXPECT_FALSE(worn.tracker->calibration().empty()) << "it was over";
+}
+
+TEST(HeadsetTracker, AllocatesNothingOnceItRuns) {
+  for (const bool raw : {false, true}) {
+    Worn worn;
+    worn.raw = raw;
+    worn.run(0.5);
+    const std::size_t before = mien::test::allocation_count();
+    worn.run(0.5);
+    EXPECT_EQ(mien::test::allocation_count(), before) << (raw ? "pictures" : "features");
+  }
+}
+
+}  // namespace
+}  // namespace mien::headset::headset_tracker_test

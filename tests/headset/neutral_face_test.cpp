@@ -1,0 +1,94 @@
+#include "mien/headset/neutral_face.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace mien::headset::neutral_face_test {
+namespace {
+
+const std::size_t kJaw = face::shape("jawOpen"), kSmile = face::shape("mouthSmile_L");
+
+Answer resting(float jaw = 0.2F) {
+  Answer answer;
+  answer.weights[kJaw] = jaw;
+  answer.gaze_rad = {0.1F, -0.05F, 0.02F, 0};
+  answer.openness = {0.8F, 1.0F};
+  return answer;
+}
+
+NeutralFace made_of(const std::vector<Answer>& answers) {
+  NeutralMaker maker;
+  maker.begin();
+  for (const Answer& answer : answers) maker.add(answer);
+  return maker.make({"eye_L", "mouth_M"});
+}
+
+TEST(NeutralFace, TakesFromAnAnswerWhatTheWearerHasAtRest) {
+  const NeutralFace neutral = made_of({resting(), resting()});
+  Answer answer = resting();
+  neutral.correct(answer);
+  EXPECT_FLOAT_EQ(answer.weights[kJaw], 0);
+  EXPECT_NEAR(answer.gaze_rad[0], 0, 1e-6);
+  EXPECT_NEAR(answer.openness[0], 1, 1e-6);
+  answer = resting(1);
+  answer.weights[kSmile] = 0.5F;
+  answer.openness = {0, 1.4F};
+  answer.gaze_rad[0] = 0.3F;
+  neutral.correct(answer);
+  EXPECT_FLOAT_EQ(answer.weights[kJaw], 1) << "the end of the way stays";
+  EXPECT_FLOAT_EQ(answer.weights[kSmile], 0.5F);
+  EXPECT_NEAR(answer.gaze_rad[0], 0.2, 1e-6);
+  EXPECT_EQ(answer.openness[0], 0);
+  EXPECT_NEAR(answer.openness[1], 1.4, 1e-6);
+  answer = resting(0.1F);
+  neutral.correct(answer);
+  EXPECT_EQ(answer.weights[kJaw], 0) << "less than at rest is nothing";
+}
+
+TEST(NeutralFace, IsJudged) {
+  const auto passes = [](const NeutralFace& neutral) {
+    return std::pair(neutral.scores.at(0).pass, neutral.scores.at(1).pass);
+  };
+  EXPECT_EQ(passes(made_of({resting(), resting()})), std::pair(true, true));
+  Answer wild;
+  wild.weights.values.fill(0.3F);
+  EXPECT_EQ(passes(made_of({resting(), wild, resting(), wild})), std::pair(false, true));
+  const NeutralFace tense = made_of({resting(0.9F), resting(0.9F)});
+  EXPECT_EQ(passes(tense), std::pair(true, false));
+  EXPECT_TRUE(tense.scores[1].sentence.starts_with("jawOpen had so much at rest"));
+  EXPECT_EQ(tense.weights[kJaw], NeutralFace::kMostAtRest);
+}
+
+TEST(NeutralFace, ReadsWhatItWrites) {
+  const NeutralFace neutral = made_of({resting(0.31F), resting(0.5F)});
+  const auto back = parse_neutral_face(write_neutral_face(neutral), "calibration");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(*back, neutral);
+}
+
+TEST(NeutralFace, RefusesWhatIsNone) {
+  const std::string sound = write_neutral_face(made_of({resting()}));
+  const auto code = [&](const auto& edit) {
+    nlohmann::json root = nlohmann::json::parse(sound);
+    edit(root);
+    const auto parsed = parse_neutral_face(root.dump(), "calibration");
+    return parsed ? std::optional<ErrorCode>() : parsed.error().code;
+  };
+  EXPECT_FALSE(code([](nlohmann::json&) {}));
+  EXPECT_EQ(code([](nlohmann::json& j) { j = 3; }), ErrorCode::malformed);
+  for (const char* key : {"cameras", "weights", "tongue_out", "gaze_rad", "openness", "scores"}) {
+    EXPECT_EQ(code([&](nlohmann::json& j) { j.erase(key); }), ErrorCode::malformed) << key;
+    EXPECT_EQ(code([&](nlohmann::json& j) { j[key] = "text"; }), ErrorCode::malformed) << key;
+  }
+  EXPECT_EQ(code([](nlohmann::json& j) { j["weights"].push_back(0); }), ErrorCode::malformed);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["weights"][3] = "x"; }), ErrorCode::malformed);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["weights"][3] = 0.7; }), ErrorCode::out_of_range);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["openness"][0] = 0; }), ErrorCode::out_of_range);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["gaze_rad"][0] = 1e300; }), ErrorCode::out_of_range);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["cameras"][0] = 1; }), ErrorCode::malformed);
+  EXPECT_FALSE(parse_neutral_face("{", "calibration"));
+}
+
+}  // namespace
+}  // namespace mien::headset::neutral_face_test
