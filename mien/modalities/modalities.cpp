@@ -17,6 +17,11 @@
 #include "mien/eyewear/marker_network.h"
 #include "mien/gaze/gaze_protocol.h"
 #include "mien/gaze/gaze_tracker.h"
+#include "mien/headset/feature_reducer.h"
+#include "mien/headset/headset_model.h"
+#include "mien/headset/headset_tracker.h"
+#include "mien/headset/picture_protocol.h"
+#include "mien/headset/views_file.h"
 #include "mien/imu/imu_tracker.h"
 #include "mien/imu/packets/node_message.h"
 #include "mien/imu/packets/node_protocol.h"
@@ -39,8 +44,9 @@ namespace mien::modalities {
 namespace {
 
 using MadeTracker = Result<std::unique_ptr<tracker::Tracker>>;
+using Reducers = std::vector<session::ProtocolReducer>;
 
-MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
+MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path& path, Reducers&) {
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(path));
   auto model = tracker::CausalTracker::create(std::move(file), rig.face_sensor_names());
   if (!model) {
@@ -50,7 +56,7 @@ MadeTracker make_imu_tracker(const sensor::Rig& rig, const std::filesystem::path
   return std::make_unique<imu::ImuTracker>(rig, std::make_unique<tracker::CausalTracker>(*std::move(model)));
 }
 
-MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
+MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::path& path, Reducers&) {
   MIEN_TRY_ASSIGN(const std::filesystem::path markers, find_resource("rigs/markers.toml"));
   MIEN_TRY_ASSIGN(const builtin_face::MarkerSet set, builtin_face::read_markers(markers));
   MIEN_TRY_ASSIGN(eyewear::MarkerNetworkFile file, eyewear::read_marker_network(path));
@@ -64,15 +70,15 @@ MadeTracker make_eyewear_tracker(const sensor::Rig& rig, const std::filesystem::
   return eyewear::EyewearTracker::create(rig, *std::move(face), std::move(regressor));
 }
 
-MadeTracker make_gaze_tracker(const sensor::Rig& rig, const std::filesystem::path&) {
+MadeTracker make_gaze_tracker(const sensor::Rig& rig, const std::filesystem::path&, Reducers&) {
   return gaze::GazeTracker::create(rig);
 }
 
-MadeTracker make_weights_tracker(const sensor::Rig& rig, const std::filesystem::path&) {
+MadeTracker make_weights_tracker(const sensor::Rig& rig, const std::filesystem::path&, Reducers&) {
   return phone::WeightsTracker::create(rig);
 }
 
-MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::path& path) {
+MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::path& path, Reducers&) {
   const std::vector<std::uint16_t> microphones = sensor::sensors_of(rig, "speech");
   // What hears is made when there is sound; that something is missing is said before.
   if (!microphones.empty() && rig.sensors[microphones.front()].hears_by == "phones") {
@@ -88,6 +94,26 @@ MadeTracker make_speech_tracker(const sensor::Rig& rig, const std::filesystem::p
         MIEN_TRY_ASSIGN(speech::SpeechNetwork network, speech::SpeechNetwork::create(file));
         return std::make_unique<speech::LearnedListener>(std::move(network));
       });
+}
+
+MadeTracker make_camera_tracker(const sensor::Rig& rig, const std::filesystem::path& path,
+                                Reducers& reducers) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored))
+    return fail(ErrorCode::not_found, "no model of a headset's pictures", path.string(),
+                "train it: mien train models/recipes/headset.toml --rig rigs/headset.toml --out "
+                "models/headset.safetensors");
+  MIEN_TRY_ASSIGN(const headset::ViewsFile file, headset::read_views_file(path));
+  auto model = headset::HeadsetModel::create(file);
+  if (!model) {
+    model.error().where = path.string();
+    return std::unexpected(std::move(model).error());
+  }
+  MIEN_TRY_ASSIGN(auto made, headset::HeadsetTracker::create(rig, *model));
+  MIEN_TRY_ASSIGN(headset::FeatureReducer reducer, headset::FeatureReducer::create(rig, *model));
+  reducers.push_back({std::string(headset::PictureProtocol::kName),
+                      std::make_unique<headset::FeatureReducer>(std::move(reducer))});
+  return made;
 }
 
 /// What devices speak, and what a session with keys makes of it.
@@ -134,6 +160,12 @@ Result<void> add_speech_languages(std::uint64_t, std::vector<Language>& language
   return {};
 }
 
+Result<void> add_camera_languages(std::uint64_t, std::vector<Language>& languages) {
+  // Pictures are payloads, which no datagram of a network has.
+  languages.push_back({std::make_unique<headset::PictureProtocol>(), Language::Sealing::inside});
+  return {};
+}
+
 /// The token of a session, by which devices know it from the one before. Errors: internal.
 Result<std::uint64_t> draw_session() {
   if (sodium_init() < 0) return fail(ErrorCode::internal, "libsodium does not start", "session");
@@ -151,13 +183,11 @@ struct Modality {
   std::string_view default_model;
   bool window_models;                    ///< See has_window_models().
   std::span<const std::uint16_t> ports;  ///< UDP ports that its devices send to, unless told otherwise.
+  /// Appends what reduces the payloads of its protocols, where they are reduced before they are logged.
   /// Errors: the model's.
-  Result<std::unique_ptr<tracker::Tracker>> (*make_tracker)(const sensor::Rig& rig,
-                                                            const std::filesystem::path& model);
+  MadeTracker (*make_tracker)(const sensor::Rig& rig, const std::filesystem::path& model, Reducers& reducers);
   /// Appends what its devices speak, to a session of this token.
   Result<void> (*add_languages)(std::uint64_t session, std::vector<Language>& languages);
-  /// Of its protocols with payloads, and only where these are reduced before they are logged; else null.
-  std::vector<session::ProtocolReducer> (*make_reducers)() = nullptr;
   /// Where another kind's model is named, this one's is the default, or what has its name in the folder.
   bool model_beside = false;
 };
@@ -167,6 +197,8 @@ constexpr std::array kEyewearPorts = {imu::kNodePort};
 constexpr std::array kGazePorts = {imu::kNodePort};
 constexpr std::array kWeightsPorts = {imu::kNodePort};
 constexpr std::array kSpeechPorts = {imu::kNodePort};
+/// This program asks cameras; they send to no port of it.
+constexpr std::array<std::uint16_t, 0> kCameraPorts = {};
 
 /// In the order in which their protocols are asked whether a datagram is theirs: packets of gaze, weights,
 /// sound and eyewear begin as IMU nodes' do.
@@ -190,6 +222,12 @@ constexpr std::array kModalities = {
              .make_tracker = make_speech_tracker,
              .add_languages = add_speech_languages,
              .model_beside = true},
+    Modality{.kind = "camera",
+             .default_model = "models/headset.safetensors",
+             .window_models = false,
+             .ports = kCameraPorts,
+             .make_tracker = make_camera_tracker,
+             .add_languages = add_camera_languages},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
              .window_models = false,
@@ -251,11 +289,12 @@ Result<std::filesystem::path> model_of(const Modality& modality, const std::vect
 using Reshape = std::function<void(const shaping::ShaperSettings&)>;
 
 /// The rig's tracker; of several kinds one that merges theirs, each with the model of its default name in the
-/// folder. `reshape` becomes what must be told of other settings, where there is somebody to tell.
+/// folder. `reshape` becomes what must be told of other settings, where there is somebody to tell; `reducers`
+/// gains theirs.
 MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
-                 const shaping::ShaperSettings& shaping, Reshape& reshape) {
+                 const shaping::ShaperSettings& shaping, Reshape& reshape, Reducers& reducers) {
   MIEN_TRY_ASSIGN(const std::vector<const Modality*> modalities, modalities_of(rig));
-  if (modalities.size() == 1) return modalities.front()->make_tracker(rig, model);
+  if (modalities.size() == 1) return modalities.front()->make_tracker(rig, model, reducers);
   const std::vector<const Modality*> wanting = with_models(modalities);
   if (wanting.size() > 1 && !std::filesystem::is_directory(model))
     return fail(ErrorCode::bad_usage, "a rig with sensors of several kinds wants a folder of models",
@@ -265,7 +304,7 @@ MadeTracker make(const sensor::Rig& rig, const std::filesystem::path& model,
   for (const Modality* modality : modalities) {
     MIEN_TRY_ASSIGN(const std::filesystem::path its_model, model_of(*modality, wanting, model));
     MIEN_TRY_ASSIGN(std::unique_ptr<tracker::Tracker> one,
-                    modality->make_tracker(sensor::part_of(rig, modality->kind), its_model));
+                    modality->make_tracker(sensor::part_of(rig, modality->kind), its_model, reducers));
     parts.push_back({std::move(one), sensor::sensors_of(rig, modality->kind)});
   }
   auto combined = std::make_unique<shaping::CombinedTracker>(std::move(parts), shaping);
@@ -303,7 +342,8 @@ Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,
                                                        const std::filesystem::path& model,
                                                        const shaping::ShaperSettings& settings) {
   Reshape nobody_asks;
-  return make(rig, model, settings, nobody_asks);
+  Reducers nobody_reduces;
+  return make(rig, model, settings, nobody_asks, nobody_reduces);
 }
 
 Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
@@ -331,19 +371,14 @@ Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys) {
 Result<std::unique_ptr<session::Session>> make_session(const sensor::Rig& rig,
                                                        const std::filesystem::path& model,
                                                        const shaping::ShaperSettings& shaping,
-                                                       const std::vector<sensor::SealKey>& keys) {
+                                                       const std::vector<sensor::SealKey>& keys,
+                                                       Pictures pictures) {
   session::Session::Parts parts;
   parts.rig = rig;
   parts.shaping = shaping;
-  MIEN_TRY_ASSIGN(parts.tracker, make(rig, model, shaping, parts.reshape));
+  MIEN_TRY_ASSIGN(parts.tracker, make(rig, model, shaping, parts.reshape, parts.reducers));
   MIEN_TRY_ASSIGN(parts.protocols, make_protocols(keys));
-  for (const Modality& modality : kModalities)
-    if (modality.make_reducers != nullptr)
-      for (session::ProtocolReducer& one : modality.make_reducers())
-        // With keys the one protocol that opens packets stands for all.
-        if (std::ranges::find(parts.protocols, one.protocol, [](const auto& p) { return p->name(); }) !=
-            parts.protocols.end())
-          parts.reducers.push_back(std::move(one));
+  if (pictures == Pictures::kept) parts.reducers.clear();
   return session::Session::create(std::move(parts));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -43,11 +44,17 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 /// what devices inside this program speak, and nobody else is heard. Errors: internal (libsodium), the keys'.
 [[nodiscard]] Result<Protocols> make_protocols(const std::vector<sensor::SealKey>& keys = {});
 
+/// What a session logs of what cameras see.
+enum class Pictures : std::uint8_t {
+  reduced,  ///< What its network finds in them. No picture is kept anywhere.
+  kept,     ///< The pictures themselves, so that another network can look at them.
+};
+
 /// A session for a rig: its sensors' tracker with this live model, and the protocols of all sensors. With
-/// keys only what is sealed by one of them is accepted, so nothing from serial lines. Errors: those of
-/// make_tracker and make_protocols, the session's.
+/// keys only what is sealed by one of them is accepted, so nothing from serial lines. A replay shows the same
+/// with either kind of `pictures`. Errors: those of make_tracker and make_protocols, the session's.
 [[nodiscard]] Result<std::unique_ptr<session::Session>> make_session(
     const sensor::Rig& rig, const std::filesystem::path& model, const shaping::ShaperSettings& shaping = {},
-    const std::vector<sensor::SealKey>& keys = {});
+    const std::vector<sensor::SealKey>& keys = {}, Pictures pictures = Pictures::reduced);
 
 }  // namespace mien::modalities

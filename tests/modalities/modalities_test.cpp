@@ -71,7 +71,7 @@ TEST(Registry, WeightsNeedNoModelAndArePutTogetherWithGaze) {
 
 TEST(Registry, RefusesSensorsOfAKindThatItDoesNotKnow) {
   sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
-  rig.sensors[3].kind = "camera";
+  rig.sensors[3].kind = "thermometer";
   EXPECT_EQ(live_model(rig, "").error().code, ErrorCode::unsupported);
   EXPECT_EQ(make_tracker(rig, "models").error().code, ErrorCode::unsupported);
   EXPECT_FALSE(has_window_models(rig));
@@ -121,7 +121,7 @@ TEST(Registry, AKeyAdmitsSealedNodesAndGlassesInOneSessionAndNothingPlain) {
   const sensor::SealKey key{.id = 4, .secret = {std::byte{9}}};
   const Protocols protocols = make_protocols({key}).value();
   // Beside it only what devices inside this program speak, by payloads that no datagram has.
-  ASSERT_EQ(protocols.size(), 2U);
+  ASSERT_EQ(protocols.size(), 3U);
   EXPECT_EQ(protocols.front()->name(), "sound");
   sensor::Protocol& session = *protocols.back();
   Paired node(session, key, kNode), glasses(session, key, kGlasses);
