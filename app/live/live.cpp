@@ -116,8 +116,8 @@ void add_live_command(Commands& commands) {
           .excludes(record);
   // A log has its rig and its length, and nobody looks on.
   for (const char* name :
-       {"--rig", "--constraints", "--audio", "--hears-by", "--no-audio", "--force", "--takes", "--page",
-        "--token", "--token-file", "--face", "--performer", "--key", "--for", "--log-limit"})
+       {"--rig", "--constraints", "--audio", "--hears-by", "--no-audio", "--images", "--force", "--takes",
+        "--page", "--token", "--token-file", "--face", "--performer", "--key", "--for", "--log-limit"})
     replay.excludes(command.option(name));
   command.add_flag("--json", options->json, "Print one JSON object at the end");
 }

@@ -155,8 +155,11 @@ std::string log_text(const live::Spool::Usage& log) {
 Option add_session_options(Command command, LiveRequest& request) {
   const Option listen = command.add_option(
       "--listen", request.listen,
-      "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; may be "
-      "given often. Devices' languages are told apart by what they say (default: udp://0.0.0.0:5005 and "
+      "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; or a "
+      "camera that is asked for its pictures, http://HOST[:PORT][/PATH], the first for the rig's first "
+      "camera "
+      "and so on. May be given often. Devices' languages are told apart by what they say (default: "
+      "udp://0.0.0.0:5005 and "
       "udp://0.0.0.0:6969)");
   command.add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
   command.add_option("--model", request.model,
@@ -177,6 +180,9 @@ Option add_session_options(Command command, LiveRequest& request) {
       .add_option("--hears-by", request.hears_by,
                   "How the mouth is heard: network (of any language) or phones (PocketSphinx's, English)")
       .one_of({"network", "phones"});
+  command.add_flag("--images", request.images,
+                   "Keeps the cameras' pictures in recordings, so that another model can look at them later; "
+                   "else only what the model finds in them");
   command
       .add_flag("--no-audio", request.no_audio,
                 "Nothing is heard, and no microphone opened, from the page either")
@@ -219,6 +225,8 @@ void print_opening(std::FILE* out, const LiveSession& session) {
     reachable = reachable || !live::is_on_this_machine(address);
     fmt::print(out, "Listening on {}{}\n", address, reach_text(address, network));
   }
+  for (const std::string& address : session.cameras) fmt::print(out, "Asking {} for its pictures\n", address);
+  if (!session.pictures.empty()) fmt::print(out, "{}\n", session.pictures);
   if (network.sealed)
     fmt::print(out, "Only devices with the key are received\n");
   else if (reachable)

@@ -20,6 +20,7 @@
 #include <optional>
 
 #include "app/command.h"
+#include "app/live/camera_feed.h"
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
 #include "app/live/sound_feed.h"
@@ -162,9 +163,19 @@ Result<session::Command> constraints_command(const std::string& file) {
   return shape;
 }
 
+/// What keeping pictures takes, said before it begins.
+std::string pictures_text(const sensor::Rig& rig) {
+  const PictureBytes bytes = picture_bytes_an_hour(rig);
+  return fmt::format(
+      "Pictures of the face are kept as they come: {:.1f} to {:.1f} GB an hour, in the session's "
+      "log and again in a take",
+      1e-9 * bytes.least, 1e-9 * bytes.most);
+}
+
 }  // namespace
 
 Result<LiveSession> open_live(LiveRequest request) {
+  LiveSession out;
   live::EngineSettings settings;
   MIEN_TRY_ASSIGN(request.rig, path_or(request.rig, "rigs/default.toml"));
   MIEN_TRY_ASSIGN(std::string rig_toml, read_text(request.rig));
@@ -212,6 +223,17 @@ Result<LiveSession> open_live(LiveRequest request) {
                 "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
   if (settings.listen.empty()) settings.listen = modalities::default_listen();
+  const auto cameras = std::ranges::stable_partition(settings.listen, std::not_fn(is_camera));
+  out.cameras.assign(cameras.begin(), cameras.end());
+  settings.listen.erase(cameras.begin(), cameras.end());
+  MIEN_TRY_ASSIGN(std::vector<live::Feed> watched, camera_feeds(out.cameras, rig));
+  std::ranges::move(watched, std::back_inserter(settings.feeds));
+  if (request.images) {
+    if (sensor::sensors_of(rig, "camera").empty())
+      return fail(ErrorCode::bad_usage, "this rig has no camera whose pictures could be kept", "--images",
+                  "name one that has with --rig, as rigs/headset.toml");
+    out.pictures = pictures_text(rig);
+  }
   settings.sealed = !keys.empty();
   settings.pair = [file = request.key] { return pairing_of(file); };
   settings.out = request.out;
@@ -238,10 +260,11 @@ Result<LiveSession> open_live(LiveRequest request) {
     return modalities::make_session(taken, its_model);
   };
 
-  MIEN_TRY_ASSIGN(std::unique_ptr<session::Session> session, modalities::make_session(rig, model, {}, keys));
+  const auto pictures = request.images ? modalities::Pictures::kept : modalities::Pictures::reduced;
+  MIEN_TRY_ASSIGN(std::unique_ptr<session::Session> session,
+                  modalities::make_session(rig, model, {}, keys, pictures));
   auto engine = live::Engine::open(std::move(settings), std::move(session));
   if (!engine) return std::unexpected(with_option(std::move(engine).error(), request.out));
-  LiveSession out;
   out.engine = *std::move(engine);
   out.out = std::move(request.out);
   return out;

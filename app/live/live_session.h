@@ -13,9 +13,10 @@ namespace mien::app {
 
 /// What a live session is asked for on the command line.
 struct LiveRequest {
-  std::string rig;                  ///< Empty: the default one.
-  std::string model;                ///< Empty: the default live one of the rig's sensors.
-  std::vector<std::string> listen;  ///< Empty: our port and SlimeVR's, from everywhere.
+  std::string rig;    ///< Empty: the default one.
+  std::string model;  ///< Empty: the default live one of the rig's sensors.
+  /// Where devices send to, and cameras that are asked; empty: our port and SlimeVR's, from everywhere.
+  std::vector<std::string> listen;
   std::vector<std::string> out;
   std::filesystem::path record;  ///< Empty: the page's visitors may record.
   bool force = false;
@@ -30,6 +31,7 @@ struct LiveRequest {
   std::string constraints;      ///< A file, or "off"; empty: the default.
   std::string audio;      ///< A WAV file, a microphone, "page" or "network" that is heard; empty: nothing is.
   std::string hears_by;   ///< "network" or "phones"; empty: as the rig says.
+  bool images = false;    ///< Pictures are logged, not only what a network finds in them.
   bool no_audio = false;  ///< No microphone is opened, and no file heard.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
   bool only_record = false;              ///< It ends when its prompts or its recording do.
@@ -39,7 +41,9 @@ struct LiveRequest {
 
 /// A session that is open, and what it shows.
 struct LiveSession {
-  std::vector<std::string> out;  ///< Addresses of the sinks that were asked for.
+  std::vector<std::string> out;      ///< Addresses of the sinks that were asked for.
+  std::vector<std::string> cameras;  ///< Those that are asked for pictures.
+  std::string pictures;              ///< Where they are kept: what that will take; else empty.
   std::unique_ptr<live::Engine> engine;
 };
 

@@ -43,8 +43,9 @@ std::string Feeds::trouble() const {
 
 std::uint64_t Feeds::handed_over() const {
   std::uint64_t sum = 0;
-  for (const PayloadSource* source : sources_) {
-    const PayloadSource::Counts counts = source->counts();
+  for (std::size_t i = 0; i < feeds_.size(); ++i) {
+    if (!feeds_[i].heard) continue;
+    const PayloadSource::Counts counts = sources_[i]->counts();
     // Of different moments: a datagram that is refused meanwhile may be in one and not in the other.
     const std::uint64_t refused = counts.too_long + counts.overrun;
     sum += counts.received - std::min(counts.received, refused);

@@ -73,6 +73,7 @@ struct Feed {
   std::function<void(FeedPort& port)> run;
   /// Where what it has comes from a browser: there the page's messages are left for it.
   std::shared_ptr<PageInlet> inlet = nullptr;
+  bool heard = true;  ///< What it has is sound.
 };
 
 /// A session's feeds, each with its source and its thread.
@@ -86,7 +87,7 @@ class Feeds {
   void want(bool wanted) { wanted_ = wanted; }
   /// The first trouble that a feed has; empty: none has any.
   [[nodiscard]] std::string trouble() const;
-  /// What the feeds handed over and the session took.
+  /// What those that are heard handed over and the session took.
   [[nodiscard]] std::uint64_t handed_over() const;
   /// Of the feed that hears a browser; null: none does.
   [[nodiscard]] PageInlet* inlet() const;
