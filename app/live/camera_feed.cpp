@@ -18,7 +18,7 @@ namespace mien::app {
 namespace {
 
 /// Between two looks at whether the session is over, and at how the camera is.
-constexpr auto kLook = std::chrono::milliseconds(50);
+constexpr auto kCameraLook = std::chrono::milliseconds(50);
 /// What a board's picture of 240 x 240 pixels has, bytes.
 constexpr double kSmallPicture = 4400, kLargePicture = 9000;
 
@@ -27,7 +27,7 @@ HostTime steady_now() {
 }
 
 /// Pictures are handed over by who reads them, so that none waits for a look.
-void follow(const live::CameraAddress& address, sensor::DeviceKey device, live::FeedPort& port) {
+void follow_camera(const live::CameraAddress& address, sensor::DeviceKey device, live::FeedPort& port) {
   boost::asio::io_context network(1);
   live::CameraStream camera(
       network, address, std::make_unique<headset::MjpegStream>(device),
@@ -38,7 +38,7 @@ void follow(const live::CameraAddress& address, sensor::DeviceKey device, live::
   bool open = false;
   std::string problem;
   while (!port.stopped()) {
-    network.run_for(kLook);
+    network.run_for(kCameraLook);
     live::CameraStream::Status now = camera.status();
     if (now.open && !open) port.tell("camera", now.address + ": pictures come");
     if (!now.problem.empty() && now.problem != problem)
@@ -75,7 +75,7 @@ Result<std::vector<live::Feed>> camera_feeds(const std::vector<std::string>& add
                   "rig " + rig.name, "give it a device of its own");
     feeds.push_back(
         {.name = address.source(),
-         .run = [address, key = device->first](live::FeedPort& port) { follow(address, key, port); },
+         .run = [address, key = device->first](live::FeedPort& port) { follow_camera(address, key, port); },
          .heard = false});
   }
   return feeds;

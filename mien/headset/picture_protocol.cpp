@@ -66,8 +66,13 @@ Verdict PictureProtocol::receive_with_payload(HostTime arrival, sensor::Peer,
   const bool known = std::exchange(camera->begun, true);
   if (packet->first || !known) {
     camera->tells_time = packet->time.has_value();
+    camera->stands_still = 0;
     camera->clock.restart();
+  } else if (camera->tells_time && packet->time) {
+    camera->stands_still = *packet->time > camera->newest ? 0 : camera->stands_still + 1;
+    if (camera->stands_still >= kStandsStill) camera->tells_time = false;
   }
+  camera->newest = packet->time.value_or(camera->newest);
   camera->received = arrival;
   if (camera->tells_time && !packet->time) return Verdict::ignored;
   sample->sequence = packet->sequence;

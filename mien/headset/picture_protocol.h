@@ -18,7 +18,8 @@ namespace mien::headset {
 ///
 /// A sample's time is when the exposure ended: the camera's own, or, of a camera that tells none, an estimate
 /// by its pictures' numbers and arrivals. Whether a camera tells times is decided by the first picture of its
-/// connection; pictures of that connection which then have none are ignored.
+/// connection; pictures of that connection which then have none are ignored. One whose times have not run on
+/// for kStandsStill pictures tells none any more.
 class PictureProtocol final : public sensor::Protocol {
  public:
   static constexpr std::string_view kName = "picture";
@@ -26,6 +27,7 @@ class PictureProtocol final : public sensor::Protocol {
   /// pictures are ignored until then.
   static constexpr std::size_t kMostCameras = 16;
   static constexpr Duration kGone = std::chrono::seconds(2);
+  static constexpr int kStandsStill = 10;
 
   [[nodiscard]] std::string_view name() const override { return kName; }
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override {
@@ -46,6 +48,8 @@ class PictureProtocol final : public sensor::Protocol {
     HostTime received;
     bool begun = false;
     bool tells_time = false;
+    DeviceTime newest;             // Of those that it told, ...
+    int stands_still = 0;          // ... and how many of them in a row were no later.
     sensor::EstimatedClock clock;  // Of one that does not.
   };
   /// What a payload says of its picture, but for its time; none where it is neither.

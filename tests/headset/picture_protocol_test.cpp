@@ -133,6 +133,23 @@ TEST_F(Pictures, OfOneConnectionHaveTimesOfOneClock) {
   EXPECT_LT(inbox.readings[0].sample.time, time_s(1));
 }
 
+TEST_F(Pictures, WhoseTimesStandStillGetEstimates) {
+  const Bytes jpeg = grey_jpeg(32, 32, 1);
+  const auto estimated = [&](std::uint32_t number, double told_s) {
+    EXPECT_EQ(send({.number = number, .time = time_s(told_s), .arrival = after_s(number / 60.0)}, jpeg),
+              Verdict::taken);
+    return inbox.readings.at(0).sample.time_estimated;
+  };
+  std::uint32_t number = 0;
+  for (; number < 5; ++number) EXPECT_FALSE(estimated(number, 100 + number / 60.0));
+  EXPECT_FALSE(estimated(number++, 3)) << "it began anew";
+  for (int i = 1; i < PictureProtocol::kStandsStill - 1; ++i) EXPECT_FALSE(estimated(number++, 3));
+  EXPECT_FALSE(estimated(number++, 3.1)) << "it runs on";
+  for (int i = 1; i < PictureProtocol::kStandsStill; ++i) EXPECT_FALSE(estimated(number++, 3.1));
+  EXPECT_TRUE(estimated(number++, 3.1));
+  EXPECT_TRUE(estimated(number++, 3.2)) << "until its next connection";
+}
+
 TEST_F(Pictures, OfMoreCamerasThanThereAreWaitForAPlace) {
   const Bytes jpeg = grey_jpeg(32, 32, 1);
   for (std::uint64_t c = 0; c < PictureProtocol::kMostCameras; ++c)

@@ -1,6 +1,8 @@
 // A headset's session as the program makes it, from its cameras' pictures to a take and back.
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "mien/core/files.h"
 #include "mien/headset/feature_record.h"
 #include "mien/headset/picture_packet.h"
@@ -33,10 +35,16 @@ class Headset : public ::testing::Test {
     std::string hash;
     std::size_t measured = 0;  ///< Frames in which the jaw was.
     std::size_t calibrated = 0;
+    std::vector<face::OutputFrame> frames;
   };
-  /// Six seconds of four cameras with clocks of their own, into a take: a calibration, then a camera that is
-  /// lost for half a second.
-  Recorded record(session::Session& session, const std::filesystem::path& path) {
+  /// Whether a camera sends no picture of this number.
+  using Lost = std::function<bool(std::uint32_t camera, std::uint32_t number)>;
+  static bool right_eye_for_a_while(std::uint32_t camera, std::uint32_t number) {
+    return camera == 1 && number > 300 && number < 330;
+  }
+  /// Six seconds of four cameras with clocks of their own, into a take: a calibration, then one that is lost.
+  Recorded record(session::Session& session, const std::filesystem::path& path,
+                  const Lost& lost = right_eye_for_a_while) {
     take::Header header;
     header.rig_toml = headset::test::headset_rig_text();
     take::TakeWriter writer = take::TakeWriter::create(path, header, false).value();
@@ -45,13 +53,14 @@ class Headset : public ::testing::Test {
     const auto fire = [&](HostTime now) {
       while (const auto tick = session.due(now)) {
         const face::OutputFrame& frame = session.tick(tick->frame, tick->fired);
+        out.frames.push_back(frame);
         if (frame.provenance[face::shape("jawOpen")] == face::Provenance::measured) ++out.measured;
         writer.add_tick({tick->index, entry, tick->fired, tick->frame});
       }
     };
     for (std::uint32_t n = 0; n < 360; ++n) {
       for (std::uint32_t c = 0; c < 4; ++c) {
-        if (c == 1 && n > 300 && n < 330) continue;
+        if (lost(c, n)) continue;
         const HostTime arrival(frame_offset(n) + std::chrono::milliseconds(6 + c));
         fire(arrival);
         if (n == 60 && c == 0) {
@@ -120,6 +129,23 @@ TEST_F(Headset, ATakeHoldsAPictureOnlyWhereItWasAskedFor) {
   EXPECT_EQ(features.size(), headset::feature_record_bytes(8));
   EXPECT_TRUE(sensor::is_reducer_hash(reducer));
   EXPECT_EQ(payload("kept.mien", 2), std::pair(pictures_[7], std::string()));
+}
+
+TEST_F(Headset, AMouthThatNoCameraSeesIsHeldThenNeutralWhileTheEyesAreSeen) {
+  const auto played =
+      record(*session(), folder_ / "lost.mien",
+             [](std::uint32_t camera, std::uint32_t number) { return camera >= 2 && number >= 250; });
+  const auto at = [&](std::size_t frame, const char* shape) {
+    return played.frames.at(frame).provenance[face::shape(shape)];
+  };
+  EXPECT_EQ(at(245, "jawOpen"), face::Provenance::measured);
+  EXPECT_EQ(at(270, "jawOpen"), face::Provenance::held);
+  EXPECT_EQ(at(270, "eyeBlink_L"), face::Provenance::measured);
+  EXPECT_EQ(at(340, "jawOpen"), face::Provenance::neutral);
+  EXPECT_EQ(at(340, "eyeBlink_R"), face::Provenance::measured);
+  // Where the eyes look the lids follow, as the directions are.
+  EXPECT_EQ(at(245, "eyeLookUp_L"), face::Provenance::measured);
+  EXPECT_EQ(played.frames.at(245).eyes_provenance, face::Provenance::measured);
 }
 
 TEST_F(Headset, TakesAnotherNetworksFeaturesForNone) {
