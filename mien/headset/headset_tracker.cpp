@@ -173,7 +173,7 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
   if (result.sensors_present == 0) return result;
   if (in_force_) in_force_->correct(answer);
   write(present, answer, out);
-  result.explained = out.confidence;
+  result.explained = out.confidence;  // Nobody measured more; the merge must know who sees what.
   return result;
 }
 
