@@ -84,8 +84,8 @@ Result<FeatureRecord> parse_feature_record(std::span<const std::byte> bytes) {
   if (!is_sound(record)) return fail(ErrorCode::out_of_range, "a number that no picture has", kFeatureRecord);
   record.features = bytes.subspan(kFeatureHeaderBytes);
   for (std::size_t i = 0; i < count; ++i)
-    if (!std::isfinite(record.feature(i)))
-      return fail(ErrorCode::out_of_range, "a feature that is no number", kFeatureRecord);
+    if (!(std::abs(record.feature(i)) <= kMostFeature))
+      return fail(ErrorCode::out_of_range, "a feature that no network finds", kFeatureRecord);
   return record;
 }
 
@@ -94,7 +94,7 @@ std::optional<std::size_t> write_feature_record(const FeatureRecord& record, std
   const std::size_t bytes = feature_record_bytes(features.size());
   if (features.size() > kMostFeatures || out.size() < bytes || !is_sound(record) ||
       record.sensor.has_value() == features.empty() ||
-      !std::ranges::all_of(features, [](float value) { return std::isfinite(value); }))
+      !std::ranges::all_of(features, [](float value) { return std::abs(value) <= kMostFeature; }))
     return std::nullopt;
   std::ranges::copy(std::as_bytes(std::span(kFeatureMagic)), out.begin());
   RecordWriter writer(out.subspan(kFeatureMagic.size()));

@@ -14,6 +14,8 @@
 namespace mien::headset {
 
 inline constexpr std::size_t kMostFeatures = 4096;  ///< Of one picture.
+/// Largest size of a feature: beyond what any network finds, and far from where sums are no numbers.
+inline constexpr float kMostFeature = 1e6F;
 
 /// What is kept of a picture where the picture itself is not: how it was taken, and what a network found in
 /// it. A payload of a take; layout, byte by byte, with a test vector: docs/reference/take.md. Refers to the
@@ -24,7 +26,8 @@ struct FeatureRecord {
   /// The sensor of the rig for whose place the features were found; none: the picture's camera was bound to
   /// no sensor, and there are no features.
   std::optional<std::uint16_t> sensor;
-  std::span<const std::byte> features;  ///< fp32, little-endian, finite; at most kMostFeatures of them.
+  std::span<const std::byte>
+      features;  ///< fp32, little-endian, to kMostFeature; at most kMostFeatures of them.
 
   [[nodiscard]] std::size_t count() const { return features.size() / sizeof(float); }
   /// Feature number `i`, below count().

@@ -135,6 +135,7 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
     in_force_.reset();
     before_.reset();
     last_eyes_rad_.reset();
+    if (hold_) maker_.begin();  // So are the frames that were gathered.
   }
 }
 
@@ -205,10 +206,10 @@ void HeadsetTracker::write(const Present& present, const Answer& answer, face::O
 }
 
 bool HeadsetTracker::is_complete(const Present& present) const {
-  return std::ranges::find(present, true) != present.end() &&
-         std::ranges::all_of(channels_, [&](const Channel& channel) {
-           return channel.next == 0 || present[channel.camera.place];
-         });
+  if (std::ranges::find(present, true) == present.end()) return false;
+  for (std::size_t place = 0; place < present.size(); ++place)
+    if ((*awaited_)[place] && !present[place]) return false;
+  return true;
 }
 
 void HeadsetTracker::lead(DeviceTime frame, const Present& present, const Answer& answer,
@@ -229,7 +230,11 @@ void HeadsetTracker::lead(DeviceTime frame, const Present& present, const Answer
       event.kind = CalibrationEvent::Kind::withdrawn;
     }
   }
-  if (hold_ && frame >= hold_->begin && is_complete(present)) maker_.add(answer);
+  if (hold_ && frame >= hold_->begin) {
+    // Cameras that give nothing when it begins are not waited for.
+    if (!awaited_) awaited_ = present;
+    if (is_complete(present)) maker_.add(answer);
+  }
   if (guided_until_ && frame >= *guided_until_) guided_until_.reset();
 }
 
@@ -238,6 +243,7 @@ void HeadsetTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
   if (!guided_until_) before_ = in_force_;
   guided_until_ = std::max(end, guided_until_.value_or(end));
   hold_ = Hold{begin, end};
+  awaited_.reset();
   maker_.begin();
   failure_ = {};
 }

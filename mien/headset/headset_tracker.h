@@ -110,6 +110,7 @@ class HeadsetTracker final : public tracker::Tracker {
   std::optional<NeutralFace> in_force_, before_;
   NeutralMaker maker_;
   std::optional<Hold> hold_;
+  std::optional<Present> awaited_;  // What was there when the hold began.
   std::optional<DeviceTime> guided_until_;
   std::string_view failure_;
   std::optional<std::array<Eigen::Vector2f, 2>> last_eyes_rad_;

@@ -45,8 +45,10 @@ void Lens::project(std::span<const float> x_m, std::span<const float> y_m, std::
     const float bent = scale * (1 + bend * std::min(r2, most2));
     const float across = std::clamp(left + bent * x, 0.0F, 2 * kOffset);
     const float down = std::clamp(top - bent * y, 0.0F, 2 * kOffset);
-    out[i].x = static_cast<std::int32_t>(across + 0.5F) - static_cast<std::int32_t>(kOffset);
-    out[i].y = static_cast<std::int32_t>(down + 0.5F) - static_cast<std::int32_t>(kOffset);
+    // (No number becomes a whole one that is no number.)
+    out[i].x =
+        static_cast<std::int32_t>((seen ? across : kOffset) + 0.5F) - static_cast<std::int32_t>(kOffset);
+    out[i].y = static_cast<std::int32_t>((seen ? down : kOffset) + 0.5F) - static_cast<std::int32_t>(kOffset);
     out[i].inverse_depth = seen ? inverse : 0.0F;
   }
 }

@@ -26,7 +26,7 @@ struct CameraMount {
   double radial_k1 = 0;               ///< Lens: a tangent r is shown at r (1 + k1 r^2); barrels below 0.
   std::array<int, 2> size{240, 240};  ///< Width and height, pixels.
   double rate_hz = 60;                ///< Pictures a second.
-  double exposure_ms = 4;             ///< Of a picture; its time is the middle of it.
+  double exposure_ms = 4;             ///< Of a picture, which shows the face in its middle.
   std::array<double, 4> crop{0, 0, 1, 1};  ///< Left, top, width, height of what the network sees, as shares
                                            ///< of the picture as it comes.
   int turn_deg = 0;                        ///< Then it is turned clockwise by this: 0, 90, 180, 270.

@@ -47,9 +47,12 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
   return torch::where(frame < batch.held.view({-1, 1, 1}), batch.clean, mixed);
 }
 
+torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor& clean) {
+  return torch::where(clean.isnan(), torch::zeros_like(clean), predicted - clean);
+}
+
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
-  // What nobody can know of a window is no number, and asks for nothing.
-  const torch::Tensor difference = (predicted - batch.clean).nan_to_num(0.0);
+  const torch::Tensor difference = difference_of(predicted, batch.clean);
   const torch::Tensor error = error_of(recipe.loss, difference);
   if (recipe.difference_weight > 0) {
     const torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
@@ -67,11 +70,9 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
   const at::NoGradGuard no_gradients;
   DeviceBatch all = to_device(windows, recipe, device);
   if (recipe.architecture.kind != model::NetworkKind::window) {
-    const torch::Tensor error =
-        (predict_at_once(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16})
-             .clamp(-1, 1) -
-         all.clean)
-            .nan_to_num(0.0);
+    const torch::Tensor predicted =
+        predict_at_once(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16});
+    const torch::Tensor error = difference_of(predicted.clamp(-1, 1), all.clean);
     // Half the distance in [-1, 1] is the distance of weights.
     return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};
   }

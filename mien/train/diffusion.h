@@ -29,6 +29,9 @@ class NoiseMixer {
 
 /// The training loss: mean error of the clean windows, weighted by noise level where the recipe says
 /// so; of a causal network's with that of the changes from frame to frame, where the recipe says so.
+/// Predicted less clean windows. What nobody can know of a window is no number there, and differs by nothing.
+[[nodiscard]] torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor& clean);
+
 [[nodiscard]] torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted,
                                     const DeviceBatch& batch);
 

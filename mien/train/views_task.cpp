@@ -12,6 +12,7 @@
 
 #include "mien/core/sha256.h"
 #include "mien/headset/answer.h"
+#include "mien/headset/headset_camera.h"
 #include "mien/headset/network_view.h"
 #include "mien/model/views_network.h"
 #include "mien/train/view_augmentation.h"
@@ -104,11 +105,14 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
                                 film.side(), rig.sensors.size(), recipe.architecture.side),
                     "[data] side");
   auto task = std::unique_ptr<ViewsTask>(new ViewsTask(std::move(recipe), std::move(films)));
-  for (std::size_t c = 0; c < rig.sensors.size(); ++c) {
-    const sensor::Mount& mount = rig.sensors[c];
-    // A camera before the middle of the mouth stands for its left half.
-    const std::size_t place = (mount.site == "mouth" ? 2 : 0) + (mount.side == 'R' ? 1 : 0);
-    task->places_[place] = {.camera = c, .is_there = true, .mirror = mount.camera && mount.camera->mirror};
+  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras,
+                  headset::headset_cameras(rig, task->recipe_.architecture.side));
+  for (const headset::HeadsetCamera& camera : cameras) {
+    Place& place = task->places_[camera.place];
+    place = {.camera = camera.sensor, .is_there = true, .view = camera.view};
+    // Films show what is cut out already.
+    place.view.left = place.view.top = 0;
+    place.view.right = place.view.bottom = 1;
   }
   for (const bool training : {true, false}) {
     const auto& part = training ? task->films_.train : task->films_.validation;
@@ -154,7 +158,7 @@ void ViewsTask::append(const study::HeadsetFilm& film, std::size_t frame, Random
     const std::span<const std::uint8_t> view = film.view(frame, place.camera);
     changed.assign(view.begin(), view.end());
     if (augment != nullptr) augment_view(changed, side, *augment, memory);
-    auto shown = headset::NetworkView::create({.side = side, .mirror = place.mirror});
+    auto shown = headset::NetworkView::create(place.view);
     shown->make({.width = side, .height = side, .pixels = changed},
                 std::span(batch.condition).subspan(begin + v * pixels, pixels));
     batch.condition[begin + kViews * pixels + v] = 1;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "mien/headset/network_view.h"
 #include "mien/headset/views_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/headset/headset_dataset.h"
@@ -43,10 +44,11 @@ class ViewsTask final : public Task {
   struct Moment {
     std::uint32_t film, frame;
   };
-  /// Which camera stands in a place of the network, and whether its view is mirrored; none: no camera.
+  /// Which camera stands in a place of the network, if one does, and how its view is turned.
   struct Place {
     std::size_t camera = 0;
-    bool is_there = false, mirror = false;
+    bool is_there = false;
+    headset::NetworkViewSettings view;
   };
   ViewsTask(Recipe recipe, study::HeadsetFilms films)
       : recipe_(std::move(recipe)), films_(std::move(films)) {}

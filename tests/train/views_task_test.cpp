@@ -9,6 +9,7 @@
 
 #include "mien/headset/answer.h"
 #include "mien/model/views_network.h"
+#include "mien/train/diffusion.h"
 #include "mien/train/network.h"
 #include "mien/train/trainer.h"
 #include "mien/train/view_augmentation.h"
@@ -158,6 +159,16 @@ TEST(ViewsTask, WhatCannotBeSeenIsUnknown) {
   EXPECT_FALSE(std::isnan(batch.clean[face::shape("eyeBlink_L")]));
   EXPECT_TRUE(std::isnan(batch.clean[headset::kGazeOutput]));  // Of the eye that is shut.
   EXPECT_FALSE(std::isnan(batch.clean[headset::kGazeOutput + 2]));
+}
+
+TEST(Loss, WhatIsUnknownDiffersByNothingAndWhatDivergesIsSeen) {
+  const float nan = std::nanf("");
+  const torch::Tensor clean = torch::tensor({0.5F, nan, -0.5F});
+  const torch::Tensor difference = difference_of(torch::tensor({1.0F, 9.0F, -0.5F}), clean);
+  EXPECT_EQ(difference[0].item<float>(), 0.5F);
+  EXPECT_EQ(difference[1].item<float>(), 0);
+  EXPECT_EQ(difference[2].item<float>(), 0);
+  EXPECT_TRUE(std::isnan(difference_of(torch::tensor({nan, 0.0F, 0.0F}), clean)[0].item<float>()));
 }
 
 TEST(ViewsTask, RefusesFilmsOfAnotherSize) {

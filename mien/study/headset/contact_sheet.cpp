@@ -58,6 +58,7 @@ Result<render::Image> headset_contact_sheet(const ContactSheetRequest& request, 
   if (request.wearers < 1 || request.wearers > 64 || request.side < 16 || request.side > 480)
     return fail(ErrorCode::bad_usage, "a sheet has 1 to 64 wearers, and views of 16 to 480 pixels");
   MIEN_TRY_ASSIGN(const virt::HeadsetFaults faults, virt::parse_headset_faults(rig.faults_toml, rig.name));
+  MIEN_TRY(virt::check_network_views(rig));
   std::optional<render::Lettering> lettering;
   if (!request.font.empty()) {
     MIEN_TRY_ASSIGN(lettering, render::Lettering::load(request.font));

@@ -225,6 +225,7 @@ Result<HeadsetFilms> make_headset_films(const HeadsetDataRecipe& recipe, const s
                                         const std::filesystem::path& folder, const Progress& progress,
                                         unsigned threads) {
   MIEN_TRY_ASSIGN(const virt::HeadsetFaults faults, virt::parse_headset_faults(rig.faults_toml, rig.name));
+  MIEN_TRY(virt::check_network_views(rig));
   const std::size_t training = static_cast<std::size_t>(recipe.wearers);
   const std::size_t all = training + static_cast<std::size_t>(recipe.validation_wearers);
   // A wearer's film does not depend on how many there are.

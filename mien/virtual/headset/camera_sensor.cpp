@@ -69,10 +69,11 @@ void CameraSensor::blur(std::span<float> picture) {
     for (int x = 0; x < w; ++x) to[x] = kernel_[0] * from[x];
     for (int k = 1; k <= reach; ++k) {
       const float weight = kernel_[static_cast<std::size_t>(k)];
-      for (int x = 0; x < k; ++x) to[x] += weight * from[0];
-      for (int x = k; x < w; ++x) to[x] += weight * from[x - k];
-      for (int x = 0; x < w - k; ++x) to[x] += weight * from[x + k];
-      for (int x = w - k; x < w; ++x) to[x] += weight * from[w - 1];
+      const int edge = std::min(k, w);
+      for (int x = 0; x < edge; ++x) to[x] += weight * from[0];
+      for (int x = edge; x < w; ++x) to[x] += weight * from[x - k];
+      for (int x = 0; x < w - edge; ++x) to[x] += weight * from[x + k];
+      for (int x = w - edge; x < w; ++x) to[x] += weight * from[w - 1];
     }
   }
   for (int y = 0; y < h; ++y) {

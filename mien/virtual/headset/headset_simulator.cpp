@@ -1,5 +1,7 @@
 #include "mien/virtual/headset/headset_simulator.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -18,6 +20,8 @@ namespace {
 constexpr double kRadPerDeg = std::numbers::pi / 180;
 constexpr std::array<std::string_view, kHeadsetFailures> kNames = {
     "none", "hand", "cup", "mask", "moustache", "poor_seat", "smear", "sun", "dark", "covered"};
+/// Sides of a crop that is to be square differ by at most this share.
+constexpr double kSquare = 0.02;
 /// Of poor donning; of grease on a lens.
 constexpr double kPoor_m = 8e-3, kPoor_rad = 8 * kRadPerDeg;
 /// How far a cup is tipped against the lips.
@@ -40,6 +44,19 @@ Eigen::Matrix3f turn_of(const Vec3& rotation_rad) {
 }
 
 }  // namespace
+
+Result<void> check_network_views(const sensor::Rig& rig) {
+  for (const sensor::Mount& mount : rig.sensors) {
+    if (!mount.camera) continue;
+    const sensor::CameraMount& camera = *mount.camera;
+    const double width = camera.crop[2] * camera.size[0], height = camera.crop[3] * camera.size[1];
+    if (std::abs(width - height) > kSquare * std::max(width, height))
+      return fail(ErrorCode::out_of_range,
+                  fmt::format("{}'s crop is {:.0f} x {:.0f} pixels, not a square", mount.name, width, height),
+                  "rig " + rig.name, "give its [sensor.camera] a crop that is as wide as high");
+  }
+  return {};
+}
 
 std::string_view failure_name(HeadsetFailure failure) {
   return kNames[static_cast<std::size_t>(failure)];
@@ -85,15 +102,13 @@ HeadsetSimulator::HeadsetSimulator(const HeadsetWearer& wearer, const HeadsetFau
     lens.centre_px = camera.centre.cwiseProduct(whole);
     PictureSize size{width, height};
     if (network_view > 0) {
-      // Pixels of a crop are square where the crop is; others are shown as wide as high.
-      const auto& [left, top, share, share_down] = camera.mount.crop;
+      const auto& [left, top, share, ignored] = camera.mount.crop;
       const float scale = static_cast<float>(network_view) / (static_cast<float>(share) * whole.x());
       lens.centre_px -=
           Eigen::Vector2f(static_cast<float>(left), static_cast<float>(top)).cwiseProduct(whole);
       lens.centre_px *= scale;
       lens.pixel /= scale;
-      size = {network_view,
-              static_cast<int>(std::lround(scale * static_cast<float>(share_down) * whole.y()))};
+      size = {network_view, network_view};
       lens.width = size.width;
       lens.height = size.height;
     }
@@ -121,7 +136,8 @@ HeadsetSimulator::HeadsetSimulator(const HeadsetWearer& wearer, const HeadsetFau
   const auto mark = [&](std::size_t i) { return face.neutral_m[face.landmarks[i]]; };
   const Vec3f mouth_m = face.has_landmarks ? Vec3f(0.5F * (mark(51) + mark(57)))
                                            : Vec3f(wearer.middle_m - Vec3f(0, 0.05F, 0.03F));
-  switch (failure) {
+  if (failure == HeadsetFailure::moustache && !face.has_landmarks) failure_ = HeadsetFailure::none;
+  switch (failure_) {
     case HeadsetFailure::hand:
       hide_by(make_hand(fails), mouth_m + Vec3f(0, 0, 0.016F) + fails.normal_vector(0.006).cast<float>(), 25);
       break;

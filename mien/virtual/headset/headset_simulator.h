@@ -35,6 +35,10 @@ inline constexpr std::size_t kHeadsetFailures = 10;
 [[nodiscard]] std::string_view failure_name(HeadsetFailure failure);
 [[nodiscard]] std::optional<HeadsetFailure> failure_named(std::string_view name);
 
+/// Whether what the network sees of each camera is square, as a simulator of network views shows it. Errors:
+/// out_of_range, which names the camera.
+[[nodiscard]] Result<void> check_network_views(const sensor::Rig& rig);
+
 /// A face at one moment.
 struct HeadsetPose {
   face::BlendshapeWeights weights;

@@ -22,6 +22,8 @@ using face::Material;
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180;
+/// Fields of view that rigs may give, and none beyond is drawn.
+constexpr double kNarrowest_deg = 5, kWidest_deg = 170;
 /// A camera or lamp stands at least so far from the neutral skin.
 constexpr float kClearance_m = 0.008F;
 /// A headset is pushed forward in such steps until that holds, so often at most.
@@ -190,8 +192,8 @@ Result<HeadsetWearer> seat_headset(face::Face face, const sensor::Rig& rig, cons
     const Eigen::AngleAxisd askew(turn.norm(), turn.norm() > 0 ? Vec3(turn.normalized()) : Vec3::UnitX());
     camera.look_at_m = camera.position_m + (askew * sight).cast<float>();
     camera.up = (askew * mount.camera->up).cast<float>();
-    camera.field_of_view_rad = static_cast<float>(
-        kDeg * (mount.camera->field_of_view_deg + glued.normal(0, faults.field_of_view_deg)));
+    const double field_deg = mount.camera->field_of_view_deg + glued.normal(0, faults.field_of_view_deg);
+    camera.field_of_view_rad = static_cast<float>(kDeg * std::clamp(field_deg, kNarrowest_deg, kWidest_deg));
     // Not so bent that the picture's corners fold over.
     camera.radial_k1 = static_cast<float>(
         std::clamp(mount.camera->radial_k1 + glued.normal(0, faults.radial_k1), -0.1, 0.3));

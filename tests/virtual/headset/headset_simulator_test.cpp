@@ -202,6 +202,31 @@ TEST(HeadsetWearer, PeopleLookUnlike) {
   EXPECT_GE(bearded, 6);
 }
 
+TEST(HeadsetSimulator, CropsThatAreNotSquareAreRefusedByTheirCamera) {
+  EXPECT_TRUE(check_network_views(rig()));
+  sensor::Rig wide = rig();
+  wide.sensors[1].camera->size = {320, 240};
+  const auto refused = check_network_views(wide);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("eye_R's crop"), std::string::npos) << refused.error().message();
+}
+
+TEST(CameraSensor, ABlurAsWideAsThePictureStaysInside) {
+  HeadsetFaults blurred;
+  blurred.blur_px = {10, 10};
+  blurred.aperture_mm = {5, 5};
+  blurred.focus_mm = {5, 5};
+  for (const PictureSize size : {PictureSize{16, 16}, PictureSize{5, 40}, PictureSize{40, 5}}) {
+    CameraSensor sensor(blurred, size, 0.06F, 0.003F, 1, Random(1));
+    std::vector<float> light(static_cast<std::size_t>(size.width * size.height), 1.0F);
+    std::vector<std::uint8_t> picture(light.size());
+    sensor.expose(0, light, picture);
+    // Even light stays even but for the corners' loss.
+    EXPECT_LT(*std::ranges::max_element(light), 1.01F);
+    EXPECT_GT(*std::ranges::min_element(light), 0.7F);
+  }
+}
+
 TEST(HeadsetFaults, AreReadAndRefused) {
   const HeadsetFaults read = faults();
   EXPECT_EQ(read.seat_mm, 2);
