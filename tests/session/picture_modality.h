@@ -18,7 +18,7 @@
 namespace mien::session::test {
 
 inline constexpr const char* kCameraRig =
-    "name = \"camera\"\nreference = \"eye\"\n[[sensor]]\nname = \"eye\"\nkind = \"camera\"\nsite = \"eye\"\n"
+    "name = \"camera\"\nreference = \"eye\"\n[[sensor]]\nname = \"eye\"\nkind = \"picture\"\nsite = \"eye\"\n"
     "side = \"L\"\nrole = \"face\"\ndevice = \"02:00:00:00:00:01\"\n";
 
 /// "PIC", a sequence number, the device's time.
