@@ -148,7 +148,7 @@ TEST_F(HeadsetProgram, SaysWhatIsWrong) {
 
 TEST_F(HeadsetProgram, ACameraThatIsNotThereIsSaid) {
   const Outcome outcome = live({"--listen", "http://127.0.0.1:1/", "--for", "0.5"});
-  EXPECT_EQ(outcome.status, 2) << "no frame came";
+  EXPECT_EQ(outcome.status, 1) << "no frame came";
   EXPECT_THAT(outcome.err, HasSubstr("http://127.0.0.1:1/: not there"));
 }
 
