@@ -39,6 +39,7 @@ struct Datagram {
   HostTime time;             ///< When it is sent; of what deliver() gives, when it arrives.
   std::uint16_t source = 0;  ///< Which node sends it.
   std::vector<std::byte> bytes;
+  std::vector<std::byte> payload = {};  ///< Beside it, as a session's log has one; no network carries it.
 };
 
 /// Those of one moment keep their order.

@@ -108,7 +108,10 @@ Result<PerformSummary> perform_take(const PerformRequest& request, const Progres
   for (const take::LogEntry& entry : session.entries) {
     write_ticks(entry.id - 1);
     if (request.real_time) std::this_thread::sleep_until(start + entry.arrival.time_since_epoch());
-    const std::int64_t id = writer.add_entry(entry.arrival, entry.source, entry.bytes);
+    sensor::Payload payload;
+    const auto beside = session.payloads.find(entry.id);
+    if (beside != session.payloads.end()) payload.bytes = beside->second;
+    const std::int64_t id = writer.add_entry(entry.arrival, entry.source, entry.bytes, payload);
     for (; next_sample < session.samples.size() && session.samples[next_sample].entry == entry.id;
          ++next_sample)
       writer.add_sample(id, entry.arrival, session.samples[next_sample].sample);

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "mien/modalities/modalities.h"
@@ -9,6 +12,27 @@
 #include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
+
+namespace {
+
+/// Frames where nothing that was received carries their grid, since no protocol reads it: each fires when its
+/// time has come, and knows what had arrived by then.
+void time_by_performance(VirtualSession& session, const face::MotionCurve& curve,
+                         const VirtualClock& reference, double motion_start_s) {
+  auto known = session.entries.begin();
+  const DeviceTime begin = reference.device(0), end = reference.device(curve.duration_s());
+  auto index = static_cast<std::int64_t>(std::ceil(to_seconds(begin.time_since_epoch()) * kFrameRateHz));
+  for (; DeviceTime(frame_offset(index)) <= end; ++index) {
+    const DeviceTime frame(frame_offset(index));
+    const double true_s = reference.true_s(frame);
+    const HostTime fired{from_seconds(true_s)};
+    while (known != session.entries.end() && known->arrival <= fired) ++known;
+    session.ticks.push_back({index, known - session.entries.begin(), fired, frame});
+    session.truth.push_back(truth_at(curve, true_s, motion_start_s, frame));
+  }
+}
+
+}  // namespace
 
 Result<Reception> Reception::create(const sensor::Rig& rig) {
   MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
@@ -20,9 +44,10 @@ void Reception::log(Datagram datagram, VirtualSession& session) {
   const auto id = static_cast<std::int64_t>(session.entries.size()) + 1;
   constexpr sensor::Peer kOneMachine = 0;  // All stand in the log with one source.
   for (const sensor::Sample& sample :
-       receiver_->receive(datagram.time, kOneMachine, datagram.bytes, *this).samples)
+       receiver_->receive(datagram.time, kOneMachine, datagram.bytes, datagram.payload, *this).samples)
     session.samples.push_back({id, datagram.time, sample});
   session.entries.push_back({id, datagram.time, "virtual", std::move(datagram.bytes)});
+  if (!datagram.payload.empty()) session.payloads.emplace(id, std::move(datagram.payload));
 }
 
 void Reception::log_all(std::vector<Datagram> arrived, VirtualSession& session,
@@ -51,6 +76,7 @@ Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& m
   sort_by_time(sent.datagrams);
   VirtualSession session;
   session.events = prologue_events(motion.times, sent.reference);
+  std::ranges::move(sent.events, std::back_inserter(session.events));
   session.motion_start = sent.reference.device(motion_start_s);
   if (!sent.frames) {
     reception.log_all(std::move(sent.datagrams), session,
@@ -58,6 +84,7 @@ Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& m
                         session.truth.push_back(
                             truth_at(curve, sent.reference.true_s(tick.frame), motion_start_s, tick.frame));
                       });
+    if (session.samples.empty()) time_by_performance(session, curve, sent.reference, motion_start_s);
     return session;
   }
   auto next = sent.datagrams.begin();

@@ -18,6 +18,7 @@
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/virtual/eyewear/worn_eyewear.h"
+#include "mien/virtual/headset/worn_headset.h"
 #include "mien/virtual/imu/worn_imus.h"
 #include "mien/virtual/reception.h"
 #include "mien/virtual/speech/worn_microphones.h"
@@ -42,9 +43,11 @@ struct Modality {
                                                      const Stage&);
 };
 constexpr std::string_view kHearing = "speech";
+constexpr std::string_view kSeeing = "camera";
 constexpr std::array kModalities = {
     Modality{"imu", wear_imus},
     Modality{"eyewear", wear_eyewear},
+    Modality{kSeeing, wear_headset},
     Modality{kHearing, wear_microphones},
 };
 /// Devices whose faults stand in a table of their own, so that they can be worn beside others.
@@ -74,6 +77,9 @@ Result<std::shared_ptr<const WornDevices>> wear(const StageRequest& request, std
 Result<std::shared_ptr<const WornDevices>> wear_all(const StageRequest& request, face::Face face,
                                                     const Random& root, const Stage& stage) {
   std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
+  if (request.headset_failure && std::ranges::find(kinds, kSeeing) == kinds.end())
+    return fail(ErrorCode::bad_usage, "a headset's failure, and the rig has no cameras", request.rig.string(),
+                "leave out --headset-failure, or use rigs/headset.toml");
   if (kinds.size() == 1) return wear(request, kinds.front(), std::move(face), root, stage);
   const bool hears = std::erase(kinds, kHearing) > 0;
   if (!hears || kinds.size() != 1)

@@ -15,6 +15,7 @@
 #include "mien/performer/prologue.h"
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
+#include "mien/virtual/headset/timed_failure.h"
 #include "mien/virtual/session.h"
 #include "mien/virtual/worn_devices.h"
 
@@ -35,6 +36,7 @@ struct StageRequest {
   /// How unlike the face's own the wearer's skin is under IMUs: 1 draws what every shape does to it
   /// KinematicsSpread's 30 % and 15 degrees off, 0 leaves it as the face has it.
   double unlike = 0;
+  std::optional<TimedFailure> headset_failure;  ///< What befalls its cameras.
   std::uint64_t seed = 1;
   performer::PrologueKind prologue = performer::PrologueKind::brief;
 };
@@ -61,9 +63,9 @@ struct FaultsText {
                                              std::string_view table = {});
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
-/// not_found (no such devices); bad_usage (eyewear in the profile *lab*, or on skin unlike the face's; a
-/// microphone that is the reference beside other sensors); unsupported (a rig of several kinds of sensors
-/// besides microphones); out_of_range (too long).
+/// not_found (no such devices); bad_usage (eyewear or cameras in the profile *lab*, or on skin unlike
+/// the face's; a headset's failure without one; a microphone that is the reference beside other sensors);
+/// unsupported (a rig of several kinds of sensors besides microphones); out_of_range (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
 /// The whole performance on its stage, as a session with the rig receives it; `progress` hears of devices'.

@@ -26,6 +26,7 @@ struct Sent {
   VirtualClock reference;  ///< Of the rig's reference, by which the performance is timed.
   /// In the profile *lab*: how many frames there are, each once what is sent until its time has arrived.
   std::optional<std::int64_t> frames;
+  std::vector<take::Event> events;  ///< What befell the devices, beside the prologue's; on that clock.
 };
 
 /// The language of nodes on the network.
