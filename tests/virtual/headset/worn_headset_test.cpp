@@ -270,8 +270,9 @@ TEST_F(WornHeadsetTest, RefusesWhatCannotBe) {
   EXPECT_EQ(refused(small()).code, ErrorCode::bad_usage);
   request_.unlike = 0;
   EXPECT_EQ(refused(with(small(), "lost = 0.002", "lost = 2")).code, ErrorCode::out_of_range);
-  EXPECT_EQ(refused(with(small(), "position_m = [0.0500, 0.0200, 0.1245]", "position_m = [0, 0, 0]")).code,
-            ErrorCode::out_of_range);
+  EXPECT_EQ(
+      refused(with(small(), "position_m = [0.0500, 0.0200, 0.1245]", "position_m = [0, -0.02, 0.05]")).code,
+      ErrorCode::out_of_range);
 
   const Stage stage = set_stage(with_rig(small())).value();
   const auto nodes = NodeGroup::create(stage, NodeLanguage::mien, false);
