@@ -6,6 +6,7 @@
 #include "app/command.h"
 #include "app/json_output.h"
 #include "app/live/pairing_key.h"
+#include "app/live/perform_cameras.h"
 #include "app/live/perform_network.h"
 #include "app/performance.h"
 #include "app/read_aloud.h"
@@ -13,6 +14,7 @@
 #include "mien/core/files.h"
 #include "mien/core/wav.h"
 #include "mien/sensor/rig_part.h"
+#include "mien/virtual/headset/timed_failure.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -21,6 +23,8 @@ namespace {
 struct PerformOptions {
   virt::PerformRequest request;
   NetworkOptions network;
+  bool ahead = false;
+  std::string failure;
   std::string key;
   std::string motion;
   std::string block = "mixed";
@@ -78,6 +82,57 @@ Result<void> run_network(const PerformOptions& options) {
   return {};
 }
 
+/// Performs before cameras.
+Result<void> run_cameras(const PerformOptions& options) {
+  MIEN_TRY_ASSIGN(const CameraSummary summary,
+                  perform_to_cameras(options.request, {.to = options.network.to,
+                                                       .wait_s = options.network.wait_s,
+                                                       .loop = options.network.loop,
+                                                       .ahead = options.ahead}));
+  clear_progress();
+  if (options.json)
+    print_json({{"to", options.network.to},
+                {"duration_s", summary.performed_s},
+                {"rounds", summary.rounds},
+                {"cameras", summary.cameras},
+                {"watched", summary.watched},
+                {"pictures", summary.pictures},
+                {"skipped", summary.skipped},
+                {"dropped", summary.dropped},
+                {"latest_ms", summary.latest_ms},
+                {"stopped", summary.stopped}});
+  else
+    fmt::print(
+        "{}: {:.1f} s{}, {} pictures of {} cameras, {} asked for at the beginning, {} moments skipped, {} "
+        "clients too slow; the latest went out {:.1f} ms late\n",
+        options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.pictures,
+        summary.cameras, summary.watched, summary.skipped, summary.dropped, summary.latest_ms);
+  return {};
+}
+
+/// Checks where the performance is to go, before long work.
+Result<void> check_network(PerformOptions& options) {
+  const bool cameras = is_camera_address(options.network.to);
+  if (options.ahead && !cameras)
+    return fail(ErrorCode::bad_usage, "only pictures are rendered ahead", "--ahead",
+                "offer them: --to http://HOST:PORT");
+  if (cameras) {
+    if (!options.key.empty())
+      return fail(ErrorCode::bad_usage, "cameras have no keys", "--key", "send to udp://HOST:PORT");
+    return {};
+  }
+  MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.network.to));
+  if (!options.key.empty()) {
+    if (target.language == virt::NodeLanguage::slimevr)
+      return fail(ErrorCode::bad_usage, "SlimeVR's boards have no keys", "--key", "send to udp://HOST:PORT");
+    MIEN_TRY_ASSIGN(options.network.key, read_pairing_key(options.key));
+  }
+  if (options.request.devices == "lab")
+    return fail(ErrorCode::bad_usage, "the devices of --devices lab are on no network", options.network.to,
+                "perform them with --take, or use --devices device");
+  return {};
+}
+
 /// What is heard of the performance, from its beginning on.
 Result<void> write_sound(const PerformOptions& options) {
   MIEN_TRY(check_output(options.sound, {".wav"}));
@@ -105,21 +160,15 @@ Result<void> run_perform(PerformOptions options) {
   const bool to_network = !options.network.to.empty();
   if (!to_network && request.take.empty())
     return fail(ErrorCode::bad_usage, "it was not said where to", "perform",
-                "give --take FILE or --to udp://HOST:PORT");
+                "give --take FILE, --to udp://HOST:PORT, or of cameras --to http://HOST:PORT");
   if (to_network) {
-    MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.network.to));
-    if (!options.key.empty()) {
-      if (target.language == virt::NodeLanguage::slimevr)
-        return fail(ErrorCode::bad_usage, "SlimeVR's boards have no keys", "--key",
-                    "send to udp://HOST:PORT");
-      MIEN_TRY_ASSIGN(options.network.key, read_pairing_key(options.key));
-    }
-    if (request.devices == "lab")
-      return fail(ErrorCode::bad_usage, "the devices of --devices lab are on no network", options.network.to,
-                  "perform them with --take, or use --devices device");
+    MIEN_TRY(check_network(options));
   } else {
     MIEN_TRY(check_output(request.take, {".mien"}));
     MIEN_TRY(virt::check_take_is_new(request));
+  }
+  if (!options.failure.empty()) {
+    MIEN_TRY_ASSIGN(request.headset_failure, virt::parse_timed_failure(options.failure));
   }
   MIEN_TRY_ASSIGN(const performer::Block block, performer::parse_block(options.block));
   if (!options.motion.empty()) {
@@ -148,7 +197,8 @@ Result<void> run_perform(PerformOptions options) {
     if (!code) request.face = whole.string();  // A take must find it again from elsewhere.
   }
   MIEN_TRY(tell_of_silence(request));
-  return to_network ? run_network(options) : run_take(options);
+  if (!to_network) return run_take(options);
+  return is_camera_address(options.network.to) ? run_cameras(options) : run_network(options);
 }
 
 }  // namespace
@@ -156,23 +206,30 @@ Result<void> run_perform(PerformOptions options) {
 void add_perform_command(Commands& commands) {
   auto options = std::make_shared<PerformOptions>();
   virt::PerformRequest& request = options->request;
-  const Command command =
-      commands.add("perform",
-                   "A virtual performer plays a script or a recorded motion through virtual "
-                   "sensors, to the network in real "
-                   "time or into a take",
-                   "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
-                   "reading --to udp://127.0.0.1:5005",
-                   [options] { return run_perform(*options); });
+  const Command command = commands.add(
+      "perform",
+      "A virtual performer plays a script or a recorded motion through virtual "
+      "sensors, to the network in real "
+      "time or into a take",
+      "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
+      "reading --to udp://127.0.0.1:5005\n  mien perform --rig rigs/headset.toml --seconds 40 "
+      "--ahead --loop --to http://127.0.0.1:8081\n  mien perform --rig rigs/headset.toml --seconds "
+      "20 --headset-failure hand@8-12 --take hand.mien",
+      [options] { return run_perform(*options); });
   const Option take = command.add_option("--take", request.take, "The take to write, with the truth in it");
   const Option to =
       command
-          .add_option("--to", options->network.to,
-                      "Who receives it in real time: udp://HOST:PORT (mien live) or slimevr://HOST:PORT")
+          .add_option(
+              "--to", options->network.to,
+              "Who receives it in real time: udp://HOST:PORT (mien live) or slimevr://HOST:PORT; or "
+              "where a headset's cameras can be asked for their pictures, one a port from this one on: "
+              "http://HOST:PORT, an address of this machine")
           .excludes(take);
   command
-      .add_option("--wait", options->network.wait_s,
-                  "Seconds that a receiver has to answer before the performance begins without it")
+      .add_option(
+          "--wait", options->network.wait_s,
+          "Seconds that a receiver has to answer, or cameras have to be asked, before the performance "
+          "begins without it")
       .needs(to)
       .number_between(0.0, 3600.0)
       .show_default();
@@ -184,6 +241,17 @@ void add_perform_command(Commands& commands) {
       .add_flag("--loop", options->network.loop,
                 "Play the motion again and again, until Ctrl-C; the calibration comes once, at the beginning")
       .needs(to);
+  command
+      .add_flag(
+          "--ahead", options->ahead,
+          "Render all pictures of the cameras first, into memory, then offer them at the rig's size and "
+          "rate; else they are rendered as they are performed, 96 pixels wide and up to 30 a second")
+      .needs(to);
+  command.add_option(
+      "--headset-failure", options->failure,
+      "What befalls a headset's cameras, and when: NAME, or NAME@FROM-TO in seconds from the "
+      "motion's start. NAME is hand, cup, mask or moustache before the mouth, poor_seat, smear, "
+      "sun, dark, or covered (one lens)");
   const Option motion = command.add_option(
       "--motion", options->motion,
       "A Live Link Face CSV, or a take whose truth to perform; without it a script is played");
