@@ -35,7 +35,8 @@ namespace asio = boost::asio;
 /// What one core renders as it is performed.
 constexpr int kLiveWidth = 96;
 constexpr double kLiveHz = 30;
-/// The longest motion that is rendered first, s: with a prologue and four cameras up to some 300 MB.
+/// The longest motion that is rendered first, s, but for what a script's last movement takes beyond: with a
+/// prologue and four cameras up to some 300 MB.
 constexpr double kLongestAheadS = 60;
 /// Pictures are made so far ahead, so that no hiccup of the machine makes one late.
 constexpr double kMadeAheadS = 0.5;
@@ -270,7 +271,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
     return fail(ErrorCode::bad_usage, "only cameras are asked for pictures, and the rig is of other sensors",
                 request.rig.string(), "use rigs/headset.toml, or send to udp://HOST:PORT");
   const double motion_s = stage.motion.motion.duration_s() - stage.motion.times.motion_start_s;
-  if (options.ahead && !(motion_s <= kLongestAheadS))
+  if (options.ahead && !(motion_s < kLongestAheadS + 1))
     return fail(ErrorCode::bad_usage,
                 fmt::format("{:.0f} s are too long to be rendered ahead, which is into memory", motion_s),
                 request.script_name,

@@ -172,7 +172,7 @@ TEST_F(PerformCameras, RefusesWhatCannotBe) {
     EXPECT_NE(outcome.status, 0) << joined(more);
     return outcome.err;
   };
-  const std::string imus = project_path("rigs/default.toml").string();
+  const std::string imus = project_path("rigs/default.toml");
   const std::vector<std::string> base = {"perform", "--rig", rig, "--seconds", "1"};
   const auto with = [&](std::vector<std::string> more) {
     std::vector<std::string> all = base;
