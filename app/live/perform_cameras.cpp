@@ -40,7 +40,7 @@ constexpr double kLiveHz = 30;
 constexpr double kLongestAheadS = 60;
 /// Pictures are made so far ahead, so that no hiccup of the machine makes one late.
 constexpr double kMadeAheadS = 0.5;
-constexpr Duration kLookUp = std::chrono::milliseconds(10);
+constexpr Duration kLookAgain = std::chrono::milliseconds(10);
 constexpr std::string_view kScheme = "http://";
 
 std::chrono::steady_clock::duration clock_duration(double seconds) {
@@ -51,7 +51,7 @@ struct Address {
   std::string host;
   std::uint16_t port = 0;
 };
-Result<Address> parse_address(const std::string& to, std::size_t cameras) {
+Result<Address> parse_first_camera(const std::string& to, std::size_t cameras) {
   const auto parsed = parse_host_port(std::string_view(to).substr(kScheme.size()));
   if (!parsed || parsed->host.empty() || parsed->port.value_or(0) == 0)
     return fail(ErrorCode::bad_usage, "no address of cameras", to,
@@ -264,7 +264,7 @@ bool is_camera_address(std::string_view to) {
 }
 
 Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, const CameraOptions& options) {
-  MIEN_TRY(parse_address(options.to, 1));
+  MIEN_TRY(parse_first_camera(options.to, 1));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
   const virt::WornHeadset* headset = virt::headset_of(stage);
   if (headset == nullptr)
@@ -283,7 +283,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   CameraSummary summary;
   summary.cameras = boards.cameras();
   const double rate_hz = boards.rate_hz();
-  MIEN_TRY_ASSIGN(const Address address, parse_address(options.to, summary.cameras));
+  MIEN_TRY_ASSIGN(const Address address, parse_first_camera(options.to, summary.cameras));
   Cameras cameras;
   MIEN_TRY(cameras.open(address, summary.cameras, rate_hz));
 
@@ -322,7 +322,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
     if (begun) summary.skipped += skipped;
     const auto next_s = film.next_s();
     if (!next_s || *next_s > now_s + kMadeAheadS) {
-      std::this_thread::sleep_for(kLookUp);
+      std::this_thread::sleep_for(kLookAgain);
       continue;
     }
     MIEN_TRY_ASSIGN(Shot shot, film.next());
