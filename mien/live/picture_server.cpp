@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
@@ -119,6 +120,15 @@ class PictureServer::Client : public std::enable_shared_from_this<PictureServer:
                     kBoundary, std::lround(state_->settings.rate_hz))));
     state_->clients.push_back(shared_from_this());
     state_->streaming = state_->clients.size();
+    watch();
+  }
+  /// Who hangs up is gone at once, not when the next picture finds nobody.
+  void watch() {
+    stream_.socket().async_read_some(asio::buffer(ignored_),
+                                     [self = shared_from_this()](beast::error_code code, std::size_t) {
+                                       if (code) return self->state_->leave(self.get());
+                                       self->watch();
+                                     });
   }
   void refuse(std::string_view status) {
     last_ = fmt::format("HTTP/1.1 {}\r\nContent-Length: 0\r\nConnection: close\r\n\r\n", status);
@@ -140,6 +150,7 @@ class PictureServer::Client : public std::enable_shared_from_this<PictureServer:
   http::request_parser<http::empty_body> parser_;
   std::deque<Part> waiting_;  // The first is being written.
   std::string last_;
+  std::array<char, 256> ignored_{};  // Whatever it says while it gets pictures.
 };
 
 void PictureServer::State::accept() {
