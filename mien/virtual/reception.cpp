@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -12,27 +11,6 @@
 #include "mien/virtual/prologue_record.h"
 
 namespace mien::virt {
-
-namespace {
-
-/// Frames where nothing that was received carries their grid, since no protocol reads it: each fires when its
-/// time has come, and knows what had arrived by then.
-void time_by_performance(VirtualSession& session, const face::MotionCurve& curve,
-                         const VirtualClock& reference, double motion_start_s) {
-  auto known = session.entries.begin();
-  const DeviceTime begin = reference.device(0), end = reference.device(curve.duration_s());
-  auto index = static_cast<std::int64_t>(std::ceil(to_seconds(begin.time_since_epoch()) * kFrameRateHz));
-  for (; DeviceTime(frame_offset(index)) <= end; ++index) {
-    const DeviceTime frame(frame_offset(index));
-    const double true_s = reference.true_s(frame);
-    const HostTime fired{from_seconds(true_s)};
-    while (known != session.entries.end() && known->arrival <= fired) ++known;
-    session.ticks.push_back({index, known - session.entries.begin(), fired, frame});
-    session.truth.push_back(truth_at(curve, true_s, motion_start_s, frame));
-  }
-}
-
-}  // namespace
 
 Result<Reception> Reception::create(const sensor::Rig& rig) {
   MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
@@ -84,7 +62,6 @@ Result<VirtualSession> receive_all(Sent sent, const performer::PrologueMotion& m
                         session.truth.push_back(
                             truth_at(curve, sent.reference.true_s(tick.frame), motion_start_s, tick.frame));
                       });
-    if (session.samples.empty()) time_by_performance(session, curve, sent.reference, motion_start_s);
     return session;
   }
   auto next = sent.datagrams.begin();
