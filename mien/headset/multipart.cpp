@@ -6,6 +6,7 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/bytes.h"
+#include "mien/headset/trimmed.h"
 
 namespace mien::headset {
 namespace {
@@ -17,13 +18,6 @@ constexpr std::array kFirstBytes = {std::byte{0xFF}, std::byte{0xD8}, std::byte{
 constexpr std::size_t kLinesBack = 512;
 constexpr std::string_view kTimestamp = "x-timestamp:";
 constexpr std::uint64_t kTimesBeginAnew = 100'000'000;  // Seconds.
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
-}
 
 }  // namespace
 
@@ -64,7 +58,7 @@ void MultipartReader::end_line() {
   if (line.starts_with("--")) time_.reset();  // A part begins, and tells its own time or none.
   if (whole && line.size() > kTimestamp.size() &&
       equal_ignoring_case(line.substr(0, kTimestamp.size()), kTimestamp))
-    time_ = parse_timestamp(trimmed(line.substr(kTimestamp.size())));
+    time_ = parse_timestamp(trimmed(line.substr(kTimestamp.size()), " \t\r"));
 }
 
 void MultipartReader::read_lines_of_broken() {

@@ -10,6 +10,7 @@
 
 #include "mien/core/ascii.h"
 #include "mien/core/excerpt.h"
+#include "mien/headset/trimmed.h"
 
 namespace mien::headset {
 namespace {
@@ -17,12 +18,6 @@ namespace {
 const char* const kHead = "HTTP answer";
 const char* const kGiveStream = "give the address of its MJPEG stream, http://HOST:PORT/PATH";
 constexpr std::string_view kPictures = "multipart/x-mixed-replace";
-
-std::string_view without_blanks(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") + 1 - first);
-}
 
 /// The text up to the line's end, CR LF or LF, which is taken from the front of `rest` with it.
 std::string_view take_line(std::string_view& rest) {
@@ -78,7 +73,7 @@ Result<ResponseHead> parse_response_head(std::string_view head) {
       return fail(ErrorCode::malformed, fmt::format("\"{}\" is no header", excerpt(line)), kHead,
                   kGiveStream);
     const std::string_view name = line.substr(0, colon);
-    const std::string_view value = without_blanks(line.substr(colon + 1));
+    const std::string_view value = trimmed(line.substr(colon + 1));
     for (const auto& [asked, place] : read) {
       if (!equal_ignoring_case(name, asked)) continue;
       if (*place)
@@ -87,7 +82,7 @@ Result<ResponseHead> parse_response_head(std::string_view head) {
     }
   }
   if (!type) return fail(ErrorCode::unsupported, "it does not say what is sent", kHead, kGiveStream);
-  if (!equal_ignoring_case(without_blanks(type->substr(0, type->find(';'))), kPictures))
+  if (!equal_ignoring_case(trimmed(type->substr(0, type->find(';'))), kPictures))
     return fail(ErrorCode::unsupported, fmt::format("\"{}\" and no stream of pictures", excerpt(*type)),
                 kHead, kGiveStream);
   if (coding && !equal_ignoring_case(*coding, "identity"))

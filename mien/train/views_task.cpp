@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/core/quantile.h"
 #include "mien/core/sha256.h"
+#include "mien/face/shape_region.h"
 #include "mien/headset/answer.h"
 #include "mien/headset/headset_camera.h"
 #include "mien/headset/network_view.h"
@@ -33,7 +35,8 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 bool is_upper(std::size_t output) {
   if (output > headset::kTongueOutput) return true;  // Gaze, openness, pupils.
   if (output == headset::kTongueOutput) return false;
-  return face::kShapeNames[output].starts_with("eye") || face::kShapeNames[output].starts_with("brow");
+  const face::ShapeRegion region = face::kShapeRegions[output];
+  return region == face::ShapeRegion::eyes || region == face::ShapeRegion::brows;
 }
 
 /// What the network should answer; what cannot be seen is unknown.
@@ -286,17 +289,12 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
     }
   }
   std::ranges::sort(gaze_deg);
-  const auto share = [&](double at) {
-    return gaze_deg.empty()
-               ? 0.0
-               : gaze_deg[static_cast<std::size_t>(at * static_cast<double>(gaze_deg.size() - 1))];
-  };
   return nlohmann::json{{"headset",
                          {{"mse", squares / std::max(1.0, weights)},
                           {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
                           {"ridge_mse", ridge_squares / std::max(1.0, weights)},
-                          {"gaze_median_deg", share(0.5)},
-                          {"gaze_p90_deg", share(0.9)},
+                          {"gaze_median_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.5)},
+                          {"gaze_p90_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.9)},
                           {"closed_f1", 2 * hits / std::max(1.0, shut + told)}}}}
       .dump();
 }

@@ -27,6 +27,14 @@ Result<double> number(const toml::node& node, std::string_view key, const std::s
 
 }  // namespace
 
+Result<void> check_limits(std::initializer_list<FaultLimit> limits, const std::string& where) {
+  for (const FaultLimit& limit : limits)
+    if (limit.value < limit.least || limit.value > limit.most)
+      return fail(ErrorCode::out_of_range,
+                  fmt::format("{} must be {:g} to {:g}", limit.key, limit.least, limit.most), where);
+  return {};
+}
+
 Result<void> FaultTable::read(std::string_view text, const std::string& where) const {
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [faults]"));
   for (const auto& [name, node] : table) {

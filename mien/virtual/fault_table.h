@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <string_view>
@@ -8,6 +9,14 @@
 #include "mien/core/error.h"
 
 namespace mien::virt {
+
+/// Between what a magnitude is held.
+struct FaultLimit {
+  std::string_view key;
+  double value = 0, least = 0, most = 0;
+};
+/// Errors: out_of_range, of the first that is beyond its limits. `where` names the source.
+[[nodiscard]] Result<void> check_limits(std::initializer_list<FaultLimit> limits, const std::string& where);
 
 /// Where the magnitudes of a rig file's [faults] table go, by their keys: numbers, pairs of a least and a
 /// most, and switches. A key that the table lacks keeps its value.

@@ -3,31 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "mien/headset/answer.h"
+#include "tests/headset/small_model.h"
 
 namespace mien::headset::views_file_test {
 namespace {
 
 ViewsFile small() {
-  ViewsFile file;
-  file.architecture = model::named_architecture("views", 1).value();
-  file.architecture.side = 16;
-  file.architecture.widths = {4, 8};
-  file.architecture.layers = 2;
-  file.architecture.features = 8;
-  file.architecture.d_model = 32;
-  file.architecture.outputs = kAnswerOutputs;
-  file.architecture.condition = model::views_condition(16);
+  ViewsFile file = test::small_views_file();
   file.mean_answer.assign(kAnswerOutputs, 0.25F);
   file.rig = "name = \"r\"";
   file.recipe = "seed = 1";
-  float value = 0;
-  for (const model::TensorSpec& spec : model::network_tensors(file.architecture)) {
-    std::size_t count = 1;
-    for (const std::size_t n : spec.shape) count *= n;
-    std::vector<float> values(count);
-    for (float& v : values) v = value += 0.001F;
-    file.network.push_back({.name = spec.name, .shape = spec.shape, .values = std::move(values)});
-  }
   return file;
 }
 

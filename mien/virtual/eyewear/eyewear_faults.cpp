@@ -7,15 +7,6 @@
 #include "mien/virtual/fault_table.h"
 
 namespace mien::virt {
-namespace {
-
-struct Range {
-  std::string_view key;
-  double value, least, most;
-};
-
-}  // namespace
-
 Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::string& where) {
   EyewearFaults faults;
   const std::map<std::string_view, double*> numbers = {
@@ -62,22 +53,25 @@ Result<EyewearFaults> parse_eyewear_faults(std::string_view text, const std::str
   };
   const FaultTable table{numbers, ranges, {}};
   MIEN_TRY(table.read(text, where));
-  for (const Range& r :
-       {Range{"focal_peak_mm", faults.focal_peak_mm, 0.1, 100},
-        Range{"falloff_mm", faults.falloff_mm, 0.1, 100}, Range{"cone_deg", faults.cone_deg, 0, 60},
-        Range{"pair_rate_hz", faults.pair_rate_hz, 1, 10000}, Range{"adc_bits", faults.adc_bits, 1, 24},
-        Range{"part_gain", faults.part_gain, 0, 0.3},
-        Range{"skin_reflectance", faults.skin_reflectance[0], 0.01, 1},
-        Range{"skin_reflectance", faults.skin_reflectance[1], 0.01, 1},
-        Range{"pattern", faults.pattern, 0, 0.3}, Range{"pattern_mm", faults.pattern_mm, 0.5, 1000},
-        Range{"ambient_flicker", faults.ambient_flicker, 0, 1}, Range{"fit_mm", faults.fit_mm[0], 0.1, 100},
-        Range{"sway_s", faults.sway_s, 1e-3, 1e6}, Range{"tissue_mm", faults.tissue_mm, 0, 20},
-        Range{"tissue_s", faults.tissue_s, 1e-3, 1e6}, Range{"mount_shift_mm", faults.mount_shift_mm, 0, 30},
-        Range{"mount_tilt_deg", faults.mount_tilt_deg, 0, 45},
-        Range{"clock_drift_ppm", faults.clock_drift_ppm, 0, 1e4}})
-    if (r.value < r.least || r.value > r.most)
-      return fail(ErrorCode::out_of_range, fmt::format("{} must be {:g} to {:g}", r.key, r.least, r.most),
-                  where);
+  MIEN_TRY(check_limits({{"focal_peak_mm", faults.focal_peak_mm, 0.1, 100},
+                         {"falloff_mm", faults.falloff_mm, 0.1, 100},
+                         {"cone_deg", faults.cone_deg, 0, 60},
+                         {"pair_rate_hz", faults.pair_rate_hz, 1, 10000},
+                         {"adc_bits", faults.adc_bits, 1, 24},
+                         {"part_gain", faults.part_gain, 0, 0.3},
+                         {"skin_reflectance", faults.skin_reflectance[0], 0.01, 1},
+                         {"skin_reflectance", faults.skin_reflectance[1], 0.01, 1},
+                         {"pattern", faults.pattern, 0, 0.3},
+                         {"pattern_mm", faults.pattern_mm, 0.5, 1000},
+                         {"ambient_flicker", faults.ambient_flicker, 0, 1},
+                         {"fit_mm", faults.fit_mm[0], 0.1, 100},
+                         {"sway_s", faults.sway_s, 1e-3, 1e6},
+                         {"tissue_mm", faults.tissue_mm, 0, 20},
+                         {"tissue_s", faults.tissue_s, 1e-3, 1e6},
+                         {"mount_shift_mm", faults.mount_shift_mm, 0, 30},
+                         {"mount_tilt_deg", faults.mount_tilt_deg, 0, 45},
+                         {"clock_drift_ppm", faults.clock_drift_ppm, 0, 1e4}},
+                        where));
   if (faults.adc_bits != std::floor(faults.adc_bits))
     return fail(ErrorCode::out_of_range, "adc_bits must be a whole number", where);
   return faults;

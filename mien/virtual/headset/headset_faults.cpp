@@ -5,16 +5,6 @@
 #include "mien/virtual/fault_table.h"
 
 namespace mien::virt {
-namespace {
-
-/// What a magnitude may be at most; all begin at `least`.
-struct Limit {
-  std::string_view key;
-  double value = 0, least = 0, most = 0;
-};
-
-}  // namespace
-
 Result<HeadsetFaults> parse_headset_faults(std::string_view text, const std::string& where) {
   HeadsetFaults f;
   const FaultTable table{{{"skin_gain", &f.skin_gain},
@@ -63,52 +53,50 @@ Result<HeadsetFaults> parse_headset_faults(std::string_view text, const std::str
                           {"clock_offset_s", &f.clock_offset_s}},
                          {}};
   MIEN_TRY(table.read(text, where));
-  for (const Limit& limit : {Limit{"skin_gain", f.skin_gain, 0, 0.5},
-                             Limit{"pores", f.pores, 0, 0.5},
-                             Limit{"make_up", f.make_up, 0, 1},
-                             Limit{"stubble", f.stubble, 0, 1},
-                             Limit{"beard", f.beard, 0, 1},
-                             Limit{"moustache", f.moustache, 0, 1},
-                             Limit{"spectacles", f.spectacles, 0, 1},
-                             Limit{"pupil_mm", f.pupil_mm[0], 1, 9},
-                             Limit{"pupil_mm", f.pupil_mm[1], 1, 9},
-                             Limit{"pupil_breath", f.pupil_breath, 0, 0.3},
-                             Limit{"camera_mm", f.camera_mm, 0, 10},
-                             Limit{"camera_deg", f.camera_deg, 0, 20},
-                             Limit{"field_of_view_deg", f.field_of_view_deg, 0, 10},
-                             Limit{"radial_k1", f.radial_k1, 0, 0.1},
-                             Limit{"centre", f.centre, 0, 0.2},
-                             Limit{"lamp_gain", f.lamp_gain, 0, 1},
-                             Limit{"lamp_dead", f.lamp_dead, 0, 0.5},
-                             Limit{"ambient", f.ambient[1], 0, 10},
-                             Limit{"background", f.background[1], 0, 10},
-                             Limit{"aperture_mm", f.aperture_mm[1], 0, 5},
-                             Limit{"focus_mm", f.focus_mm[0], 5, 1e4},
-                             Limit{"blur_px", f.blur_px[1], 0, 10},
-                             Limit{"vignetting", f.vignetting[1], 0, 1},
-                             Limit{"smear", f.smear[1], 0, 1},
-                             Limit{"target", f.target[0], 0.01, 0.95},
-                             Limit{"target", f.target[1], 0.01, 0.95},
-                             Limit{"exposure_s", f.exposure_s, 1e-3, 1e3},
-                             Limit{"full_well", f.full_well, 10, 1e6},
-                             Limit{"read_noise", f.read_noise, 0, 100},
-                             Limit{"gamma", f.gamma[0], 0.2, 5},
-                             Limit{"gamma", f.gamma[1], 0.2, 5},
-                             Limit{"hot_pixels", f.hot_pixels, 0, 0.1},
-                             Limit{"rolling_ms", f.rolling_ms, 0, 100},
-                             Limit{"jpeg_quality", f.jpeg_quality[0], 4, 63},
-                             Limit{"jpeg_quality", f.jpeg_quality[1], 4, 63},
-                             Limit{"seat_mm", f.seat_mm, 0, 15},
-                             Limit{"seat_deg", f.seat_deg, 0, 20},
-                             Limit{"lift_mm", f.lift_mm, 0, 10},
-                             Limit{"lift_deg", f.lift_deg, 0, 10},
-                             Limit{"sway_s", f.sway_s, 1e-3, 1e6},
-                             Limit{"clock_drift_ppm", f.clock_drift_ppm, 0, 1e4},
-                             Limit{"period_jitter_ms", f.period_jitter_ms, 0, 20},
-                             Limit{"lost", f.lost, 0, 1}})
-    if (limit.value < limit.least || limit.value > limit.most)
-      return fail(ErrorCode::out_of_range,
-                  fmt::format("{} must be {:g} to {:g}", limit.key, limit.least, limit.most), where);
+  MIEN_TRY(check_limits({{"skin_gain", f.skin_gain, 0, 0.5},
+                         {"pores", f.pores, 0, 0.5},
+                         {"make_up", f.make_up, 0, 1},
+                         {"stubble", f.stubble, 0, 1},
+                         {"beard", f.beard, 0, 1},
+                         {"moustache", f.moustache, 0, 1},
+                         {"spectacles", f.spectacles, 0, 1},
+                         {"pupil_mm", f.pupil_mm[0], 1, 9},
+                         {"pupil_mm", f.pupil_mm[1], 1, 9},
+                         {"pupil_breath", f.pupil_breath, 0, 0.3},
+                         {"camera_mm", f.camera_mm, 0, 10},
+                         {"camera_deg", f.camera_deg, 0, 20},
+                         {"field_of_view_deg", f.field_of_view_deg, 0, 10},
+                         {"radial_k1", f.radial_k1, 0, 0.1},
+                         {"centre", f.centre, 0, 0.2},
+                         {"lamp_gain", f.lamp_gain, 0, 1},
+                         {"lamp_dead", f.lamp_dead, 0, 0.5},
+                         {"ambient", f.ambient[1], 0, 10},
+                         {"background", f.background[1], 0, 10},
+                         {"aperture_mm", f.aperture_mm[1], 0, 5},
+                         {"focus_mm", f.focus_mm[0], 5, 1e4},
+                         {"blur_px", f.blur_px[1], 0, 10},
+                         {"vignetting", f.vignetting[1], 0, 1},
+                         {"smear", f.smear[1], 0, 1},
+                         {"target", f.target[0], 0.01, 0.95},
+                         {"target", f.target[1], 0.01, 0.95},
+                         {"exposure_s", f.exposure_s, 1e-3, 1e3},
+                         {"full_well", f.full_well, 10, 1e6},
+                         {"read_noise", f.read_noise, 0, 100},
+                         {"gamma", f.gamma[0], 0.2, 5},
+                         {"gamma", f.gamma[1], 0.2, 5},
+                         {"hot_pixels", f.hot_pixels, 0, 0.1},
+                         {"rolling_ms", f.rolling_ms, 0, 100},
+                         {"jpeg_quality", f.jpeg_quality[0], 4, 63},
+                         {"jpeg_quality", f.jpeg_quality[1], 4, 63},
+                         {"seat_mm", f.seat_mm, 0, 15},
+                         {"seat_deg", f.seat_deg, 0, 20},
+                         {"lift_mm", f.lift_mm, 0, 10},
+                         {"lift_deg", f.lift_deg, 0, 10},
+                         {"sway_s", f.sway_s, 1e-3, 1e6},
+                         {"clock_drift_ppm", f.clock_drift_ppm, 0, 1e4},
+                         {"period_jitter_ms", f.period_jitter_ms, 0, 20},
+                         {"lost", f.lost, 0, 1}},
+                        where));
   return f;
 }
 

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "mien/core/rotation.h"
 #include "mien/face/face.h"
 #include "mien/virtual/headset/obstacles.h"
 
@@ -38,9 +38,7 @@ constexpr double kUsual_m = 0.06, kSkin = 0.6 / std::numbers::pi;
 constexpr std::array<double, 3> kHippus_hz = {0.06, 0.13, 0.27};
 
 Eigen::Matrix3f turn_of(const Vec3& rotation_rad) {
-  const double angle = rotation_rad.norm();
-  if (angle == 0) return Eigen::Matrix3f::Identity();
-  return Eigen::AngleAxisd(angle, rotation_rad / angle).toRotationMatrix().cast<float>();
+  return exp_rotation(rotation_rad).toRotationMatrix().cast<float>();
 }
 
 }  // namespace
@@ -242,16 +240,24 @@ HeadsetSeat HeadsetSimulator::seat_with(const face::BlendshapeWeights& weights) 
   return seat;
 }
 
-render::Lens HeadsetSimulator::seated(const render::Lens& lens, const HeadsetSeat& seat) const {
-  const Eigen::Matrix3f turn = turn_of(seat.tilt_rad);
-  render::Lens moved = lens;
-  moved.position_m =
-      wearer_->middle_m + turn * (lens.position_m - wearer_->middle_m) + seat.shift_m.cast<float>();
-  moved.forward = turn * lens.forward;
-  moved.right = turn * lens.right;
-  moved.up = turn * lens.up;
-  return moved;
-}
+/// Where a headset at a seat has what was fitted elsewhere.
+struct HeadsetSimulator::Seated {
+  Seated(const HeadsetWearer& wearer, const HeadsetSeat& seat)
+      : middle_m(wearer.middle_m), shift_m(seat.shift_m.cast<float>()), turn(turn_of(seat.tilt_rad)) {}
+  [[nodiscard]] Vec3f place(const Vec3f& fitted_m) const {
+    return middle_m + turn * (fitted_m - middle_m) + shift_m;
+  }
+  [[nodiscard]] render::Lens lens(const render::Lens& fitted) const {
+    render::Lens moved = fitted;
+    moved.position_m = place(fitted.position_m);
+    moved.forward = turn * fitted.forward;
+    moved.right = turn * fitted.right;
+    moved.up = turn * fitted.up;
+    return moved;
+  }
+  Vec3f middle_m, shift_m;
+  Eigen::Matrix3f turn;
+};
 
 void HeadsetSimulator::place_obstacles(double time_s) {
   if (!obstacle_) return;
@@ -304,7 +310,7 @@ HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, co
     face::evaluate(face, last.weights, last.tongue_out, last_m_);
     face::turn_eyes(face, last.weights, last_m_);
   }
-  const HeadsetSeat seat = seat_with(first.weights);
+  const Seated seated(*wearer_, seat_with(first.weights));
   place_obstacles(time_s);
   scene_->pose(first_m_, moves ? last_m_ : first_m_, things_m_);
 
@@ -321,11 +327,9 @@ HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, co
     truth.openness[e] = neutral_gap_[e] > 0 ? std::max(0.0F, gaps[e] / neutral_gap_[e]) : 1.0F;
 
   std::vector<render::InfraredLamp> lamps;
-  const Eigen::Matrix3f turn = turn_of(seat.tilt_rad);
   for (render::InfraredLamp lamp : lamps_) {
-    lamp.position_m =
-        wearer_->middle_m + turn * (lamp.position_m - wearer_->middle_m) + seat.shift_m.cast<float>();
-    lamp.aim = turn * lamp.aim;
+    lamp.position_m = seated.place(lamp.position_m);
+    lamp.aim = seated.turn * lamp.aim;
     if (fails_ && failure_ == HeadsetFailure::dark) lamp.intensity *= kDark;
     lamps.push_back(lamp);
   }
@@ -340,7 +344,7 @@ HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, co
                      .radius_m = 0.003F});
   }
   std::vector<render::Lens> lenses;
-  for (const View& view : views_) lenses.push_back(seated(view.lens, seat));
+  for (const View& view : views_) lenses.push_back(seated.lens(view.lens));
   scene_->light(lamps, static_cast<float>(ambient_), lenses);
 
   for (std::size_t c = 0; c < views_.size(); ++c) {

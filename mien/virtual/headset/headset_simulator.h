@@ -89,9 +89,9 @@ class HeadsetSimulator {
     CameraSensor sensor;
     std::vector<float> radiance;
   };
+  struct Seated;
   void wait_until(double time_s);
   [[nodiscard]] HeadsetSeat seat_with(const face::BlendshapeWeights& weights) const;
-  [[nodiscard]] render::Lens seated(const render::Lens& lens, const HeadsetSeat& seat) const;
   void place_obstacles(double time_s);
   [[nodiscard]] std::array<float, 2> lid_gaps(std::span<const Vec3f> vertices_m) const;
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -189,7 +188,7 @@ Result<HeadsetWearer> seat_headset(face::Face face, const sensor::Rig& rig, cons
     camera.position_m = (*mount.position_m + glued.normal_vector(1e-3 * faults.camera_mm)).cast<float>();
     const Vec3 sight = mount.camera->look_at_m - *mount.position_m;
     const Vec3 turn = glued.normal_vector(kDeg * faults.camera_deg);
-    const Eigen::AngleAxisd askew(turn.norm(), turn.norm() > 0 ? Vec3(turn.normalized()) : Vec3::UnitX());
+    const Quat askew = exp_rotation(turn);
     camera.look_at_m = camera.position_m + (askew * sight).cast<float>();
     camera.up = (askew * mount.camera->up).cast<float>();
     const double field_deg = mount.camera->field_of_view_deg + glued.normal(0, faults.field_of_view_deg);
