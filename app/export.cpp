@@ -125,7 +125,7 @@ void add_export_command(Commands& commands) {
       .needs(motion);
   command
       .add_option("--part", options->graph.part,
-                  "Of a model: network, ridge.lab or ridge.device (default: network)")
+                  "Of a model: network, ridge.lab or ridge.device; of a headset's eye or mouth (default: network)")
       .needs(model);
   command
       .add_option("--chain", options->graph.steps,

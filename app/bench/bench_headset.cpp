@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/bench/bench_camera_frames.h"
 #include "app/bench/bench_pictures.h"
 #include "app/bench/clock.h"
 #include "app/bench/onnx_peer.h"
@@ -129,6 +130,7 @@ struct EncoderFigures {
   std::optional<double> onnxruntime_s;  ///< The same four views.
   std::string why_not;                  ///< Else.
   PictureFigures pictures;              ///< Of the simulator.
+  CameraFrameFigures whole;             ///< Pictures to weights.
 };
 
 Spread measure_each(Encoder& encoder) {
@@ -213,6 +215,7 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
     MIEN_TRY_ASSIGN(m.paced, measure_paced(encoders[i], static_cast<std::size_t>(options.frames),
                                            std::string(model::precision_name(m.precision)), progress));
   }
+  MIEN_TRY_ASSIGN(f.whole, measure_camera_frames(options.seed, options.frames, progress));
   MIEN_TRY_ASSIGN(f.pictures, measure_pictures(options.seed));
   clear_progress();
   return f;
@@ -241,6 +244,11 @@ Json as_json(const HeadsetBench& options, const Headset& headset, const EncoderF
                  {"flop", f.flop},
                  {"onnxruntime_ms", f.onnxruntime_s ? Json(1e3 * *f.onnxruntime_s) : Json(nullptr)},
                  {"precisions", precisions}}},
+               {"p50_ms", 1e3 * f.whole.whole.p50_s},
+               {"p99_ms", 1e3 * f.whole.whole.p99_s},
+               {"decode_ms", 1e3 * f.whole.decode_s},
+               {"encode_ms", 1e3 * f.whole.encode_s},
+               {"frame_ms", 1e3 * f.whole.frame_s},
                {"pictures_per_s", f.pictures.pictures_per_s},
                {"vs_single_rays", f.pictures.vs_single_rays},
                {"frames", options.frames},
@@ -267,6 +275,12 @@ void print_headset(const Headset& headset, const EncoderFigures& f) {
     fmt::print("ONNX Runtime, fp32, one thread: {:.3f} ms\n", 1e3 * *f.onnxruntime_s);
   else
     fmt::print("ONNX Runtime: {}\n", f.why_not);
+  fmt::print(
+      "four pictures of 240 x 240 to weights, 60 a second, caches cold: {:.3f} ms p50, {:.3f} p99; hot: "
+      "{:.3f} ms "
+      "to decode one, {:.3f} for the features of four, {:.3f} for the frame\n",
+      1e3 * f.whole.whole.p50_s, 1e3 * f.whole.whole.p99_s, 1e3 * f.whole.decode_s, 1e3 * f.whole.encode_s,
+      1e3 * f.whole.frame_s);
   fmt::print("virtual headset: {:.0f} pictures of 96 x 96 a second, {:.1f} times as quick as ray by ray\n",
              f.pictures.pictures_per_s, f.pictures.vs_single_rays);
 }

@@ -2,27 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <memory>
+#include <utility>
+#include <vector>
 
+#include "app/chosen_face.h"
 #include "app/json_output.h"
+#include "app/performance.h"
 #include "app/seed_option.h"
+#include "mien/headset/views_file.h"
 #include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/headset/contact_sheet.h"
+#include "mien/study/headset/headset_study.h"
 
 namespace mien::app {
 namespace {
 
 struct StudyHeadsetOptions {
+  study::HeadsetStudyRequest request;
   study::ContactSheetRequest sheet;
-  std::string out, rig;
+  std::string out, rig, model, motion, face;
+  int wearers = 0;  // 0: not told.
+  bool json = false;
 };
 
-Result<void> run_study_headset(const StudyHeadsetOptions& options) {
-  MIEN_TRY_ASSIGN(const std::filesystem::path file, path_or(options.rig, "rigs/headset.toml"));
-  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(file));
+Result<void> write_sheet(const StudyHeadsetOptions& options, const sensor::Rig& rig) {
   study::ContactSheetRequest request = options.sheet;
+  request.seed = options.request.seed;
+  if (options.wearers > 0) request.wearers = options.wearers;
   if (std::filesystem::exists(render::kFontFile)) request.font = render::kFontFile;
   MIEN_TRY_ASSIGN(const render::Image sheet,
                   study::headset_contact_sheet(request, rig, terminal_progress("headset")));
@@ -32,25 +42,100 @@ Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   return {};
 }
 
+Json score_json(const study::HeadsetScore& score) {
+  Json row = {{"condition", std::string(study::condition_name(score.condition))},
+              {"mse", score.mse},
+              {"mean_pose_mse", score.mean_pose_mse},
+              {"left_eye_mse", score.left_eye_mse},
+              {"right_eye_mse", score.right_eye_mse},
+              {"mouth_mse", score.mouth_mse},
+              {"pve_mm", score.pve_mm},
+              {"jitter_ratio", score.jitter_ratio},
+              {"blink_f1", score.blink_f1 ? Json(*score.blink_f1) : Json()},
+              {"closed_f1", score.closed_f1},
+              {"gaze_deg", {{"median", score.gaze_median_deg}, {"p90", score.gaze_p90_deg}}}};
+  constexpr std::array kParts = {"upper", "lower", "gaze"};
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    row["confidence"][kParts[i]] = {{"ece", score.reliability[i].expected_error()},
+                                    {"auc", score.roc[i].area()}};
+  return row;
+}
+
+void print_scores(const std::vector<study::HeadsetScore>& scores) {
+  fmt::print("{:<20} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>12} {:>17} {:>17}\n", "", "MSE", "/ mean",
+             "/ worn", "PVE mm", "jitter", "blink", "closed", "gaze deg", "ECE", "AUC");
+  for (const study::HeadsetScore& score : scores)
+    fmt::print(
+        "{:<20} {:>8.5f} {:>7.3f} {:>7.3f} {:>7.3f} {:>6.2f} {:>6} {:>6.3f} {:>5.2f} {:>6.2f} {:>5.3f} "
+        "{:>5.3f} "
+        "{:>5.3f} {:>5.3f} {:>5.3f} {:>5.3f}\n",
+        study::condition_name(score.condition), score.mse, score.mse / score.mean_pose_mse,
+        score.mse / scores.front().mse, score.pve_mm, score.jitter_ratio,
+        score.blink_f1 ? fmt::format("{:.3f}", *score.blink_f1) : "-", score.closed_f1, score.gaze_median_deg,
+        score.gaze_p90_deg, score.reliability[0].expected_error(), score.reliability[1].expected_error(),
+        score.reliability[2].expected_error(), score.roc[0].area(), score.roc[1].area(), score.roc[2].area());
+}
+
+Result<void> run_study_headset(const StudyHeadsetOptions& options) {
+  MIEN_TRY_ASSIGN(const std::filesystem::path file, path_or(options.rig, "rigs/headset.toml"));
+  MIEN_TRY_ASSIGN(const sensor::Rig rig, sensor::read_rig(file));
+  if (!options.out.empty()) return write_sheet(options, rig);
+  MIEN_TRY_ASSIGN(const std::filesystem::path model_path,
+                  path_or(options.model, "models/headset.safetensors"));
+  MIEN_TRY_ASSIGN(const headset::ViewsFile views, headset::read_views_file(model_path));
+  MIEN_TRY_ASSIGN(const auto model, headset::HeadsetModel::create(views));
+  study::HeadsetStudyRequest request = options.request;
+  if (options.wearers > 0) request.wearers = options.wearers;
+  if (!options.motion.empty()) {
+    MIEN_TRY_ASSIGN(Performance performance, load_performance(options.motion));
+    request.motion = std::move(performance.motion);
+  }
+  if (!options.face.empty()) {
+    MIEN_TRY_ASSIGN(request.face, chosen_face(options.face, face_progress(options.face)));
+  }
+  MIEN_TRY_ASSIGN(const std::vector<study::HeadsetScore> scores,
+                  study::study_headset(request, rig, model, views.mean_answer, terminal_progress("headset")));
+  clear_progress();
+  if (!options.json) {
+    print_scores(scores);
+    return {};
+  }
+  Json out = {{"wearers", request.wearers}, {"seconds", request.seconds}, {"seed", request.seed}};
+  for (const study::HeadsetScore& score : scores) out["conditions"].push_back(score_json(score));
+  fmt::print("{}\n", out.dump(2));
+  return {};
+}
+
 }  // namespace
 
 void add_study_headset(Commands& commands, Command study) {
   auto options = std::make_shared<StudyHeadsetOptions>();
   const Command command = commands.add_under(
-      study, "headset", "What a virtual headset's cameras see: a sheet of wearers and expressions",
-      "mien study headset --sheet wearers.png --wearers 6",
-      [options] { return run_study_headset(*options); });
-  command.add_option("--sheet", options->out, "The PNG file to write").required();
+      study, "headset",
+      "How well a headset's cameras tell the face of wearers whom nothing learnt from, as worn, put on anew, "
+      "with slow or lost cameras and hidden; or a sheet of what they see",
+      "mien study headset --wearers 30 --seconds 8", [options] { return run_study_headset(*options); });
+  command.add_option("--sheet", options->out, "Write a PNG of wearers and expressions instead");
   command.add_option("--rig", options->rig, "Rig file (default: rigs/headset.toml)");
-  command.add_option("--wearers", options->sheet.wearers, "Virtual wearers, a row each")
-      .in_range(1, 64)
+  command.add_option("--model", options->model, "Model (default: models/headset.safetensors)");
+  command
+      .add_option("--wearers", options->wearers,
+                  "Virtual wearers (default: 30); of a sheet, a row each (default: 6)")
+      .in_range(1, 1000);
+  command.add_option("--seconds", options->request.seconds, "Of motion a wearer")
+      .in_range(1.0, 3600.0)
       .show_default();
+  command.add_option(
+      "--motion", options->motion,
+      "What all of them perform: a Live Link Face CSV, or a take whose truth; else a script each");
+  command.add_option("--face", options->face, "The face that all of them have; else the built-in family");
   command.add_flag("--failures", options->sheet.failures,
-                   "A row for each thing that hides a face, instead of expressions");
-  command.add_option("--side", options->sheet.side, "Pixels of a view either way")
+                   "Of a sheet: a row for each thing that hides a face, instead of expressions");
+  command.add_option("--side", options->sheet.side, "Of a sheet: pixels of a view either way")
       .in_range(16, 480)
       .show_default();
-  add_seed_option(command, options->sheet.seed, "Of the wearers and their headsets");
+  command.add_flag("--json", options->json, "Print the scores as JSON");
+  add_seed_option(command, options->request.seed, "Of the wearers and their headsets");
 }
 
 }  // namespace mien::app

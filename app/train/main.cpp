@@ -22,7 +22,7 @@ using namespace mien;
 using Json = nlohmann::ordered_json;
 
 struct TrainArguments {
-  std::string recipe, out, from, face = "builtin", rig, films;
+  std::string recipe, out, from, face = "builtin", rig, films, views;
   train::TrainOptions options;
   bool json = false;
 };
@@ -50,7 +50,8 @@ Result<void> run_train(const TrainArguments& arguments) {
                                     .rig = rig,
                                     .rig_text = rig_text,
                                     .speaker = app::speaker_by_helper(),
-                                    .films = films},
+                                    .films = films,
+                                    .views = arguments.views},
                                    [&](double part, std::string_view what) {
                                      return shown(kDataShare * part * 0.999, what);
                                    }));
@@ -151,6 +152,9 @@ int main(int argc, char** argv) {
   train_command.add_option("--films", train.films,
                            "Folder that films of headset cameras are rendered into, and kept in for the next "
                            "training; the model's name with .films unless told");
+  train_command.add_option("--views", train.views,
+                           "The network of pictures whose findings a headset's memory (a causal network) "
+                           "learns from, and which goes into the model");
   train_command.add_option("--from", train.from,
                            "Begin with this model's network and normalisation instead of with drawn "
                            "weights; --resume wants it again");

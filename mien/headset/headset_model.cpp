@@ -15,7 +15,26 @@ Result<std::shared_ptr<const HeadsetModel>> HeadsetModel::create(const ViewsFile
   Sha256 hash;
   hash.add(std::as_bytes(std::span(architecture)));
   for (const model::Tensor& tensor : file.network) hash.add(std::as_bytes(std::span(tensor.values)));
-  return std::shared_ptr<const HeadsetModel>(new HeadsetModel(std::move(network), hash.hex()));
+  const auto made = std::shared_ptr<HeadsetModel>(new HeadsetModel(std::move(network)));
+  if (file.memory) {
+    MIEN_TRY_ASSIGN(made->memory_,
+                    model::CausalNetwork::create(file.memory->architecture, file.memory->network));
+    made->judgements_ = file.memory->judgements;
+    const std::string of_memory = model::format_architecture(file.memory->architecture);
+    hash.add(std::as_bytes(std::span(of_memory)));
+    for (const model::Tensor& tensor : file.memory->network)
+      hash.add(std::as_bytes(std::span(tensor.values)));
+    for (const model::LogisticMap& map : made->judgements_) {
+      hash.add_value(map.offset);
+      hash.add_value(map.slope);
+    }
+  }
+  made->hash_ = hash.hex();
+  return made;
+}
+
+float HeadsetModel::probability(std::size_t judgement, float logit) const {
+  return judgements_[judgement].at(logit);
 }
 
 }  // namespace mien::headset

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "mien/core/error.h"
 #include "mien/headset/views_file.h"
+#include "mien/model/causal_network.h"
 #include "mien/model/views_network.h"
 
 namespace mien::headset {
@@ -17,14 +19,19 @@ class HeadsetModel {
   [[nodiscard]] static Result<std::shared_ptr<const HeadsetModel>> create(const ViewsFile& file);
 
   [[nodiscard]] const model::ViewsNetwork& network() const { return network_; }
+  /// What answers from frame to frame; null: each moment is answered by network() alone.
+  [[nodiscard]] const model::CausalNetwork* memory() const { return memory_ ? &*memory_ : nullptr; }
+  /// The probability that a judgement's logit of the memory's outputs stands for.
+  [[nodiscard]] float probability(std::size_t judgement, float logit) const;
   /// SHA-256 of everything that its answers depend on: 64 lower-case hexadecimal digits.
   [[nodiscard]] const std::string& hash() const { return hash_; }
 
  private:
-  HeadsetModel(model::ViewsNetwork network, std::string hash)
-      : network_(std::move(network)), hash_(std::move(hash)) {}
+  explicit HeadsetModel(model::ViewsNetwork network) : network_(std::move(network)) {}
 
   model::ViewsNetwork network_;
+  std::optional<model::CausalNetwork> memory_;
+  std::array<model::LogisticMap, kJudgements> judgements_;
   std::string hash_;
 };
 

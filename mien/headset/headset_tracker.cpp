@@ -17,11 +17,14 @@ constexpr Duration kBeganAnew = std::chrono::milliseconds(200);
 /// Share of a hold's frames in which all cameras must have been there.
 constexpr double kThere = 0.5;
 
-// Confidence by the cameras that are there, until a model brings a measured one: above the merge's `sure`
-// where a shape is seen, below its `unsure` where it is guessed from what else is seen.
+// Confidence by the cameras that are there: above the merge's `sure` where a shape is seen, below its
+// `unsure` where it is guessed from what else is seen.
 constexpr float kSeen = 0.9F;
 constexpr float kSeenByOne = 0.6F;
 constexpr float kGuessed = 0.2F;
+
+/// Frames in which a face that holds still is shown to a network with a memory: longer than it remembers.
+constexpr int kSettles = 60;
 
 /// Lids open less than this hide where the eye looks; open by kOpen they hide nothing.
 constexpr float kClosed = 0.15F, kOpen = 0.4F;
@@ -76,8 +79,11 @@ HeadsetTracker::HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_p
       workspace_(model_->network()),
       reducer_(std::move(reducer)),
       reduced_(feature_record_bytes(model_->network().architecture().features)),
-      features_(model::kViews * model_->network().architecture().features) {
+      maker_(model_->network().architecture().features) {
   const std::size_t count = model_->network().architecture().features;
+  moment_.features.resize(model::kViews * count);
+  condition_.resize(moment_condition(count));
+  if (model_->memory() != nullptr) state_.emplace(*model_->memory());
   for (HeadsetCamera& camera : cameras) {
     Channel& channel = channels_.emplace_back();
     channel.camera = std::move(camera);
@@ -135,62 +141,93 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
     in_force_.reset();
     before_.reset();
     last_eyes_rad_.reset();
+    if (state_) state_->reset();
     if (hold_) maker_.begin();  // So are the frames that were gathered.
   }
 }
 
-HeadsetTracker::Present HeadsetTracker::gather(DeviceTime frame, const sensor::TimeLines& lines) {
+void HeadsetTracker::gather(DeviceTime frame, const sensor::TimeLines& lines) {
   const std::size_t count = model_->network().architecture().features;
-  Present present{};
+  moment_.present = {};
   for (std::size_t place = 0; place < model::kViews; ++place)
     std::ranges::copy(model_->network().missing(place),
-                      std::span(features_).subspan(place * count, count).begin());
-  if (!lines.ready()) return present;
+                      std::span(moment_.features).subspan(place * count, count).begin());
+  if (!lines.ready()) return;
   for (const Channel& channel : channels_) {
     const HeadsetCamera& camera = channel.camera;
     if (!lines.has_samples(camera.sensor)) continue;
-    const Seen* const seen = channel.at(lines.from_line(camera.sensor, frame));
+    const DeviceTime now = lines.from_line(camera.sensor, frame);
+    const Seen* const seen = channel.at(now);
     if (seen == nullptr) continue;
-    present[camera.place] = true;
-    std::ranges::copy(seen->features, std::span(features_).subspan(camera.place * count, count).begin());
+    moment_.present[camera.place] = true;
+    moment_.age_s[camera.place] = static_cast<float>(std::max(0.0, to_seconds(now - seen->time)));
+    std::ranges::copy(seen->features,
+                      std::span(moment_.features).subspan(camera.place * count, count).begin());
   }
-  return present;
+}
+
+void HeadsetTracker::ask(const MomentFeatures& moment, const RestFeatures& rest,
+                         model::CausalNetwork::State* state) {
+  if (state != nullptr) {
+    write_moment_condition(moment, rest, condition_);
+    model_->memory()->step(condition_, *state, outputs_);
+    return;
+  }
+  const std::span<float> differences = std::span(condition_).first(moment.features.size());
+  features_from_rest(moment, rest, differences);
+  model_->network().answer(moment.features, differences, workspace_,
+                           std::span(outputs_).first(kAnswerOutputs));
 }
 
 tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
                                          face::OutputFrame& out) {
+  static const RestFeatures kUnknown;
   tracker::TickResult result;
   out = {};
   out.time = frame;
   out.provenance.fill(Provenance::neutral);
-  const Present present = gather(frame, lines);
-  result.sensors_present = static_cast<std::size_t>(std::ranges::count(present, true));
+  gather(frame, lines);
+  result.sensors_present = static_cast<std::size_t>(std::ranges::count(moment_.present, true));
   Answer answer;
   if (result.sensors_present > 0) {
-    model_->network().answer(features_, workspace_, outputs_);
-    answer = decode_answer(outputs_);
+    // A hold is judged by what is seen without the neutral before it.
+    ask(moment_, in_force_ && !hold_ ? in_force_->rest : kUnknown, state_ ? &*state_ : nullptr);
+    answer = decode_answer(std::span(outputs_).first<kAnswerOutputs>());
+  } else if (state_) {
+    state_->reset();
   }
-  lead(frame, present, answer, result);
+  lead(frame, answer, result);
   if (result.sensors_present == 0) return result;
-  if (in_force_) in_force_->correct(answer);
-  write(present, answer, out);
+  if (in_force_ && !hold_) in_force_->correct(answer);
+  write(answer, out);
   result.explained = out.confidence;  // Nobody measured more; the merge must know who sees what.
   return result;
 }
 
-void HeadsetTracker::write(const Present& present, const Answer& answer, face::OutputFrame& out) {
+void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
+  const Present& present = moment_.present;
   out.weights = answer.weights;
   out.tongue_out = answer.tongue_out;
+  float gaze_confidence = kSeen;
+  if (model_->memory() != nullptr) {
+    const std::span<const float> logits = std::span(outputs_).subspan(kAnswerOutputs);
+    for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
+      out.region_confidence[r] = model_->probability(r, logits[r]);
+    gaze_confidence = model_->probability(kGazeJudgement, logits[kGazeJudgement]);
+  }
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     out.confidence[k] = confidence_of(k, present);
     // Where the eyes look is told by their directions, which the lids follow (shaping::Lids).
     out.provenance[k] =
         out.confidence[k] > kGuessed && !tracker::is_gaze(k) ? Provenance::measured : Provenance::predicted;
+    if (model_->memory() != nullptr)
+      out.confidence[k] = std::min(out.confidence[k] > kGuessed ? 1.0F : out.confidence[k],
+                                   out.region_confidence[static_cast<std::size_t>(face::kShapeRegions[k])]);
   }
   std::array<float, 2> seen{};
   for (std::size_t e = 0; e < seen.size(); ++e)
     if (present[e])
-      seen[e] = kSeen * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
+      seen[e] = gaze_confidence * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
   const bool sees = seen[0] > 0 || seen[1] > 0;
   if (sees) {
     last_eyes_rad_.emplace();
@@ -205,6 +242,26 @@ void HeadsetTracker::write(const Present& present, const Answer& answer, face::O
   out.eyes_provenance = sees ? Provenance::measured : Provenance::held;
 }
 
+NeutralFace HeadsetTracker::make_neutral() {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels_) names.push_back(channel.camera.name);
+  NeutralFace made = maker_.make(std::move(names));
+  made.network = model_->hash();
+  // What it still answers of the face at rest itself, told that it is at rest.
+  MomentFeatures at_rest{.features = made.rest.features, .present = made.rest.present, .age_s = {}};
+  const std::size_t count = model_->network().architecture().features;
+  for (std::size_t place = 0; place < model::kViews; ++place)
+    if (!at_rest.present[place])
+      std::ranges::copy(model_->network().missing(place),
+                        std::span(at_rest.features).subspan(place * count, count).begin());
+  std::optional<model::CausalNetwork::State> state;
+  if (model_->memory() != nullptr) state.emplace(*model_->memory());
+  for (int frame = 0; frame < (state ? kSettles : 1); ++frame)
+    ask(at_rest, made.rest, state ? &*state : nullptr);
+  made.correct_by(decode_answer(std::span(outputs_).first<kAnswerOutputs>()));
+  return made;
+}
+
 bool HeadsetTracker::is_complete(const Present& present) const {
   if (std::ranges::find(present, true) == present.end()) return false;
   for (std::size_t place = 0; place < present.size(); ++place)
@@ -212,17 +269,14 @@ bool HeadsetTracker::is_complete(const Present& present) const {
   return true;
 }
 
-void HeadsetTracker::lead(DeviceTime frame, const Present& present, const Answer& answer,
-                          tracker::TickResult& result) {
+void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
   if (hold_ && frame >= hold_->end) {
     CalibrationEvent& event = result.calibration.emplace_back();
     event.modality = modality();
     const double wanted = kThere * kFrameRateHz * to_seconds(hold_->end - hold_->begin);
     hold_.reset();
     if (maker_.frames() > 0 && static_cast<double>(maker_.frames()) >= wanted) {
-      std::vector<std::string> names;
-      for (const Channel& channel : channels_) names.push_back(channel.camera.name);
-      in_force_ = maker_.make(std::move(names));
+      in_force_ = make_neutral();
       event.kind = CalibrationEvent::Kind::calibrated;
     } else {
       failure_ = "a camera gave too few pictures during the hold; check the cameras and calibrate again";
@@ -232,8 +286,8 @@ void HeadsetTracker::lead(DeviceTime frame, const Present& present, const Answer
   }
   if (hold_ && frame >= hold_->begin) {
     // Cameras that give nothing when it begins are not waited for.
-    if (!awaited_) awaited_ = present;
-    if (is_complete(present)) maker_.add(answer);
+    if (!awaited_) awaited_ = moment_.present;
+    if (is_complete(moment_.present)) maker_.add(moment_, answer);
   }
   if (guided_until_ && frame >= *guided_until_) guided_until_.reset();
 }
@@ -285,6 +339,9 @@ Result<void> HeadsetTracker::restore(std::string_view json) {
   if (!std::ranges::equal(neutral.cameras, channels_, {}, {},
                           [](const Channel& channel) { return channel.camera.name; }))
     return fail(ErrorCode::mismatch, "the calibration is of another rig's cameras", "calibration",
+                "calibrate anew");
+  if (neutral.network != model_->hash())
+    return fail(ErrorCode::mismatch, "the calibration was made with another model", "calibration",
                 "calibrate anew");
   cancel_guidance();
   in_force_ = std::move(neutral);

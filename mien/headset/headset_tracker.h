@@ -14,6 +14,7 @@
 #include "mien/headset/feature_reducer.h"
 #include "mien/headset/headset_camera.h"
 #include "mien/headset/headset_model.h"
+#include "mien/headset/moment_features.h"
 #include "mien/headset/neutral_face.h"
 #include "mien/headset/picture_statistics.h"
 #include "mien/sensor/rig.h"
@@ -21,15 +22,18 @@
 
 namespace mien::headset {
 
-/// Tracker of the modality "camera": the newest features of each camera of a headset (FeatureRecord) through
-/// the network's last layers, read against the wearer's own neutral face where that is known. Pictures that
-/// come as such it reduces itself, to the same bits. A camera whose newest picture is older than kPresent, or
-/// stands still (FrozenPictures), is missing: the network knows a token for that.
+/// Tracker of the modality "camera": at each frame the newest features of each camera of a headset
+/// (FeatureRecord), and what they are from the wearer's own face at rest where that is known, through the
+/// model's memory, or moment by moment where it has none. Pictures that come as such it reduces itself, to
+/// the same bits. A camera whose newest picture is older than kPresent, or stands still (FrozenPictures), is
+/// missing: the network knows a token for that. Frames without any camera are forgotten, and so is what was
+/// before them.
 ///
-/// It answers without a calibration too. Until a model brings a measured confidence, that of a shape says
-/// which of the cameras that see it are there, and that of regions is unknown. Shapes that a camera sees are
-/// measured; others, and the eight that follow the eyes, predicted. Eye directions are those last seen while
-/// both lids are closed. No head.
+/// It answers without a calibration too. Confidence of regions and of the eyes' directions is the memory's
+/// judgement (HeadsetModel::probability); a shape has its region's, less where the camera that sees its side
+/// is missing. Without a memory that of a shape says which of the cameras that see it are there, and that of
+/// regions is unknown. Shapes that a camera sees are measured; others, and the eight that follow the eyes,
+/// predicted. Eye directions are those last seen while both lids are closed. No head.
 ///
 /// No allocation in add and tick, but where a calibration is made.
 class HeadsetTracker final : public tracker::Tracker {
@@ -84,28 +88,34 @@ class HeadsetTracker final : public tracker::Tracker {
     /// The newest that is not later than kAhead after `time`; null where it is missing.
     [[nodiscard]] const Seen* at(DeviceTime time) const;
   };
-  using Present = std::array<bool, model::kViews>;
   struct Hold {
     DeviceTime begin, end;
   };
 
   HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_ptr<const HeadsetModel> model,
                  FeatureReducer reducer);
-  /// Features of the frame into features_, and which places have any.
-  Present gather(DeviceTime frame, const sensor::TimeLines& lines);
+  /// Features of the frame into moment_.
+  void gather(DeviceTime frame, const sensor::TimeLines& lines);
+  /// What the network makes of the moment beside `rest` into outputs_. `state`: what it remembers, unused
+  /// where it has no memory.
+  void ask(const MomentFeatures& moment, const RestFeatures& rest, model::CausalNetwork::State* state);
   /// A step of the guided hold; the event that it ends with.
-  void lead(DeviceTime frame, const Present& present, const Answer& answer, tracker::TickResult& result);
+  void lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
+  /// Of what was gathered in a hold.
+  [[nodiscard]] NeutralFace make_neutral();
   /// All cameras that ever gave a picture do so now, and there is one.
   [[nodiscard]] bool is_complete(const Present& present) const;
-  void write(const Present& present, const Answer& answer, face::OutputFrame& out);
+  void write(const Answer& answer, face::OutputFrame& out);
 
   std::shared_ptr<const HeadsetModel> model_;
   model::ViewsNetwork::Workspace workspace_;
   FeatureReducer reducer_;
   std::vector<Channel> channels_;
   std::vector<std::byte> reduced_;  // Of a picture that came as such.
-  std::vector<float> features_;
-  std::array<float, kAnswerOutputs> outputs_{};
+  MomentFeatures moment_;
+  std::optional<model::CausalNetwork::State> state_;
+  std::vector<float> condition_;  // What the network reads of the moment.
+  std::array<float, kMemoryOutputs> outputs_{};
 
   std::optional<NeutralFace> in_force_, before_;
   NeutralMaker maker_;

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "mien/headset/feature_record.h"
 #include "mien/sensor/calibration_json.h"
 
 namespace mien::headset {
@@ -46,6 +47,23 @@ Result<void> read_numbers(const json& root, const char* key, float least, float 
   return {};
 }
 
+Result<void> read_rest(const json& root, NeutralFace& neutral, const std::string& where) {
+  const auto network = root.find("network"), features = root.find("features"), seen = root.find("seen");
+  if (network == root.end() || !network->is_string())
+    return fail(ErrorCode::malformed, "'network' is no text", where);
+  neutral.network = network->get<std::string>();
+  if (features == root.end() || !features->is_array() || features->size() % model::kViews != 0 ||
+      features->size() > model::kViews * kMostFeatures)
+    return fail(ErrorCode::malformed, "'features' is no list of what views show", where);
+  neutral.rest.features.resize(features->size());
+  MIEN_TRY(read_numbers(root, "features", -kMostFeature, kMostFeature, neutral.rest.features, where));
+  if (seen == root.end() || !seen->is_array() || seen->size() != model::kViews ||
+      !std::ranges::all_of(*seen, [](const json& view) { return view.is_boolean(); }))
+    return fail(ErrorCode::malformed, fmt::format("'seen' is no list of {} truths", model::kViews), where);
+  for (std::size_t v = 0; v < model::kViews; ++v) neutral.rest.present[v] = (*seen)[v].get<bool>();
+  return {};
+}
+
 }  // namespace
 
 void NeutralFace::correct(Answer& answer) const {
@@ -57,12 +75,25 @@ void NeutralFace::correct(Answer& answer) const {
     answer.openness[e] = std::min(answer.openness[e] / openness[e], kMostOpenness);
 }
 
+void NeutralFace::correct_by(const Answer& at_rest) {
+  for (std::size_t k = 0; k < face::kShapeCount; ++k)
+    weights[k] = std::clamp(at_rest.weights[k], 0.0F, kMostAtRest);
+  tongue_out = std::clamp(at_rest.tongue_out, 0.0F, kMostAtRest);
+  for (std::size_t i = 0; i < gaze_rad.size(); ++i)
+    gaze_rad[i] = std::clamp(at_rest.gaze_rad[i], -kMostGaze_rad, kMostGaze_rad);
+  for (std::size_t e = 0; e < openness.size(); ++e)
+    openness[e] = std::clamp(at_rest.openness[e], kLeastOpenness, kMostOpenness);
+}
+
 std::string write_neutral_face(const NeutralFace& neutral) {
   return json({{"cameras", neutral.cameras},
                {"weights", neutral.weights.values},
                {"tongue_out", std::array{neutral.tongue_out}},
                {"gaze_rad", neutral.gaze_rad},
                {"openness", neutral.openness},
+               {"features", neutral.rest.features},
+               {"seen", neutral.rest.present},
+               {"network", neutral.network},
                {"scores", sensor::scores_json(neutral.scores)}})
       .dump();
 }
@@ -88,11 +119,25 @@ Result<NeutralFace> parse_neutral_face(std::string_view text, const std::string&
   MIEN_TRY(read_numbers(root, "gaze_rad", -kMostGaze_rad, kMostGaze_rad, neutral.gaze_rad, where));
   MIEN_TRY(
       read_numbers(root, "openness", NeutralFace::kLeastOpenness, kMostOpenness, neutral.openness, where));
+  MIEN_TRY(read_rest(root, neutral, where));
   MIEN_TRY_ASSIGN(neutral.scores, sensor::read_scores(*scores, where));
   return neutral;
 }
 
-void NeutralMaker::add(const Answer& answer) {
+void NeutralMaker::begin() {
+  frames_ = 0;
+  std::ranges::fill(features_, 0.0);
+  seen_ = {};
+  sum_ = squares_ = {};
+}
+
+void NeutralMaker::add(const MomentFeatures& moment, const Answer& answer) {
+  const std::size_t each = features_.size() / model::kViews;
+  for (std::size_t v = 0; v < model::kViews; ++v) {
+    if (!moment.present[v]) continue;
+    ++seen_[v];
+    for (std::size_t i = v * each; i < (v + 1) * each; ++i) features_[i] += double{moment.features[i]};
+  }
   const auto add_to = [this](std::size_t place, float value) {
     sum_[place] += double{value};
     squares_[place] += double{value} * double{value};
@@ -109,24 +154,29 @@ NeutralFace NeutralMaker::make(std::vector<std::string> cameras) const {
   const auto mean = [&](std::size_t place) { return sum_[place] / count; };
   NeutralFace neutral;
   neutral.cameras = std::move(cameras);
+  const std::size_t each = features_.size() / model::kViews;
+  for (std::size_t v = 0; v < model::kViews; ++v) neutral.rest.present[v] = seen_[v] > 0;
+  for (std::size_t i = 0; i < features_.size(); ++i)
+    neutral.rest.features.push_back(
+        static_cast<float>(features_[i] / std::max(1.0, static_cast<double>(seen_[i / each]))));
+  Answer at_rest;
   double restless = 0, most = 0;
   std::size_t which = 0;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-    neutral.weights[k] = std::clamp(static_cast<float>(mean(k)), 0.0F, NeutralFace::kMostAtRest);
+    at_rest.weights[k] = static_cast<float>(mean(k));
     restless += std::sqrt(std::max(0.0, squares_[k] / count - mean(k) * mean(k))) / face::kShapeCount;
     // Where the eyes look is no tension of the face.
     if (face::kShapeNames[k].starts_with("eyeLook") || mean(k) <= most) continue;
     most = mean(k);
     which = k;
   }
-  neutral.tongue_out = std::clamp(static_cast<float>(mean(kTongueOutput)), 0.0F, NeutralFace::kMostAtRest);
-  for (std::size_t i = 0; i < neutral.gaze_rad.size(); ++i)
-    neutral.gaze_rad[i] =
-        std::clamp(static_cast<float>(mean(kGazeOutput + i)), -kMostGaze_rad, kMostGaze_rad);
-  for (std::size_t e = 0; e < neutral.openness.size(); ++e)
-    neutral.openness[e] =
-        std::clamp(static_cast<float>(mean(kOpennessOutput + e)), NeutralFace::kLeastOpenness, kMostOpenness);
-  const bool still = restless <= kRestless, at_rest = most <= kNotAtRest;
+  at_rest.tongue_out = static_cast<float>(mean(kTongueOutput));
+  for (std::size_t i = 0; i < at_rest.gaze_rad.size(); ++i)
+    at_rest.gaze_rad[i] = static_cast<float>(mean(kGazeOutput + i));
+  for (std::size_t e = 0; e < at_rest.openness.size(); ++e)
+    at_rest.openness[e] = static_cast<float>(mean(kOpennessOutput + e));
+  neutral.correct_by(at_rest);
+  const bool still = restless <= kRestless, rests = most <= kNotAtRest;
   neutral.scores.push_back({.name = "neutral face",
                             .value = 100 * restless,
                             .unit = "%",
@@ -137,11 +187,11 @@ NeutralFace NeutralMaker::make(std::vector<std::string> cameras) const {
       {.name = "face at rest",
        .value = 100 * most,
        .unit = "%",
-       .pass = at_rest,
-       .sentence = at_rest ? fmt::format("the most that any shape had, {}", face::kShapeNames[which])
-                           : fmt::format("{} had so much at rest; relax, or see to how the headset sits, and "
-                                         "calibrate again",
-                                         face::kShapeNames[which])});
+       .pass = rests,
+       .sentence = rests ? fmt::format("the most that any shape had, {}", face::kShapeNames[which])
+                         : fmt::format("{} had so much at rest; relax, or see to how the headset sits, and "
+                                       "calibrate again",
+                                       face::kShapeNames[which])});
   return neutral;
 }
 

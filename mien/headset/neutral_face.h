@@ -8,11 +8,13 @@
 
 #include "mien/core/error.h"
 #include "mien/headset/answer.h"
+#include "mien/headset/moment_features.h"
 #include "mien/sensor/calibration.h"
 
 namespace mien::headset {
 
-/// What a network answers of a wearer who looks ahead with a relaxed face: an answer is read against this.
+/// A wearer who looks ahead with a relaxed face: what a network finds there, which it reads later views
+/// against, and what it still answers of that itself, which is taken off.
 struct NeutralFace {
   /// What a weight can be at rest at most. Where the network takes a face at rest for more, what it says is
   /// hardly worth a stretch: raising would let a tenth of a shape look like half of it.
@@ -24,30 +26,39 @@ struct NeutralFace {
   float tongue_out = 0;                 ///< The same.
   std::array<float, 4> gaze_rad{};      ///< As Answer::gaze_rad.
   std::array<float, 2> openness{1, 1};  ///< kLeastOpenness to 1.5.
+  RestFeatures rest;
+  std::string network;  ///< HeadsetModel::hash() of what found them.
   std::vector<sensor::Score> scores;
   bool operator==(const NeutralFace&) const = default;
 
   /// The answer as the wearer means it: of each weight the way from rest to 1, gaze less its own at rest,
   /// openness as a share of that at rest, to 1.5.
   void correct(Answer& answer) const;
+  /// What it corrects by: the answer of the face at rest, each held to what it can be.
+  void correct_by(const Answer& at_rest);
 };
 
 /// JSON; parse_neutral_face takes it back. Errors: malformed, out_of_range.
 [[nodiscard]] std::string write_neutral_face(const NeutralFace& neutral);
 [[nodiscard]] Result<NeutralFace> parse_neutral_face(std::string_view json, const std::string& where);
 
-/// Gathers answers while a wearer holds still. No allocation in add(). A pure function of the calls.
+/// Gathers what is found, and answered of it without a face at rest, while a wearer holds still. No
+/// allocation in add(). A pure function of the calls.
 class NeutralMaker {
  public:
-  void begin() { *this = {}; }
-  void add(const Answer& answer);
+  /// `features`: of each view.
+  explicit NeutralMaker(std::size_t features) : features_(model::kViews * features) {}
+  void begin();
+  void add(const MomentFeatures& moment, const Answer& answer);
   /// How many were added.
   [[nodiscard]] std::size_t frames() const { return frames_; }
-  /// Their mean, judged. There are some.
+  /// Their mean, judged. There are some. Corrects by the mean answer.
   [[nodiscard]] NeutralFace make(std::vector<std::string> cameras) const;
 
  private:
   std::size_t frames_ = 0;
+  std::vector<double> features_;                   ///< Sums, as MomentFeatures has them.
+  std::array<std::size_t, model::kViews> seen_{};  ///< Frames that have each view.
   std::array<double, kAnswerOutputs> sum_{};
   std::array<double, kAnswerOutputs> squares_{};
 };

@@ -15,8 +15,54 @@ namespace mien::headset {
 namespace {
 
 constexpr std::string_view kFormat = "mien-headset";
-constexpr std::string_view kVersion = "1";
+constexpr std::string_view kVersion = "2";
 constexpr const char* kMean = "mean_answer";
+constexpr std::string_view kMemoryPrefix = "memory.";
+constexpr const char* kJudgementMaps = "judgements";  // Offset and slope of each.
+
+Result<void> check_memory(const ViewsMemory& memory, std::size_t features, const std::string& where) {
+  if (const auto ok = model::check(memory.architecture); !ok)
+    return fail(ok.error().code, ok.error().what, where);
+  const model::Architecture& a = memory.architecture;
+  if (a.kind != model::NetworkKind::causal || a.condition != moment_condition(features) ||
+      a.outputs != kMemoryOutputs)
+    return fail(ErrorCode::mismatch, "its memory is of another network of pictures", where);
+  if (!std::ranges::all_of(memory.judgements, [](const model::LogisticMap& map) {
+        return std::abs(map.offset) <= model::LogisticMap::kLargest &&
+               std::abs(map.slope) <= model::LogisticMap::kLargest;
+      }))
+    return fail(ErrorCode::out_of_range, "its confidence is beyond its range", where);
+  if (const auto ok = model::check_tensors(a, memory.network); !ok)
+    return fail(ErrorCode::mismatch, ok.error().what, where);
+  return {};
+}
+
+Result<std::vector<float>> take_tensor(std::string_view name, model::TensorFile& from,
+                                       const std::string& where) {
+  const auto found = std::ranges::find(from.tensors, name, &model::Tensor::name);
+  if (found == from.tensors.end())
+    return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", name), where);
+  std::vector<float> values = std::move(found->values);
+  from.tensors.erase(found);
+  return values;
+}
+
+Result<ViewsMemory> take_memory(model::TensorFile& from, const std::string& where) {
+  ViewsMemory memory;
+  MIEN_TRY_ASSIGN(memory.architecture,
+                  model::parse_architecture(from.metadata["memory_architecture"], where));
+  memory.recipe = from.metadata["memory_recipe"];
+  memory.results = from.metadata["memory_results"];
+  MIEN_TRY_ASSIGN(memory.network, model::take_network(memory.architecture, from, where, kMemoryPrefix));
+  MIEN_TRY_ASSIGN(const std::vector<float> maps, take_tensor(kJudgementMaps, from, where));
+  if (maps.size() != 2 * kJudgements)
+    return fail(ErrorCode::mismatch,
+                fmt::format("tensor {} has {} numbers, not {}", kJudgementMaps, maps.size(), 2 * kJudgements),
+                where);
+  for (std::size_t j = 0; j < kJudgements; ++j)
+    memory.judgements[j] = {.offset = maps[2 * j], .slope = maps[2 * j + 1]};
+  return memory;
+}
 
 Result<void> check_file(const ViewsFile& file, const std::string& where) {
   if (const auto ok = model::check(file.architecture); !ok)
@@ -31,6 +77,7 @@ Result<void> check_file(const ViewsFile& file, const std::string& where) {
     return fail(ErrorCode::out_of_range, "its mean answer is beyond its range", where);
   if (const auto ok = model::check_tensors(file.architecture, file.network); !ok)
     return fail(ErrorCode::mismatch, ok.error().what, where);
+  if (file.memory) return check_memory(*file.memory, file.architecture.features, where);
   return {};
 }
 
@@ -53,11 +100,10 @@ Result<ViewsFile> parse_views_file(std::span<const std::byte> bytes, std::string
   file.recipe = metadata["recipe"];
   file.results = metadata["results"];
   MIEN_TRY_ASSIGN(file.network, model::take_network(file.architecture, from, where));
-  const auto mean = std::ranges::find(from.tensors, kMean, &model::Tensor::name);
-  if (mean == from.tensors.end())
-    return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", kMean), where);
-  file.mean_answer = std::move(mean->values);
-  from.tensors.erase(mean);
+  MIEN_TRY_ASSIGN(file.mean_answer, take_tensor(kMean, from, where));
+  if (metadata.contains("memory_architecture")) {
+    MIEN_TRY_ASSIGN(file.memory, take_memory(from, where));
+  }
   if (!from.tensors.empty())
     return fail(ErrorCode::mismatch, fmt::format("tensor {:?} belongs to nothing", from.tensors[0].name),
                 where);
@@ -83,6 +129,18 @@ Result<std::vector<std::byte>> format_views_file(const ViewsFile& file) {
   };
   model::add_network(file.network, to);
   to.tensors.push_back({.name = kMean, .shape = {file.mean_answer.size()}, .values = file.mean_answer});
+  if (file.memory) {
+    to.metadata["memory_architecture"] = model::format_architecture(file.memory->architecture);
+    to.metadata["memory_recipe"] = file.memory->recipe;
+    to.metadata["memory_results"] = file.memory->results;
+    model::add_network(file.memory->network, to, kMemoryPrefix);
+    std::vector<float> maps;
+    for (const model::LogisticMap& map : file.memory->judgements) {
+      maps.push_back(map.offset);
+      maps.push_back(map.slope);
+    }
+    to.tensors.push_back({.name = kJudgementMaps, .shape = {kJudgements, 2}, .values = std::move(maps)});
+  }
   return model::write_safetensors(to);
 }
 

@@ -22,7 +22,7 @@ enum class NetworkKind {
   /// layer added to what it reads. model::CausalNetwork.
   causal,
   /// Pictures of several cameras at one moment: a backbone for eyes and one for mouths, and a hidden layer of
-  /// what they find. model::ViewsNetwork.
+  /// what they find and how that differs from the wearer's face at rest. model::ViewsNetwork.
   views,
 };
 
@@ -39,7 +39,9 @@ struct Architecture {
   std::size_t heads = 4;      ///< Attention heads. This and the two below: 0 in a causal network.
   std::size_t d_head = 64;    ///< Width of one head; a multiple of 32. heads * d_head need not be d_model.
   std::size_t ffn = 1024;     ///< Hidden width of the feed-forward block; a multiple of 32.
-  std::size_t window = 120;   ///< Frames that one call sees at most; causal: of a sequence in training.
+  /// Frames that one call sees at most; causal: of a sequence in training; pictures: moments of one wearer
+  /// that are trained together, the first at rest.
+  std::size_t window = 120;
   std::size_t condition = 0;  ///< Numbers of condition a frame: FeatureLayout::width().
   std::size_t outputs = 53;   ///< Shapes.
   // Of a network of pictures; 0 and empty in others. Its layers are the convolutions, d_model the hidden
@@ -82,9 +84,9 @@ struct TensorSpec {
 };
 
 /// Numbers that a network of pictures reads a moment: the views' pixels one after the other, 0 to 1, then of
-/// each whether it is there, 0 or 1.
+/// each whether it is there, 0 or 1, and whether the wearer's face at rest is known, 0 or 1.
 [[nodiscard]] constexpr std::size_t views_condition(std::size_t side) {
-  return kViews * (side * side + 1);
+  return kViews * (side * side + 1) + 1;
 }
 
 /// Every tensor of the network, in one fixed order. Training writes exactly these and the run time reads

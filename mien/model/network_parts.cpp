@@ -19,7 +19,6 @@ using Json = nlohmann::json;
 
 /// Beside NetworkKind.
 constexpr std::array<std::string_view, 3> kKinds = {"window", "causal", "views"};
-constexpr std::string_view kPrefix = "network.";
 
 constexpr std::size_t Architecture::*kSizes[] = {
     &Architecture::layers, &Architecture::d_model, &Architecture::heads,     &Architecture::d_head,
@@ -74,17 +73,17 @@ Result<Architecture> parse_architecture(std::string_view text, const std::string
   return a;
 }
 
-void add_network(const std::vector<Tensor>& network, TensorFile& file) {
+void add_network(const std::vector<Tensor>& network, TensorFile& file, std::string_view prefix) {
   for (const Tensor& tensor : network)
     file.tensors.push_back(
-        {.name = std::string(kPrefix) + tensor.name, .shape = tensor.shape, .values = tensor.values});
+        {.name = std::string(prefix) + tensor.name, .shape = tensor.shape, .values = tensor.values});
 }
 
 Result<std::vector<Tensor>> take_network(const Architecture& architecture, TensorFile& file,
-                                         const std::string& where) {
+                                         const std::string& where, std::string_view prefix) {
   std::vector<Tensor> network;
   for (const TensorSpec& spec : network_tensors(architecture)) {
-    const auto it = std::ranges::find(file.tensors, std::string(kPrefix) + spec.name, &Tensor::name);
+    const auto it = std::ranges::find(file.tensors, std::string(prefix) + spec.name, &Tensor::name);
     if (it == file.tensors.end())
       return fail(ErrorCode::mismatch, fmt::format("tensor {} is missing", spec.name), where);
     it->name = spec.name;

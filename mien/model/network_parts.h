@@ -16,11 +16,12 @@ namespace mien::model {
 /// Checked. Errors: malformed, unsupported (a kind that is not known), out_of_range.
 [[nodiscard]] Result<Architecture> parse_architecture(std::string_view json, const std::string& where);
 
-/// Adds the tensors behind "network.".
-void add_network(const std::vector<Tensor>& network, TensorFile& file);
+/// Adds the tensors behind "network.", or of a file's second network behind another prefix.
+void add_network(const std::vector<Tensor>& network, TensorFile& file, std::string_view prefix = "network.");
 /// Takes them out again, in network_tensors()'s order; others stay. Errors: mismatch (one is missing, or of
 /// another size).
 [[nodiscard]] Result<std::vector<Tensor>> take_network(const Architecture& architecture, TensorFile& file,
-                                                       const std::string& where);
+                                                       const std::string& where,
+                                                       std::string_view prefix = "network.");
 
 }  // namespace mien::model

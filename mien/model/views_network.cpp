@@ -30,7 +30,7 @@ Result<ViewsNetwork> ViewsNetwork::create(const Architecture& architecture, std:
   const auto linear = [&](std::size_t at, std::size_t out, std::size_t in) {
     return pack_linear(network[at].values, network[at + 1].values, out, in, 0, in, precision);
   };
-  made.hidden_ = linear(2 * count + 1, architecture.d_model, kViews * architecture.features);
+  made.hidden_ = linear(2 * count + 1, architecture.d_model, 2 * kViews * architecture.features);
   made.output_ = linear(2 * count + 3, architecture.outputs, architecture.d_model);
   return made;
 }
@@ -38,10 +38,10 @@ Result<ViewsNetwork> ViewsNetwork::create(const Architecture& architecture, std:
 ViewsNetwork::Workspace::Workspace(const ViewsNetwork& network)
     : eye_(network.eye_, 2),
       mouth_(network.mouth_, 2),
-      features_(row_stride(kViews * network.architecture_.features)),
+      features_(row_stride(2 * kViews * network.architecture_.features)),
       hidden_(row_stride(network.architecture_.d_model)),
       answer_(row_stride(network.architecture_.outputs)),
-      converted_(1, std::max(kViews * network.architecture_.features, network.architecture_.d_model)) {}
+      converted_(1, std::max(2 * kViews * network.architecture_.features, network.architecture_.d_model)) {}
 
 void ViewsNetwork::find(std::span<const float> views, const std::array<bool, kViews>& present,
                         Workspace& workspace, std::span<float> features) const {
@@ -72,8 +72,9 @@ void ViewsNetwork::find_one(std::size_t which, std::span<const float> view, Work
     mouth_.apply(view, workspace.mouth_, features);
 }
 
-void ViewsNetwork::answer(std::span<const float> features, Workspace& workspace, std::span<float> out) const {
-  std::ranges::copy(features, workspace.features_.data());
+void ViewsNetwork::answer(std::span<const float> features, std::span<const float> differences,
+                          Workspace& workspace, std::span<float> out) const {
+  std::ranges::copy(differences, std::ranges::copy(features, workspace.features_.data()).out);
   apply_linear(hidden_, 1, {workspace.features_.data(), workspace.features_.size()},
                {workspace.hidden_.data(), workspace.hidden_.size()}, {.add = {}, .relu = true},
                workspace.converted_);

@@ -46,8 +46,10 @@ class ViewsNetwork {
   [[nodiscard]] std::span<const float> missing(std::size_t which) const {
     return {missing_.data() + which * architecture_.features, architecture_.features};
   }
-  /// What it answers of them: architecture().outputs numbers, nominally in [-1, 1].
-  void answer(std::span<const float> features, Workspace& workspace, std::span<float> out) const;
+  /// What it answers of them: architecture().outputs numbers, nominally in [-1, 1]. `differences`: features
+  /// less those of the wearer at rest, as many; 0 where either is not known.
+  void answer(std::span<const float> features, std::span<const float> differences, Workspace& workspace,
+              std::span<float> out) const;
 
   [[nodiscard]] const Architecture& architecture() const { return architecture_; }
 

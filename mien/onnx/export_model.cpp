@@ -196,15 +196,73 @@ Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
   return bytes_of(graph);
 }
 
+Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model, const ExportRequest& request) {
+  MIEN_TRY(model::check(model.architecture));
+  MIEN_TRY(model::check_tensors(model.architecture, model.network));
+  if (request.features)
+    return fail(ErrorCode::bad_usage, "what is found in pictures is normalised by nothing", {},
+                "leave the features out");
+  const model::BackboneShape shape = model::backbone_shape(model.architecture);
+  const std::vector<model::TensorSpec> specs = model::tensor_specs(shape);
+  for (const std::string_view part : {"eye", "mouth"}) {
+    if (request.part != part) continue;
+    MIEN_TRY(check(request, false));
+    std::vector<model::Tensor> tensors;
+    for (const model::TensorSpec& spec : specs) {
+      const auto found =
+          std::ranges::find(model.network, fmt::format("{}.{}", part, spec.name), &model::Tensor::name);
+      tensors.push_back({.name = spec.name, .shape = spec.shape, .values = found->values});
+    }
+    return onnx_of(shape, tensors);
+  }
+  if (request.part != "network" || !model.memory)
+    return fail(ErrorCode::not_found, "the model has no such part", request.part,
+                model.memory ? "use network, eye or mouth" : "use eye or mouth: it has no memory");
+  const headset::ViewsMemory& memory = *model.memory;
+  MIEN_TRY(check(request, true));
+  MIEN_TRY(model::check(memory.architecture));
+  MIEN_TRY(model::check_tensors(memory.architecture, memory.network));
+  Graph graph("mien_headset",
+              "A network of Mien for a headset's cameras: what is found in their views to the face, frame by "
+              "frame of 1/60 s.");
+  tell_kind(graph, "headset");
+  graph.tell("architecture", model::format_architecture(memory.architecture));
+  graph.tell("steps", std::to_string(request.steps));
+  graph.input({.name = "condition",
+               .shape = {rows_of(request), memory.architecture.condition},
+               .says =
+                   "Features of four views (left eye, right eye, left half of the mouth, right half), the "
+                   "same less those of the face at rest (0 where unknown), of each view its age (shares of "
+                   "0.1 s, 1 where it is missing) and whether it is there (0 or 1), and whether the face "
+                   "at rest is known (0 or 1)."});
+  add_causal_network(
+      graph, memory.architecture, memory.network, "condition",
+      {.name = "answer",
+       .says = "53 weights and the tongue as 2 w - 1; yaw and pitch of the left and the right eye "
+               "over 0.7 rad; openness of both as 2 (o / 1.5) - 1; pupils as (mm - 4.5) / 3.5; "
+               "then six logits, of brows, eyes, cheeks, mouth, jaw and gaze, to be made "
+               "probabilities by the maps in metadata `judgements` (offset, slope).",
+       .factor = 1},
+      request.steps);
+  Json maps = Json::array();
+  for (const model::LogisticMap& map : memory.judgements) maps.push_back({map.offset, map.slope});
+  graph.tell("judgements", maps.dump());
+  return bytes_of(graph);
+}
+
 Result<std::vector<std::byte>> onnx_of_file(const std::filesystem::path& path, const ExportRequest& request) {
   MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
   const std::string where = path.string();
   const auto model = model::parse_model(bytes, where);
   if (model) return onnx_of(*model, request);
-  // The other format refuses this one by its name; what is wrong with one of its own files is its to say.
+  // Each format refuses others by their name; what is wrong with one of its own files is its to say.
   const auto markers = eyewear::parse_marker_network(bytes, where);
   if (markers) return onnx_of(*markers, request);
-  return std::unexpected(markers.error().code == ErrorCode::unsupported ? model.error() : markers.error());
+  const auto views = headset::parse_views_file(bytes, where);
+  if (views) return onnx_of(*views, request);
+  for (const Error* error : {&markers.error(), &views.error()})
+    if (error->code != ErrorCode::unsupported) return std::unexpected(*error);
+  return std::unexpected(model.error());
 }
 
 Result<std::vector<std::byte>> echo_of(std::span<const std::byte> onnx) {

@@ -8,6 +8,7 @@
 
 #include "mien/core/error.h"
 #include "mien/eyewear/marker_network.h"
+#include "mien/headset/views_file.h"
 #include "mien/model/backbone.h"
 #include "mien/model/model_file.h"
 
@@ -18,7 +19,8 @@ inline constexpr std::size_t kMostSteps = 256;
 
 /// What is to be exported of a model file, and how.
 struct ExportRequest {
-  std::string part = "network";  ///< Or "ridge.PROFILE", as the file's tensors are called.
+  /// Or "ridge.PROFILE", as the file's tensors are called; of a headset's model "eye" or "mouth".
+  std::string part = "network";
   /// The graph takes what sensors say (m/s^2, quaternions, flags) instead of the normalised condition.
   bool features = false;
   /// Frames that one run of a causal network answers, its states passed on within the graph; 1 to kMostSteps.
@@ -34,11 +36,16 @@ struct ExportRequest {
 /// The eyewear model's: its answer is in metres.
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of(const eyewear::MarkerNetworkFile& model,
                                                      const ExportRequest& request = {});
+/// A headset's: its part "network" is the memory, from moment_condition() numbers of what was found and how
+/// it differs from rest to the weights and all else that it answers; "eye" and "mouth" are what finds it.
+/// Errors: also not_found (a model without a memory).
+[[nodiscard]] Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model,
+                                                     const ExportRequest& request = {});
 /// A network of pictures alone: "pictures" [batch x 1 x size x size] to "features" [batch x features].
 /// `tensors` in tensor_specs()'s order. Errors: out_of_range, mismatch.
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
                                                      std::span<const model::Tensor> tensors);
-/// Of a model file of either format. Errors: also the readers'.
+/// Of a model file of any format. Errors: also the readers'.
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of_file(const std::filesystem::path& path,
                                                           const ExportRequest& request = {});
 

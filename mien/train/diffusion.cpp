@@ -9,6 +9,8 @@ namespace {
 /// Windows that go through the network at once while validating.
 constexpr std::int64_t kValidationBatch = 64;
 constexpr std::uint64_t kValidationSeed = 20240601;
+/// Of a network's judgement of itself beside its answers: it should learn to judge, not to answer worse.
+constexpr double kJudgementWeight = 0.02;
 /// Added to a squared distance under its root, so that its slope is finite where nothing is wrong.
 constexpr double kLeastSquare = 1e-6;
 
@@ -51,7 +53,38 @@ torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor&
   return torch::where(clean.isnan(), torch::zeros_like(clean), predicted - clean);
 }
 
+namespace {
+
+torch::Tensor judgement_loss(const Recipe& recipe, const torch::Tensor& predicted,
+                             const torch::Tensor& clean) {
+  const auto first = predicted.size(2) - static_cast<std::int64_t>(recipe.judgements.size());
+  const torch::Tensor error = difference_of(predicted.narrow(2, 0, first).detach().clamp(-1, 1), clean).abs();
+  const torch::Tensor known = clean.isnan().logical_not().to(torch::kFloat);
+  std::vector<torch::Tensor> right;
+  for (const Recipe::Judgement& judgement : recipe.judgements) {
+    const torch::Tensor which = torch::tensor(judgement.outputs).to(clean.device());
+    const torch::Tensor count = known.index_select(2, which).sum(2);
+    right.push_back((count > 0)
+                        .logical_and(error.index_select(2, which).sum(2) <= count * judgement.most_error)
+                        .to(torch::kFloat));
+  }
+  return torch::binary_cross_entropy_with_logits(predicted.narrow(2, first, predicted.size(2) - first),
+                                                 torch::stack(right, 2));
+}
+
+torch::Tensor answers_of(const Recipe& recipe, const torch::Tensor& predicted) {
+  return predicted.narrow(2, 0, predicted.size(2) - static_cast<std::int64_t>(recipe.judgements.size()));
+}
+
+}  // namespace
+
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
+  if (!recipe.judgements.empty()) {
+    Recipe of_answers = recipe;
+    of_answers.judgements.clear();
+    return loss_of(of_answers, answers_of(recipe, predicted), batch) +
+           kJudgementWeight * judgement_loss(recipe, predicted, batch.clean);
+  }
   const torch::Tensor difference = difference_of(predicted, batch.clean);
   const torch::Tensor error = error_of(recipe.loss, difference);
   if (recipe.difference_weight > 0) {
@@ -72,7 +105,7 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
   if (recipe.architecture.kind != model::NetworkKind::window) {
     const torch::Tensor predicted =
         predict_at_once(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16});
-    const torch::Tensor error = difference_of(predicted.clamp(-1, 1), all.clean);
+    const torch::Tensor error = difference_of(answers_of(recipe, predicted).clamp(-1, 1), all.clean);
     // Half the distance in [-1, 1] is the distance of weights.
     return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};
   }

@@ -17,6 +17,7 @@
 #include "mien/study/speech/speech_dataset.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/marker_task.h"
+#include "mien/train/memory_task.h"
 #include "mien/train/speech_task.h"
 #include "mien/train/views_task.h"
 
@@ -58,13 +59,20 @@ MadeTask make_speech_task(Recipe recipe, const TaskSource& source, const Progres
   return SpeechTask::create(std::move(recipe), std::move(data.train), std::move(data.validation));
 }
 
-MadeTask make_views_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
+MadeTask make_headset_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY(expect_builtin(source, "virtual wearers of headsets are of the built-in family"));
   MIEN_TRY_ASSIGN(const study::HeadsetDataRecipe data_recipe,
                   study::parse_headset_data_recipe(recipe.data, source.where));
   MIEN_TRY_ASSIGN(study::HeadsetFilms films,
                   study::make_headset_films(data_recipe, source.rig, source.films, progress));
-  return ViewsTask::create(std::move(recipe), std::move(films), source.rig, source.rig_text);
+  if (recipe.architecture.kind == model::NetworkKind::views)
+    return ViewsTask::create(std::move(recipe), std::move(films), source.rig, source.rig_text);
+  if (source.views.empty())
+    return fail(ErrorCode::bad_usage, "a headset's memory learns from what a network of pictures finds",
+                source.where,
+                "name that model with --views; mien train models/recipes/headset.toml makes one");
+  MIEN_TRY_ASSIGN(headset::ViewsFile views, headset::read_views_file(source.views));
+  return MemoryTask::create(std::move(recipe), films, std::move(views), source.rig, progress);
 }
 
 /// A kind of sensors, and what their network learns.
@@ -76,7 +84,7 @@ constexpr std::array kModalities = {
     Modality{"imu", make_blendshape_task},
     Modality{"eyewear", make_marker_task},
     Modality{"speech", make_speech_task},
-    Modality{"camera", make_views_task},
+    Modality{"camera", make_headset_task},
 };
 
 }  // namespace

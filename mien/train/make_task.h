@@ -21,12 +21,14 @@ struct TaskSource {
   std::string rig_text;         ///< Its file, which goes into the model.
   study::Speaker speaker;       ///< Who speaks for microphones.
   std::filesystem::path films;  ///< A folder for films of headset cameras: kept, and gone on with.
+  std::filesystem::path views;  ///< A network of pictures, for a memory to learn from what it finds.
 };
 
 /// What the rig's sensors are to learn, with data made by the recipe's [data]: IMUs learn blendshape weights,
-/// eyewear learns markers, a microphone learns the mouth, cameras learn weights and gaze (make_task.cpp has
-/// the table). Errors: those of data and task; unsupported (sensors of several kinds, or of an unknown one);
-/// bad_usage (a face other than the built-in one for photo-reflective sensors or for a microphone).
+/// eyewear learns markers, a microphone learns the mouth, cameras learn weights and gaze, and the memory of
+/// what they show (make_task.cpp has the table). Errors: those of data and task; unsupported (sensors of
+/// several kinds, or of an unknown one); bad_usage (a face other than the built-in one for photo-reflective
+/// sensors or for a microphone).
 [[nodiscard]] Result<std::unique_ptr<Task>> make_task(Recipe recipe, const TaskSource& source,
                                                       const Progress& progress);
 

@@ -156,7 +156,8 @@ Parameters from_tensors(const std::vector<model::Tensor>& tensors, const torch::
 torch::Tensor predict_views(const model::Architecture& a, const Parameters& parameters,
                             const torch::Tensor& condition, const Pass& pass) {
   constexpr auto kViews = static_cast<std::int64_t>(model::kViews);
-  const auto side = static_cast<std::int64_t>(a.side), moments = condition.size(0);
+  const auto side = static_cast<std::int64_t>(a.side), wearers = condition.size(0), each = condition.size(1),
+             moments = wearers * each;
   const torch::Tensor all = condition.view({moments, -1});
   const torch::Tensor views = all.narrow(1, 0, kViews * side * side).view({moments, kViews, side, side});
   const torch::Tensor present = all.narrow(1, kViews * side * side, kViews).unsqueeze(2);
@@ -169,8 +170,15 @@ torch::Tensor predict_views(const model::Architecture& a, const Parameters& para
   }
   const torch::Tensor seen = torch::cat(found, 1);
   const torch::Tensor features = present * seen + (1 - present) * use.plain().unsqueeze(0);
-  const torch::Tensor hidden = torch::relu(use.linear(use.drop(features.flatten(1))));
-  return use.linear(hidden).to(torch::kFloat).unsqueeze(1);
+  // Against the first moment, where both views are there and it is known.
+  const torch::Tensor of_wearers = features.view({wearers, each, kViews, -1});
+  const torch::Tensor there = present.view({wearers, each, kViews, 1}),
+                      known = all.narrow(1, kViews * (side * side + 1), 1).view({wearers, each, 1, 1});
+  const torch::Tensor differences =
+      known * there * there.narrow(1, 0, 1) * (of_wearers - of_wearers.narrow(1, 0, 1));
+  const torch::Tensor read = torch::cat({features.flatten(1), differences.view({moments, -1})}, 1);
+  const torch::Tensor hidden = torch::relu(use.linear(use.drop(read)));
+  return use.linear(hidden).to(torch::kFloat).view({wearers, each, -1});
 }
 
 torch::Tensor predict_at_once(const model::Architecture& architecture, const Parameters& parameters,

@@ -36,8 +36,9 @@ struct Pass {
                                            const Parameters& parameters, const torch::Tensor& condition,
                                            const Pass& pass);
 
-/// What a network of pictures answers: the same function as model::ViewsNetwork. Shapes: condition [moments,
-/// 1, model::views_condition()], result [moments, 1, outputs] in fp32.
+/// What a network of pictures answers: the same function as model::ViewsNetwork. Shapes: condition
+/// [wearers, moments, model::views_condition()], a wearer's first moment at rest; result [wearers, moments,
+/// outputs] in fp32.
 [[nodiscard]] torch::Tensor predict_views(const model::Architecture& architecture,
                                           const Parameters& parameters, const torch::Tensor& condition,
                                           const Pass& pass);

@@ -140,7 +140,7 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
     n.whole("ffn", r.architecture.ffn, 32, 16384);
     n.flag("near_first", r.near_first);
   }
-  if (!views) n.whole("window", r.architecture.window, 2, 1024);
+  n.whole("window", r.architecture.window, 2, 1024);
   n.flag("presence_flags", r.presence_flags);
   n.number("dropout", r.dropout, 0, 0.9);
   MIEN_TRY(n.finish());

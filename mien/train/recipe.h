@@ -37,6 +37,15 @@ struct Recipe {
   /// Attention begins by looking at near frames, each head more closely than the one before; else anywhere.
   bool near_first = false;
 
+  /// Filled in by tasks whose network judges itself: its last outputs, one each, are the logits of whether
+  /// the mean absolute error of these others is at most `most_error`, counting those that are known; where
+  /// none is, it is wrong.
+  struct Judgement {
+    std::vector<std::int64_t> outputs;
+    double most_error = 0;
+  };
+  std::vector<Judgement> judgements;
+
   // [data]: the table as TOML text, unread, for whoever makes the data.
   std::string data;
 

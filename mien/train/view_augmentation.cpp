@@ -14,12 +14,12 @@ constexpr double kGamma = 0.25, kBlurred = 0.2, kNoisy = 0.5, kMostNoise = 6, kP
 constexpr double kLeastPatch = 0.08, kMostPatch = 0.3;
 
 /// As another mounting shows it; what lies outside is the nearest edge.
-void move(std::span<std::uint8_t> view, int side, Random& random, std::vector<std::uint8_t>& memory) {
+void move(const ViewLook& look, std::span<std::uint8_t> view, int side, std::vector<std::uint8_t>& memory) {
   memory.assign(view.begin(), view.end());
-  const double turn = random.normal(0, kTurnRad), scale = random.log_normal(kScale);
   const double middle = 0.5 * (side - 1);
-  const double dx = middle + kShift * side * random.normal(), dy = middle + kShift * side * random.normal();
-  const auto c = static_cast<float>(scale * std::cos(turn)), s = static_cast<float>(scale * std::sin(turn));
+  const double dx = middle + look.right * side, dy = middle + look.down * side;
+  const auto c = static_cast<float>(look.scale * std::cos(look.turn_rad)),
+             s = static_cast<float>(look.scale * std::sin(look.turn_rad));
   const int last = side - 1;
   const auto at = [&](int x, int y) {
     return static_cast<float>(
@@ -51,14 +51,29 @@ void blur(std::span<std::uint8_t> view, int side, std::vector<std::uint8_t>& mem
 
 }  // namespace
 
-void augment_view(std::span<std::uint8_t> view, int side, Random& random, std::vector<std::uint8_t>& memory) {
-  move(view, side, random, memory);
-  if (random.chance(kBlurred)) blur(view, side, memory);
-  const double gamma = random.log_normal(kGamma);
+ViewLook draw_look(Random& random) {
+  ViewLook look;
+  look.turn_rad = random.normal(0, kTurnRad);
+  look.scale = random.log_normal(kScale);
+  look.right = random.normal(0, kShift);
+  look.down = random.normal(0, kShift);
+  look.gamma = random.log_normal(kGamma);
+  look.is_blurred = random.chance(kBlurred);
+  return look;
+}
+
+void show_as(const ViewLook& look, std::span<std::uint8_t> view, int side,
+             std::vector<std::uint8_t>& memory) {
+  move(look, view, side, memory);
+  if (look.is_blurred) blur(view, side, memory);
   std::array<std::uint8_t, 256> shown{};
   for (std::size_t i = 0; i < shown.size(); ++i)
-    shown[i] = static_cast<std::uint8_t>(std::lround(255 * std::pow(static_cast<double>(i) / 255, gamma)));
+    shown[i] =
+        static_cast<std::uint8_t>(std::lround(255 * std::pow(static_cast<double>(i) / 255, look.gamma)));
   for (std::uint8_t& pixel : view) pixel = shown[pixel];
+}
+
+void spoil_view(std::span<std::uint8_t> view, int side, Random& random) {
   if (random.chance(kNoisy)) {
     // Even noise of the same spread is as good here, and takes one draw for eight pixels.
     const auto most = static_cast<int>(1 + random.uniform(0, kMostNoise) * 1.7);

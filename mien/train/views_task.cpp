@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
 #include "mien/core/quantile.h"
@@ -27,6 +29,8 @@ using model::kViews;
 
 /// Of a view, that it is missing; of a moment, that its face is mirrored.
 constexpr double kMissing = 0.05, kMirrored = 0.5;
+/// Of a window, that it is not told what the face is like at rest.
+constexpr double kNotTold = 1.0 / 6;
 /// Below this openness a gaze cannot be seen.
 constexpr float kShut = 0.25F;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
@@ -82,6 +86,26 @@ Eigen::VectorXd ridge_inputs(std::span<const float> views, std::size_t side) {
   return inputs;
 }
 
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+/// Squared error of weights whose outputs lie in [-1, 1].
+struct Squares {
+  double sum = 0, count = 0;
+  void add(double output, float wanted) {
+    // Half the distance in [-1, 1] is the distance of weights.
+    const double error = 0.5 * (std::clamp(output, -1.0, 1.0) - double{wanted});
+    sum += error * error;
+    ++count;
+  }
+  [[nodiscard]] double mean() const { return sum / std::max(1.0, count); }
+};
+
+std::size_t frames_of(const std::vector<study::HeadsetFilm>& films) {
+  std::size_t sum = 0;
+  for (const study::HeadsetFilm& film : films) sum += film.frames();
+  return sum;
+}
+
 std::string hash_of(const std::vector<study::HeadsetFilm>& films) {
   Sha256 hash;
   for (const study::HeadsetFilm& film : films) {
@@ -117,12 +141,12 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
     place.view.left = place.view.top = 0;
     place.view.right = place.view.bottom = 1;
   }
-  for (const bool training : {true, false}) {
-    const auto& part = training ? task->films_.train : task->films_.validation;
-    for (std::uint32_t f = 0; f < part.size(); ++f)
-      for (std::uint32_t frame = 0; frame < part[f].frames(); ++frame)
-        (training ? task->training_ : task->validation_).push_back({f, frame});
-  }
+  for (const bool training : {true, false})
+    for (const study::HeadsetFilm& film : training ? task->films_.train : task->films_.validation)
+      for (const study::HeadsetFilm::Donning& frames : film.donnings())
+        (training ? task->training_ : task->validation_).push_back({&film, frames});
+  if (task->training_.empty() || task->validation_.empty())
+    return fail(ErrorCode::bad_usage, "there are no films to learn from", "[data] wearers");
   task->model_.architecture = task->recipe_.architecture;
   task->model_.rig = std::move(rig_text);
   task->model_.recipe = task->recipe_.text;
@@ -132,44 +156,58 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
 
 void ViewsTask::find_mean() {
   std::array<double, kAnswerOutputs> sum{}, count{};
-  for (const Moment& moment : training_) {
-    const auto wanted = wanted_of(films_.train[moment.film].truth(moment.frame));
-    for (std::size_t i = 0; i < kAnswerOutputs; ++i)
-      if (!std::isnan(wanted[i])) {
-        sum[i] += double{wanted[i]};
-        ++count[i];
-      }
-  }
+  for (const study::HeadsetFilm& film : films_.train)
+    for (std::size_t frame = 0; frame < film.frames(); ++frame) {
+      const auto wanted = wanted_of(film.truth(frame));
+      for (std::size_t i = 0; i < kAnswerOutputs; ++i)
+        if (!std::isnan(wanted[i])) {
+          sum[i] += double{wanted[i]};
+          ++count[i];
+        }
+    }
   model_.mean_answer.clear();
   for (std::size_t i = 0; i < kAnswerOutputs; ++i)
     model_.mean_answer.push_back(static_cast<float>(sum[i] / std::max(1.0, count[i])));
 }
 
-void ViewsTask::append(const study::HeadsetFilm& film, std::size_t frame, Random* augment,
-                       Batch& batch) const {
+void ViewsTask::append(const study::HeadsetFilm& film, std::span<const std::size_t> frames, bool known,
+                       Random* augment, Batch& batch) const {
   const auto side = static_cast<int>(recipe_.architecture.side);
-  const std::size_t pixels = film.side() * film.side(), begin = batch.condition.size();
-  batch.condition.resize(begin + model::views_condition(film.side()), 0.0F);
+  const std::size_t pixels = film.side() * film.side(), each = model::views_condition(film.side());
   const bool mirrored = augment != nullptr && augment->chance(kMirrored);
+  std::array<ViewLook, kViews> looks;
+  std::array<bool, kViews> missing{};
+  if (augment != nullptr)
+    for (std::size_t v = 0; v < kViews; ++v) {
+      looks[v] = draw_look(*augment);
+      missing[v] = augment->chance(kMissing);
+    }
   std::vector<std::uint8_t> changed, memory;
-  for (std::size_t v = 0; v < kViews; ++v) {
-    // A mirrored face's left camera sees what the right one saw, mirrored: and right views are shown
-    // mirrored.
-    const Place& place = places_[mirrored ? v ^ 1U : v];
-    if (!place.is_there) continue;
-    if (augment != nullptr && augment->chance(kMissing)) continue;
-    const std::span<const std::uint8_t> view = film.view(frame, place.camera);
-    changed.assign(view.begin(), view.end());
-    if (augment != nullptr) augment_view(changed, side, *augment, memory);
-    auto shown = headset::NetworkView::create(place.view);
-    shown->make({.width = side, .height = side, .pixels = changed},
-                std::span(batch.condition).subspan(begin + v * pixels, pixels));
-    batch.condition[begin + kViews * pixels + v] = 1;
-  }
-  const auto wanted = wanted_of(film.truth(frame));
-  for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
-    const std::size_t from = mirrored ? headset::mirrored_outputs()[i] : i;
-    batch.clean.push_back(mirrored && headset::mirrors_sign(i) ? -wanted[from] : wanted[from]);
+  for (const std::size_t frame : frames) {
+    const std::size_t begin = batch.condition.size();
+    batch.condition.resize(begin + each, 0.0F);
+    for (std::size_t v = 0; v < kViews; ++v) {
+      // A mirrored face's left camera sees what the right one saw, mirrored: and right views are shown
+      // mirrored.
+      const Place& place = places_[mirrored ? v ^ 1U : v];
+      if (!place.is_there || missing[v]) continue;
+      const std::span<const std::uint8_t> view = film.view(frame, place.camera);
+      changed.assign(view.begin(), view.end());
+      if (augment != nullptr) {
+        show_as(looks[v], changed, side, memory);
+        spoil_view(changed, side, *augment);
+      }
+      auto shown = headset::NetworkView::create(place.view);
+      shown->make({.width = side, .height = side, .pixels = changed},
+                  std::span(batch.condition).subspan(begin + v * pixels, pixels));
+      batch.condition[begin + kViews * pixels + v] = 1;
+    }
+    batch.condition[begin + each - 1] = known ? 1 : 0;
+    const auto wanted = wanted_of(film.truth(frame));
+    for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
+      const std::size_t from = mirrored ? headset::mirrored_outputs()[i] : i;
+      batch.clean.push_back(mirrored && headset::mirrors_sign(i) ? -wanted[from] : wanted[from]);
+    }
   }
   batch.level.push_back(0);
   batch.held.push_back(0);
@@ -178,21 +216,38 @@ void ViewsTask::append(const study::HeadsetFilm& film, std::size_t frame, Random
 
 Batch ViewsTask::random_batch(std::size_t count, Random random) const {
   Batch batch;
+  std::vector<std::size_t> frames(recipe_.architecture.window);
   while (batch.windows < count) {
-    const Moment& moment = training_[random.below(training_.size())];
-    append(films_.train[moment.film], moment.frame, &random, batch);
+    const auto& [film, donning] = training_[random.below(training_.size())];
+    const auto one_of = [&](std::size_t begin, std::size_t end) { return begin + random.below(end - begin); };
+    const bool rests = donning.rest_end > donning.begin;
+    for (std::size_t& frame : frames) frame = one_of(donning.begin, donning.end);
+    if (rests) frames.front() = one_of(donning.begin, donning.rest_end);
+    append(*film, frames, rests && !random.chance(kNotTold), &random, batch);
   }
   return batch;
 }
 
 Batch ViewsTask::validation_batch(Random) const {
   Batch batch;
-  const std::size_t count = std::min(recipe_.windows, validation_.size());
+  const std::size_t count = std::min(recipe_.windows, validation_.size()), each = recipe_.architecture.window;
+  std::vector<std::size_t> frames(each);
   for (std::size_t i = 0; i < count; ++i) {
-    const Moment& moment = validation_[i * validation_.size() / count];
-    append(films_.validation[moment.film], moment.frame, nullptr, batch);
+    const auto& [film, donning] = validation_[i * validation_.size() / count];
+    // Its first frame, at rest, and some of those behind it.
+    for (std::size_t m = 0; m < each; ++m)
+      frames[m] = donning.begin + m * (donning.end - 1 - donning.begin) / (each - 1);
+    append(*film, frames, donning.rest_end > donning.begin, nullptr, batch);
   }
   return batch;
+}
+
+std::size_t ViewsTask::training_frames() const {
+  return frames_of(films_.train);
+}
+
+std::size_t ViewsTask::validation_frames() const {
+  return frames_of(films_.validation);
 }
 
 std::string ViewsTask::training_hash() const {
@@ -221,20 +276,24 @@ Eigen::MatrixXd ViewsTask::fit_ridge() const {
                  kOut = static_cast<Eigen::Index>(kAnswerOutputs);
   Eigen::MatrixXd square = kRidgePenalty * Eigen::MatrixXd::Identity(kIn, kIn);
   Eigen::MatrixXd product = Eigen::MatrixXd::Zero(kIn, kOut);
-  const std::size_t step = training_.size() / kRidgeMoments + 1, side = recipe_.architecture.side;
-  for (std::size_t m = 0; m < training_.size(); m += step) {
-    Batch batch;
-    append(films_.train[training_[m].film], training_[m].frame, nullptr, batch);
-    const Eigen::VectorXd inputs = ridge_inputs(std::span(batch.condition).first(kViews * side * side), side);
-    Eigen::VectorXd wanted(kOut);
-    // What cannot be known is taken for the mean.
-    for (Eigen::Index i = 0; i < kOut; ++i) {
-      const float value = batch.clean[static_cast<std::size_t>(i)];
-      wanted[i] = double{std::isnan(value) ? model_.mean_answer[static_cast<std::size_t>(i)] : value};
+  const std::size_t step = frames_of(films_.train) / kRidgeMoments + 1, side = recipe_.architecture.side;
+  std::size_t number = 0;
+  for (const study::HeadsetFilm& film : films_.train)
+    for (std::size_t frame = 0; frame < film.frames(); ++frame) {
+      if (number++ % step != 0) continue;
+      Batch batch;
+      append(film, std::array{frame}, false, nullptr, batch);
+      const Eigen::VectorXd inputs =
+          ridge_inputs(std::span(batch.condition).first(kViews * side * side), side);
+      Eigen::VectorXd wanted(kOut);
+      // What cannot be known is taken for the mean.
+      for (Eigen::Index i = 0; i < kOut; ++i) {
+        const float value = batch.clean[static_cast<std::size_t>(i)];
+        wanted[i] = double{std::isnan(value) ? model_.mean_answer[static_cast<std::size_t>(i)] : value};
+      }
+      square.selfadjointView<Eigen::Lower>().rankUpdate(inputs);
+      product += inputs * wanted.transpose();
     }
-    square.selfadjointView<Eigen::Lower>().rankUpdate(inputs);
-    product += inputs * wanted.transpose();
-  }
   return square.selfadjointView<Eigen::Lower>().ldlt().solve(product);
 }
 
@@ -243,56 +302,67 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
   MIEN_TRY_ASSIGN(const model::ViewsNetwork runs,
                   model::ViewsNetwork::create(recipe_.architecture, model_.network));
   model::ViewsNetwork::Workspace memory(runs);
-  const std::size_t pixels = recipe_.architecture.side * recipe_.architecture.side;
-  std::vector<float> features(kViews * recipe_.architecture.features);
-  std::array<float, kAnswerOutputs> answer{};
+  const std::size_t side = recipe_.architecture.side, pixels = side * side;
+  std::vector<float> features(kViews * recipe_.architecture.features), differences(features.size());
+  std::array<float, kAnswerOutputs> answer{}, not_told{};
   const Eigen::MatrixXd ridge = fit_ridge();
-  double squares = 0, mean_squares = 0, ridge_squares = 0, weights = 0, hits = 0, told = 0, shut = 0;
+  Squares told_error, not_told_error, of_mean, of_ridge;
+  double hits = 0, told = 0, shut = 0;
   std::vector<double> gaze_deg;
-  for (std::size_t m = 0; m < validation_.size(); ++m) {
-    if (m % 64 == 0 &&
-        !progress(static_cast<double>(m) / static_cast<double>(validation_.size()), "measuring"))
+  for (std::size_t d = 0; d < validation_.size(); ++d) {
+    if (!progress(static_cast<double>(d) / static_cast<double>(validation_.size()), "measuring"))
       return fail(ErrorCode::cancelled, "stopped while measuring the model");
-    Batch batch;
-    append(films_.validation[validation_[m].film], validation_[m].frame, nullptr, batch);
-    std::array<bool, kViews> present{};
-    for (std::size_t v = 0; v < kViews; ++v) present[v] = batch.condition[kViews * pixels + v] > 0;
-    runs.find(std::span(batch.condition).first(kViews * pixels), present, memory, features);
-    runs.answer(features, memory, answer);
-    const Eigen::VectorXd by_ridge =
-        ridge.transpose() *
-        ridge_inputs(std::span(batch.condition).first(kViews * pixels), recipe_.architecture.side);
-    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
-      if (std::isnan(batch.clean[k])) continue;
-      const double off =
-          0.5 * (std::clamp(by_ridge[static_cast<Eigen::Index>(k)], -1.0, 1.0) - double{batch.clean[k]});
-      ridge_squares += off * off;
-      // Half the distance in [-1, 1] is the distance of weights.
-      const double error = 0.5 * (std::clamp(double{answer[k]}, -1.0, 1.0) - double{batch.clean[k]});
-      const double of_mean = 0.5 * double{model_.mean_answer[k] - batch.clean[k]};
-      squares += error * error;
-      mean_squares += of_mean * of_mean;
-      ++weights;
+    const auto& [film, donning] = validation_[d];
+    const auto look_at = [&](std::size_t frame) {
+      Batch batch;
+      append(*film, std::array{frame}, false, nullptr, batch);
+      std::array<bool, kViews> present{};
+      for (std::size_t v = 0; v < kViews; ++v) present[v] = batch.condition[kViews * pixels + v] > 0;
+      runs.find(std::span(batch.condition).first(kViews * pixels), present, memory, features);
+      return batch;
+    };
+    std::vector<float> at_rest(features.size(), 0.0F);
+    const auto rests = static_cast<float>(donning.rest_end - donning.begin);
+    for (std::size_t frame = donning.begin; frame < donning.rest_end; ++frame) {
+      look_at(frame);
+      for (std::size_t i = 0; i < features.size(); ++i) at_rest[i] += features[i] / rests;
     }
-    const headset::Answer seen = headset::decode_answer(answer);
-    const study::FilmTruth truth = films_.validation[validation_[m].film].truth(validation_[m].frame);
-    for (std::size_t e = 0; e < 2; ++e) {
-      if (truth.visible[0] == 0) continue;
-      if (truth.openness[e] >= kShut)
-        gaze_deg.push_back(57.29578 *
-                           std::hypot(double{seen.gaze_rad[2 * e] - truth.gaze_rad[2 * e]},
-                                      double{seen.gaze_rad[2 * e + 1] - truth.gaze_rad[2 * e + 1]}));
-      const bool is = truth.openness[e] < kShut, says = seen.openness[e] < kShut;
-      shut += is ? 1 : 0;
-      told += says ? 1 : 0;
-      hits += is && says ? 1 : 0;
+    for (std::size_t frame = donning.rest_end; frame < donning.end; ++frame) {
+      const Batch batch = look_at(frame);
+      std::ranges::fill(differences, 0.0F);
+      runs.answer(features, differences, memory, not_told);
+      if (rests > 0) std::ranges::transform(features, at_rest, differences.begin(), std::minus());
+      runs.answer(features, differences, memory, answer);
+      const Eigen::VectorXd by_ridge =
+          ridge.transpose() * ridge_inputs(std::span(batch.condition).first(kViews * pixels), side);
+      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+        if (std::isnan(batch.clean[k])) continue;
+        told_error.add(double{answer[k]}, batch.clean[k]);
+        not_told_error.add(double{not_told[k]}, batch.clean[k]);
+        of_mean.add(double{model_.mean_answer[k]}, batch.clean[k]);
+        of_ridge.add(by_ridge[static_cast<Eigen::Index>(k)], batch.clean[k]);
+      }
+      const headset::Answer seen = headset::decode_answer(answer);
+      const study::FilmTruth truth = film->truth(frame);
+      for (std::size_t e = 0; e < 2; ++e) {
+        if (truth.visible[0] == 0) continue;
+        if (truth.openness[e] >= kShut)
+          gaze_deg.push_back(kDegPerRad *
+                             std::hypot(double{seen.gaze_rad[2 * e] - truth.gaze_rad[2 * e]},
+                                        double{seen.gaze_rad[2 * e + 1] - truth.gaze_rad[2 * e + 1]}));
+        const bool is = truth.openness[e] < kShut, says = seen.openness[e] < kShut;
+        shut += is ? 1 : 0;
+        told += says ? 1 : 0;
+        hits += is && says ? 1 : 0;
+      }
     }
   }
   std::ranges::sort(gaze_deg);
   return nlohmann::json{{"headset",
-                         {{"mse", squares / std::max(1.0, weights)},
-                          {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
-                          {"ridge_mse", ridge_squares / std::max(1.0, weights)},
+                         {{"mse", told_error.mean()},
+                          {"without_neutral_mse", not_told_error.mean()},
+                          {"mean_pose_mse", of_mean.mean()},
+                          {"ridge_mse", of_ridge.mean()},
                           {"gaze_median_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.5)},
                           {"gaze_p90_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.9)},
                           {"closed_f1", 2 * hits / std::max(1.0, shut + told)}}}}

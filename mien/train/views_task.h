@@ -23,26 +23,28 @@ class ViewsTask final : public Task {
                                                                  std::string rig_text);
 
   [[nodiscard]] const Recipe& recipe() const override { return recipe_; }
-  /// Half of them mirrored; one view in twenty missing.
+  /// A window is a donning: its first moment at rest, which one window in six is not told of. Half of them
+  /// mirrored; one view in twenty missing.
   [[nodiscard]] Batch random_batch(std::size_t count, Random random) const override;
   [[nodiscard]] Batch validation_batch(Random random) const override;
   [[nodiscard]] std::string training_hash() const override;
   [[nodiscard]] std::string validation_hash() const override;
-  [[nodiscard]] std::size_t training_frames() const override { return training_.size(); }
-  [[nodiscard]] std::size_t validation_frames() const override { return validation_.size(); }
+  [[nodiscard]] std::size_t training_frames() const override;
+  [[nodiscard]] std::size_t validation_frames() const override;
   [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
   [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
-  /// "headset": over validation, moment by moment, of what can be seen: squared error of the weights beside
-  /// the mean answer's and a ridge's on 12 x 12 means of each view, the gaze's median error, and how well
-  /// closed lids are told.
+  /// "headset": over validation, moment by moment, of what can be seen: squared error of the weights, where
+  /// the face at rest is known and where not, beside the mean answer's and a ridge's on 12 x 12 means of
+  /// each view, the gaze's median error, and how well closed lids are told.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
                                            const Progress& progress) override;
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,
                                    const std::string& results) const override;
 
  private:
-  struct Moment {
-    std::uint32_t film, frame;
+  struct Donning {
+    const study::HeadsetFilm* film;
+    study::HeadsetFilm::Donning frames;
   };
   /// Which camera stands in a place of the network, if one does, and how its view is turned.
   struct Place {
@@ -55,13 +57,14 @@ class ViewsTask final : public Task {
   void find_mean();
   /// From ridge_inputs() to the outputs: inputs x outputs.
   [[nodiscard]] Eigen::MatrixXd fit_ridge() const;
-  /// Appends a moment; `augment` may be null.
-  void append(const study::HeadsetFilm& film, std::size_t frame, Random* augment, Batch& batch) const;
+  /// Appends a window: of these frames, the first at rest where `known`; `augment` may be null.
+  void append(const study::HeadsetFilm& film, std::span<const std::size_t> frames, bool known,
+              Random* augment, Batch& batch) const;
 
   Recipe recipe_;
   study::HeadsetFilms films_;
   std::array<Place, model::kViews> places_{};
-  std::vector<Moment> training_, validation_;
+  std::vector<Donning> training_, validation_;
   headset::ViewsFile model_;
 };
 

@@ -117,6 +117,78 @@ TEST(HeadsetTracker, AnswersWhatItsNetworkDoesWithoutACalibrationToo) {
   EXPECT_TRUE(worn.tracker->calibration().empty());
 }
 
+/// A model whose memory answers, and judges, the same whatever it reads.
+std::shared_ptr<const HeadsetModel> constant_memory(const Answer& answer, float logit) {
+  ViewsFile file = small_views_file();
+  file.memory = small_memory();
+  file.memory->judgements.fill({.offset = 0, .slope = 1});
+  auto& network = file.memory->network;
+  std::ranges::fill(network[network.size() - 2].values, 0.0F);
+  std::vector<float>& bias = network.back().values;
+  std::ranges::fill(bias, logit);
+  std::array<float, kAnswerOutputs> outputs{};
+  encode_answer(answer, outputs);
+  std::ranges::copy(outputs, bias.begin());
+  return HeadsetModel::create(file).value();
+}
+
+TEST(HeadsetTracker, AMemoryJudgesItsAnswers) {
+  Worn sure(constant_memory(telling_answer(), 2)), unsure(constant_memory(telling_answer(), -2));
+  sure.run(0.2);
+  unsure.run(0.2);
+  EXPECT_NEAR(sure.frame.weights[kJaw], 0.5, 1e-5);
+  for (const float confidence : sure.frame.region_confidence) EXPECT_NEAR(confidence, 0.8808, 1e-3);
+  for (const float confidence : unsure.frame.region_confidence) EXPECT_NEAR(confidence, 0.1192, 1e-3);
+  EXPECT_NEAR(sure.frame.confidence[kJaw], 0.8808, 1e-3);
+  EXPECT_NEAR(unsure.frame.confidence[kJaw], 0.1192, 1e-3);
+  EXPECT_NEAR(sure.frame.eyes_confidence, 0.8808, 1e-3);
+  sure.sends[0] = false;
+  sure.run(0.3);
+  EXPECT_LT(sure.frame.confidence[kBlinkL], 0.3F) << "its camera is away";
+  EXPECT_NEAR(sure.frame.confidence[kBlinkR], 0.8808, 1e-3);
+}
+
+TEST(HeadsetTracker, AMemoryForgetsWhatWasBeforeALossOfAllCameras) {
+  Worn one(small_model_with_memory()), two(small_model_with_memory());
+  one.run(1);
+  two.run(2);
+  const auto lose = [](Worn& worn, bool all) { worn.sends.fill(!all); };
+  // What is remembered differs; after a loss of all of them nothing does.
+  two.index = one.index = 200;
+  one.step();
+  two.step();
+  EXPECT_NE(one.frame.weights, two.frame.weights);
+  for (Worn* const worn : {&one, &two}) {
+    lose(*worn, true);
+    worn->run(0.5);
+    EXPECT_EQ(worn->result.sensors_present, 0U);
+    lose(*worn, false);
+    worn->run(0.2);
+  }
+  EXPECT_EQ(one.frame.weights, two.frame.weights);
+}
+
+TEST(HeadsetTracker, AMemoryReadsAgainstTheFaceAtRest) {
+  Worn worn(small_model_with_memory());
+  worn.run(0.2);
+  worn.stands_still.fill(false);
+  worn.tracker->guide(Step::neutral, worn.now(), worn.now() + std::chrono::seconds(3));
+  worn.run(3.1);
+  ASSERT_EQ(worn.events.size(), 1U);
+  EXPECT_EQ(worn.events[0].kind, tracker::CalibrationEvent::Kind::calibrated);
+  const auto neutral = parse_neutral_face(worn.tracker->calibration(), "calibration");
+  ASSERT_TRUE(neutral) << neutral.error().message();
+  EXPECT_EQ(neutral->rest.features.size(), model::kViews * 8);
+  EXPECT_EQ(neutral->rest.present, (Present{true, true, true, true}));
+
+  // Another session takes it back, one with another model does not.
+  Worn again(small_model_with_memory()), other(small_model());
+  EXPECT_TRUE(again.tracker->restore(worn.tracker->calibration()));
+  const auto refused = other.tracker->restore(worn.tracker->calibration());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::mismatch);
+}
+
 TEST(HeadsetTracker, FollowsItsPictures) {
   Worn worn;
   worn.run(0.2);

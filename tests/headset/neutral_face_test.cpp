@@ -17,11 +17,40 @@ Answer resting(float jaw = 0.2F) {
   return answer;
 }
 
+constexpr std::size_t kFeatures = 3;
+/// Of all views but the right half of the mouth's.
+MomentFeatures seen(float value) {
+  return {.features = std::vector<float>(model::kViews * kFeatures, value),
+          .present = {true, true, true, false},
+          .age_s = {}};
+}
+
 NeutralFace made_of(const std::vector<Answer>& answers) {
-  NeutralMaker maker;
+  NeutralMaker maker(kFeatures);
   maker.begin();
-  for (const Answer& answer : answers) maker.add(answer);
-  return maker.make({"eye_L", "mouth_M"});
+  float value = 0;
+  for (const Answer& answer : answers) maker.add(seen(value++), answer);
+  NeutralFace made = maker.make({"eye_L", "mouth_M"});
+  made.network = "hash";
+  return made;
+}
+
+TEST(NeutralFace, KeepsTheMeanOfWhatIsFound) {
+  const NeutralFace neutral = made_of({resting(), resting(), resting()});
+  EXPECT_EQ(neutral.rest.present, (Present{true, true, true, false}));
+  ASSERT_EQ(neutral.rest.features.size(), model::kViews * kFeatures);
+  EXPECT_FLOAT_EQ(neutral.rest.features[0], 1);
+  EXPECT_FLOAT_EQ(neutral.rest.features.back(), 0);
+}
+
+TEST(NeutralFace, CorrectsByWhatIsAnsweredOfTheFaceAtRest) {
+  NeutralFace neutral = made_of({resting(0.4F)});
+  Answer still;
+  still.weights[kJaw] = 0.1F;
+  still.gaze_rad[1] = 9;
+  neutral.correct_by(still);
+  EXPECT_FLOAT_EQ(neutral.weights[kJaw], 0.1F);
+  EXPECT_LT(neutral.gaze_rad[1], 2) << "held to what it can be";
 }
 
 TEST(NeutralFace, TakesFromAnAnswerWhatTheWearerHasAtRest) {
@@ -67,6 +96,10 @@ TEST(NeutralFace, ReadsWhatItWrites) {
   EXPECT_EQ(*back, neutral);
 }
 
+nlohmann::json json_of_another_kind(std::string_view key) {
+  return key == "network" ? nlohmann::json(3) : nlohmann::json("text");
+}
+
 TEST(NeutralFace, RefusesWhatIsNone) {
   const std::string sound = write_neutral_face(made_of({resting()}));
   const auto code = [&](const auto& edit) {
@@ -77,9 +110,11 @@ TEST(NeutralFace, RefusesWhatIsNone) {
   };
   EXPECT_FALSE(code([](nlohmann::json&) {}));
   EXPECT_EQ(code([](nlohmann::json& j) { j = 3; }), ErrorCode::malformed);
-  for (const char* key : {"cameras", "weights", "tongue_out", "gaze_rad", "openness", "scores"}) {
+  for (const char* key : {"cameras", "weights", "tongue_out", "gaze_rad", "openness", "scores", "features",
+                          "seen", "network"}) {
     EXPECT_EQ(code([&](nlohmann::json& j) { j.erase(key); }), ErrorCode::malformed) << key;
-    EXPECT_EQ(code([&](nlohmann::json& j) { j[key] = "text"; }), ErrorCode::malformed) << key;
+    EXPECT_EQ(code([&](nlohmann::json& j) { j[key] = json_of_another_kind(key); }), ErrorCode::malformed)
+        << key;
   }
   EXPECT_EQ(code([](nlohmann::json& j) { j["weights"].push_back(0); }), ErrorCode::malformed);
   EXPECT_EQ(code([](nlohmann::json& j) { j["weights"][3] = "x"; }), ErrorCode::malformed);
@@ -87,6 +122,10 @@ TEST(NeutralFace, RefusesWhatIsNone) {
   EXPECT_EQ(code([](nlohmann::json& j) { j["openness"][0] = 0; }), ErrorCode::out_of_range);
   EXPECT_EQ(code([](nlohmann::json& j) { j["gaze_rad"][0] = 1e300; }), ErrorCode::out_of_range);
   EXPECT_EQ(code([](nlohmann::json& j) { j["cameras"][0] = 1; }), ErrorCode::malformed);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["features"].push_back(0); }), ErrorCode::malformed);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["features"][0] = 1e9; }), ErrorCode::out_of_range);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["seen"][0] = 1; }), ErrorCode::malformed);
+  EXPECT_EQ(code([](nlohmann::json& j) { j["seen"].push_back(true); }), ErrorCode::malformed);
   EXPECT_FALSE(parse_neutral_face("{", "calibration"));
 }
 

@@ -38,6 +38,29 @@ inline ViewsFile small_views_file(std::uint64_t seed = 1) {
   return file;
 }
 
+/// A memory of it that has learnt nothing either.
+inline ViewsMemory small_memory(std::uint64_t seed = 2) {
+  ViewsMemory memory;
+  memory.architecture = model::named_architecture("causal", moment_condition(8)).value();
+  memory.architecture.d_model = 32;
+  memory.architecture.outputs = kMemoryOutputs;
+  Random random(seed);
+  for (const model::TensorSpec& spec : model::network_tensors(memory.architecture)) {
+    std::size_t count = 1;
+    for (const std::size_t n : spec.shape) count *= n;
+    std::vector<float> values(count);
+    for (float& value : values) value = static_cast<float>(random.uniform(-0.3, 0.3));
+    memory.network.push_back({.name = spec.name, .shape = spec.shape, .values = std::move(values)});
+  }
+  memory.judgements.fill({.offset = 0.5F, .slope = 1});
+  return memory;
+}
+inline std::shared_ptr<const HeadsetModel> small_model_with_memory() {
+  ViewsFile file = small_views_file();
+  file.memory = small_memory();
+  return HeadsetModel::create(file).value();
+}
+
 inline std::shared_ptr<const HeadsetModel> small_model(std::uint64_t seed = 1) {
   return HeadsetModel::create(small_views_file(seed)).value();
 }

@@ -13,6 +13,9 @@ ViewsFile small() {
   file.mean_answer.assign(kAnswerOutputs, 0.25F);
   file.rig = "name = \"r\"";
   file.recipe = "seed = 1";
+  file.memory = test::small_memory();
+  file.memory->recipe = "seed = 2";
+  file.memory->judgements[1] = {.offset = 0.25F, .slope = -2};
   return file;
 }
 
@@ -29,6 +32,16 @@ TEST(ViewsFile, ReadsWhatItWrites) {
   ASSERT_EQ(back->network.size(), file.network.size());
   for (std::size_t i = 0; i < file.network.size(); ++i)
     EXPECT_EQ(back->network[i].values, file.network[i].values);
+  ASSERT_TRUE(back->memory);
+  EXPECT_TRUE(back->memory->architecture == file.memory->architecture);
+  EXPECT_EQ(back->memory->judgements, file.memory->judgements);
+  EXPECT_EQ(back->memory->recipe, "seed = 2");
+  for (std::size_t i = 0; i < file.memory->network.size(); ++i)
+    EXPECT_EQ(back->memory->network[i].values, file.memory->network[i].values);
+
+  ViewsFile without = small();
+  without.memory.reset();
+  EXPECT_FALSE(parse_views_file(format_views_file(without).value(), "file")->memory);
 }
 
 TEST(ViewsFile, RefusesWhatDoesNotBelong) {
@@ -40,6 +53,10 @@ TEST(ViewsFile, RefusesWhatDoesNotBelong) {
   EXPECT_TRUE(refused([](ViewsFile& f) { f.mean_answer.pop_back(); }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.mean_answer[0] = 1e9F; }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.network.pop_back(); }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->network.pop_back(); }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->judgements[0].slope = 1e30F; }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->architecture.condition = 7; }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->architecture = f.architecture; }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.outputs = 53; }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.widths.push_back(8); }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.side = 100'000; }));

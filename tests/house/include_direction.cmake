@@ -3,7 +3,7 @@
 #   cmake -DROOT=<project> -P include_direction.cmake
 cmake_minimum_required(VERSION 3.25)
 
-set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear gaze phone onnx headset speech shaping
+set(rooms core face builtin_face sensor take model performer mocap tracker imu_packets imu eyewear gaze phone headset onnx speech shaping
     session modalities sink render measure virtual study media train live)
 set(core_knows)
 set(face_knows core)
@@ -17,10 +17,10 @@ set(tracker_knows face sensor model)
 set(imu_packets_knows sensor)
 set(imu_knows imu_packets tracker)
 set(eyewear_knows builtin_face tracker)
-set(onnx_knows eyewear)
 set(gaze_knows tracker)
 set(phone_knows tracker)
 set(headset_knows tracker)
+set(onnx_knows eyewear headset)
 set(speech_knows tracker)
 set(shaping_knows face tracker)
 set(session_knows take tracker shaping)

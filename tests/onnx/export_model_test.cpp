@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/folder.h"
+#include "tests/headset/small_model.h"
 #include "tests/model/random_backbone.h"
 #include "tests/onnx/example_models.h"
 #include "tests/project_path.h"
@@ -70,6 +71,24 @@ TEST(ExportModel, TheRidgeOfAProfile) {
   EXPECT_THAT(shapes_of(model.graph().input()), ElementsAre("condition: batch 18"));
   EXPECT_THAT(shapes_of(model.graph().output()), ElementsAre("weights: batch 3"));
   EXPECT_EQ(test::metadata(model).at("profile"), "lab");
+}
+
+TEST(ExportModel, AHeadsetsModelHasItsMemoryAndItsBackbones) {
+  headset::ViewsFile file = headset::test::small_views_file();
+  EXPECT_EQ(onnx_of(file).error().code, ErrorCode::not_found) << "it has no memory";
+  file.memory = headset::test::small_memory();
+  const auto memory = onnx_of(file), eye = onnx_of(file, {.part = "eye"}),
+             mouth = onnx_of(file, {.part = "mouth"});
+  ASSERT_TRUE(memory) << memory.error().message();
+  ASSERT_TRUE(eye) << eye.error().message();
+  ASSERT_TRUE(mouth) << mouth.error().message();
+  EXPECT_NE(*eye, *mouth);
+  EXPECT_EQ(onnx_of(file, {.part = "ridge.lab"}).error().code, ErrorCode::not_found);
+  EXPECT_EQ(onnx_of(file, {.features = true}).error().code, ErrorCode::bad_usage);
+  EXPECT_EQ(onnx_of(file, {.part = "eye", .steps = 2}).error().code, ErrorCode::bad_usage);
+  const mien::test::Folder folder;
+  ASSERT_TRUE(headset::write_views_file(folder / "headset.safetensors", file));
+  EXPECT_EQ(onnx_of_file(folder / "headset.safetensors"), *memory);
 }
 
 TEST(ExportModel, EyewearAnswersWithMarkers) {

@@ -187,6 +187,11 @@ TEST(OnnxRuntime, TheModelsThatAreInstalled) {
                 causal_difference(onnx_of(glasses).value(), "displacement_m", glasses.architecture,
                                   glasses.network, 300, [&](float y) { return scale * y; }) /
                     glasses.scale_m);
+  const auto headset = headset::read_views_file(project_path("models/headset.safetensors")).value();
+  ASSERT_TRUE(headset.memory);
+  expect_parity("headset.safetensors, its memory, 2 x 300 frames, of the network's unit",
+                causal_difference(onnx_of(headset).value(), "answer", headset.memory->architecture,
+                                  headset.memory->network, 300, [](float y) { return y; }));
 }
 
 TEST(OnnxRuntime, StepsInOneGraphAreTheStepsOneByOne) {

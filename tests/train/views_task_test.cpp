@@ -15,11 +15,13 @@
 #include "mien/train/view_augmentation.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
+#include "tests/train/toy_films.h"
 
 namespace mien::train::views_task_test {
 namespace {
 
-constexpr std::size_t kSide = 32;
+using test::toy_films;
+constexpr std::size_t kSide = test::kFilmSide;
 
 Recipe recipe_of(std::size_t steps) {
   return *parse_recipe(fmt::format(R"(
@@ -30,12 +32,13 @@ side = {}
 widths = [8, 16]
 features = 16
 d_model = 32
+window = 4
 dropout = 0
 [optimiser]
 learning_rate = 3e-3
 loss = "l2"
 precision = "fp32"
-batch = 16
+batch = 4
 warm_up_steps = 10
 ema = 0.9
 [validation]
@@ -47,38 +50,6 @@ steps = {}
 )",
                                    kSide, steps),
                        "test");
-}
-
-/// Films in which a bright bar stands at a height that the jaw tells in the mouths' views, and that the left
-/// lid tells in the left eye's.
-study::HeadsetFilms toy_films(const std::filesystem::path& folder) {
-  study::HeadsetFilms films;
-  for (int f = 0; f < 4; ++f) {
-    Random random = Random(11).fork("film", static_cast<std::uint64_t>(f));
-    std::vector<study::FilmFrame> frames;
-    for (int i = 0; i < 120; ++i) {
-      study::FilmFrame& frame = frames.emplace_back();
-      const auto jaw = static_cast<float>(random.uniform()), lid = static_cast<float>(random.uniform());
-      frame.truth.weights[face::shape("jawOpen")] = jaw;
-      frame.truth.weights[face::shape("eyeBlink_L")] = lid;
-      frame.truth.openness = {1 - lid, 1};
-      frame.truth.pupil_mm = {4, 4};
-      for (std::size_t v = 0; v < 4; ++v) {
-        const float height = v >= 2 ? jaw : v == 0 ? lid : 0.0F;
-        std::vector<std::uint8_t>& view = frame.views.emplace_back();
-        for (std::size_t y = 0; y < kSide; ++y)
-          for (std::size_t x = 0; x < kSide; ++x) {
-            const double off = std::abs(static_cast<double>(y) - 4 - 22 * double{height});
-            view.push_back(
-                static_cast<std::uint8_t>(40 + 160 * std::exp(-0.1 * off * off) + 20 * random.uniform()));
-          }
-      }
-    }
-    const auto path = folder / fmt::format("{}.film", f);
-    EXPECT_TRUE(study::write_film(path, std::string(64, '0'), 4, kSide, frames));
-    (f < 3 ? films.train : films.validation).push_back(study::HeadsetFilm::open(path).value());
-  }
-  return films;
 }
 
 const sensor::Rig& rig() {
@@ -111,19 +82,32 @@ TEST(ViewsTask, TheRunTimeAnswersAsLibtorchDoes) {
   ASSERT_TRUE(runs) << runs.error().message();
   model::ViewsNetwork::Workspace memory(*runs);
   Random random(9);
-  for (const std::array<bool, 4> present :
-       {std::array{true, true, true, true}, std::array{true, false, false, true},
-        std::array{false, false, false, false}}) {
-    std::vector<float> condition(architecture.condition);
-    for (std::size_t i = 0; i < 4 * kSide * kSide; ++i) condition[i] = static_cast<float>(random.uniform());
-    for (std::size_t v = 0; v < 4; ++v) condition[4 * kSide * kSide + v] = present[v] ? 1 : 0;
+  // A moment at rest, then others; with views that are missing, and where rest is not known.
+  const std::size_t found = 4 * architecture.features;
+  for (const bool known : {true, false}) {
+    const std::vector<std::array<bool, 4>> present = {
+        {true, true, false, true}, {true, true, true, true}, {true, false, false, true}, {}};
+    std::vector<float> condition(present.size() * architecture.condition);
+    std::vector<std::vector<float>> features;
+    for (std::size_t m = 0; m < present.size(); ++m) {
+      const auto moment = std::span(condition).subspan(m * architecture.condition, architecture.condition);
+      for (float& value : moment.first(4 * kSide * kSide)) value = static_cast<float>(random.uniform());
+      for (std::size_t v = 0; v < 4; ++v) moment[4 * kSide * kSide + v] = present[m][v] ? 1 : 0;
+      moment.back() = known ? 1 : 0;
+      runs->find(moment.first(4 * kSide * kSide), present[m], memory, features.emplace_back(found));
+    }
     const torch::Tensor wanted =
-        predict_views(architecture, parameters, torch::tensor(condition).view({1, 1, -1}), {});
-    std::vector<float> features(4 * architecture.features), answer(architecture.outputs);
-    runs->find(std::span(condition).first(4 * kSide * kSide), present, memory, features);
-    runs->answer(features, memory, answer);
-    for (std::size_t i = 0; i < answer.size(); ++i)
-      EXPECT_NEAR(answer[i], wanted.flatten()[static_cast<std::int64_t>(i)].item<float>(), 1e-4);
+        predict_views(architecture, parameters, torch::tensor(condition).view({1, 4, -1}), {})[0];
+    for (std::size_t m = 0; m < present.size(); ++m) {
+      std::vector<float> differences(found), answer(architecture.outputs);
+      for (std::size_t i = 0; i < found; ++i)
+        if (const std::size_t v = i / architecture.features; known && present[m][v] && present[0][v])
+          differences[i] = features[m][i] - features[0][i];
+      runs->answer(features[m], differences, memory, answer);
+      for (std::size_t i = 0; i < answer.size(); ++i)
+        EXPECT_NEAR(answer[i],
+                    wanted[static_cast<std::int64_t>(m)][static_cast<std::int64_t>(i)].item<float>(), 1e-4);
+    }
   }
 }
 
@@ -134,7 +118,7 @@ TEST(ViewsTask, BatchesFollowTheirStream) {
   const Batch one = (*task)->random_batch(4, Random(1)), two = (*task)->random_batch(4, Random(1));
   EXPECT_EQ(one.condition, two.condition);
   EXPECT_EQ(one.windows, 4u);
-  EXPECT_EQ(one.clean.size(), 4 * headset::kAnswerOutputs);
+  EXPECT_EQ(one.clean.size(), 4 * 4 * headset::kAnswerOutputs);
   EXPECT_NE(one.condition, (*task)->random_batch(4, Random(2)).condition);
 }
 
@@ -181,13 +165,15 @@ TEST(ViewsTask, RefusesFilmsOfAnotherSize) {
       *parse_recipe("[network]\narchitecture = \"causal\"\n[budget]\nsteps = 1", "r"), {}, rig(), ""));
 }
 
-TEST(AugmentView, GivesTheSameBitsAndAnotherView) {
+TEST(ViewLook, GivesTheSameBitsAndAnotherView) {
   std::vector<std::uint8_t> view(kSide * kSide), memory;
   for (std::size_t i = 0; i < view.size(); ++i) view[i] = static_cast<std::uint8_t>(i * 7);
   std::vector<std::uint8_t> one = view, two = view;
   Random a(4), b(4);
-  augment_view(one, kSide, a, memory);
-  augment_view(two, kSide, b, memory);
+  show_as(draw_look(a), one, kSide, memory);
+  spoil_view(one, kSide, a);
+  show_as(draw_look(b), two, kSide, memory);
+  spoil_view(two, kSide, b);
   EXPECT_EQ(one, two);
   EXPECT_NE(one, view);
 }

@@ -87,6 +87,18 @@ FilmTruth truth_of(const virt::HeadsetPose& pose, const virt::HeadsetTruth& seen
   return truth;
 }
 
+/// When something comes before the face that was free at rest, and in half of the takes leaves it again. What
+/// a wearer has, or put on badly, is there from the beginning.
+void draw_times(Random& random, HeadsetTakeRequest& request) {
+  if (request.failure == HeadsetFailure::moustache || request.failure == HeadsetFailure::poor_seat) return;
+  constexpr double kEarliest = 0.1, kLatest = 0.6, kShortest = 0.15, kLongest = 0.5, kLeaves = 0.5;
+  const auto frame = [&](double from, double to) {
+    return static_cast<int>(random.uniform(from, to) * request.frames);
+  };
+  request.fails_from = request.neutral_frames + frame(kEarliest, kLatest);
+  if (random.chance(kLeaves)) request.fails_to = request.fails_from + frame(kShortest, kLongest);
+}
+
 Result<std::vector<FilmFrame>> film_person(const HeadsetDataRecipe& recipe, const sensor::Rig& rig,
                                            const virt::HeadsetFaults& faults, const Random& root) {
   MIEN_TRY_ASSIGN(const virt::HeadsetWearer wearer,
@@ -96,11 +108,18 @@ Result<std::vector<FilmFrame>> film_person(const HeadsetDataRecipe& recipe, cons
   for (int d = 0; d < recipe.donnings; ++d) {
     const Random donning = root.fork("donning", static_cast<std::uint64_t>(d));
     Random chance = donning.fork("failure");
-    HeadsetTakeRequest request{.neutral_s = recipe.neutral_s, .rate_hz = recipe.rate_hz, .side = recipe.side};
-    if (chance.chance(recipe.failing)) request.failure = failures[chance.below(failures.size())];
+    HeadsetTakeRequest request{
+        .frames = recipe.frames,
+        .neutral_frames = recipe.neutral_frames,
+        .rate_hz = recipe.rates_hz[static_cast<std::size_t>(d) % recipe.rates_hz.size()],
+        .side = recipe.side};
+    if (chance.chance(recipe.failing)) {
+      request.failure = failures[chance.below(failures.size())];
+      draw_times(chance, request);
+    }
     std::vector<FilmFrame> part =
-        film_wearer(wearer, faults, headset_motion(recipe.seconds, donning.fork("motion")), request,
-                    donning.fork("headset"));
+        film_wearer(wearer, faults, headset_motion(recipe.frames / request.rate_hz, donning.fork("motion")),
+                    request, donning.fork("headset"));
     std::ranges::move(part, std::back_inserter(frames));
   }
   return frames;
@@ -148,14 +167,17 @@ std::vector<FilmFrame> film_wearer(const virt::HeadsetWearer& wearer, const virt
   else
     simulator.put_on();
   const face::MotionCurve curve(motion);
-  const double end_s = request.neutral_s + curve.duration_s(), rolling_s = 1e-3 * faults.rolling_ms;
+  const double rolling_s = 1e-3 * faults.rolling_ms;
   std::vector<FilmFrame> frames;
-  for (double t = 0; t < end_s; t += 1 / request.rate_hz) {
-    const bool neutral = t < request.neutral_s;
+  for (int n = 0; n < request.neutral_frames + request.frames; ++n) {
+    const double t = n / request.rate_hz, moved_s = (n - request.neutral_frames) / request.rate_hz;
+    const bool neutral = n < request.neutral_frames;
+    if (request.failure != HeadsetFailure::none)
+      simulator.fail(n >= request.fails_from && n < request.fails_to);
     virt::HeadsetPose first, last;
     if (!neutral) {
-      first = pose_of(curve.at(t - request.neutral_s));
-      last = pose_of(curve.at(t - request.neutral_s + rolling_s));
+      first = pose_of(curve.at(moved_s));
+      last = pose_of(curve.at(moved_s + rolling_s));
     }
     FilmFrame& frame = frames.emplace_back();
     std::vector<std::span<std::uint8_t>> out;
@@ -165,6 +187,7 @@ std::vector<FilmFrame> film_wearer(const virt::HeadsetWearer& wearer, const virt
     for (auto& view : frame.views) out.emplace_back(view);
     const virt::HeadsetTruth seen = simulator.shoot(t, first, last, out);
     frame.truth = truth_of(first, seen, neutral);
+    frame.truth.time_s = static_cast<float>(t);
   }
   return frames;
 }
@@ -173,7 +196,8 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
   HeadsetDataRecipe recipe;
   std::int64_t seed = 1, wearers = recipe.wearers, validation = recipe.validation_wearers,
-               donnings = recipe.donnings, side = recipe.side;
+               donnings = recipe.donnings, frames = recipe.frames, neutral = recipe.neutral_frames,
+               side = recipe.side;
   struct Whole {
     std::int64_t* value;
     std::int64_t least, most;
@@ -186,11 +210,10 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
                                                     {"wearers", {&wearers, 1, 100'000}},
                                                     {"validation_wearers", {&validation, 1, 10'000}},
                                                     {"donnings", {&donnings, 1, 100}},
+                                                    {"frames", {&frames, 1, 100'000}},
+                                                    {"neutral_frames", {&neutral, 0, 1000}},
                                                     {"side", {&side, 16, 256}}};
-  const std::map<std::string_view, Real> reals = {{"seconds", {&recipe.seconds, 0.2, 3600}},
-                                                  {"rate_hz", {&recipe.rate_hz, 1, 130}},
-                                                  {"neutral_s", {&recipe.neutral_s, 0, 10}},
-                                                  {"failing", {&recipe.failing, 0, 1}}};
+  const std::map<std::string_view, Real> reals = {{"failing", {&recipe.failing, 0, 1}}};
   for (const auto& [name, node] : table) {
     const std::string_view key = name.str();
     const auto out_of_range = [&](double least, double most) {
@@ -209,6 +232,15 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
       const Real& limits = real->second;
       if (!(*value >= limits.least && *value <= limits.most)) return out_of_range(limits.least, limits.most);
       *limits.value = *value;
+    } else if (key == "rates_hz") {
+      const toml::array* const rates = node.as_array();
+      if (rates == nullptr || rates->empty() ||
+          !std::ranges::all_of(*rates, [](const toml::node& rate) { return rate.is_number(); }))
+        return fail(ErrorCode::malformed, "rates_hz must be a list of numbers", where);
+      recipe.rates_hz.clear();
+      for (const toml::node& rate : *rates) recipe.rates_hz.push_back(rate.value_or(0.0));
+      if (!std::ranges::all_of(recipe.rates_hz, [](double hz) { return hz >= 1 && hz <= 130; }))
+        return out_of_range(1, 130);
     } else {
       return fail(ErrorCode::malformed, fmt::format("[data] has no key {}", excerpt(key)), where);
     }
@@ -217,6 +249,8 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
   recipe.wearers = static_cast<int>(wearers);
   recipe.validation_wearers = static_cast<int>(validation);
   recipe.donnings = static_cast<int>(donnings);
+  recipe.frames = static_cast<int>(frames);
+  recipe.neutral_frames = static_cast<int>(neutral);
   recipe.side = static_cast<int>(side);
   return recipe;
 }
@@ -230,9 +264,9 @@ Result<HeadsetFilms> make_headset_films(const HeadsetDataRecipe& recipe, const s
   const std::size_t all = training + static_cast<std::size_t>(recipe.validation_wearers);
   // A wearer's film does not depend on how many there are.
   Sha256 hashing;
-  const std::string what =
-      fmt::format("film 1 {} {} {} {} {} {} {}\n{}", recipe.seed, recipe.donnings, recipe.seconds,
-                  recipe.rate_hz, recipe.neutral_s, recipe.failing, recipe.side, sensor::write_rig(rig));
+  const std::string what = fmt::format("film 2 {} {} {} {} {} {} {}\n{}", recipe.seed, recipe.donnings,
+                                       recipe.frames, recipe.neutral_frames, fmt::join(recipe.rates_hz, ","),
+                                       recipe.failing, recipe.side, sensor::write_rig(rig));
   hashing.add(std::as_bytes(std::span(what)));
   const std::string hash = hashing.hex();
   std::error_code code;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,11 +25,13 @@ struct HeadsetDataRecipe {
   int wearers = 300;            ///< In training, each with a face, looks and a headset of their own.
   int validation_wearers = 20;  ///< None of whom is in training.
   int donnings = 2;             ///< Times that each puts the headset on anew.
-  double seconds = 4;           ///< Of motion a donning, after the neutral.
-  double rate_hz = 15;          ///< Pictures a second. Raising: more frames that look alike.
-  double neutral_s = 0.4;       ///< The face rests at each donning, looking ahead.
-  double failing = 0.1;         ///< Share of donnings in which something hides the face.
-  int side = 96;                ///< Pixels of a view either way.
+  int frames = 128;             ///< Of motion a donning, after the neutral.
+  int neutral_frames = 8;       ///< The face rests at each donning, looking ahead.
+  /// Pictures a second, of donnings in turn. Raising: more frames that look alike, of cameras as quick as
+  /// the rig's; lowering: more of a wearer, of cameras that are slower.
+  std::vector<double> rates_hz = {30, 60};
+  double failing = 0.15;  ///< Share of donnings in which something hides the face, most of them for a while.
+  int side = 96;          ///< Pixels of a view either way.
   bool operator==(const HeadsetDataRecipe&) const = default;
 };
 
@@ -42,9 +45,12 @@ struct HeadsetDataRecipe {
 
 /// One donning of a wearer: rests, then performs.
 struct HeadsetTakeRequest {
-  double neutral_s = 0.4;
-  double rate_hz = 15;
+  int frames = 128;        ///< Of motion, after the neutral.
+  int neutral_frames = 8;  ///< At rest, looking ahead.
+  double rate_hz = 30;
   virt::HeadsetFailure failure = virt::HeadsetFailure::none;
+  /// It happens in frames [fails_from, fails_to), the neutral's counted too.
+  int fails_from = 0, fails_to = std::numeric_limits<int>::max();
   std::optional<virt::HeadsetSeat> seat;  ///< None: drawn.
   int side = 96;
 };

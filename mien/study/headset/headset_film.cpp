@@ -9,7 +9,7 @@
 namespace mien::study {
 namespace {
 
-constexpr std::string_view kMagic = "mien headset film 1\n";
+constexpr std::string_view kMagic = "mien headset film 2\n";
 constexpr std::size_t kHashDigits = 64;
 constexpr std::size_t kMostViews = 16, kMostSide = 512;
 
@@ -59,6 +59,22 @@ FilmTruth HeadsetFilm::truth(std::size_t frame) const {
   FilmTruth truth;
   std::memcpy(&truth, frame_bytes(frame).data(), sizeof(truth));
   return truth;
+}
+
+std::vector<HeadsetFilm::Donning> HeadsetFilm::donnings() const {
+  std::vector<Donning> all;
+  bool rests = false;
+  for (std::size_t frame = 0; frame < frames_; ++frame) {
+    const FilmTruth now = truth(frame);
+    if (all.empty() || now.time_s == 0) {
+      all.push_back({frame, frame, frame});
+      rests = true;
+    }
+    rests = rests && now.neutral > 0;
+    if (rests) all.back().rest_end = frame + 1;
+    all.back().end = frame + 1;
+  }
+  return all;
 }
 
 Result<void> write_film(const std::filesystem::path& path, std::string_view hash, std::size_t views,

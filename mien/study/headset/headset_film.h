@@ -25,8 +25,9 @@ struct FilmTruth {
   std::array<float, 2> pupil_mm{};  ///< Diameters.
   std::array<float, 2> visible{1, 1};  ///< Of the upper and the lower face: 0 where a failure hides it.
   float neutral = 0;                   ///< 1 while the face rests for the neutral.
+  float time_s = 0;                    ///< Since the headset was put on: 0 in each donning's first frame.
 };
-static_assert(sizeof(FilmTruth) == 65 * sizeof(float));
+static_assert(sizeof(FilmTruth) == 66 * sizeof(float));
 
 /// A wearer's film: what the network sees of every camera, and the truth, frame by frame, in a file that is
 /// mapped, since films of hundreds of wearers are larger than memory.
@@ -45,6 +46,12 @@ class HeadsetFilm {
   /// side x side, grey, row by row.
   [[nodiscard]] std::span<const std::uint8_t> view(std::size_t frame, std::size_t view) const;
   [[nodiscard]] FilmTruth truth(std::size_t frame) const;
+
+  /// From when the headset is put on until it is put on anew: frames [begin, end), at rest before rest_end.
+  struct Donning {
+    std::size_t begin = 0, rest_end = 0, end = 0;
+  };
+  [[nodiscard]] std::vector<Donning> donnings() const;
 
  private:
   explicit HeadsetFilm(MappedFile file) : file_(std::move(file)) {}

@@ -17,13 +17,13 @@ const sensor::Rig& rig() {
   return rig;
 }
 
-constexpr HeadsetDataRecipe kSmall{.wearers = 2,
-                                   .validation_wearers = 1,
-                                   .donnings = 1,
-                                   .seconds = 0.4,
-                                   .rate_hz = 10,
-                                   .neutral_s = 0.2,
-                                   .side = 24};
+const HeadsetDataRecipe kSmall{.wearers = 2,
+                               .validation_wearers = 1,
+                               .donnings = 1,
+                               .frames = 4,
+                               .neutral_frames = 2,
+                               .rates_hz = {10},
+                               .side = 24};
 
 TEST(HeadsetFilms, AreRenderedOnceAndTheSameOnAnyNumberOfThreads) {
   const mien::test::Folder one, two;
@@ -64,6 +64,11 @@ TEST(HeadsetFilms, BeginWithTheNeutralAndTellTheTruth) {
   EXPECT_EQ(rest.neutral, 1);
   EXPECT_EQ(*std::ranges::max_element(rest.weights), 0);
   EXPECT_FLOAT_EQ(rest.openness[0], 1);
+  ASSERT_EQ(film.frames(), 6u);
+  EXPECT_EQ(film.truth(1).neutral, 1);
+  EXPECT_EQ(film.truth(2).neutral, 0);
+  EXPECT_FLOAT_EQ(film.truth(0).time_s, 0);
+  EXPECT_FLOAT_EQ(film.truth(5).time_s, 0.5F);
   bool moves = false;
   for (std::size_t frame = 0; frame < film.frames(); ++frame) {
     const FilmTruth truth = film.truth(frame);
@@ -94,13 +99,16 @@ TEST(HeadsetFilms, ACutOffFileIsRefused) {
 }
 
 TEST(HeadsetDataRecipe, IsReadAndRefused) {
-  const auto recipe = parse_headset_data_recipe("wearers = 7\nseconds = 2.5\nside = 64", "r");
+  const auto recipe =
+      parse_headset_data_recipe("wearers = 7\nframes = 50\nside = 64\nrates_hz = [15, 29.97]", "r");
   ASSERT_TRUE(recipe) << recipe.error().message();
   EXPECT_EQ(recipe->wearers, 7);
   EXPECT_EQ(recipe->side, 64);
-  EXPECT_EQ(recipe->seconds, 2.5);
+  EXPECT_EQ(recipe->frames, 50);
+  EXPECT_EQ(recipe->rates_hz, (std::vector<double>{15, 29.97}));
   for (const char* wrong :
-       {"wearers = 0", "wearers = 1.5", "side = 1000", "failing = 2", "seconds = \"long\"", "people = 3"})
+       {"wearers = 0", "wearers = 1.5", "side = 1000", "failing = 2", "frames = \"many\"", "rates_hz = 30",
+        "rates_hz = []", "rates_hz = [30, 0]", "rates_hz = [\"a\"]", "people = 3"})
     EXPECT_FALSE(parse_headset_data_recipe(wrong, "r")) << wrong;
 }
 

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "mien/face/shape_region.h"
+#include "mien/headset/answer.h"
+#include "mien/model/architecture.h"
+
+namespace mien::headset {
+
+/// Of each place of a network of pictures, whether it has a view.
+using Present = std::array<bool, model::kViews>;
+
+/// What a network finds in the views of a wearer's face at rest.
+struct RestFeatures {
+  std::vector<float> features;  ///< kViews x features; empty: nothing is known.
+  Present present{};            ///< Of which views.
+  bool operator==(const RestFeatures&) const = default;
+};
+
+/// A feature so old is as good as none, s; ages are told as shares of it.
+inline constexpr float kOldest_s = 0.1F;
+
+/// What has been found at one moment, of which a network makes an answer.
+struct MomentFeatures {
+  std::vector<float> features;  ///< kViews x features; of a view that is missing what stands for it.
+  Present present{};            ///< Which views are there.
+  std::array<float, model::kViews> age_s{};  ///< How long ago each was taken, 0 to kOldest_s.
+};
+
+/// Features less those at rest; 0 where either is not known. `out`: as many numbers.
+void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out);
+
+/// Numbers of a moment that a network with a memory reads, in their order: the features, what they are from
+/// rest, of each view its age (1: kOldest_s or missing) and whether it is there, and whether the face at rest
+/// is known.
+[[nodiscard]] constexpr std::size_t moment_condition(std::size_t features) {
+  return 2 * model::kViews * (features + 1) + 1;
+}
+/// Writes them; `out`: moment_condition() numbers.
+void write_moment_condition(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out);
+
+/// What such a network answers: kAnswerOutputs as headset/answer.h has them, then of each region of shapes
+/// and of the gaze the logit of the probability that it is right: that the mean absolute error of its shapes
+/// is at most 0.1 (docs/reference/metrics.md), and that of the eyes' angles at most 0.1 rad.
+inline constexpr std::size_t kGazeJudgement = face::kShapeRegionCount;
+inline constexpr std::size_t kJudgements = kGazeJudgement + 1;
+inline constexpr std::size_t kMemoryOutputs = kAnswerOutputs + kJudgements;
+inline constexpr float kRightWeight = 0.1F, kRightGaze_rad = 0.1F;
+/// The answer's outputs that a judgement is about: the region's shapes.
+[[nodiscard]] const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs();
+/// The error of such an output that is right, in the outputs' range.
+[[nodiscard]] float right_output_error(std::size_t judgement);
+
+}  // namespace mien::headset

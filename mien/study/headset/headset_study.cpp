@@ -1,0 +1,354 @@
+#include "mien/study/headset/headset_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "mien/core/quantile.h"
+#include "mien/headset/answer.h"
+#include "mien/headset/feature_record.h"
+#include "mien/headset/headset_camera.h"
+#include "mien/headset/headset_tracker.h"
+#include "mien/headset/picture_sample.h"
+#include "mien/measure/metrics.h"
+#include "mien/model/views_network.h"
+#include "mien/sensor/clock_model.h"
+#include "mien/study/headset/headset_dataset.h"
+#include "mien/study/performers.h"
+#include "mien/study/region_tally.h"
+#include "mien/virtual/headset/headset_wearer.h"
+
+namespace mien::study {
+namespace {
+
+using face::kShapeCount;
+
+/// Frames at rest: a second of the neutral.
+constexpr int kRest = 60;
+/// How far a headset is put on off where it was fitted.
+constexpr double kShift_m = 0.004, kTilt_rad = 4 * std::numbers::pi / 180;
+constexpr double kLost = 0.1;
+constexpr std::uint64_t kLongestBurst = 10;
+/// 15 Hz of 60.
+constexpr std::size_t kSlowEvery = 4;
+/// An eye that is open less than this is closed, and one that is open more can be asked where it looks.
+constexpr float kClosed = 0.25F, kOpen = 0.4F;
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+/// What the network finds in a take's pictures, and what is true.
+struct Take {
+  std::vector<FilmTruth> truth;
+  std::vector<std::vector<std::vector<std::byte>>> records;  // Of each frame and camera.
+};
+
+Result<Take> look_at(const std::vector<FilmFrame>& frames, const sensor::Rig& rig, int side,
+                     const headset::HeadsetModel& model) {
+  const model::ViewsNetwork& network = model.network();
+  model::ViewsNetwork::Workspace memory(network);
+  MIEN_TRY_ASSIGN(std::vector<headset::HeadsetCamera> cameras,
+                  headset::headset_cameras(rig, network.architecture().side));
+  for (headset::HeadsetCamera& camera : cameras) {  // Films show what is cut out already.
+    camera.view.left = camera.view.top = 0;
+    camera.view.right = camera.view.bottom = 1;
+  }
+  Take take;
+  std::vector<float> view(network.architecture().side * network.architecture().side),
+      features(network.architecture().features);
+  for (const FilmFrame& frame : frames) {
+    take.truth.push_back(frame.truth);
+    auto& records = take.records.emplace_back(rig.sensors.size());
+    for (const headset::HeadsetCamera& camera : cameras) {
+      const headset::GreyPicture picture{.width = side, .height = side, .pixels = frame.views[camera.sensor]};
+      auto shown = headset::NetworkView::create(camera.view);
+      shown->make(picture, view);
+      network.find_one(camera.place, view, memory, features);
+      const headset::FeatureRecord record{.statistics = headset::statistics_of(picture),
+                                          .jpeg_bytes = 1,
+                                          .sensor = camera.sensor,
+                                          .features = {}};
+      auto& bytes = records[camera.sensor];
+      bytes.resize(headset::feature_record_bytes(features.size()));
+      if (!headset::write_feature_record(record, features, bytes))
+        return fail(ErrorCode::internal, "features that no record takes", camera.name);
+    }
+  }
+  return take;
+}
+
+/// Which cameras' pictures of which frames arrive.
+using Arrives = std::function<bool(std::size_t frame, std::size_t camera)>;
+
+/// One frame of motion beside its truth.
+struct Answered {
+  face::OutputFrame frame;
+  FilmTruth truth;
+};
+
+/// Plays a take to a tracker: `neutral` first, if told, of any take of this wearer, then the take's motion.
+Result<std::vector<Answered>> play(const Take& take, const Take* neutral, const sensor::Rig& rig,
+                                   const std::shared_ptr<const headset::HeadsetModel>& model,
+                                   const Arrives& arrives) {
+  MIEN_TRY_ASSIGN(const auto tracker, headset::HeadsetTracker::create(rig, model));
+  sensor::TimeLines lines(rig.sensors.size(), std::uint16_t{0});
+  std::int64_t number = 0;
+  face::OutputFrame out;
+  const auto step = [&](const Take& of, std::size_t frame, bool all) {
+    const DeviceTime now(frame_offset(number++));
+    for (std::size_t c = 0; c < rig.sensors.size(); ++c) {
+      if (!all && !arrives(frame, c)) continue;
+      sensor::Sample sample;
+      sample.sensor = static_cast<std::uint16_t>(c);
+      sample.kind = sensor::SampleKind::picture;
+      sample.time = now + from_seconds(5e-4 * rig.sensors[c].camera->exposure_ms);
+      const HostTime arrival(sample.time.time_since_epoch());
+      lines.add(arrival, sample);
+      tracker->add_with_payload(arrival, sample, of.records[frame][c]);
+    }
+    tracker->tick(now, lines, out);
+  };
+  if (neutral != nullptr) {
+    const DeviceTime begin(frame_offset(number));
+    tracker->guide(tracker::Step::neutral, begin, begin + frame_offset(kRest - 2));
+    for (std::size_t frame = 0; frame < kRest; ++frame) step(*neutral, frame, true);
+  }
+  std::vector<Answered> answered;
+  for (std::size_t frame = kRest; frame < take.truth.size(); ++frame) {
+    step(take, frame, false);
+    answered.push_back({out, take.truth[frame]});
+  }
+  return answered;
+}
+
+/// What one wearer adds to a score.
+struct WearerPart {
+  double squares = 0, mean_squares = 0, count = 0;
+  std::array<double, 3> region_squares{}, region_count{};
+  double pve_mm = 0, jitter = 0;
+  std::vector<face::BlendshapeWeights> truth, estimate;
+  double hits = 0, told = 0, shut = 0;
+  std::vector<double> gaze_deg;
+  std::array<Reliability, 3> reliability;
+  std::array<RocArea, 3> roc;
+};
+
+/// Left eye's, right eye's, mouth's; none.
+std::optional<std::size_t> part_of_face(std::size_t k) {
+  const std::string_view name = face::kShapeNames[k];
+  switch (face::kShapeRegions[k]) {
+    case face::ShapeRegion::brows:
+    case face::ShapeRegion::eyes:
+      if (name.ends_with("_L")) return 0;
+      if (name.ends_with("_R")) return 1;
+      return {};
+    case face::ShapeRegion::mouth:
+    case face::ShapeRegion::jaw:
+      return 2;
+    case face::ShapeRegion::cheeks:
+      break;
+  }
+  return {};
+}
+
+/// How sure the tracker is of each region and of the eyes' directions, and whether it is right.
+void judge(const Answered& one, const face::BlendshapeWeights& truth, WearerPart& part) {
+  const auto within = regions_within(one.frame.weights, truth);
+  for (std::size_t r = 0; r < within.size(); ++r) {
+    const auto region = static_cast<face::ShapeRegion>(r);
+    const std::size_t half = region == face::ShapeRegion::brows || region == face::ShapeRegion::eyes ? 0 : 1;
+    part.reliability[half].add(one.frame.region_confidence[r], within[r]);
+    part.roc[half].add(one.frame.region_confidence[r], within[r]);
+  }
+  double error = 0, count = 0;
+  for (std::size_t e = 0; e < 2; ++e) {
+    if (one.truth.openness[e] < kClosed) continue;
+    error += std::abs(double{one.frame.eyes_rad[e].x()} - double{one.truth.gaze_rad[2 * e]}) +
+             std::abs(double{one.frame.eyes_rad[e].y()} - double{one.truth.gaze_rad[2 * e + 1]});
+    count += 2;
+  }
+  const bool right = count > 0 && error <= count * double{headset::kRightGaze_rad};
+  part.reliability[2].add(one.frame.eyes_confidence, right);
+  part.roc[2].add(one.frame.eyes_confidence, right);
+}
+
+WearerPart part_of(const std::vector<Answered>& answered, const measure::Meter& meter,
+                   const std::vector<float>& mean_answer) {
+  WearerPart part;
+  for (const Answered& one : answered) {
+    face::BlendshapeWeights truth;
+    for (std::size_t k = 0; k < kShapeCount; ++k) {
+      truth[k] = one.truth.weights[k];
+      const double error = double{one.frame.weights[k]} - double{truth[k]};
+      const double of_mean = 0.5 * (double{mean_answer[k]} + 1) - double{truth[k]};
+      part.squares += error * error;
+      part.mean_squares += of_mean * of_mean;
+      ++part.count;
+      if (const auto region = part_of_face(k)) {
+        part.region_squares[*region] += error * error;
+        ++part.region_count[*region];
+      }
+    }
+    part.truth.push_back(truth);
+    part.estimate.push_back(one.frame.weights);
+    for (std::size_t e = 0; e < 2; ++e) {
+      if (one.truth.openness[e] >= kOpen)
+        part.gaze_deg.push_back(
+            kDegPerRad * std::hypot(double{one.frame.eyes_rad[e].x() - one.truth.gaze_rad[2 * e]},
+                                    double{one.frame.eyes_rad[e].y() - one.truth.gaze_rad[2 * e + 1]}));
+      // What a frame says of lids is their weight: a shut eye has eyeBlink near 1.
+      const std::size_t blink = e == 0 ? face::shape("eyeBlink_L") : face::shape("eyeBlink_R");
+      const bool is = one.truth.openness[e]<kClosed, says = one.frame.weights[blink]> 1 - kClosed;
+      part.shut += is ? 1 : 0;
+      part.told += says ? 1 : 0;
+      part.hits += is && says ? 1 : 0;
+    }
+    judge(one, truth, part);
+  }
+  const measure::Stretch stretch{.truth = part.truth, .estimate = part.estimate};
+  const measure::Metrics metrics = meter.measure(std::span(&stretch, 1));
+  part.pve_mm = metrics.pve_mm.mean;
+  part.jitter = metrics.jitter_ratio.value_or(0);
+  return part;
+}
+
+HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>& parts) {
+  HeadsetScore score{.condition = condition};
+  double squares = 0, mean_squares = 0, count = 0, hits = 0, told = 0, shut = 0;
+  std::array<double, 3> region{}, region_count{};
+  std::vector<measure::Stretch> stretches;
+  std::vector<double> gaze_deg;
+  for (const WearerPart& part : parts) {
+    squares += part.squares;
+    mean_squares += part.mean_squares;
+    count += part.count;
+    hits += part.hits;
+    told += part.told;
+    shut += part.shut;
+    for (std::size_t r = 0; r < region.size(); ++r) {
+      region[r] += part.region_squares[r];
+      region_count[r] += part.region_count[r];
+      score.reliability[r].add(part.reliability[r]);
+      score.roc[r].add(part.roc[r]);
+    }
+    score.pve_mm += part.pve_mm / static_cast<double>(parts.size());
+    score.jitter_ratio += part.jitter / static_cast<double>(parts.size());
+    stretches.push_back({.truth = part.truth, .estimate = part.estimate});
+    gaze_deg.insert(gaze_deg.end(), part.gaze_deg.begin(), part.gaze_deg.end());
+  }
+  score.mse = squares / count;
+  score.mean_pose_mse = mean_squares / count;
+  score.left_eye_mse = region[0] / region_count[0];
+  score.right_eye_mse = region[1] / region_count[1];
+  score.mouth_mse = region[2] / region_count[2];
+  score.blink_f1 = measure::blink_f1(stretches);
+  score.closed_f1 = 2 * hits / std::max(1.0, shut + told);
+  std::ranges::sort(gaze_deg);
+  if (!gaze_deg.empty()) {
+    score.gaze_median_deg = quantile_of_sorted(gaze_deg, 0.5);
+    score.gaze_p90_deg = quantile_of_sorted(gaze_deg, 0.9);
+  }
+  return score;
+}
+
+/// 4 mm and 4 degrees in any direction.
+virt::HeadsetSeat another_seat(Random random) {
+  const auto direction = [&] {
+    Vec3 v;
+    do v = Vec3(random.normal(), random.normal(), random.normal());
+    while (v.norm() < 0.1);
+    return Vec3(v.normalized());
+  };
+  return {.shift_m = kShift_m * direction(), .tilt_rad = kTilt_rad * direction()};
+}
+
+}  // namespace
+
+std::string_view condition_name(HeadsetCondition condition) {
+  constexpr std::array<std::string_view, kHeadsetConditions> kNames = {
+      "as worn",   "no neutral",          "put on anew",        "slipped", "15 Hz",
+      "10 % lost", "a mouth camera lost", "an eye camera lost", "hidden"};
+  return kNames[static_cast<std::size_t>(condition)];
+}
+
+Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& request, const sensor::Rig& rig,
+                                                const std::shared_ptr<const headset::HeadsetModel>& model,
+                                                const std::vector<float>& mean_answer,
+                                                const Progress& progress) {
+  if (request.wearers < 1 || !(request.seconds >= 1))
+    return fail(ErrorCode::out_of_range, "a study needs a wearer, and a second");
+  MIEN_TRY_ASSIGN(const virt::HeadsetFaults faults, virt::parse_headset_faults(rig.faults_toml, rig.name));
+  MIEN_TRY(virt::check_network_views(rig));
+  const auto side = static_cast<int>(model->network().architecture().side);
+  const auto wearers = static_cast<std::size_t>(request.wearers);
+  std::vector<std::array<WearerPart, kHeadsetConditions>> parts(wearers);
+  const auto look_through = [&](std::size_t w) -> Result<void> {
+    const Random root = Random(request.seed).fork("study wearer", w);
+    MIEN_TRY_ASSIGN(const virt::HeadsetWearer wearer,
+                    request.face ? virt::seat_headset(*request.face, rig, faults, root.fork("wearer"))
+                                 : virt::draw_headset_wearer(rig, faults, root.fork("wearer")));
+    const face::Motion motion =
+        request.motion ? *request.motion : headset_motion(request.seconds, root.fork("motion"));
+    HeadsetTakeRequest take{.frames = static_cast<int>(request.seconds * kFrameRateHz),
+                            .neutral_frames = kRest,
+                            .rate_hz = kFrameRateHz,
+                            .side = side};
+    const auto film = [&](std::string_view name) {
+      return look_at(film_wearer(wearer, faults, motion, take, root.fork(name)), rig, side, *model);
+    };
+    MIEN_TRY_ASSIGN(const Take usual, film("as worn"));
+    take.seat = another_seat(root.fork("seat"));
+    MIEN_TRY_ASSIGN(const Take anew, film("put on anew"));
+    take.seat.reset();
+    const auto failures = test_failures();
+    take.failure = failures[w % failures.size()];
+    take.fails_from = kRest + take.frames / 3;
+    MIEN_TRY_ASSIGN(const Take covered, film("hidden"));
+
+    const measure::Meter meter(wearer.face);
+    std::vector<std::vector<bool>> lost(rig.sensors.size());
+    Random random = root.fork("lost");
+    for (auto& of : lost) {
+      of.assign(usual.truth.size(), false);
+      for (std::size_t i = 0; i < of.size(); ++i)
+        if (random.chance(kLost / (0.5 * static_cast<double>(kLongestBurst + 1))))
+          for (std::uint64_t n = 1 + random.below(kLongestBurst); n > 0 && i < of.size(); --n, ++i)
+            of[i] = true;
+    }
+    const auto camera_named = [&](std::string_view site) {
+      for (std::size_t c = 0; c < rig.sensors.size(); ++c)
+        if (rig.sensors[c].site == site && rig.sensors[c].side == 'L') return c;
+      return rig.sensors.size();
+    };
+    const std::size_t mouth = camera_named("mouth"), eye = camera_named("eye");
+    const Arrives all = [](std::size_t, std::size_t) { return true; };
+    const auto add = [&](HeadsetCondition condition, const Take& of, const Take* neutral,
+                         const Arrives& arrives) -> Result<void> {
+      MIEN_TRY_ASSIGN(const std::vector<Answered> answered, play(of, neutral, rig, model, arrives));
+      parts[w][static_cast<std::size_t>(condition)] = part_of(answered, meter, mean_answer);
+      return {};
+    };
+    using enum HeadsetCondition;
+    MIEN_TRY(add(as_worn, usual, &usual, all));
+    MIEN_TRY(add(no_neutral, usual, nullptr, all));
+    MIEN_TRY(add(put_on_anew, anew, &anew, all));
+    MIEN_TRY(add(slipped, anew, &usual, all));
+    MIEN_TRY(add(slow, usual, &usual, [](std::size_t f, std::size_t) { return f % kSlowEvery == 0; }));
+    MIEN_TRY(add(lossy, usual, &usual, [&](std::size_t f, std::size_t c) { return !lost[c][f]; }));
+    MIEN_TRY(add(mouth_lost, usual, &usual, [&](std::size_t, std::size_t c) { return c != mouth; }));
+    MIEN_TRY(add(eye_lost, usual, &usual, [&](std::size_t, std::size_t c) { return c != eye; }));
+    MIEN_TRY(add(hidden, covered, &usual, all));
+    return {};
+  };
+  MIEN_TRY(for_each_performer(wearers, request.threads, progress, look_through));
+  std::vector<HeadsetScore> scores;
+  for (std::size_t c = 0; c < kHeadsetConditions; ++c) {
+    std::vector<WearerPart> of_condition;
+    for (auto& of : parts) of_condition.push_back(std::move(of[c]));
+    scores.push_back(score_of(static_cast<HeadsetCondition>(c), of_condition));
+  }
+  return scores;
+}
+
+}  // namespace mien::study

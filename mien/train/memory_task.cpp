@@ -1,0 +1,473 @@
+#include "mien/train/memory_task.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <utility>
+
+#include "mien/core/quantile.h"
+#include "mien/core/sha256.h"
+#include "mien/core/time.h"
+#include "mien/headset/answer.h"
+#include "mien/headset/headset_camera.h"
+#include "mien/model/causal_network.h"
+#include "mien/model/views_network.h"
+#include "mien/study/logistic_fit.h"
+#include "mien/study/performers.h"
+#include "mien/study/reliability.h"
+#include "mien/train/view_augmentation.h"
+
+namespace mien::train {
+namespace {
+
+using headset::kAnswerOutputs;
+using model::kViews;
+
+/// Ways in which each donning of training is shown: as it is and mirrored, and both once more as other
+/// mountings and cameras show it. Raising: other headsets work better, for more minutes and memory.
+constexpr std::size_t kWays = 4;
+/// Below this openness a gaze cannot be seen.
+constexpr float kShut = 0.25F;
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr double kDegPerRad = 180 / std::numbers::pi;
+
+// Of a window: that it is not told what the face is like at rest; that all cameras are slow; that frames are
+// lost, up to which share, in bursts up to how long. Of each view: that it is slow, missing, away for a
+// while.
+constexpr double kNotTold = 1.0 / 6, kAllSlow = 0.15, kLossy = 0.3, kMostLost = 0.3;
+constexpr std::uint64_t kLongestBurst = 10;
+constexpr double kSlow = 0.05, kMissing = 0.04, kAway = 0.06, kMouthAway = 0.03;
+/// How much later than usual a view may come, shares of a tick.
+constexpr double kLatest = 0.6;
+
+std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
+  headset::Answer answer{.weights = {},
+                         .tongue_out = truth.tongue_out,
+                         .gaze_rad = truth.gaze_rad,
+                         .openness = truth.openness,
+                         .pupil_mm = truth.pupil_mm};
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) answer.weights[k] = truth.weights[k];
+  std::array<float, kAnswerOutputs> wanted{};
+  headset::encode_answer(answer, wanted);
+  for (std::size_t e = 0; e < 2; ++e)
+    if (truth.openness[e] < kShut) {
+      wanted[headset::kGazeOutput + 2 * e] = wanted[headset::kGazeOutput + 2 * e + 1] = kUnknown;
+      wanted[headset::kPupilOutput + e] = kUnknown;
+    }
+  return wanted;
+}
+
+/// Which camera gives a place's view, and how.
+struct Place {
+  std::size_t camera = 0;
+  bool is_there = false;
+  headset::NetworkViewSettings view;
+};
+using Places = std::array<Place, kViews>;
+
+/// What a donning is shown as.
+struct Way {
+  bool mirrored = false;
+  std::array<ViewLook, kViews> looks;
+  bool spoilt = false;
+};
+
+Way draw_way(std::size_t number, Random& random) {
+  Way way{.mirrored = number % 2 == 1, .looks = {}, .spoilt = number >= 2};
+  if (way.spoilt)
+    for (ViewLook& look : way.looks) look = draw_look(random);
+  return way;
+}
+
+/// What the network finds in a donning, and what it should be taken for.
+struct Found {
+  std::vector<float> features, wanted;
+};
+Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& donning, const Places& places,
+           const Way& way, const model::ViewsNetwork& network, model::ViewsNetwork::Workspace& memory,
+           Random& random) {
+  const std::size_t count = network.architecture().features, pixels = film.side() * film.side();
+  const auto side = static_cast<int>(film.side());
+  Found found;
+  std::vector<std::uint8_t> shown, scratch;
+  std::vector<float> views(kViews * pixels);
+  for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
+    std::array<bool, kViews> present{};
+    for (std::size_t v = 0; v < kViews; ++v) {
+      const Place& place = places[way.mirrored ? v ^ 1U : v];
+      if (!place.is_there) continue;
+      present[v] = true;
+      const std::span<const std::uint8_t> view = film.view(frame, place.camera);
+      shown.assign(view.begin(), view.end());
+      if (way.spoilt) {
+        show_as(way.looks[v], shown, side, scratch);
+        spoil_view(shown, side, random);
+      }
+      auto stretched = headset::NetworkView::create(place.view);
+      stretched->make({.width = side, .height = side, .pixels = shown},
+                      std::span(views).subspan(v * pixels, pixels));
+    }
+    const std::size_t begin = found.features.size();
+    found.features.resize(begin + kViews * count);
+    network.find(views, present, memory, std::span(found.features).subspan(begin));
+    const auto wanted = wanted_of(film.truth(frame));
+    for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
+      const std::size_t from = way.mirrored ? headset::mirrored_outputs()[i] : i;
+      found.wanted.push_back(way.mirrored && headset::mirrors_sign(i) ? -wanted[from] : wanted[from]);
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+/// What arrives of a view: which of the film's frames, and how much later than the first could.
+struct MemoryTask::Delivery {
+  std::vector<bool> lost;  // Of each frame of the sequence.
+  double late_ticks = 0;
+  bool missing = false;
+};
+
+std::size_t MemoryTask::frames_of(const std::vector<Sequence>& sequences) {
+  std::size_t sum = 0;
+  for (const Sequence& s : sequences) sum += s.frames;
+  return sum;
+}
+
+std::size_t MemoryTask::ticks_of(const Sequence& sequence) const {
+  return static_cast<std::size_t>(static_cast<double>(sequence.frames - 1) * kFrameRateHz /
+                                  sequence.rate_hz) +
+         1;
+}
+
+Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const study::HeadsetFilms& films,
+                                                       headset::ViewsFile views, const sensor::Rig& rig,
+                                                       const Progress& progress) {
+  if (recipe.architecture.kind != model::NetworkKind::causal)
+    return fail(ErrorCode::bad_usage, "a memory is a causal network", "[network] architecture",
+                "write architecture = \"causal\"");
+  const std::size_t count = views.architecture.features;
+  recipe.architecture.condition = headset::moment_condition(count);
+  recipe.architecture.outputs = headset::kMemoryOutputs;
+  MIEN_TRY(model::check(recipe.architecture));
+  for (std::size_t j = 0; j < headset::kJudgements; ++j) {
+    Recipe::Judgement& judgement = recipe.judgements.emplace_back();
+    for (const std::size_t output : headset::judged_outputs()[j])
+      judgement.outputs.push_back(static_cast<std::int64_t>(output));
+    judgement.most_error = double{headset::right_output_error(j)};
+  }
+  for (const auto* part : {&films.train, &films.validation})
+    for (const study::HeadsetFilm& film : *part)
+      if (film.side() != views.architecture.side || film.views() != rig.sensors.size())
+        return fail(ErrorCode::mismatch,
+                    fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
+                                film.side(), rig.sensors.size(), views.architecture.side),
+                    "[data] side");
+  Places places;
+  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras,
+                  headset::headset_cameras(rig, views.architecture.side));
+  for (const headset::HeadsetCamera& camera : cameras) {
+    Place& place = places[camera.place];
+    place = {.camera = camera.sensor, .is_there = true, .view = camera.view};
+    // Films show what is cut out already.
+    place.view.left = place.view.top = 0;
+    place.view.right = place.view.bottom = 1;
+  }
+  MIEN_TRY_ASSIGN(const model::ViewsNetwork network,
+                  model::ViewsNetwork::create(views.architecture, views.network));
+  auto task = std::unique_ptr<MemoryTask>(new MemoryTask(std::move(recipe), std::move(views)));
+  for (std::size_t v = 0; v < kViews; ++v) {
+    const std::span<const float> token = network.missing(v);
+    task->missing_.insert(task->missing_.end(), token.begin(), token.end());
+  }
+  const Random root = Random(task->recipe_.seed).fork("ways");
+  const std::size_t all = films.train.size() + films.validation.size();
+  std::vector<std::vector<Sequence>> found(all);
+  MIEN_TRY(study::for_each_performer(all, 0, progress, [&](std::size_t index) -> Result<void> {
+    const bool trains = index < films.train.size();
+    const std::size_t number = trains ? index : index - films.train.size();
+    const study::HeadsetFilm& film = trains ? films.train[number] : films.validation[number];
+    model::ViewsNetwork::Workspace memory(network);
+    for (std::size_t way = 0; way < (trains ? kWays : 1); ++way)
+      for (const study::HeadsetFilm::Donning& donning : film.donnings()) {
+        if (donning.end - donning.begin < 2) continue;
+        Random random = root.fork("film", index).fork("way", way).fork("donning", donning.begin);
+        const Way shown = draw_way(way, random);
+        Sequence s;
+        s.film = number;
+        s.frames = donning.end - donning.begin;
+        s.rest_end = donning.rest_end - donning.begin;
+        s.rate_hz = 1 / double{film.truth(donning.begin + 1).time_s};
+        Found of = find(film, donning, places, shown, network, memory, random);
+        s.features = std::move(of.features);
+        s.wanted = std::move(of.wanted);
+        s.rest.features.assign(kViews * count, 0.0F);
+        for (std::size_t frame = 0; frame < s.rest_end; ++frame)
+          for (std::size_t i = 0; i < kViews * count; ++i)
+            s.rest.features[i] += s.features[frame * kViews * count + i] / static_cast<float>(s.rest_end);
+        for (std::size_t v = 0; v < kViews; ++v)
+          s.rest.present[v] = s.rest_end > 0 && places[shown.mirrored ? v ^ 1U : v].is_there;
+        found[index].push_back(std::move(s));
+      }
+    return {};
+  }));
+  for (std::size_t index = 0; index < all; ++index)
+    for (Sequence& s : found[index])
+      if (task->ticks_of(s) >= task->recipe_.architecture.window)
+        (index < films.train.size() ? task->training_ : task->validation_).push_back(std::move(s));
+  if (task->training_.empty() || task->validation_.empty())
+    return fail(ErrorCode::bad_usage,
+                fmt::format("no donning lasts {} frames", task->recipe_.architecture.window),
+                "[network] window");
+  const auto hash_of = [](const std::vector<Sequence>& sequences) {
+    Sha256 hash;
+    for (const Sequence& s : sequences) {
+      hash.add_value(s.rate_hz);
+      hash.add(std::as_bytes(std::span(s.features)));
+      hash.add(std::as_bytes(std::span(s.wanted)));
+    }
+    return hash.hex();
+  };
+  task->training_hash_ = hash_of(task->training_);
+  task->validation_hash_ = hash_of(task->validation_);
+  return task;
+}
+
+void MemoryTask::moment_at(const Sequence& sequence, double frame, std::span<const Delivery> delivery,
+                           headset::MomentFeatures& moment) const {
+  const std::size_t count = views_.architecture.features;
+  const double ticks_per_frame = kFrameRateHz / sequence.rate_hz;
+  for (std::size_t v = 0; v < kViews; ++v) {
+    const auto begin = static_cast<std::ptrdiff_t>(v * count);
+    const auto leave_out = [&] {
+      moment.present[v] = false;
+      std::copy_n(missing_.begin() + begin, count, moment.features.begin() + begin);
+    };
+    const Delivery* const of = delivery.empty() ? nullptr : &delivery[v];
+    if (!sequence.rest.present[v] || (of != nullptr && of->missing)) {
+      leave_out();
+      continue;
+    }
+    const double newest = frame - (of != nullptr ? of->late_ticks / ticks_per_frame : 0);
+    auto at = static_cast<std::ptrdiff_t>(std::floor(newest + 1e-6));
+    while (at >= 0 && of != nullptr && of->lost[static_cast<std::size_t>(at)]) --at;
+    const double age_s = (frame - static_cast<double>(at)) / sequence.rate_hz;
+    if (at < 0 || age_s > double{headset::kOldest_s}) {
+      leave_out();
+      continue;
+    }
+    moment.present[v] = true;
+    moment.age_s[v] = static_cast<float>(age_s);
+    std::copy_n(sequence.features.begin() + at * static_cast<std::ptrdiff_t>(kViews * count) + begin, count,
+                moment.features.begin() + begin);
+  }
+}
+
+void MemoryTask::wanted_at(const Sequence& sequence, double frame, std::span<float> out) {
+  const auto first = static_cast<std::size_t>(frame);
+  const std::size_t second = std::min(first + 1, sequence.frames - 1);
+  const auto part = static_cast<float>(frame - static_cast<double>(first));
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i)
+    out[i] = std::lerp(sequence.wanted[first * kAnswerOutputs + i],
+                       sequence.wanted[second * kAnswerOutputs + i], part);
+}
+
+void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random* random,
+                        Batch& batch) const {
+  const std::size_t window = recipe_.architecture.window, each = recipe_.architecture.condition;
+  static const headset::RestFeatures kNothing;
+  bool told = sequence.rest_end > 0;
+  std::vector<Delivery> delivery;
+  if (random != nullptr) {
+    told = told && !random->chance(kNotTold);
+    const bool slow = random->chance(kAllSlow), mouth_away = random->chance(kMouthAway);
+    const double lost = random->chance(kLossy) ? random->uniform(0, kMostLost) : 0;
+    const auto away_from = random->below(sequence.frames), away_for = random->below(sequence.frames);
+    delivery.resize(kViews);
+    for (std::size_t v = 0; v < kViews; ++v) {
+      Delivery& of = delivery[v];
+      of.late_ticks = random->uniform(0, kLatest);
+      of.missing = random->chance(kMissing);
+      of.lost.assign(sequence.frames, false);
+      if (slow || random->chance(kSlow)) {
+        const std::uint64_t every = 2 + random->below(3), phase = random->below(every);
+        for (std::size_t i = 0; i < sequence.frames; ++i) of.lost[i] = i % every != phase;
+      }
+      const double bursts = lost / (0.5 * static_cast<double>(kLongestBurst + 1));
+      for (std::size_t i = 0; lost > 0 && i < sequence.frames; ++i)
+        if (random->chance(bursts))
+          for (std::uint64_t n = 1 + random->below(kLongestBurst); n > 0 && i < sequence.frames; --n, ++i)
+            of.lost[i] = true;
+      if ((mouth_away && v >= 2) || random->chance(kAway))
+        for (std::size_t i = away_from; i < std::min(sequence.frames, away_from + away_for); ++i)
+          of.lost[i] = true;
+    }
+  }
+  headset::MomentFeatures moment;
+  moment.features.resize(kViews * views_.architecture.features);
+  for (std::size_t tick = first_tick; tick < first_tick + window; ++tick) {
+    const double frame = std::min(static_cast<double>(tick) * sequence.rate_hz / kFrameRateHz,
+                                  static_cast<double>(sequence.frames - 1));
+    moment_at(sequence, frame, delivery, moment);
+    const std::size_t begin = batch.condition.size(), wanted = batch.clean.size();
+    batch.condition.resize(begin + each);
+    headset::write_moment_condition(moment, told ? sequence.rest : kNothing,
+                                    std::span(batch.condition).subspan(begin));
+    batch.clean.resize(wanted + kAnswerOutputs);
+    wanted_at(sequence, frame, std::span(batch.clean).subspan(wanted));
+  }
+  batch.level.push_back(0);
+  batch.held.push_back(0);
+  ++batch.windows;
+}
+
+Batch MemoryTask::random_batch(std::size_t count, Random random) const {
+  Batch batch;
+  while (batch.windows < count) {
+    const Sequence& s = training_[random.below(training_.size())];
+    append(s, random.below(ticks_of(s) - recipe_.architecture.window + 1), &random, batch);
+  }
+  return batch;
+}
+
+Batch MemoryTask::validation_batch(Random) const {
+  Batch batch;
+  const std::size_t count = std::min(recipe_.windows, validation_.size());
+  for (std::size_t i = 0; i < count; ++i)
+    append(validation_[i * validation_.size() / count], 0, nullptr, batch);
+  return batch;
+}
+
+Result<std::string> MemoryTask::results_of(const std::filesystem::path& model) const {
+  MIEN_TRY_ASSIGN(const headset::ViewsFile standing, headset::read_views_file(model));
+  return standing.memory ? standing.memory->results : std::string();
+}
+
+Result<std::vector<model::Tensor>> MemoryTask::begin_with(const std::filesystem::path& model) {
+  MIEN_TRY_ASSIGN(headset::ViewsFile standing, headset::read_views_file(model));
+  if (!standing.memory ||
+      model::network_tensors(standing.memory->architecture) != model::network_tensors(recipe_.architecture))
+    return fail(ErrorCode::mismatch, "it has no memory of this size", model.string(),
+                "start from a model of the recipe's own architecture");
+  return std::move(standing.memory->network);
+}
+
+Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, const Progress& progress) {
+  headset::ViewsMemory& made = views_.memory.emplace();
+  made.architecture = recipe_.architecture;
+  made.network.assign(network.begin(), network.end());
+  made.recipe = recipe_.text;
+  MIEN_TRY_ASSIGN(const model::CausalNetwork runs,
+                  model::CausalNetwork::create(recipe_.architecture, made.network));
+  model::CausalNetwork::State state(runs);
+  headset::MomentFeatures moment;
+  moment.features.resize(kViews * views_.architecture.features);
+  std::vector<float> condition(recipe_.architecture.condition);
+  std::array<float, headset::kMemoryOutputs> outputs{};
+  std::array<float, kAnswerOutputs> wanted{};
+  struct Judged {
+    bool fits = false;  // Of a wearer that the maps are fitted on.
+    std::size_t judgement = 0;
+    float logit = 0;
+    bool hit = false;
+  };
+  std::vector<Judged> judged;
+  double squares = 0, mean_squares = 0, weights = 0, hits = 0, told = 0, shut = 0, rough = 0, true_rough = 0;
+  std::vector<double> gaze_deg;
+  for (std::size_t n = 0; n < validation_.size(); ++n) {
+    const Sequence& s = validation_[n];
+    if (!progress(static_cast<double>(n) / static_cast<double>(validation_.size()), "measuring"))
+      return fail(ErrorCode::cancelled, "stopped while measuring the model");
+    state.reset();
+    std::vector<std::array<float, face::kShapeCount>> answered, truth;
+    for (std::size_t tick = 0; tick < ticks_of(s); ++tick) {
+      const double frame = static_cast<double>(tick) * s.rate_hz / kFrameRateHz;
+      moment_at(s, frame, {}, moment);
+      headset::write_moment_condition(moment, s.rest, condition);
+      runs.step(condition, state, outputs);
+      if (frame < static_cast<double>(s.rest_end)) continue;
+      wanted_at(s, frame, wanted);
+      auto& answer = answered.emplace_back();
+      auto& real = truth.emplace_back();
+      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+        // Half the distance in [-1, 1] is the distance of weights.
+        answer[k] = 0.5F * (std::clamp(outputs[k], -1.0F, 1.0F) + 1);
+        real[k] = 0.5F * (wanted[k] + 1);
+        const double error = double{answer[k] - real[k]};
+        const double of_mean = 0.5 * double{views_.mean_answer[k] - wanted[k]};
+        squares += error * error;
+        mean_squares += of_mean * of_mean;
+        ++weights;
+      }
+      const headset::Answer seen = headset::decode_answer(std::span(outputs).first<kAnswerOutputs>());
+      const headset::Answer is = headset::decode_answer(wanted);
+      for (std::size_t e = 0; e < 2; ++e) {
+        if (!std::isnan(wanted[headset::kGazeOutput + 2 * e]))
+          gaze_deg.push_back(kDegPerRad *
+                             std::hypot(double{seen.gaze_rad[2 * e] - is.gaze_rad[2 * e]},
+                                        double{seen.gaze_rad[2 * e + 1] - is.gaze_rad[2 * e + 1]}));
+        const bool closed = is.openness[e] < kShut, says = seen.openness[e] < kShut;
+        shut += closed ? 1 : 0;
+        told += says ? 1 : 0;
+        hits += closed && says ? 1 : 0;
+      }
+      for (std::size_t j = 0; j < headset::kJudgements; ++j) {
+        double sum = 0, count = 0;
+        for (const std::size_t i : headset::judged_outputs()[j]) {
+          if (std::isnan(wanted[i])) continue;
+          sum += std::abs(std::clamp(double{outputs[i]}, -1.0, 1.0) - double{wanted[i]});
+          ++count;
+        }
+        judged.push_back({.fits = s.film % 2 == 0,
+                          .judgement = j,
+                          .logit = outputs[kAnswerOutputs + j],
+                          .hit = count > 0 && sum <= count * double{headset::right_output_error(j)}});
+      }
+    }
+    for (std::size_t f = 3; f < answered.size(); ++f)
+      for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+        const auto third = [&](const auto& of) {
+          return std::abs(double{of[f][k] - 3 * of[f - 1][k] + 3 * of[f - 2][k] - of[f - 3][k]});
+        };
+        rough += third(answered);
+        true_rough += third(truth);
+      }
+  }
+  std::array<study::LogisticFit, headset::kJudgements> fits;
+  for (const Judged& one : judged)
+    if (one.fits) fits[one.judgement].add(one.logit, one.hit);
+  for (std::size_t j = 0; j < fits.size(); ++j) made.judgements[j] = fits[j].solve();
+  std::array<study::Reliability, headset::kJudgements> reliability;
+  std::array<study::RocArea, headset::kJudgements> roc;
+  for (const Judged& one : judged) {
+    if (one.fits) continue;
+    const float p = made.judgements[one.judgement].at(one.logit);
+    reliability[one.judgement].add(p, one.hit);
+    roc[one.judgement].add(p, one.hit);
+  }
+  nlohmann::json judgements = nlohmann::json::array();
+  for (std::size_t j = 0; j < headset::kJudgements; ++j)
+    judgements.push_back({{"ece", reliability[j].expected_error()}, {"auc", roc[j].area()}});
+  std::ranges::sort(gaze_deg);
+  return nlohmann::json{{"headset",
+                         {{"mse", squares / std::max(1.0, weights)},
+                          {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
+                          {"gaze_median_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.5)},
+                          {"gaze_p90_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.9)},
+                          {"closed_f1", 2 * hits / std::max(1.0, shut + told)},
+                          {"jitter_ratio", rough / std::max(1e-9, true_rough)},
+                          {"judgements", judgements}}}}
+      .dump();
+}
+
+Result<void> MemoryTask::write(const std::filesystem::path& path, const std::string& results) const {
+  headset::ViewsFile whole = views_;
+  whole.memory->results = results;
+  return headset::write_views_file(path, whole);
+}
+
+}  // namespace mien::train
