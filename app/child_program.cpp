@@ -62,7 +62,7 @@ struct Child::State {
 
   PrivateFolder folder;
   std::string name;
-  Descriptor input;
+  Descriptor input, output;
   pid_t id = -1;  ///< Until it was waited for.
 };
 
@@ -73,17 +73,24 @@ Child::~Child() {
   if (state_ == nullptr || state_->id <= 0) return;
   ::kill(state_->id, SIGTERM);
   state_->input.close();  // Whatever it waits for: it ends, and takes away what it began.
+  state_->output.close();
   while (::waitpid(state_->id, nullptr, 0) < 0 && errno == EINTR) {
   }
 }
 
 Result<Child> Child::start(std::vector<std::string> command, Input input,
-                           std::vector<std::string> environment) {
+                           std::vector<std::string> environment, Output output) {
   MIEN_TRY_ASSIGN(PrivateFolder folder, PrivateFolder::make());
   auto state = std::make_unique<State>(std::move(folder));
   state->name = command.front();
   const fs::path out = state->out(), complaints = state->complaints();
-  Descriptor theirs;
+  Descriptor theirs, their_output;
+  if (output == Output::read) {
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) return fail(ErrorCode::io, std::strerror(errno), state->name);
+    state->output = Descriptor(ends[0]);
+    their_output = Descriptor(ends[1]);
+  }
   if (input == Input::fed) {
     // A socket rather than a pipe: writing to a child that is gone then gives an error instead of a signal.
     std::array<int, 2> ends{};
@@ -99,7 +106,10 @@ Result<Child> Child::start(std::vector<std::string> command, Input input,
   else
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   constexpr int kNew = O_WRONLY | O_CREAT | O_TRUNC;
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kNew, 0600);
+  if (output == Output::read)
+    posix_spawn_file_actions_adddup2(&actions, their_output.get(), STDOUT_FILENO);
+  else
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), kNew, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, complaints.c_str(), kNew, 0600);
   const std::vector<char*> argv = pointers(command), envp = pointers(environment);
   const int code = ::posix_spawnp(&state->id, argv.front(), &actions, nullptr, argv.data(),
@@ -121,16 +131,32 @@ Result<void> Child::send(std::span<const std::uint8_t> bytes) {
   return {};
 }
 
+Result<std::size_t> Child::receive(std::span<std::uint8_t> bytes) {
+  std::size_t have = 0;
+  while (have < bytes.size()) {
+    const ssize_t n = ::read(state_->output.get(), bytes.data() + have, bytes.size() - have);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(ErrorCode::io, std::strerror(errno), state_->name);
+    if (n == 0) break;
+    have += static_cast<std::size_t>(n);
+  }
+  return have;
+}
+
 Result<ChildOutput> Child::wait() {
   if (state_->id <= 0) return fail(ErrorCode::io, "it has ended already", state_->name);
   state_->input.close();
+  const bool was_read = state_->output.get() >= 0;
+  state_->output.close();
   int status = 0;
   while (::waitpid(state_->id, &status, 0) < 0 && errno == EINTR) {
   }
   state_->id = -1;
   ChildOutput output;
   output.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  MIEN_TRY_ASSIGN(output.out, read_text(state_->out()));
+  if (!was_read) {
+    MIEN_TRY_ASSIGN(output.out, read_text(state_->out()));
+  }
   MIEN_TRY_ASSIGN(output.complaints, read_text(state_->complaints()));
   return output;
 }

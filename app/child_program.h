@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -25,19 +26,27 @@ struct ChildOutput {
 class Child {
  public:
   enum class Input { none, fed };
+  enum class Output {
+    kept,  ///< wait() gives what it said.
+    read,  ///< By receive(), while it works.
+  };
 
   /// Starts a program, found along PATH where its name has no slash. `command`: name and arguments;
   /// `environment`: its whole environment, or empty for this program's own. Errors: not_found (no such
   /// program), io.
   [[nodiscard]] static Result<Child> start(std::vector<std::string> command, Input input,
-                                           std::vector<std::string> environment = {});
+                                           std::vector<std::string> environment = {},
+                                           Output output = Output::kept);
   Child(Child&&) noexcept;
   Child& operator=(Child&&) = delete;
   ~Child();  ///< Without wait() asks it to stop (SIGTERM, and its input's end), and waits until it has.
 
   /// Feeds its standard input. Errors: io (it listens no more: wait() says why).
   [[nodiscard]] Result<void> send(std::span<const std::uint8_t> bytes);
-  /// Ends its input and waits for its end. Errors: io (it has been waited for already).
+  /// Fills `bytes` from its standard output; less only at the output's end. Returns how many there were.
+  /// Errors: io.
+  [[nodiscard]] Result<std::size_t> receive(std::span<std::uint8_t> bytes);
+  /// Ends its input, reads no more of it, and waits for its end. Errors: io (it has been waited for already).
   [[nodiscard]] Result<ChildOutput> wait();
   /// Asks it to stop (SIGTERM, and its input's end) and waits for that. One that goes on beyond `patience` is
   /// killed. Errors: io (it was killed, or has been waited for already).

@@ -33,6 +33,10 @@ Option Option::expected(int values) const {
   return Option(option_->expected(values));
 }
 
+Option Option::repeated() const {
+  return Option(option_->allow_extra_args(false));
+}
+
 Option Option::delimiter(char between) const {
   return Option(option_->delimiter(between));
 }

@@ -32,6 +32,8 @@ class Option {
   Option excludes(Option other) const;
   /// How many values it takes each time that it is given.
   Option expected(int values) const;
+  /// One value each time that it is given, however often that is.
+  Option repeated() const;
   /// A value holds several, with this between them.
   Option delimiter(char between) const;
   /// --help shows what its variable holds now.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -15,10 +17,10 @@ namespace {
 
 constexpr const char* kHelper = "mien-media";
 
-Result<Child> start_helper(std::vector<std::string> arguments) {
+Result<Child> start_helper(std::vector<std::string> arguments, Child::Output output = Child::Output::kept) {
   MIEN_TRY_ASSIGN(const fs::path helper, find_helper(kHelper));
   arguments.insert(arguments.begin(), helper.string());
-  auto child = Child::start(std::move(arguments), Child::Input::fed);
+  auto child = Child::start(std::move(arguments), Child::Input::fed, {}, output);
   if (!child) child.error().fix = "build or install it again";
   return child;
 }
@@ -79,6 +81,59 @@ Result<void> FilmWriter::add_frame(const render::Image& frame) {
 
 Result<void> FilmWriter::finish() {
   return finish_helper(state_->child);
+}
+
+struct FilmReader::State {
+  explicit State(Child started) : child(std::move(started)) {}
+  Child child;
+  int width = 0, height = 0;
+  std::size_t about = 0;
+};
+
+FilmReader::FilmReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+FilmReader::FilmReader(FilmReader&&) noexcept = default;
+FilmReader& FilmReader::operator=(FilmReader&&) noexcept = default;
+FilmReader::~FilmReader() = default;
+
+Result<FilmReader> FilmReader::start(const fs::path& film, int most_width, int most_height) {
+  MIEN_TRY_ASSIGN(
+      Child child,
+      start_helper({"frames", "--most", fmt::format("{}x{}", most_width, most_height), "--", film.string()},
+                   Child::Output::read));
+  auto state = std::make_unique<State>(std::move(child));
+  std::string head;
+  std::array<std::uint8_t, 1> one{};
+  constexpr std::size_t kLongestHead = 100;
+  while (head.size() < kLongestHead) {
+    MIEN_TRY_ASSIGN(const std::size_t got, state->child.receive(one));
+    if (got == 0 || one[0] == '\n') break;
+    head += static_cast<char>(one[0]);
+  }
+  if (std::sscanf(head.c_str(), "grey %5dx%5d %12zu", &state->width, &state->height, &state->about) != 3 ||
+      state->width < 1 || state->height < 1 || state->width > most_width || state->height > most_height) {
+    MIEN_TRY(finish_helper(state->child, true));
+    return fail(ErrorCode::internal, "it tells no size of the film's pictures", kHelper);
+  }
+  return FilmReader(std::move(state));
+}
+
+int FilmReader::width() const {
+  return state_->width;
+}
+int FilmReader::height() const {
+  return state_->height;
+}
+std::size_t FilmReader::about() const {
+  return state_->about;
+}
+
+Result<bool> FilmReader::next(std::span<std::uint8_t> grey) {
+  if (grey.size() != static_cast<std::size_t>(state_->width) * static_cast<std::size_t>(state_->height))
+    return fail(ErrorCode::mismatch, fmt::format("a picture of {} pixels", grey.size()), "the film");
+  MIEN_TRY_ASSIGN(const std::size_t got, state_->child.receive(grey));
+  if (got == grey.size()) return true;
+  MIEN_TRY(finish_helper(state_->child, got > 0));
+  return false;
 }
 
 study::Speaker speaker_by_helper() {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "mien/core/error.h"
@@ -30,6 +33,31 @@ class FilmWriter {
  private:
   struct State;
   explicit FilmWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// A film's pictures in grey, which `mien-media` decodes while this program reads. Not thread-safe.
+class FilmReader {
+ public:
+  /// Pictures larger than this are made smaller, of one shape. Errors: not_found (no helper), and what the
+  /// helper says of the film.
+  [[nodiscard]] static Result<FilmReader> start(const std::filesystem::path& film, int most_width,
+                                                int most_height);
+  FilmReader(FilmReader&&) noexcept;
+  FilmReader& operator=(FilmReader&&) noexcept;
+  ~FilmReader();  ///< Stops the helper.
+
+  [[nodiscard]] int width() const;
+  [[nodiscard]] int height() const;
+  /// How many pictures the film says that it has; 0: it does not tell.
+  [[nodiscard]] std::size_t about() const;
+  /// The next one, row by row from the top: height x width; false at the film's end. Errors: mismatch
+  /// (another size of `grey`), and what the helper says when it stops.
+  [[nodiscard]] Result<bool> next(std::span<std::uint8_t> grey);
+
+ private:
+  struct State;
+  explicit FilmReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -17,6 +17,7 @@
 #include "mien/core/wav.h"
 #include "mien/study/media/festival_speech.h"
 #include "mien/study/media/speech_synthesis.h"
+#include "mien/study/media/video_reader.h"
 #include "mien/study/media/video_writer.h"
 
 namespace {
@@ -76,6 +77,35 @@ Result<void> run_video(const VideoCommand& command) {
     if (!more) return video.finish();
     MIEN_TRY(video.add_frame(frame));
   }
+}
+
+struct FramesCommand {
+  std::string film, most = "1280x960";
+};
+
+Result<void> write_out(std::span<const std::uint8_t> bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size()) return {};
+  return fail(ErrorCode::io, std::strerror(errno), "standard output");
+}
+
+Result<void> run_frames(const FramesCommand& command) {
+  int width = 0, height = 0;
+  char rest = 0;
+  if (std::sscanf(command.most.c_str(), "%5dx%5d%c", &width, &height, &rest) != 2 || width < 1 || height < 1)
+    return fail(ErrorCode::bad_usage, fmt::format("'{}' is no size", command.most), "--most",
+                "write it like 640x480");
+  catch_signals();
+  MIEN_TRY_ASSIGN(auto film, media::VideoReader::open(command.film, width, height));
+  const std::string head = fmt::format("grey {}x{} {}\n", film.width(), film.height(), film.about());
+  MIEN_TRY(write_out({reinterpret_cast<const std::uint8_t*>(head.data()), head.size()}));
+  for (;;) {
+    if (stop_asked != 0) return fail(ErrorCode::cancelled, "stopped", command.film);
+    MIEN_TRY_ASSIGN(const auto picture, film.next());
+    if (!picture) break;
+    MIEN_TRY(write_out(*picture));
+  }
+  if (std::fflush(stdout) != 0) return fail(ErrorCode::io, std::strerror(errno), "standard output");
+  return {};
 }
 
 struct SpeakCommand {
@@ -145,6 +175,16 @@ int main(int argc, char** argv) {
       .show_default();
   video_command.add_option("--audio", video.audio, "A WAV file to play along");
   video_command.add_option("--out", video.out, "The file to write").required();
+
+  FramesCommand frames;
+  const app::Command frames_command = commands.add(
+      "frames",
+      "Writes a film's pictures to standard output: a line 'grey WIDTHxHEIGHT ABOUT', then each in grey, a "
+      "byte a pixel, row by row",
+      "mien-media frames face.mp4 > face.grey", [&] { return run_frames(frames); });
+  frames_command.add_option("film", frames.film, "The film").required();
+  frames_command.add_option("--most", frames.most, "Width x height beyond which pictures are made smaller")
+      .show_default();
 
   SpeakCommand speak;
   const app::Command speak_command =

@@ -15,6 +15,7 @@
 #include "mien/measure/evaluation_json.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
+#include "mien/study/region_tally.h"
 #include "mien/study/solve.h"
 
 namespace mien::app {
@@ -127,6 +128,7 @@ Result<void> run_evaluate(EvaluateOptions options) {
   for (std::size_t i = 0; i < ablated.size(); ++i)
     evaluation.ablations.push_back(
         measure::measure_ablation(meter, estimates, ablated[i].without, without[i]));
+  evaluation.ece = study::expected_region_error(estimates);
   if (adapted > 0 && adapted < takes.size())
     fmt::print(stderr,
                "mien: the wearer was learnt on {} of the {} takes; evaluate them apart to tell them apart\n",
@@ -157,6 +159,8 @@ Result<void> run_evaluate(EvaluateOptions options) {
   if (evaluation.ridge) print_row("ridge", *evaluation.ridge);
   print_row("hold last", evaluation.hold_last);
   print_row("mean pose", evaluation.mean_pose);
+  if (const measure::Table eyes = measure::eyes_and_lips_table(evaluation); !eyes.rows.empty())
+    fmt::print("\n{}", measure::plain_text(eyes));
   if (!evaluation.ablations.empty())
     fmt::print("\nthe model with a step of shaping left out (=: no bit changes)\n");
   for (const measure::Ablation& one : evaluation.ablations)

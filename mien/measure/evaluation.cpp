@@ -113,18 +113,24 @@ Track truth_of(const TakeEstimates& take) {
   return truth;
 }
 
-/// Of all takes as one, what `track_of` gives of each, against its truth.
+enum class Gaze { as_weights_say, of_model };
+
+/// Of all takes as one, what `track_of` gives of each, beside its truth.
 template <class TrackOf>
-Metrics measure_takes(const Meter& meter, const std::vector<TakeEstimates>& takes,
-                      const std::vector<Track>& truths, TrackOf&& track_of) {
+std::vector<Stretch> stretches_of(const std::vector<TakeEstimates>& takes, const std::vector<Track>& truths,
+                                  Gaze gaze, TrackOf&& track_of) {
   std::vector<Stretch> stretches;
   for (std::size_t t = 0; t < takes.size(); ++t)
     for (const auto& [begin, end] : evaluated_runs(takes[t].truth)) {
       const std::span<const face::BlendshapeWeights> truth(truths[t]);
       const std::span<const face::BlendshapeWeights> estimate(track_of(t));
-      stretches.push_back({truth.subspan(begin, end - begin), estimate.subspan(begin, end - begin)});
+      Stretch& stretch = stretches.emplace_back();
+      stretch.truth = truth.subspan(begin, end - begin);
+      stretch.estimate = estimate.subspan(begin, end - begin);
+      if (gaze == Gaze::of_model && !takes[t].gaze_rad.empty())
+        stretch.gaze_rad = std::span(takes[t].gaze_rad).subspan(begin, end - begin);
     }
-  return meter.measure(stretches);
+  return stretches;
 }
 
 }  // namespace
@@ -138,8 +144,8 @@ Ablation measure_ablation(const Meter& meter, const std::vector<TakeEstimates>& 
     out.changed =
         out.changed || !std::ranges::equal(weights[t], takes[t].model, {}, &face::BlendshapeWeights::values,
                                            &face::BlendshapeWeights::values);
-  out.metrics =
-      measure_takes(meter, takes, truths, [&](std::size_t t) -> const Track& { return weights[t]; });
+  out.metrics = meter.measure(stretches_of(takes, truths, Gaze::as_weights_say,
+                                           [&](std::size_t t) -> const Track& { return weights[t]; }));
   return out;
 }
 
@@ -158,8 +164,13 @@ Result<Evaluation> evaluate(const Meter& meter, const std::vector<TakeEstimates>
   out.takes = takes.size();
   bool has_ridge = !takes.empty();
   for (const TakeEstimates& t : takes) has_ridge = has_ridge && t.ridge.size() == t.truth.size();
-  const auto measure = [&](auto&& track_of) { return measure_takes(meter, takes, truths, track_of); };
-  out.model = measure([&](std::size_t t) -> const Track& { return takes[t].model; });
+  const auto measure = [&](auto&& track_of, Gaze gaze = Gaze::as_weights_say) {
+    const std::vector<Stretch> stretches = stretches_of(takes, truths, gaze, track_of);
+    Metrics metrics = meter.measure(stretches);
+    metrics.eyes_and_lips = meter.eyes_and_lips().measure(stretches);
+    return metrics;
+  };
+  out.model = measure([&](std::size_t t) -> const Track& { return takes[t].model; }, Gaze::of_model);
   if (out.model.frames == 0)
     return fail(ErrorCode::not_found, "no frame of these takes can be evaluated",
                 takes.empty() ? "" : takes.front().take,

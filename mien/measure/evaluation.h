@@ -31,6 +31,10 @@ struct TakeEstimates {
   std::vector<face::BlendshapeWeights> ridge;  ///< One a tick; empty when the model file has none.
   /// How the model's weights came about, one a tick; empty where that is not known.
   std::vector<std::array<face::Provenance, face::kShapeCount>> provenance = {};
+  /// Where the model's eyes look, one a tick; empty: as its weights say.
+  std::vector<EyeDirections> gaze_rad = {};
+  /// The model's confidence of the regions, one a tick; empty where it has none.
+  std::vector<std::array<float, face::kShapeRegionCount>> region_confidence = {};
 };
 
 /// The estimate with one step of shaping left out.
@@ -51,6 +55,8 @@ struct Evaluation {
   /// What the answer itself said of its shapes: measured is what the model's table calls so for the sensors
   /// that sent. Absent where an estimate does not say.
   std::optional<ProvenanceShares> provenance;
+  /// Expected calibration error of the regions' confidence; absent where it is known of none.
+  std::optional<double> ece;
   std::vector<Ablation> ablations;  ///< Empty unless they were asked for.
 };
 

@@ -13,13 +13,17 @@ OrderedJson to_json(const MeanStd& value) {
   return {{"mean", value.mean}, {"std", value.std}};
 }
 
+OrderedJson to_json(const EyesAndLips::Angle& value) {
+  return {{"median", value.median}, {"p90", value.p90}};
+}
+
+OrderedJson to_json(double value) {
+  return value;
+}
+
 template <class T>
 OrderedJson or_null(const std::optional<T>& value) {
-  if (!value) return nullptr;
-  if constexpr (std::is_same_v<T, MeanStd>)
-    return to_json(*value);
-  else
-    return *value;
+  return value ? to_json(*value) : OrderedJson(nullptr);
 }
 
 OrderedJson to_json(const Metrics& metrics) {
@@ -31,6 +35,12 @@ OrderedJson to_json(const Metrics& metrics) {
   out["lmk_mm"] = or_null(metrics.lmk_mm);
   out["jitter_ratio"] = or_null(metrics.jitter_ratio);
   out["blink_f1"] = or_null(metrics.blink_f1);
+  if (metrics.eyes_and_lips) {
+    const EyesAndLips& eyes_and_lips = *metrics.eyes_and_lips;
+    out["gaze_deg"] = or_null(eyes_and_lips.gaze_deg);
+    out["openness_pearson"] = or_null(eyes_and_lips.openness_pearson);
+    out["lip_gap_f1"] = or_null(eyes_and_lips.lip_gap_f1);
+  }
   OrderedJson shapes = OrderedJson::object();
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     shapes[std::string(face::kShapeNames[k])] = {{"mae", metrics.per_shape[k].mae},
@@ -69,6 +79,7 @@ std::string evaluation_json(const Evaluation& evaluation, const EvaluationContex
   out["adapted"] = context.adapted;
   out["adapt_s"] = context.adapt_s;
   out["model"] = to_json(evaluation.model);
+  out["model"]["ece"] = or_null(evaluation.ece);
   out["provenance"] = evaluation.provenance ? to_json(*evaluation.provenance) : OrderedJson(nullptr);
   out["baselines"]["mean_pose"] = to_json(evaluation.mean_pose);
   out["baselines"]["hold_last"] = to_json(evaluation.hold_last);

@@ -144,6 +144,25 @@ Table without_steps(const Evaluation& evaluation) {
 
 }  // namespace
 
+Table eyes_and_lips_table(const Evaluation& evaluation) {
+  Table table;
+  table.caption = "Eyes, lids and lips";
+  table.columns = {"", "gaze median, °", "gaze p90, °", "openness r", "lips closed F1", "ECE"};
+  const auto add = [&](const char* name, const Metrics& metrics, const std::optional<double>& ece) {
+    const EyesAndLips of = metrics.eyes_and_lips.value_or(EyesAndLips{});
+    table.rows.push_back({name, of.gaze_deg ? number(of.gaze_deg->median, 1) : kNothing,
+                          of.gaze_deg ? number(of.gaze_deg->p90, 1) : kNothing,
+                          number(of.openness_pearson, 2), number(of.lip_gap_f1, 2), number(ece, 3)});
+  };
+  add("model", evaluation.model, evaluation.ece);
+  if (evaluation.ridge) add("ridge, one frame", *evaluation.ridge, {});
+  add("hold last second", evaluation.hold_last, {});
+  add("mean pose", evaluation.mean_pose, {});
+  table = without_empty_columns(std::move(table));
+  if (table.columns.size() == 1) table.rows.clear();
+  return table;
+}
+
 Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& context) {
   Report report("Capture against truth",
                 fmt::format("{} frames of {} take{} on the face {}, {} profile, {}", evaluation.frames,
@@ -170,6 +189,8 @@ Report evaluation_report(const Evaluation& evaluation, const EvaluationContext& 
   const Table table = beside_baselines(evaluation);
   report.table(table);
   report.text(baselines_explained(table, evaluation.ridge.has_value()));
+
+  if (const Table eyes = eyes_and_lips_table(evaluation); !eyes.rows.empty()) report.table(eyes);
 
   if (!evaluation.ablations.empty()) {
     report.table(without_steps(evaluation));

@@ -83,7 +83,7 @@ std::optional<double> blink_f1(std::span<const Stretch> stretches, int tolerance
   return 2.0 * static_cast<double>(hits) / static_cast<double>(truths + estimates);
 }
 
-Meter::Meter(const face::Face& face) {
+Meter::Meter(const face::Face& face) : eyes_and_lips_(face) {
   const std::size_t vertices = face.neutral_m.size();
   shapes_.first.assign(vertices + 1, 0);
   const std::size_t shape_count = std::min(face.shapes.size(), face::kShapeCount);

@@ -7,6 +7,8 @@
 
 #include "mien/face/face.h"
 #include "mien/face/profile.h"
+#include "mien/measure/eyes_and_lips.h"
+#include "mien/measure/stretch.h"
 
 namespace mien::measure {
 
@@ -32,16 +34,12 @@ struct Metrics {
   std::optional<double> jitter_ratio;  ///< Third difference of the landmarks over the truth's own.
   std::optional<double> blink_f1;      ///< Absent when neither truth nor estimate has a blink.
   std::array<ShapeScore, face::kShapeCount> per_shape{};
+  /// Absent where it was not asked for: evaluate() does.
+  std::optional<EyesAndLips> eyes_and_lips;
 
   std::vector<float> mse_curve;     ///< One a frame.
   std::vector<float> pve_mm_curve;  ///< One a frame.
   std::vector<float> lmk_mm_curve;  ///< One a frame; empty without landmarks.
-};
-
-/// One stretch of frames at 60 Hz without a gap. Shape: both of equal size.
-struct Stretch {
-  std::span<const face::BlendshapeWeights> truth;
-  std::span<const face::BlendshapeWeights> estimate;
 };
 
 /// Whether `mse_observed` counts a shape: a fixed list, whatever the sensors. Which shapes sensors *measure*
@@ -56,6 +54,8 @@ class Meter {
 
   /// All stretches as one. Errors in millimetres on M(w) with both sides clipped to [0, 1].
   [[nodiscard]] Metrics measure(std::span<const Stretch> stretches) const;
+  /// Of the same face.
+  [[nodiscard]] const EyesAndLipsMeter& eyes_and_lips() const { return eyes_and_lips_; }
 
  private:
   struct VertexShapes {  // Which shapes move a vertex, and how: CSR over all vertices.
@@ -70,6 +70,7 @@ class Meter {
   std::size_t skin_count_ = 0;
   std::vector<std::uint32_t> landmarks_;
   std::vector<Vec3f> landmark_neutral_mm_;
+  EyesAndLipsMeter eyes_and_lips_;
 };
 
 /// F1 of blinks: a blink is a weight crossing 0.5 upwards, matched one to one within `tolerance` frames; both

@@ -39,4 +39,24 @@ void RegionTally::add(const RegionTally& other) {
   }
 }
 
+std::optional<double> expected_region_error(const std::vector<measure::TakeEstimates>& takes) {
+  Reliability known;
+  std::size_t count = 0;
+  for (const measure::TakeEstimates& take : takes) {
+    if (take.region_confidence.empty()) continue;
+    for (const auto& [begin, end] : measure::evaluated_runs(take.truth))
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto within = regions_within(take.model[i], take.truth[i].weights);
+        for (std::size_t r = 0; r < within.size(); ++r) {
+          const float confidence = take.region_confidence[i][r];
+          if (confidence <= 0) continue;
+          known.add(confidence, within[r]);
+          ++count;
+        }
+      }
+  }
+  if (count == 0) return std::nullopt;
+  return known.expected_error();
+}
+
 }  // namespace mien::study

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <vector>
 
 #include "mien/face/output_frame.h"
+#include "mien/measure/evaluation.h"
 #include "mien/study/reliability.h"
 
 namespace mien::study {
@@ -21,5 +24,10 @@ struct RegionTally {
   void add(const face::OutputFrame& frame, const face::BlendshapeWeights& truth);
   void add(const RegionTally& other);
 };
+
+/// Expected calibration error of the regions' confidence over the evaluated frames of all takes, all regions
+/// alike; of a region whose confidence is unknown in a frame, that frame says nothing. Absent where it is
+/// known of none.
+[[nodiscard]] std::optional<double> expected_region_error(const std::vector<measure::TakeEstimates>& takes);
 
 }  // namespace mien::study

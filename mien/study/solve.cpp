@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "mien/face/face.h"
 #include "mien/face/frame_hash.h"
 #include "mien/shaping/shaper.h"
 #include "mien/study/imu/trace_features.h"
@@ -134,6 +135,11 @@ Result<measure::TakeEstimates> with_truth(const take::Take& take, const Solution
     out.truth.push_back(found == by_time.end() ? frame : *found->second);
     out.model.push_back(solution.frames[i].weights);
     out.provenance.push_back(solution.frames[i].provenance);
+    const face::OutputFrame& answer = solution.frames[i];
+    out.gaze_rad.push_back(answer.eyes_provenance == face::Provenance::neutral
+                               ? face::eyes_rad(answer.weights)
+                               : answer.eyes_rad);
+    out.region_confidence.push_back(answer.region_confidence);
   }
   out.ridge = solution.ridge;
   return out;

@@ -18,6 +18,11 @@ Evaluation some_evaluation() {
   evaluation.model.lmk_mm = MeanStd{2.5, 2};
   evaluation.model.jitter_ratio = 1.25;
   evaluation.model.blink_f1 = 0.875;
+  evaluation.model.eyes_and_lips =
+      EyesAndLips{.gaze_deg = EyesAndLips::Angle{2.5, 7.5}, .openness_pearson = 0.75, .lip_gap_f1 = 0.5};
+  evaluation.mean_pose.eyes_and_lips =
+      EyesAndLips{.gaze_deg = EyesAndLips::Angle{8, 9}, .openness_pearson = {}, .lip_gap_f1 = 0.25};
+  evaluation.ece = 0.0625;
   evaluation.model.per_shape[face::shape("jawOpen")] = {0.0625, 0.5};
   evaluation.mean_pose.mse = 1;
   evaluation.hold_last.mse = 2;
@@ -47,6 +52,12 @@ TEST(EvaluationJson, HasWhatTheContractNames) {
   EXPECT_EQ(model["lmk_mm"]["std"], 2);
   EXPECT_EQ(model["jitter_ratio"], 1.25);
   EXPECT_EQ(model["blink_f1"], 0.875);
+  EXPECT_EQ(model["gaze_deg"], (nlohmann::json{{"median", 2.5}, {"p90", 7.5}}));
+  EXPECT_EQ(model["openness_pearson"], 0.75);
+  EXPECT_EQ(model["lip_gap_f1"], 0.5);
+  EXPECT_EQ(model["ece"], 0.0625);
+  EXPECT_EQ(json["baselines"]["mean_pose"]["gaze_deg"]["median"], 8);
+  EXPECT_FALSE(json["baselines"]["mean_pose"].contains("ece")) << "a pose claims nothing";
   EXPECT_EQ(model["per_shape"].size(), face::kShapeCount);
   EXPECT_EQ(model["per_shape"]["jawOpen"], (nlohmann::json{{"mae", 0.0625}, {"pearson", 0.5}}));
   EXPECT_EQ(json["provenance"].size(), face::kShapeCount);
@@ -64,10 +75,13 @@ TEST(EvaluationJson, WhatTheDataLackIsNull) {
   evaluation.model.pve_face_mm.reset();
   evaluation.model.jitter_ratio.reset();
   evaluation.model.blink_f1.reset();
+  evaluation.model.eyes_and_lips = EyesAndLips{};
+  evaluation.ece.reset();
   const auto json = nlohmann::json::parse(evaluation_json(evaluation, some_context()));
   EXPECT_TRUE(json["baselines"]["ridge"].is_null());
   EXPECT_TRUE(json["provenance"].is_null());
-  for (const char* key : {"lmk_mm", "pve_face_mm", "jitter_ratio", "blink_f1"}) {
+  for (const char* key : {"lmk_mm", "pve_face_mm", "jitter_ratio", "blink_f1", "gaze_deg", "openness_pearson",
+                          "lip_gap_f1", "ece"}) {
     ASSERT_TRUE(json["model"].contains(key)) << key;
     EXPECT_TRUE(json["model"][key].is_null()) << key;
   }

@@ -42,6 +42,19 @@ TEST(EvaluationReport, SaysWhatWasMeasured) {
   EXPECT_LT(html.find("jawOpen"), html.find("browDown_L"));
 }
 
+TEST(EvaluationReport, ShowsEyesAndLipsWhereTheyAreKnown) {
+  Evaluation evaluation = some_evaluation();
+  EXPECT_TRUE(eyes_and_lips_table(evaluation).rows.empty());
+  EXPECT_THAT(evaluation_report(evaluation, some_context()).html(), Not(HasSubstr("Eyes, lids and lips")));
+  evaluation.ece = 0.125;
+  evaluation.model.eyes_and_lips = EyesAndLips{};
+  evaluation.model.eyes_and_lips->gaze_deg = EyesAndLips::Angle{2.5, 7.5};
+  const Table table = eyes_and_lips_table(evaluation);
+  EXPECT_EQ(table.columns, (std::vector<std::string>{"", "gaze median, °", "gaze p90, °", "ECE"}));
+  EXPECT_EQ(table.rows.at(0), (std::vector<std::string>{"model", "2.5", "7.5", "0.125"}));
+  EXPECT_THAT(evaluation_report(evaluation, some_context()).html(), HasSubstr("Eyes, lids and lips"));
+}
+
 TEST(EvaluationReport, NamesRidgeOnlyWhereThereIsOne) {
   Evaluation evaluation = some_evaluation();
   EXPECT_THAT(evaluation_report(evaluation, some_context()).html(), Not(HasSubstr("ridge, one frame")));

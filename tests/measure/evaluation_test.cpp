@@ -48,6 +48,20 @@ TEST(MeasureTrack, IsWhatEvaluateMakesOfOneTake) {
   EXPECT_EQ(measure_track(meter, take.truth, hold_last(take.truth)).mse, whole->hold_last.mse);
 }
 
+TEST(Evaluate, EyesThatTheModelTellsAreItsOwnAndNotTheBaselines) {
+  const Meter meter(builtin_face::make_builtin());
+  TakeEstimates take{.take = "one", .truth = opening(120, 10, 60), .model = {}, .ridge = {}};
+  for (take::TruthFrame& frame : take.truth) {
+    frame.weights[face::shape("eyeLookUp_L")] = frame.weights[face::shape("eyeLookUp_R")] = 0.5F;
+    take.gaze_rad.push_back(face::eyes_rad(frame.weights));
+  }
+  take.model.resize(120);
+  const auto evaluation = evaluate(meter, {take}, {});
+  ASSERT_TRUE(evaluation);
+  EXPECT_NEAR(evaluation->model.eyes_and_lips.value().gaze_deg.value().p90, 0, 1e-3);
+  EXPECT_NEAR(evaluation->mean_pose.eyes_and_lips.value().gaze_deg.value().median, 17.5, 0.1);
+}
+
 TEST(Evaluate, MeasuresTheSameWithAStepLeftOut) {
   const Meter meter(builtin_face::make_builtin());
   TakeEstimates take{.take = "one", .truth = opening(120, 10, 60), .model = {}, .ridge = {}};

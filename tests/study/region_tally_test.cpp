@@ -36,5 +36,21 @@ TEST(RegionTally, CountsEachRegionAndAllOfThem) {
   EXPECT_EQ(sum.roc.area(), 0.5);
 }
 
+TEST(ExpectedRegionError, IsOfEvaluatedFramesWhoseConfidenceIsKnown) {
+  measure::TakeEstimates take{.take = "one", .truth = {}, .model = {}, .ridge = {}};
+  take.truth.resize(4);
+  take.model.resize(4);
+  EXPECT_FALSE(expected_region_error({take})) << "it has none";
+  take.region_confidence.resize(4);
+  EXPECT_FALSE(expected_region_error({take})) << "nothing is known";
+  for (auto& frame : take.region_confidence) frame[kJaw] = 0.75F;
+  take.model[0][face::shape("jawOpen")] = 1;  // One of four is wrong, as was said.
+  EXPECT_NEAR(expected_region_error({take}).value(), 0, 1e-6);
+  take.truth[1].evaluated = false;
+  EXPECT_NEAR(expected_region_error({take}).value(), 0.75 - 2.0 / 3, 1e-6);
+  take.region_confidence[3][kBrows] = 0.5F;
+  EXPECT_NEAR(expected_region_error({take, take}).value(), (3 * (0.75 - 2.0 / 3) + 0.5) / 4, 1e-6);
+}
+
 }  // namespace
 }  // namespace mien::study::region_tally_test
