@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/bench/hostile_camera.h"
 #include "mien/core/random.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/worn_devices.h"
@@ -64,16 +65,18 @@ struct Attack {
   /// He behaves in every way as a sensor and speaks first: only a key or a choice on the page shuts him out.
   bool behaves = false;
   virt::NodeLanguage devices = virt::NodeLanguage::mien;  ///< What the attacked devices speak.
+  /// Of a camera that the session asks, in place of `speech` and what goes with that; null: it is none.
+  HostileCamera::Begin camera = nullptr;
 };
 
-/// All of them, in the table's order.
+/// All of them, in the table's order, cameras last.
 [[nodiscard]] std::span<const Attack> attacks();
 
 /// A stranger who attacks a session on this machine's loopback, on a thread of his own until his object's
 /// end.
 class Stranger {
  public:
-  /// `rate`: share of the attack's own. The victims outlive this. Throws
+  /// `attack` is no camera's. `rate`: share of the attack's own. The victims outlive this. Throws
   /// boost::system::system_error where the machine has not so many sockets.
   Stranger(const Attack& attack, std::uint16_t port, const Victims& victims, double rate, std::uint64_t seed);
   /// Datagrams that have left so far.

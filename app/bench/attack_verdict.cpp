@@ -16,6 +16,10 @@ constexpr double kMostP99_ms = 1;
 constexpr double kMostP99Keyed_ms = 0.2;
 /// Frames at the window's ends come or stay out by a hair.
 constexpr double kMostAdded = 1;
+/// A tenth of a second: pictures that a busy machine sends late.
+constexpr double kMostFewer = 6;
+/// Ten seconds of frames, for a percentile of one in a hundred.
+constexpr double kLeastTimed = 600;
 /// What a session may need for strangers: its queues are of fixed size, and what strangers send that is well
 /// formed fills those of the recording (the ring of 8 MB, the 16 that a take's writer has under way, a slice
 /// of 4), with what the allocator keeps beside them.
@@ -71,8 +75,10 @@ std::vector<std::string> breaches(const Attack& attack, bool keyed,
   }
   if (with.added > without.added + kMostAdded)
     out.push_back(fmt::format("{:.0f} frames added", with.added - without.added));
+  if (attack.camera != nullptr && with.added < without.added - kMostFewer)
+    out.push_back(fmt::format("{:.0f} frames fewer", without.added - with.added));
   // A session that is too short for a face's comparison is too short for a percentile.
-  const bool timed = without.pve_mm.has_value();
+  const bool timed = attack.camera != nullptr ? without.frames >= kLeastTimed : without.pve_mm.has_value();
   if (timed && with.missed > largest_of(quiet, &AttackFigures::missed))
     out.push_back(fmt::format("{:.0f} frames missed", with.missed));
   const double spread_ms = largest_of(quiet, &AttackFigures::p99_ms) - without.p99_ms;

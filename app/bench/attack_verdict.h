@@ -16,7 +16,8 @@ namespace mien::app {
 /// frame added; at most 40 MB more memory, which is what the queues of a recording hold; its take replays to
 /// the same bits. Where the face is compared, time is judged too: no frame missed that is not missed without
 /// him; p99 at most a millisecond more, with a key no more than the runs' own spread or 0.2 ms. Of one who
-/// behaves as a sensor and speaks first, without a key: all but whom the face is of.
+/// behaves as a sensor and speaks first, without a key: all but whom the face is of. Of a camera: no frame is
+/// missing either, and what it shows is nobody else's.
 [[nodiscard]] std::vector<std::string> breaches(const Attack& attack, bool keyed,
                                                 const std::vector<AttackFigures>& attacked,
                                                 const std::vector<AttackFigures>& quiet);

@@ -126,21 +126,6 @@ std::vector<face::BlendshapeWeights> shown(const virt::VirtualSession& played, D
   return all;
 }
 
-/// What the session said of itself at its end.
-void read_summary(const Json& summary, AttackFigures& out) {
-  const auto number = [](const Json& object, const char* name) {
-    return object[name].is_number() ? object[name].get<double>() : 0.0;
-  };
-  out.frames = number(summary, "frames");
-  out.missed = number(summary, "missed");
-  out.p50_ms = number(summary["latency_ms"], "p50");
-  out.p99_ms = number(summary["latency_ms"], "p99");
-  out.peak_memory_mb = number(summary, "peak_memory_mb");
-  out.dropped = number(summary, "dropped");
-  out.evicted = number(summary, "evicted");
-  out.malformed = number(summary, "malformed");
-}
-
 /// What the take tells that the session's summary does not.
 Result<void> read_take(const AttackScene& scene, const std::filesystem::path& path, const std::string& hash,
                        AttackFigures& out) {
@@ -251,6 +236,25 @@ Json to_json(const AttackFigures& f) {
           {"same_bits", f.same_bits}};
 }
 
+Result<std::string> read_summary(const ChildOutput& said, AttackFigures& out) {
+  Json summary = Json::parse(said.out, nullptr, false);
+  if (summary.is_discarded() || !summary.contains("latency_ms"))
+    return fail(ErrorCode::internal, said.complaints.empty() ? "the session said nothing" : said.complaints,
+                "bench attack");
+  const auto number = [](const Json& object, const char* name) {
+    return object[name].is_number() ? object[name].get<double>() : 0.0;
+  };
+  out.frames = number(summary, "frames");
+  out.missed = number(summary, "missed");
+  out.p50_ms = number(summary["latency_ms"], "p50");
+  out.p99_ms = number(summary["latency_ms"], "p99");
+  out.peak_memory_mb = number(summary, "peak_memory_mb");
+  out.dropped = number(summary, "dropped");
+  out.evicted = number(summary, "evicted");
+  out.malformed = number(summary, "malformed");
+  return summary["hash"].get<std::string>();
+}
+
 Result<AttackScene> set_attack_scene(const SceneRequest& request) {
   AttackScene scene;
   scene.rate = request.rate;
@@ -304,13 +308,8 @@ Result<AttackFigures> run_attacked_session(const AttackScene& scene, const Attac
   // It is asked to end while the stranger goes on.
   MIEN_TRY_ASSIGN(const ChildOutput said, session.stop(kPatience));
   stranger.reset();
-  const Json summary = Json::parse(said.out, nullptr, false);
-  if (summary.is_discarded() || !summary.contains("latency_ms"))
-    return fail(ErrorCode::internal, said.complaints.empty() ? "the session said nothing" : said.complaints,
-                "bench attack");
-  read_summary(summary, out);
-  if (out.frames > 0)
-    MIEN_TRY(read_take(scene, take_in(folder.path()), summary["hash"].get<std::string>(), out));
+  MIEN_TRY_ASSIGN(const std::string hash, read_summary(said, out));
+  if (out.frames > 0) MIEN_TRY(read_take(scene, take_in(folder.path()), hash, out));
   return out;
 }
 

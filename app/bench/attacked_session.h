@@ -7,6 +7,7 @@
 #include <string>
 
 #include "app/bench/attack.h"
+#include "app/child_program.h"
 #include "app/json_output.h"
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
@@ -32,6 +33,8 @@ struct AttackFigures {
   bool same_bits = false;        ///< Its take replays to the session's hash.
 };
 [[nodiscard]] Json to_json(const AttackFigures& figures);
+/// What a session said of itself at its end (`mien live --json`), and its hash. Errors: internal (it failed).
+[[nodiscard]] Result<std::string> read_summary(const ChildOutput& said, AttackFigures& out);
 
 /// What sessions are attacked in: one performance, the same in each.
 struct AttackScene {

@@ -17,6 +17,7 @@
 
 #include "app/bench/attack.h"
 #include "app/bench/attack_verdict.h"
+#include "app/bench/attacked_cameras.h"
 #include "app/bench/attacked_session.h"
 #include "app/bench/clock.h"
 #include "app/json_output.h"
@@ -37,6 +38,7 @@ struct AttackOptions {
   std::size_t rounds = 1;
   bool brief = false;
   std::string to;
+  std::string headset_model;
   bool json = false;
 };
 
@@ -60,16 +62,23 @@ Result<std::vector<const Attack*>> chosen(const std::vector<std::string>& names)
   return out;
 }
 
-/// All runs of one of the table's parts: of sessions with the same boards.
+/// All runs of one of the table's parts: of sessions with the same boards, or of cameras.
 struct Part {
   Boards boards;
+  bool cameras = false;
   std::vector<const Attack*> attacks;
   std::vector<AttackFigures> quiet;
   std::vector<std::vector<AttackFigures>> attacked;  // One list an attack.
 };
 
+/// What sessions are attacked in; each is set where there is an attack for it.
+struct Scenes {
+  AttackScene boards;
+  CameraScene cameras;
+};
+
 /// Sessions that somebody attacks and such that nobody does, in turn.
-Result<void> run_part(const AttackScene& scene, std::size_t rounds, const Progress& progress, Part& part) {
+Result<void> run_part(const Scenes& scenes, std::size_t rounds, const Progress& progress, Part& part) {
   const std::size_t quiet_a_round = (part.attacks.size() + kAttacksEach - 1) / kAttacksEach;
   const std::size_t runs = rounds * (part.attacks.size() + quiet_a_round);
   std::size_t done = 0;
@@ -77,7 +86,8 @@ Result<void> run_part(const AttackScene& scene, std::size_t rounds, const Progre
     const auto its = [&](double share, std::string_view what) {
       return progress((static_cast<double>(done) + share) / static_cast<double>(runs), what);
     };
-    auto figures = run_attacked_session(scene, attack, part.boards, its);
+    auto figures = part.cameras ? run_attacked_cameras(scenes.cameras, attack, its)
+                                : run_attacked_session(scenes.boards, attack, part.boards, its);
     ++done;
     return figures;
   };
@@ -106,18 +116,24 @@ void print_row(std::string_view name, const AttackFigures& f, double heard_witho
       heard_without > 0 ? 100 * f.heard / heard_without : 0.0, verdict);
 }
 
-std::string_view title_of(const Boards& boards) {
-  if (boards.language == virt::NodeLanguage::slimevr) return "SlimeVR boards, without a key";
-  return boards.keyed ? "With a key" : "Without a key";
+std::string_view title_of(const Part& part) {
+  if (part.cameras) return "Cameras";
+  if (part.boards.language == virt::NodeLanguage::slimevr) return "SlimeVR boards, without a key";
+  return part.boards.keyed ? "With a key" : "Without a key";
+}
+
+std::string_view devices_of(const Part& part) {
+  if (part.cameras) return "cameras";
+  return part.boards.language == virt::NodeLanguage::slimevr ? "slimevr" : "mien";
 }
 
 /// Its rows, printed unless JSON is asked for, and how many of them are not held.
 std::size_t conclude(const Part& part, bool print, Json& json) {
   const AttackFigures quiet = median(part.quiet);
   if (print) {
-    fmt::print("{}\n{:<15} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>7} {:>6}\n",
-               title_of(part.boards), "stranger", "frames", "added", "missed", "p50 ms", "p99 ms", "MB",
-               "sent", "dropped", "PVE mm", "heard");
+    fmt::print("{}\n{:<15} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>9} {:>9} {:>7} {:>6}\n", title_of(part),
+               "stranger", "frames", "added", "missed", "p50 ms", "p99 ms", "MB", "sent", "dropped", "PVE mm",
+               "heard");
     print_row("nobody", quiet, quiet.heard, "");
   }
   std::size_t not_held = 0;
@@ -140,7 +156,7 @@ std::size_t conclude(const Part& part, bool print, Json& json) {
                     {"verdict", said}});
   }
   json.push_back({{"key", part.boards.keyed},
-                  {"boards", part.boards.language == virt::NodeLanguage::slimevr ? "slimevr" : "mien"},
+                  {"boards", devices_of(part)},
                   {"nobody", {{"median", to_json(quiet)}, {"runs", std::move(quiet_runs)}}},
                   {"attacks", std::move(rows)}});
   return not_held;
@@ -158,7 +174,8 @@ Result<void> attack_there(const AttackOptions& options) {
   const Overheard overheard(rig);
   std::vector<std::unique_ptr<Stranger>> strangers;
   for (const Attack* attack : all)
-    if (attack->begins == Attack::Begins::second && attack->devices == virt::NodeLanguage::mien)
+    if (attack->camera == nullptr && attack->begins == Attack::Begins::second &&
+        attack->devices == virt::NodeLanguage::mien)
       strangers.push_back(std::make_unique<Stranger>(*attack, there->port, Victims{rig, overheard},
                                                      options.scene.rate, options.scene.seed));
   const Progress progress = terminal_progress("bench attack");
@@ -185,16 +202,29 @@ Result<void> run_attack_bench(AttackOptions options) {
   if (!options.to.empty()) return attack_there(options);
   options.scene.calibrated = !options.brief;
   MIEN_TRY_ASSIGN(const std::vector<const Attack*> all, chosen(options.names));
-  MIEN_TRY_ASSIGN(const AttackScene scene, set_attack_scene(options.scene));
+  const auto of_camera = [](const Attack* attack) { return attack->camera != nullptr; };
+  Scenes scenes;
+  if (!std::ranges::all_of(all, of_camera)) {
+    MIEN_TRY_ASSIGN(scenes.boards, set_attack_scene(options.scene));
+  }
   std::vector<Part> parts;
   // SlimeVR's boards cannot be paired.
   for (const Boards boards :
        {Boards{}, Boards{.language = virt::NodeLanguage::slimevr}, Boards{.keyed = true}}) {
     if (options.keys == (boards.keyed ? "without" : "with")) continue;
     Part part{.boards = boards, .attacks = {}, .quiet = {}, .attacked = {}};
-    std::ranges::copy_if(all, std::back_inserter(part.attacks),
-                         [&](const Attack* attack) { return attack->devices == boards.language; });
+    std::ranges::copy_if(all, std::back_inserter(part.attacks), [&](const Attack* attack) {
+      return !of_camera(attack) && attack->devices == boards.language;
+    });
     if (!part.attacks.empty()) parts.push_back(std::move(part));
+  }
+  // No key seals pictures.
+  if (options.keys != "with" && std::ranges::any_of(all, of_camera)) {
+    MIEN_TRY_ASSIGN(scenes.cameras,
+                    set_camera_scene(options.scene.seconds, options.headset_model, options.scene.seed));
+    Part part{.boards = {}, .cameras = true, .attacks = {}, .quiet = {}, .attacked = {}};
+    std::ranges::copy_if(all, std::back_inserter(part.attacks), of_camera);
+    parts.push_back(std::move(part));
   }
   const Progress progress = terminal_progress("bench attack");
   std::size_t not_held = 0;
@@ -204,7 +234,7 @@ Result<void> run_attack_bench(AttackOptions options) {
       return progress(std::min(0.999, (static_cast<double>(h) + share) / static_cast<double>(parts.size())),
                       what);
     };
-    MIEN_TRY(run_part(scene, options.rounds, its, parts[h]));
+    MIEN_TRY(run_part(scenes, options.rounds, its, parts[h]));
     clear_progress();
     not_held += conclude(parts[h], !options.json, json);
   }
@@ -231,8 +261,9 @@ void add_attack_bench(Commands& commands, Command bench) {
                                              "as processes of their own with a virtual "
                                              "performer's boards on real sockets, each beside a stranger who "
                                              "sends junk, fills tables, forges readings "
-                                             "and clocks, before the boards speak or after; beside them the "
-                                             "same sessions without him, in turn. Only "
+                                             "and clocks, before the boards speak or after; and sessions "
+                                             "that ask three cameras, of which one is hostile; beside them "
+                                             "the same sessions without him, in turn. Only "
                                              "on this machine's loopback",
                                              "mien bench attack --seconds 20 --rounds 3 --json",
                                              [options] { return run_attack_bench(*options); });
@@ -265,6 +296,8 @@ void add_attack_bench(Commands& commands, Command bench) {
                      "Instead of sessions of its own, attack one that runs at this address of this machine "
                      "(udp://127.0.0.1:PORT) with all that begin after the boards, at once, for --seconds");
   command.add_option("--model", options->scene.model, "The live model (default: the one in models/)");
+  command.add_option("--headset-model", options->headset_model,
+                     "That of the sessions with cameras (default: the one in models/)");
   add_seed_option(command, options->scene.seed, "Who performs, and what strangers draw");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

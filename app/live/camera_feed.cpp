@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "mien/headset/picture_streams.h"
+#include "mien/live/camera_news.h"
 #include "mien/live/camera_stream.h"
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/rig_part.h"
@@ -27,24 +28,21 @@ HostTime steady_now() {
 }
 
 /// Pictures are handed over by who reads them, so that none waits for a look.
-void follow_camera(const live::CameraAddress& address, sensor::DeviceKey device, live::FeedPort& port) {
+void follow_camera(const live::CameraAddress& address, const std::string& sensor, sensor::DeviceKey device,
+                   live::FeedPort& port) {
   boost::asio::io_context network(1);
   live::CameraStream camera(
-      network, address, std::make_unique<headset::MjpegStream>(device),
+      network, address, sensor, std::make_unique<headset::MjpegStream>(device),
       [&port](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
         port.hand_over(datagram, payload);
       },
       steady_now);
-  bool open = false;
-  std::string problem;
+  live::CameraNews news;
   while (!port.stopped()) {
     network.run_for(kCameraLook);
-    live::CameraStream::Status now = camera.status();
-    if (now.open && !open) port.tell("camera", now.address + ": pictures come");
-    if (!now.problem.empty() && now.problem != problem)
-      port.tell("camera_lost", now.address + ": " + now.problem);
-    open = now.open;
-    problem = std::move(now.problem);
+    live::CameraStatus now = camera.status();
+    if (auto said = news.tell(steady_now(), now)) port.tell(std::move(said->kind), std::move(said->text));
+    port.show(std::move(now));
   }
   camera.close();
 }
@@ -55,35 +53,50 @@ bool is_camera(std::string_view address) {
   return address.starts_with("http:") || address.starts_with("https:");
 }
 
-Result<std::vector<live::Feed>> camera_feeds(const std::vector<std::string>& addresses,
-                                             const sensor::Rig& rig) {
+Result<ListenedCameras> listened_cameras(const std::vector<std::string>& listen, const sensor::Rig& rig) {
   MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
   const std::vector<std::uint16_t> cameras = sensor::sensors_of(rig, "camera");
-  std::vector<live::Feed> feeds;
-  for (const std::string& text : addresses) {
-    MIEN_TRY_ASSIGN(const live::CameraAddress address, live::parse_camera_address(text));
-    const std::size_t number = feeds.size();
-    if (number >= cameras.size())
+  ListenedCameras out;
+  for (const std::string& text : listen) {
+    const bool asked = is_camera(text);
+    if (!asked && !text.starts_with("serial:")) continue;
+    const std::size_t number = out.all.size();
+    const bool there = number < cameras.size();
+    if (asked && !there)
       return fail(ErrorCode::bad_usage,
                   fmt::format("rig {} has {} cameras, and this is one more", rig.name, cameras.size()), text,
                   "name a rig that has it with --rig, as rigs/headset.toml");
+    if (!there) continue;
+    const std::string& sensor = rig.sensors[cameras[number]].name;
     const auto device =
         std::ranges::find(bound, cameras[number], [](const auto& binding) { return binding.second; });
-    if (device == bound.end())
-      return fail(ErrorCode::bad_usage,
-                  fmt::format("{} is bound to no device", rig.sensors[cameras[number]].name),
-                  "rig " + rig.name, "give it a device of its own");
-    feeds.push_back(
-        {.name = address.source(),
-         .run = [address, key = device->first](live::FeedPort& port) { follow_camera(address, key, port); },
-         .heard = false});
+    if (asked && device == bound.end())
+      return fail(ErrorCode::bad_usage, fmt::format("{} is bound to no device", sensor), "rig " + rig.name,
+                  "give it a device of its own");
+    if (device == bound.end()) continue;
+    const sensor::DeviceKey key = device->first;
+    std::string source;
+    if (asked) {
+      MIEN_TRY_ASSIGN(const live::CameraAddress address, live::parse_camera_address(text));
+      source = address.source();
+      out.feeds.push_back(
+          {.name = source,
+           .run = [address, sensor, key](live::FeedPort& port) { follow_camera(address, sensor, key, port); },
+           .heard = false});
+    } else {
+      MIEN_TRY_ASSIGN(const live::SerialAddress line, live::parse_serial_address(text));
+      source = line.source();
+      out.lines.emplace(text, live::LineCamera{sensor, std::make_unique<headset::EtvrStream>(key)});
+    }
+    out.all.emplace_back(std::move(source), sensor);
+    out.sensors.push_back(cameras[number]);
   }
-  return feeds;
+  return out;
 }
 
-PictureBytes picture_bytes_an_hour(const sensor::Rig& rig) {
+PictureBytes picture_bytes_an_hour(const sensor::Rig& rig, const std::vector<std::uint16_t>& cameras) {
   PictureBytes bytes;
-  for (const std::uint16_t number : sensor::sensors_of(rig, "camera")) {
+  for (const std::uint16_t number : cameras) {
     if (!rig.sensors[number].camera) continue;
     const sensor::CameraMount& camera = *rig.sensors[number].camera;
     const double pixels = static_cast<double>(camera.size[0]) * camera.size[1] / (240.0 * 240.0);

@@ -9,6 +9,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/live/camera_feed.h"
 #include "app/live/page_address.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/unheard.h"
@@ -53,6 +54,8 @@ Json summary_json(const live::EngineSummary& summary) {
                      {"unplugged", line.unplugged},
                      {"bytes", line.bytes},
                      {"overlong", line.overlong}});
+  Json cameras = Json::array();
+  for (const live::CameraStatus& camera : summary.cameras) cameras.push_back(live::camera_json(camera));
   Json links = Json::array();
   for (const session::Report::Link& link : summary.report.links)
     links.push_back({{"device", link.device},
@@ -82,6 +85,7 @@ Json summary_json(const live::EngineSummary& summary) {
           {"only", summary.network.only},
           {"elsewhere", summary.network.elsewhere},
           {"sealed", summary.network.sealed},
+          {"unsealed", summary.network.unsealed},
           {"calibrations", summary.report.calibration.versions.size()},
           {"calibration", summary.report.calibration.state},
           {"prompt", summary.report.calibration.prompt},
@@ -95,6 +99,7 @@ Json summary_json(const live::EngineSummary& summary) {
             {"hours_left", summary.log.seconds_left ? Json(*summary.log.seconds_left / 3600) : Json()}}},
           {"sinks", std::move(sinks)},
           {"lines", std::move(lines)},
+          {"cameras", std::move(cameras)},
           {"links", std::move(links)}};
 }
 
@@ -115,6 +120,20 @@ std::string latency_text(const live::Latencies& latency) {
   const auto ms = [](Duration d) { return 1e3 * to_seconds(d); };
   return fmt::format("latency p50 {:.2f} ms, p99 {:.2f} ms, at most {:.2f} ms", ms(latency.percentile(0.5)),
                      ms(latency.percentile(0.99)), ms(latency.largest()));
+}
+
+/// "http://192.168.1.7/: 812 pictures of eye_L, 3 broken, 2 refused (progressive)".
+std::string camera_text(const live::CameraStatus& camera) {
+  std::string text =
+      fmt::format("{}: {} pictures of {}", camera.address, camera.pictures.whole, camera.sensor);
+  const auto add = [&text](std::uint64_t count, std::string_view what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(camera.pictures.broken, "broken");
+  add(camera.pictures.overlong, "too long");
+  for (const sensor::Refusal& one : camera.refusals) add(one.count, fmt::format("refused ({})", one.why));
+  add(camera.too_fast, "too fast");
+  return text;
 }
 
 Result<void> no_frame_came(live::Unheard why) {
@@ -156,11 +175,10 @@ Option add_session_options(Command command, LiveRequest& request) {
   const Option listen = command.add_option(
       "--listen", request.listen,
       "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; or a "
-      "camera that is asked for its pictures, http://HOST[:PORT][/PATH], the first for the rig's first "
-      "camera "
-      "and so on. May be given often. Devices' languages are told apart by what they say (default: "
-      "udp://0.0.0.0:5005 and "
-      "udp://0.0.0.0:6969)");
+      "camera that is asked for its pictures, http://HOST[:PORT][/PATH]. Cameras and serial lines are the "
+      "rig's cameras in their order, the first its first and so on; lines of other devices stand behind "
+      "them. May be given often. Devices' languages are told apart by what they say (default: "
+      "udp://0.0.0.0:5005 and udp://0.0.0.0:6969)");
   command.add_option("--rig", request.rig, "Which sensors sit where (default: rigs/default.toml)");
   command.add_option("--model", request.model,
                      "The live model (default: the one in models/ for the rig's sensors); a folder of "
@@ -225,10 +243,17 @@ void print_opening(std::FILE* out, const LiveSession& session) {
     reachable = reachable || !live::is_on_this_machine(address);
     fmt::print(out, "Listening on {}{}\n", address, reach_text(address, network));
   }
-  for (const std::string& address : session.cameras) fmt::print(out, "Asking {} for its pictures\n", address);
+  for (const auto& [address, sensor] : session.cameras)
+    if (is_camera(address))
+      fmt::print(out, "Asking {} for its pictures, {}'s\n", address, sensor);
+    else
+      fmt::print(out, "Pictures on {} are {}'s\n", address, sensor);
   if (!session.pictures.empty()) fmt::print(out, "{}\n", session.pictures);
   if (network.sealed)
-    fmt::print(out, "Only devices with the key are received\n");
+    fmt::print(out, "Only devices with the key are received{}\n",
+               network.unsealed.empty()
+                   ? ""
+                   : ", and pictures, which no key seals: who answers as a camera is believed");
   else if (reachable)
     fmt::print(out, "There is no key, so anybody there can send{}\n",
                network.open.empty() ? "; --key admits only paired devices"
@@ -256,6 +281,7 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
     for (const sink::Status& sink : summary.sinks)
       fmt::print("{}: {} sent, {} failed{}{}\n", sink.address, sink.sent, sink.failed,
                  sink.note.empty() ? "" : "; ", sink.note);
+    for (const live::CameraStatus& camera : summary.cameras) fmt::print("{}\n", camera_text(camera));
     fmt::print("The session's log took {}\n", log_text(summary.log));
     if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
     fmt::print("kernels {}, hash {}\n", model::kernel_name(tracker::kLivePrecision), summary.hash);

@@ -18,6 +18,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
 
 #include "app/command.h"
 #include "app/live/camera_feed.h"
@@ -164,8 +165,9 @@ Result<session::Command> constraints_command(const std::string& file) {
 }
 
 /// What keeping pictures takes, said before it begins.
-std::string pictures_text(const sensor::Rig& rig) {
-  const PictureBytes bytes = picture_bytes_an_hour(rig);
+std::string pictures_text(const sensor::Rig& rig, const std::vector<std::uint16_t>& cameras) {
+  if (cameras.empty()) return "No camera is asked for its pictures, so none are kept";
+  const PictureBytes bytes = picture_bytes_an_hour(rig, cameras);
   return fmt::format(
       "Pictures of the face are kept as they come: {:.1f} to {:.1f} GB an hour, in the session's "
       "log and again in a take",
@@ -217,24 +219,28 @@ Result<LiveSession> open_live(LiveRequest request) {
 
   MIEN_TRY_ASSIGN(settings.page, page_settings(request));
 
-  const auto serial = [](const std::string& address) { return address.starts_with("serial:"); };
-  if (!keys.empty() && std::ranges::any_of(request.listen, serial))
+  MIEN_TRY_ASSIGN(ListenedCameras cameras, listened_cameras(request.listen, rig));
+  const auto other_line = [&](const std::string& address) {
+    return address.starts_with("serial:") && !cameras.lines.contains(address);
+  };
+  if (!keys.empty() && std::ranges::any_of(request.listen, other_line))
     return fail(ErrorCode::bad_usage, "with a key only sealed packets are accepted, and none come by cable",
                 "--listen serial:", "leave out --key or the serial line");
   settings.listen = request.listen;
   if (settings.listen.empty()) settings.listen = modalities::default_listen();
-  const auto cameras = std::ranges::stable_partition(settings.listen, std::not_fn(is_camera));
-  out.cameras.assign(cameras.begin(), cameras.end());
-  settings.listen.erase(cameras.begin(), cameras.end());
-  MIEN_TRY_ASSIGN(std::vector<live::Feed> watched, camera_feeds(out.cameras, rig));
-  std::ranges::move(watched, std::back_inserter(settings.feeds));
+  std::erase_if(settings.listen, is_camera);
+  std::ranges::move(cameras.feeds, std::back_inserter(settings.feeds));
+  settings.line_cameras = std::move(cameras.lines);
+  out.cameras = std::move(cameras.all);
   if (request.images) {
     if (sensor::sensors_of(rig, "camera").empty())
       return fail(ErrorCode::bad_usage, "this rig has no camera whose pictures could be kept", "--images",
                   "name one that has with --rig, as rigs/headset.toml");
-    out.pictures = pictures_text(rig);
+    out.pictures = pictures_text(rig, cameras.sensors);
   }
   settings.sealed = !keys.empty();
+  if (settings.sealed)
+    std::ranges::copy(out.cameras | std::views::keys, std::back_inserter(settings.unsealed));
   settings.pair = [file = request.key] { return pairing_of(file); };
   settings.out = request.out;
   if (!request.record.empty()) settings.record = request.record;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/live/page_token.h"
@@ -41,9 +42,11 @@ struct LiveRequest {
 
 /// A session that is open, and what it shows.
 struct LiveSession {
-  std::vector<std::string> out;      ///< Addresses of the sinks that were asked for.
-  std::vector<std::string> cameras;  ///< Those that are asked for pictures.
-  std::string pictures;              ///< Where they are kept: what that will take; else empty.
+  std::vector<std::string> out;  ///< Addresses of the sinks that were asked for.
+  /// Cameras that are asked for pictures, and serial lines on which one may speak: each one's address, and
+  /// the sensor whose pictures they are.
+  std::vector<std::pair<std::string, std::string>> cameras;
+  std::string pictures;  ///< Where they are kept: what that will take; else empty.
   std::unique_ptr<live::Engine> engine;
 };
 

@@ -8,6 +8,7 @@ namespace mien::headset {
 
 JpegWalker::State JpegWalker::end_of_segment() {
   at_ = scan_ ? At::coded : At::mark;
+  scanned_ = scanned_ || scan_;
   return State::inside;
 }
 
@@ -30,7 +31,8 @@ JpegWalker::State JpegWalker::add(std::byte byte) {
       [[fallthrough]];
     case At::code:
       if (byte == jpeg::kMark) return State::inside;  // Any number of them may stand before a code.
-      if (byte == jpeg::kEndOfPicture) return State::whole;
+      // Before a scan's data it ends a picture that has none.
+      if (byte == jpeg::kEndOfPicture) return scanned_ ? State::whole : State::broken;
       if (!jpeg::has_length(byte)) return State::broken;
       scan_ = byte == jpeg::kStartOfScan;
       return go(At::length_high);

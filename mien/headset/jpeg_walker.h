@@ -13,7 +13,7 @@ class JpegWalker {
  public:
   enum class State : std::uint8_t {
     inside,
-    whole,   ///< The byte was the picture's last.
+    whole,   ///< The byte was the picture's last, and there was a scan before it.
     broken,  ///< The byte cannot stand there: it, or one before it, is no part of the picture.
   };
 
@@ -41,6 +41,7 @@ class JpegWalker {
 
   At at_ = At::first;
   bool scan_ = false;       // The segment is a scan's header: coded data follow.
+  bool scanned_ = false;    // There was one.
   std::uint32_t left_ = 0;  // Bytes of the segment.
 };
 

@@ -68,8 +68,9 @@ Verdict PictureProtocol::receive_with_payload(HostTime arrival, sensor::Peer,
     camera->tells_time = packet->time.has_value();
     camera->stands_still = 0;
     camera->clock.restart();
-  } else if (camera->tells_time && packet->time) {
-    camera->stands_still = *packet->time > camera->newest ? 0 : camera->stands_still + 1;
+  } else if (camera->tells_time) {
+    const bool runs_on = packet->time && *packet->time > camera->newest;
+    camera->stands_still = runs_on ? 0 : camera->stands_still + 1;
     if (camera->stands_still >= kStandsStill) camera->tells_time = false;
   }
   camera->newest = packet->time.value_or(camera->newest);

@@ -18,8 +18,8 @@ namespace mien::headset {
 ///
 /// A sample's time is when the exposure ended: the camera's own, or, of a camera that tells none, an estimate
 /// by its pictures' numbers and arrivals. Whether a camera tells times is decided by the first picture of its
-/// connection; pictures of that connection which then have none are ignored. One whose times have not run on
-/// for kStandsStill pictures tells none any more.
+/// connection; a picture of that connection which then has none is ignored. One whose times have not run on,
+/// or were missing, for kStandsStill pictures in a row tells none any more until its next connection.
 class PictureProtocol final : public sensor::Protocol {
  public:
   static constexpr std::string_view kName = "picture";
@@ -49,7 +49,7 @@ class PictureProtocol final : public sensor::Protocol {
     bool begun = false;
     bool tells_time = false;
     DeviceTime newest;             // Of those that it told, ...
-    int stands_still = 0;          // ... and how many of them in a row were no later.
+    int stands_still = 0;          // ... and how many pictures in a row told none that is later.
     sensor::EstimatedClock clock;  // Of one that does not.
   };
   /// What a payload says of its picture, but for its time; none where it is neither.

@@ -57,7 +57,8 @@ Result<void> MjpegStream::read(std::span<const std::byte> bytes, const OnPayload
       bytes = {};
     }
     while (const auto picture = parts_.read(content))
-      on_payload(numbering_.packet_of(parts_.counts(), picture->time), picture->jpeg);
+      if (gate_.passes(picture->jpeg))
+        on_payload(numbering_.packet_of(parts_.counts(), picture->time), picture->jpeg);
   }
   return {};
 }
@@ -69,7 +70,7 @@ void EtvrStream::restart() {
 
 Result<void> EtvrStream::read(std::span<const std::byte> bytes, const OnPayload& on_payload) {
   while (const auto picture = frames_.read(bytes))
-    on_payload(numbering_.packet_of(frames_.counts(), std::nullopt), *picture);
+    if (gate_.passes(*picture)) on_payload(numbering_.packet_of(frames_.counts(), std::nullopt), *picture);
   return {};
 }
 

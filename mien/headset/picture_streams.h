@@ -5,12 +5,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "mien/core/bytes.h"
 #include "mien/core/time.h"
 #include "mien/headset/chunked_body.h"
 #include "mien/headset/etvr_frames.h"
 #include "mien/headset/multipart.h"
+#include "mien/headset/stream_gate.h"
 #include "mien/sensor/payload_stream.h"
 #include "mien/sensor/protocol.h"
 
@@ -32,14 +34,16 @@ class PictureNumbering {
 };
 
 /// A camera that answers GET with a multipart stream of pictures (docs/reference/protocol.md, type 15): the
-/// response's head, chunks where it has them, and its parts. Errors of read(): those of parse_response_head()
+/// response's head, chunks where it has them, and its parts. What no session would decode (jpeg_gate.h) is
+/// refused here, and counted by its fault. Errors of read(): those of parse_response_head()
 /// and of ChunkedBody::read().
 class MjpegStream final : public sensor::PayloadStream {
  public:
   explicit MjpegStream(sensor::DeviceKey camera);
   void restart() override;
   [[nodiscard]] Result<void> read(std::span<const std::byte> bytes, const OnPayload& on_payload) override;
-  [[nodiscard]] sensor::StreamCounts counts() const override { return parts_.counts(); }
+  [[nodiscard]] sensor::StreamCounts counts() const override { return gate_.counts(parts_.counts()); }
+  [[nodiscard]] std::vector<sensor::Refusal> refusals() const override { return gate_.refusals(); }
 
  private:
   /// True: the head is over.
@@ -50,19 +54,23 @@ class MjpegStream final : public sensor::PayloadStream {
   bool chunked_ = false;
   ChunkedBody chunks_;
   MultipartReader parts_;
+  StreamGate gate_;
   PictureNumbering numbering_;
 };
 
-/// A camera on a serial line (EtvrFrames). Its pictures have no time. read() has no errors.
+/// A camera on a serial line (EtvrFrames), with the same gate. Its pictures have no time. read() has no
+/// errors.
 class EtvrStream final : public sensor::PayloadStream {
  public:
   explicit EtvrStream(sensor::DeviceKey camera) : numbering_(camera) {}
   void restart() override;
   [[nodiscard]] Result<void> read(std::span<const std::byte> bytes, const OnPayload& on_payload) override;
-  [[nodiscard]] sensor::StreamCounts counts() const override { return frames_.counts(); }
+  [[nodiscard]] sensor::StreamCounts counts() const override { return gate_.counts(frames_.counts()); }
+  [[nodiscard]] std::vector<sensor::Refusal> refusals() const override { return gate_.refusals(); }
 
  private:
   EtvrFrames frames_;
+  StreamGate gate_;
   PictureNumbering numbering_;
 };
 

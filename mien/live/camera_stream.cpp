@@ -11,7 +11,6 @@
 
 #include "mien/core/excerpt.h"
 #include "mien/core/host_port.h"
-#include "mien/sensor/payload.h"
 
 namespace mien::live {
 namespace {
@@ -66,6 +65,9 @@ Result<CameraAddress> parse_camera_address(std::string_view text) {
   const auto host = parse_host_port(rest);
   if (!host) return bad(host.error().what);
   address.host = host->host;
+  // Names of hosts know no capitals: two that differ in them are one camera.
+  std::ranges::transform(address.host, address.host.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   address.port = host->port.value_or(kHttpPort);
   if (address.host.empty() || !std::ranges::all_of(address.host, is_letter_of_host)) return bad("no host");
   if (address.port == 0) return bad("port 0");
@@ -73,32 +75,18 @@ Result<CameraAddress> parse_camera_address(std::string_view text) {
   return address;
 }
 
-CameraStream::CameraStream(asio::io_context& network, CameraAddress address,
+CameraStream::CameraStream(asio::io_context& network, CameraAddress address, std::string sensor,
                            std::unique_ptr<sensor::PayloadStream> stream,
-                           sensor::PayloadStream::OnPayload on_payload, Clock clock)
+                           sensor::PayloadStream::OnPayload on_payload, Clock clock, NameLookup::Ask find)
     : address_(std::move(address)),
-      stream_(std::move(stream)),
+      pictures_(address_.source(), std::move(sensor), std::move(stream), std::move(on_payload), clock),
       clock_(std::move(clock)),
       request_(fmt::format("GET {} HTTP/1.1\r\nHost: {}\r\nUser-Agent: mien\r\nConnection: close\r\n\r\n",
                            address_.path, authority_of(address_))),
-      resolver_(network),
+      lookup_(network, std::move(find)),
       socket_(network),
       retry_(network),
       watch_(network) {
-  on_payload_ = [this, hand_on = std::move(on_payload)](std::span<const std::byte> datagram,
-                                                        std::span<const std::byte> payload) {
-    const HostTime now = clock_();
-    deadline_ = now + kPatience;
-    if (!open_) {
-      open_ = true;
-      problem_.clear();
-      pause_ = kFirstRetry;
-    }
-    if (picture_budget_.spend(now, kMaxPicturesPerSecond))
-      hand_on(datagram, payload);
-    else
-      ++too_fast_;
-  };
   ask();
   watch();
 }
@@ -106,19 +94,22 @@ CameraStream::CameraStream(asio::io_context& network, CameraAddress address,
 void CameraStream::ask() {
   const std::uint64_t attempt = ++attempt_;
   asking_ = true;
-  stream_->restart();
-  overlong_before_ = stream_->counts().overlong;
-  deadline_ = clock_() + kPatience;
-  resolver_.async_resolve(
-      address_.host, std::to_string(address_.port), [this, attempt](error_code code, const auto& found) {
-        if (attempt != attempt_) return;
-        if (code) return lose("no such host (" + code.message() + "); look at its name, or give its number");
-        asio::async_connect(socket_, found, [this, attempt](error_code failed, const tcp::endpoint&) {
-          if (attempt != attempt_) return;
-          if (failed) return lose("not there (" + failed.message() + "); switch it on, and look at its port");
-          send_request(attempt);
-        });
-      });
+  finding_ = true;
+  pictures_.begin();
+  lookup_.find(address_.host, address_.port, [this, attempt](const NameLookup::Answer& host) {
+    if (attempt == attempt_) connect(attempt, host);
+  });
+}
+
+void CameraStream::connect(std::uint64_t attempt, const NameLookup::Answer& host) {
+  finding_ = false;
+  if (host.error)
+    return lose("no such host (" + host.error.message() + "); look at its name, or give its number");
+  asio::async_connect(socket_, host.found, [this, attempt](error_code failed, const tcp::endpoint&) {
+    if (attempt != attempt_) return;
+    if (failed) return lose("not there (" + failed.message() + "); switch it on, and look at its port");
+    send_request(attempt);
+  });
 }
 
 void CameraStream::send_request(std::uint64_t attempt) {
@@ -133,16 +124,14 @@ void CameraStream::read(std::uint64_t attempt) {
   socket_.async_read_some(asio::buffer(bytes_), [this, attempt](error_code code, std::size_t size) {
     if (attempt != attempt_) return;
     if (code) return lose("it hung up (" + code.message() + ")");
-    received_ += size;
-    if (const auto taken = stream_->read(std::span(bytes_).first(size), on_payload_); !taken)
+    if (const auto taken = pictures_.read(std::span(bytes_).first(size)); !taken)
       return lose(taken.error().message());
     read_when_due(attempt, size);
   });
 }
 
 void CameraStream::read_when_due(std::uint64_t attempt, std::size_t size) {
-  if (byte_budget_.spend(clock_(), kMaxBytesPerSecond, static_cast<double>(size))) return read(attempt);
-  ++held_back_;
+  if (pictures_.may_read_on(size)) return read(attempt);
   retry_.expires_after(kHoldBack);
   retry_.async_wait([this, attempt, size](error_code code) {
     if (attempt == attempt_ && !code) read_when_due(attempt, size);
@@ -153,28 +142,22 @@ void CameraStream::watch() {
   watch_.expires_after(kWatchEvery);
   watch_.async_wait([this](error_code code) {
     if (code) return;
-    if (asking_ && clock_() >= deadline_) lose(no_picture());
+    if (asking_ && pictures_.is_overdue())
+      lose(finding_ ? "nobody says where its host is; give its number, or look at this machine's name server"
+                    : pictures_.no_picture());
     watch();
   });
-}
-
-std::string CameraStream::no_picture() const {
-  const std::string text = "no whole picture for two seconds; ";
-  if (stream_->counts().overlong > overlong_before_)
-    return text +
-           fmt::format("its pictures are over {} KiB, let it make smaller ones", sensor::kMaxPayload >> 10U);
-  return text + "look at its power and its radio, and whether another program has its stream";
 }
 
 void CameraStream::lose(const std::string& problem) {
   ++attempt_;
   asking_ = false;
   error_code ignored;
-  resolver_.cancel();
   socket_.close(ignored);
-  if (open_) ++lost_;
-  open_ = false;
-  problem_ = problem;
+  // One that gives a picture and hangs up is not asked ten times a second.
+  if (pictures_.open() && clock_() - pictures_.open_since() >= CameraPictures::kPatience)
+    pause_ = kFirstRetry;
+  pictures_.end(problem);
   ask_again();
 }
 
@@ -189,23 +172,10 @@ void CameraStream::ask_again() {
 void CameraStream::close() {
   ++attempt_;
   asking_ = false;
-  open_ = false;
   error_code ignored;
-  resolver_.cancel();
   socket_.close(ignored);
   retry_.cancel();
   watch_.cancel();
-}
-
-CameraStream::Status CameraStream::status() const {
-  return {.address = address_.source(),
-          .open = open_,
-          .problem = problem_,
-          .lost = lost_,
-          .bytes = received_,
-          .pictures = stream_->counts(),
-          .too_fast = too_fast_,
-          .held_back = held_back_};
 }
 
 }  // namespace mien::live

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mien/live/intake.h"
+#include "mien/live/line_news.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/page_requests.h"
@@ -90,7 +91,7 @@ struct Engine::State {
   void wait_for_beat();
   void on_beat();
   [[nodiscard]] bool recording_is_over() const;
-  void tell_of_lines();
+  [[nodiscard]] std::vector<CameraStatus> cameras() const;
   [[nodiscard]] Status status() const;
   [[nodiscard]] NetworkState network_state() const;
   void look_at_interfaces();
@@ -127,7 +128,7 @@ struct Engine::State {
   std::vector<std::string> open;             // Those on every interface, ...
   std::vector<NetworkInterface> interfaces;  // ... and by what they are reached, as of a second ago.
   std::vector<Outlet> outlets;
-  std::vector<bool> lines_open;  // As it was said last.
+  LineNews line_news;
   std::int64_t next_sink = 1;
 
   Latencies latency;
@@ -260,7 +261,7 @@ void Engine::State::on_beat() {
                      "be recorded (--log-limit)",
                      std::ceil(*recorded.log.seconds_left / 60)));
   }
-  tell_of_lines();
+  for (const CameraNews::Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
     // A receiver that is there and not there by turns is told of once.
@@ -297,18 +298,11 @@ bool Engine::State::recording_is_over() const {
   return !recorder.state().on || (!settings.prompts.empty() && loop.report().prompts.state == "over");
 }
 
-void Engine::State::tell_of_lines() {
-  const std::vector<SerialPort::Status> lines = intake.lines();
-  lines_open.resize(lines.size(), true);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].open == lines_open[i]) continue;
-    lines_open[i] = lines[i].open;
-    if (lines[i].open)
-      tell("line_back", lines[i].address + " is back");
-    else
-      tell("line_lost",
-           lines[i].address + " is " + lines[i].problem + "; it is opened again when it is back");
-  }
+std::vector<CameraStatus> Engine::State::cameras() const {
+  std::vector<CameraStatus> all = hearing.cameras();
+  for (SerialPort::Status& line : intake.lines())
+    if (line.camera) all.push_back(*std::move(line.camera));
+  return all;
 }
 
 Status Engine::State::status() const {
@@ -319,6 +313,7 @@ Status Engine::State::status() const {
   for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
   out.lines = intake.lines();
+  out.cameras = cameras();
   out.network = network_state();
   out.recording = recorder.state();
   if (out.recording.on) out.recording_ends_s = settings.seconds;
@@ -338,7 +333,8 @@ NetworkState Engine::State::network_state() const {
           .interfaces = interfaces,
           .only = intake.entrance(),
           .elsewhere = intake.counts().elsewhere,
-          .sealed = settings.sealed};
+          .sealed = settings.sealed,
+          .unsealed = settings.unsealed};
 }
 
 void Engine::State::look_at_interfaces() {
@@ -502,7 +498,9 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
   auto made = std::make_unique<State>(std::move(settings), std::move(session));
   State* state = made.get();
   for (const std::string& address : state->settings.listen) {
-    MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address));
+    std::optional<LineCamera> camera;
+    if (auto found = state->settings.line_cameras.extract(address)) camera = std::move(found.mapped());
+    MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address, std::move(camera)));
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
   MIEN_TRY(state->hearing.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
@@ -579,6 +577,7 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   out.dropped = counts.too_fast + counts.too_long + counts.elsewhere + counts.too_many +
                 counts.kernel_dropped + counts.overrun + counts.payload_overrun;
   out.lines = s.intake.lines();
+  out.cameras = s.cameras();
   for (const SerialPort::Status& line : out.lines) out.dropped += line.overlong;
   s.intake.close();
   s.session->report(s.now(), out.report);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,8 +36,9 @@ struct Pairing {
 /// What a live session is asked for.
 struct EngineSettings {
   std::vector<std::string> listen;  ///< udp://HOST:PORT or serial:DEVICE[?baud=RATE], one or more.
-  std::vector<Feed> feeds;          ///< Beside them.
-  bool hear = true;                 ///< Whether they are wanted from the beginning on (FeedPort::wanted).
+  std::map<std::string, LineCamera> line_cameras;  ///< Those that may speak on serial ones, by their text.
+  std::vector<Feed> feeds;                         ///< Beside them.
+  bool hear = true;   ///< Whether they are wanted from the beginning on (FeedPort::wanted).
   bool shut = false;  ///< No sound is taken from anywhere, whatever the page says; no feed should bring any.
   std::vector<std::string> out;  ///< Sinks' addresses, as sink::open_sink takes them.
   std::optional<std::filesystem::path> record;
@@ -46,7 +48,8 @@ struct EngineSettings {
   std::filesystem::path takes = ".";
   /// What that file may take, bytes (Spool). A session that reaches it goes on and can be recorded no more.
   std::uint64_t log_limit = Spool::kDefaultLimit;
-  bool sealed = false;  ///< The session has keys: said, not seen to.
+  bool sealed = false;                ///< The session has keys: said, not seen to.
+  std::vector<std::string> unsealed;  ///< Cameras, whose pictures no key seals: the same.
   /// Makes or reads the key that the page shows to whom it lets in; empty: it shows none. Network thread.
   std::function<Result<Pairing>()> pair;
   std::optional<PageSettings> page;
@@ -74,6 +77,7 @@ struct EngineSummary {
   std::uint64_t malformed = 0;
   std::vector<sink::Status> sinks;
   std::vector<SerialPort::Status> lines;  ///< Serial ones.
+  std::vector<CameraStatus> cameras;      ///< As Status has them.
   std::optional<std::filesystem::path> take;
   std::string recording_error;
   Spool::Usage log;        ///< What the session's temporary log took, at its end.

@@ -14,7 +14,7 @@ Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
   feeds_ = std::move(feeds);
   for (const Feed& feed : feeds_) {
     MIEN_TRY_ASSIGN(sources_.emplace_back(), intake.add_source(feed.name));
-    troubles_.emplace_back();
+    states_.emplace_back();
   }
   return {};
 }
@@ -22,23 +22,30 @@ Result<void> Feeds::open(std::vector<Feed> feeds, bool wanted, Intake& intake) {
 void Feeds::begin(FeedPort::Tell tell) {
   tell_ = std::move(tell);
   for (std::size_t i = 0; i < feeds_.size(); ++i)
-    threads_.emplace_back([this, &feed = feeds_[i], source = sources_[i], &trouble = troubles_[i]] {
-      FeedPort port(*source, stop_, wanted_, tell_, trouble);
+    threads_.emplace_back([this, &feed = feeds_[i], source = sources_[i], &state = states_[i]] {
+      FeedPort port(*source, stop_, wanted_, tell_, state);
       try {
         feed.run(port);
         if (!stop_) tell_("feed_over", feed.name + " is over");
       } catch (const std::exception& error) {
         const std::string why = feed.name + " ended: " + error.what();
         tell_("feed_failed", why);
-        trouble.set(why);
+        state.set_trouble(why);
       }
     });
 }
 
 std::string Feeds::trouble() const {
-  for (const Trouble& one : troubles_)
-    if (std::string text = one.text(); !text.empty()) return text;
+  for (const FeedState& one : states_)
+    if (std::string text = one.trouble(); !text.empty()) return text;
   return {};
+}
+
+std::vector<CameraStatus> Feeds::cameras() const {
+  std::vector<CameraStatus> all;
+  for (const FeedState& one : states_)
+    if (auto camera = one.camera()) all.push_back(*std::move(camera));
+  return all;
 }
 
 std::uint64_t Feeds::handed_over() const {

@@ -6,12 +6,14 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/live/camera_status.h"
 #include "mien/live/page_inlet.h"
 #include "mien/live/payload_source.h"
 
@@ -19,21 +21,32 @@ namespace mien::live {
 
 class Intake;
 
-/// What stands against hearing by a feed now, in one line; empty: nothing. Any thread.
-class Trouble {
+/// What a feed's thread says of itself to who looks on. Any thread.
+class FeedState {
  public:
-  void set(std::string text) {
+  void set_trouble(std::string text) {
     const std::scoped_lock lock(mutex_);
-    text_ = std::move(text);
+    trouble_ = std::move(text);
   }
-  [[nodiscard]] std::string text() const {
+  /// What stands against hearing by it now, in one line; empty: nothing.
+  [[nodiscard]] std::string trouble() const {
     const std::scoped_lock lock(mutex_);
-    return text_;
+    return trouble_;
+  }
+  void set_camera(CameraStatus camera) {
+    const std::scoped_lock lock(mutex_);
+    camera_ = std::move(camera);
+  }
+  /// How the camera is that it follows; none: it follows none.
+  [[nodiscard]] std::optional<CameraStatus> camera() const {
+    const std::scoped_lock lock(mutex_);
+    return camera_;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::string text_;
+  std::string trouble_;
+  std::optional<CameraStatus> camera_;
 };
 
 /// What a feed's thread sees of its session.
@@ -41,8 +54,8 @@ class FeedPort {
  public:
   using Tell = std::function<void(std::string kind, std::string text)>;
   FeedPort(PayloadSource& source, const std::atomic<bool>& stop, const std::atomic<bool>& wanted,
-           const Tell& tell, Trouble& trouble)
-      : source_(source), stop_(stop), wanted_(wanted), tell_(tell), trouble_(trouble) {}
+           const Tell& tell, FeedState& state)
+      : source_(source), stop_(stop), wanted_(wanted), tell_(tell), state_(state) {}
 
   /// As PayloadSource::hand_over.
   bool hand_over(std::span<const std::byte> datagram, std::span<const std::byte> payload) {
@@ -55,14 +68,16 @@ class FeedPort {
   /// Says something to whoever looks on, as an event of this kind.
   void tell(std::string kind, std::string text) const { tell_(std::move(kind), std::move(text)); }
   /// What stands against hearing now, for as long as it does; empty: nothing does any more.
-  void trouble(std::string text) { trouble_.set(std::move(text)); }
+  void trouble(std::string text) { state_.set_trouble(std::move(text)); }
+  /// How the camera is that it follows.
+  void show(CameraStatus camera) { state_.set_camera(std::move(camera)); }
 
  private:
   PayloadSource& source_;
   const std::atomic<bool>& stop_;
   const std::atomic<bool>& wanted_;
   const Tell& tell_;
-  Trouble& trouble_;
+  FeedState& state_;
 };
 
 /// A device inside this program: a microphone, a camera, or a file that is played.
@@ -87,6 +102,8 @@ class Feeds {
   void want(bool wanted) { wanted_ = wanted; }
   /// The first trouble that a feed has; empty: none has any.
   [[nodiscard]] std::string trouble() const;
+  /// Those that feeds follow, in their order.
+  [[nodiscard]] std::vector<CameraStatus> cameras() const;
   /// What those that are heard handed over and the session took.
   [[nodiscard]] std::uint64_t handed_over() const;
   /// Of the feed that hears a browser; null: none does.
@@ -101,7 +118,7 @@ class Feeds {
  private:
   std::vector<Feed> feeds_;
   std::vector<PayloadSource*> sources_;  // One a feed, ...
-  std::deque<Trouble> troubles_;         // ... and so are these.
+  std::deque<FeedState> states_;         // ... and so are these.
   std::atomic<bool> stop_ = false;
   std::atomic<bool> wanted_ = true;
   FeedPort::Tell tell_;

@@ -46,6 +46,8 @@ class Hearing {
   /// is told to stop where it is not, and forgotten where it is gone.
   void look(std::optional<bool> wanted, PageServer* page);
   [[nodiscard]] HearingState state() const;
+  /// As Feeds::cameras.
+  [[nodiscard]] std::vector<CameraStatus> cameras() const { return feeds_.cameras(); }
 
  private:
   /// `why`: empty, the voice was switched off.

@@ -61,8 +61,8 @@ Intake::Intake(asio::io_context& network, Clock clock)
 
 Intake::~Intake() = default;
 
-Result<std::string> Intake::listen(std::string_view address) {
-  if (address.starts_with("serial:")) return listen_serial(address);
+Result<std::string> Intake::listen(std::string_view address, std::optional<LineCamera> camera) {
+  if (address.starts_with("serial:")) return listen_serial(address, std::move(camera));
   const auto bad = [&](std::string what) {
     return fail(ErrorCode::bad_usage, std::move(what), std::string(address),
                 "write it as udp://127.0.0.1:5005, udp://0.0.0.0:5005 for the whole network, or "
@@ -189,14 +189,23 @@ bool Intake::spend_as_stranger(const asio::ip::address& host, HostTime now) {
   return its.spend(now, kMaxRatePerHost) && strangers_.spend(now, kMaxRateUnbound);
 }
 
-Result<std::string> Intake::listen_serial(std::string_view address) {
+Result<std::string> Intake::listen_serial(std::string_view address, std::optional<LineCamera> camera) {
   MIEN_TRY_ASSIGN(const SerialAddress line, parse_serial_address(address));
   if (std::ranges::any_of(lines_, [&](const auto& l) { return l->status().address == line.source(); }))
     return fail(ErrorCode::bad_usage, "given twice", line.source(), "leave one out");
   PeerState* const peer = place_for_another(line.source());
   if (peer == nullptr) return fail(ErrorCode::bad_usage, "too many lines", line.source());
-  auto opened = SerialPort::open(
-      network_, line, [this, peer](std::span<const std::byte> frame) { take_frame(*peer, frame); });
+  const auto on_frame = [this, peer](std::span<const std::byte> frame) { take_frame(*peer, frame); };
+  Result<std::unique_ptr<SerialPort>> opened;
+  if (camera) {
+    auto queue = std::make_unique<PayloadSource>(peer->id, clock_, signal_);
+    opened = SerialPort::open(
+        network_, line, on_frame, *std::move(camera),
+        [queue = queue.get()](auto datagram, auto payload) { queue->hand_over(datagram, payload); }, clock_);
+    if (opened) sources_.emplace_back(std::move(queue), peer->name);
+  } else {
+    opened = SerialPort::open(network_, line, on_frame);
+  }
   if (!opened) return std::unexpected(opened.error());  // Its place is a stranger's, and the first to go.
   lines_.push_back(std::move(*opened));
   peer->budget = {kMaxRatePerPeer, clock_()};

@@ -68,7 +68,10 @@ class Intake {
 
   /// Listens on udp://HOST:PORT; port 0 takes any. Broadcasts are heard. Or on serial:DEVICE[?baud=RATE].
   /// Returns the address as text with its port or rate. Errors: bad_usage (not an address, taken), not_found.
-  [[nodiscard]] Result<std::string> listen(std::string_view address);
+  [[nodiscard]] Result<std::string> listen(std::string_view address) { return listen(address, std::nullopt); }
+  /// `camera`: whose pictures come where the address is a serial line and a camera speaks on it. Before the
+  /// tracker's thread begins.
+  [[nodiscard]] Result<std::string> listen(std::string_view address, std::optional<LineCamera> camera);
   /// From now on the ports on every interface (0.0.0.0, [::]) receive only what comes in there: an interface
   /// ("wlan0") or an address of this machine; empty: all again. Nothing is bound anew, so nobody there loses
   /// a datagram. Errors: bad_usage (neither is here; no port listens on every interface, or none of that
@@ -136,7 +139,7 @@ class Intake {
   [[nodiscard]] bool spend_as_stranger(const boost::asio::ip::address& host, HostTime now);
   void receive(Port& port);
   void take(Port& port, const UdpArrival& arrival);
-  Result<std::string> listen_serial(std::string_view address);
+  Result<std::string> listen_serial(std::string_view address, std::optional<LineCamera> camera);
   [[nodiscard]] std::optional<Arrived> front_of_network();
   void take_frame(PeerState& peer, std::span<const std::byte> frame);
   void hand_over(PeerState& peer, HostTime now, std::span<const std::byte> datagram);

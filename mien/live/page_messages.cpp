@@ -114,7 +114,8 @@ json network_json(const NetworkState& network, std::uint64_t refused) {
     interfaces.push_back({{"name", one.name}, {"address", one.address}, {"loopback", one.loopback}});
   return {{"open", network.open},     {"interfaces", std::move(interfaces)},
           {"only", network.only},     {"elsewhere", network.elsewhere},
-          {"sealed", network.sealed}, {"refused", refused}};
+          {"sealed", network.sealed}, {"unsealed", network.unsealed},
+          {"refused", refused}};
 }
 
 json target_object(const face::BlendshapeWeights& target) {
@@ -191,6 +192,23 @@ sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string 
   return hello;
 }
 
+json camera_json(const CameraStatus& camera) {
+  json refusals = json::object();
+  for (const sensor::Refusal& one : camera.refusals) refusals[std::string(one.why)] = one.count;
+  return {{"address", camera.address},
+          {"sensor", camera.sensor},
+          {"open", camera.open},
+          {"note", camera.problem},
+          {"lost", camera.lost},
+          {"bytes", camera.bytes},
+          {"pictures", camera.pictures.whole},
+          {"broken", camera.pictures.broken},
+          {"overlong", camera.pictures.overlong},
+          {"refused", std::move(refusals)},
+          {"too_fast", camera.too_fast},
+          {"held_back", camera.held_back}};
+}
+
 std::string status_json(const Status& status, const sensor::Rig& rig) {
   json links = json::array();
   for (std::size_t i = 0; i < status.report.links.size(); ++i)
@@ -217,6 +235,8 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
                      {"open", line.open},
                      {"unplugged", line.unplugged},
                      {"note", line.problem}});
+  json cameras = json::array();
+  for (const CameraStatus& camera : status.cameras) cameras.push_back(camera_json(camera));
   json replay = nullptr;
   if (status.replay)
     replay = {{"take", status.replay->take},
@@ -239,6 +259,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
        {"prompts", prompts_json(status.report.prompts)},
        {"sinks", std::move(sinks)},
        {"lines", std::move(lines)},
+       {"cameras", std::move(cameras)},
        {"network", network_json(status.network, status.report.refused)},
        {"recording",
         {{"on", recording.on},

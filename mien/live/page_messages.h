@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mien/live/camera_status.h"
 #include "mien/live/hearing.h"
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
@@ -45,7 +46,8 @@ struct NetworkState {
   std::vector<NetworkInterface> interfaces;  ///< By which these are reached.
   std::string only;                          ///< The entrance that they are narrowed to; empty: none.
   std::uint64_t elsewhere = 0;               ///< Datagrams refused because they came in elsewhere.
-  bool sealed = false;                       ///< Only who has the key is received.
+  bool sealed = false;                       ///< Only who has the key is received, ...
+  std::vector<std::string> unsealed;         ///< ... and these cameras, whose pictures no key seals.
 };
 
 struct Status {
@@ -54,6 +56,7 @@ struct Status {
   Latencies latency;  ///< Of the last ten seconds.
   std::vector<SinkState> sinks;
   std::vector<SerialPort::Status> lines;  ///< Serial ones that devices speak on.
+  std::vector<CameraStatus> cameras;      ///< Asked ones, and those of lines that speak.
   NetworkState network;
   Recorder::State recording;
   double recording_megabytes = 0;
@@ -64,6 +67,8 @@ struct Status {
 
 [[nodiscard]] sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string model,
                                     std::vector<std::string> listening, bool replay);
+/// One camera of a status, or of a session's summary.
+[[nodiscard]] nlohmann::json camera_json(const CameraStatus& camera);
 [[nodiscard]] std::string status_json(const Status& status, const sensor::Rig& rig);
 /// `result` is JSON, or empty for none.
 [[nodiscard]] std::string reply_json(std::int64_t number, std::string_view error,

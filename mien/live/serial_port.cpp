@@ -21,6 +21,9 @@ namespace asio = boost::asio;
 constexpr std::string_view kScheme = "serial:";
 constexpr std::uint32_t kLeastBaud = 300;
 constexpr std::uint32_t kMostBaud = 4'000'000;
+/// How often it is looked whether pictures come, and when a line that sends too much is read on.
+constexpr auto kLookAtPictures = std::chrono::milliseconds(100);
+constexpr auto kReadOn = std::chrono::milliseconds(5);
 /// What a take keeps as a source has room for it.
 constexpr std::size_t kMaxDevicePath = 200;
 
@@ -54,13 +57,32 @@ Result<SerialAddress> parse_serial_address(std::string_view text) {
 }
 
 SerialPort::SerialPort(asio::io_context& network, SerialAddress address, OnFrame on_frame)
-    : address_(std::move(address)), on_frame_(std::move(on_frame)), port_(network), timer_(network) {}
+    : address_(std::move(address)),
+      on_frame_(std::move(on_frame)),
+      port_(network),
+      timer_(network),
+      watch_(network) {}
 
 Result<std::unique_ptr<SerialPort>> SerialPort::open(asio::io_context& network, SerialAddress address,
                                                      OnFrame on_frame) {
+  return begin(std::unique_ptr<SerialPort>(new SerialPort(network, std::move(address), std::move(on_frame))));
+}
+
+Result<std::unique_ptr<SerialPort>> SerialPort::open(asio::io_context& network, SerialAddress address,
+                                                     OnFrame on_frame, LineCamera camera,
+                                                     sensor::PayloadStream::OnPayload on_payload,
+                                                     CameraPictures::Clock clock) {
   std::unique_ptr<SerialPort> made(new SerialPort(network, std::move(address), std::move(on_frame)));
+  made->camera_ =
+      std::make_unique<CameraPictures>(made->address_.source(), std::move(camera.sensor),
+                                       std::move(camera.stream), std::move(on_payload), std::move(clock));
+  return begin(std::move(made));
+}
+
+Result<std::unique_ptr<SerialPort>> SerialPort::begin(std::unique_ptr<SerialPort> made) {
   MIEN_TRY(made->try_open());
   made->read();
+  if (made->camera_) made->watch();
   return made;
 }
 
@@ -96,6 +118,7 @@ Result<void> SerialPort::try_open() {
     return failed(wrong);
   problem_.clear();
   framer_.restart();
+  if (camera_) camera_->begin();
   return {};
 }
 
@@ -105,9 +128,35 @@ void SerialPort::read() {
     if (code) return lose(code.message());
     pause_ = kFirstRetry;
     received_ += size;
-    for (const std::byte byte : std::span(bytes_).first(size))
-      if (const auto frame = framer_.add(byte); !frame.empty()) on_frame_(frame);
-    read();
+    take(std::span(bytes_).first(size));
+    read_when_due(size);
+  });
+}
+
+void SerialPort::read_when_due(std::size_t size) {
+  if (!camera_ || camera_->may_read_on(size)) return read();
+  timer_.expires_after(kReadOn);
+  timer_.async_wait([this, size](boost::system::error_code code) {
+    if (!closed_ && !code) read_when_due(size);
+  });
+}
+
+void SerialPort::take(std::span<const std::byte> bytes) {
+  if (camera_) {
+    // A stream of a line has no end that it could tell of; one that does is read anew.
+    if (!camera_->read(bytes)) camera_->begin();
+    if (camera_->has_spoken()) return;
+  }
+  for (const std::byte byte : bytes)
+    if (const auto frame = framer_.add(byte); !frame.empty()) on_frame_(frame);
+}
+
+void SerialPort::watch() {
+  watch_.expires_after(kLookAtPictures);
+  watch_.async_wait([this](boost::system::error_code code) {
+    if (closed_ || code) return;
+    if (camera_->open() && camera_->is_overdue()) camera_->end("stalled: " + camera_->no_picture());
+    watch();
   });
 }
 
@@ -115,6 +164,7 @@ void SerialPort::lose(const std::string& problem) {
   boost::system::error_code ignored;
   port_.close(ignored);
   problem_ = "unplugged (" + problem + ")";
+  if (camera_) camera_->end(problem_ + "; it is opened again when it is back");
   ++unplugged_;
   retry();
 }
@@ -134,10 +184,21 @@ void SerialPort::close() {
   boost::system::error_code ignored;
   port_.close(ignored);
   timer_.cancel(ignored);
+  watch_.cancel(ignored);
 }
 
 SerialPort::Status SerialPort::status() const {
-  return {address_.source(), port_.is_open(), problem_, unplugged_, received_, framer_.overlong()};
+  Status status{.address = address_.source(),
+                .open = port_.is_open(),
+                .problem = problem_,
+                .unplugged = unplugged_,
+                .bytes = received_,
+                .overlong = framer_.overlong(),
+                .camera = std::nullopt};
+  if (!camera_) return status;
+  CameraStatus camera = camera_->status();
+  if (camera.pictures.all() > 0) status.camera = std::move(camera);
+  return status;
 }
 
 }  // namespace mien::live

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string_view>
+#include <vector>
 
 #include "mien/core/error.h"
 
@@ -14,9 +16,17 @@ struct StreamCounts {
   std::uint64_t whole = 0;
   std::uint64_t broken = 0;    ///< They ended too early, or are not what the stream carries.
   std::uint64_t overlong = 0;  ///< Longer than kMaxPayload.
+  std::uint64_t refused = 0;   ///< Whole, but of a kind that is not taken; refusals() says which.
   /// Those that were begun and are over.
-  [[nodiscard]] std::uint64_t all() const { return whole + broken + overlong; }
+  [[nodiscard]] std::uint64_t all() const { return whole + broken + overlong + refused; }
   bool operator==(const StreamCounts&) const = default;
+};
+
+/// How many payloads of a stream were refused for one reason.
+struct Refusal {
+  std::string_view why;  ///< For people: "progressive". Lives as long as the program.
+  std::uint64_t count = 0;
+  bool operator==(const Refusal&) const = default;
 };
 
 /// What a device says that is connected as a stream of bytes (over TCP, a serial line) and sends payloads:
@@ -39,6 +49,8 @@ class PayloadStream {
   [[nodiscard]] virtual Result<void> read(std::span<const std::byte> bytes, const OnPayload& on_payload) = 0;
   /// Since the beginning, over all connections.
   [[nodiscard]] virtual StreamCounts counts() const = 0;
+  /// The reasons for which payloads were refused so far, the most frequent first.
+  [[nodiscard]] virtual std::vector<Refusal> refusals() const = 0;
 };
 
 }  // namespace mien::sensor

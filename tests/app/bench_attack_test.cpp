@@ -61,6 +61,15 @@ TEST(BenchAttack, WhoBehavesAsASensorAndSpeaksFirstWinsWithoutAKeyAndNotWithOne)
   EXPECT_GT(with["median"]["heard"], 0);
 }
 
+TEST(BenchAttack, AHostileCameraTakesNothingFromTheOthers) {
+  const json all = attack({"--seconds", "3", "--attack", "camera-endless", "--attack", "camera-hostile",
+                           "--attack", "camera-lengths"});
+  ASSERT_EQ(all["sessions"].size(), 1U);
+  EXPECT_EQ(all["sessions"][0]["boards"], "cameras");
+  ASSERT_EQ(all["sessions"][0]["attacks"].size(), 3U);
+  expect_held(all);
+}
+
 TEST(BenchAttack, NamesItsAttacksWhereOneIsUnknown) {
   const Outcome outcome = run({"bench", "attack", "--attack", "flood"});
   EXPECT_EQ(outcome.status, 2);

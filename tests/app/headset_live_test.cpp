@@ -16,6 +16,7 @@
 #include "tests/headset/small_jpeg.h"
 #include "tests/headset/small_model.h"
 #include "tests/live/camera_server.h"
+#include "tests/live/pseudo_terminal.h"
 
 namespace mien::app::test::headset_live_test {
 namespace {
@@ -97,13 +98,22 @@ TEST_F(HeadsetProgram, CamerasBecomeATakeThatReplaysToTheSameBits) {
     if (images) more.emplace_back("--images");
     const Outcome outcome = live(more);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("Asking " + left.address() + " for its pictures"));
+    EXPECT_THAT(outcome.err, HasSubstr("Asking " + left.address() + " for its pictures, eye_L's"));
     EXPECT_THAT(outcome.err, HasSubstr(right.address() + ": pictures come"));
-    const std::string kept = "Pictures of the face are kept as they come: 3.8 to 7.8 GB an hour";
+    const std::string kept = "Pictures of the face are kept as they come: 1.9 to 3.9 GB an hour";
     EXPECT_EQ(outcome.err.find(kept) != std::string::npos, images) << outcome.err;
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_GT(summary["frames"], 60);
     EXPECT_EQ(summary["malformed"], 0);
+    ASSERT_EQ(summary["cameras"].size(), 2U);
+    EXPECT_EQ(summary["cameras"][0]["address"], left.address());
+    EXPECT_EQ(summary["cameras"][1]["sensor"], "eye_R");
+    for (const auto& camera : summary["cameras"]) {
+      EXPECT_GT(camera["pictures"], 60);
+      EXPECT_EQ(camera["open"], true);
+      EXPECT_EQ(camera["broken"], 0);
+      EXPECT_TRUE(camera["refused"].empty());
+    }
     const Outcome again = run({"live", "--replay", take, "--model", folder / "model.safetensors", "--json"});
     ASSERT_EQ(again.status, 0) << again.err;
     EXPECT_EQ(nlohmann::json::parse(again.out)["hash"], summary["hash"]);
@@ -120,6 +130,57 @@ TEST_F(HeadsetProgram, CamerasBecomeATakeThatReplaysToTheSameBits) {
     }
     EXPECT_GT(pictures, 120U);
   }
+}
+
+TEST_F(HeadsetProgram, ACameraOnACableIsOneOfTheRigs) {
+  live::test::Cable cable(folder / "mouth");
+  std::jthread board([&](const std::stop_token& asked) {
+    auto next = std::chrono::steady_clock::now();
+    for (int n = 0; !asked.stop_requested(); ++n) {
+      const headset::test::Bytes jpeg = headset::test::grey_jpeg(64, 64, n % 40);
+      headset::test::Bytes frame = {std::byte{0xFF},
+                                    std::byte{0xA0},
+                                    std::byte{0xFF},
+                                    std::byte{0xA1},
+                                    static_cast<std::byte>(jpeg.size()),
+                                    static_cast<std::byte>(jpeg.size() >> 8U)};
+      frame.insert(frame.end(), jpeg.begin(), jpeg.end());
+      cable.write(frame);
+      next += std::chrono::microseconds(16'667);
+      std::this_thread::sleep_until(next);
+    }
+  });
+  const std::string take = folder / "cable.mien";
+  const Outcome outcome = live({"--listen", left.address(), "--listen", cable.address() + "?baud=3000000",
+                                "--record", take, "--for", "2.5"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("Pictures on " + cable.address() + " are eye_R's"));
+  EXPECT_THAT(outcome.err, HasSubstr(cable.address() + ": pictures come"));
+  const auto summary = nlohmann::json::parse(outcome.out);
+  ASSERT_EQ(summary["cameras"].size(), 2U);
+  EXPECT_EQ(summary["cameras"][1]["address"], cable.address());
+  EXPECT_EQ(summary["cameras"][1]["sensor"], "eye_R");
+  EXPECT_GT(summary["cameras"][1]["pictures"], 60);
+  const auto opened = take::Take::open(take).value();
+  std::size_t pictures = 0;
+  for (const take::LogEntry& entry : opened.entries().value()) pictures += entry.source == cable.address();
+  EXPECT_GT(pictures, 60U);
+  const Outcome again = run({"live", "--replay", take, "--model", folder / "model.safetensors", "--json"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["hash"], summary["hash"]);
+}
+
+TEST_F(HeadsetProgram, WithAKeyItSaysThatPicturesAreHeardAllTheSame) {
+  write(folder / "key", "1 " + std::string(64, 'a') + "\n");
+  std::filesystem::permissions(folder / "key", std::filesystem::perms::owner_read);
+  const Outcome outcome = live({"--listen", left.address(), "--key", folder / "key", "--for", "1.5"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err,
+              HasSubstr("Only devices with the key are received, and pictures, which no key seals"));
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(summary["unsealed"], nlohmann::json({left.address()}));
+  EXPECT_GT(summary["cameras"][0]["pictures"], 20);
+  EXPECT_GT(summary["frames"], 20);
 }
 
 TEST_F(HeadsetProgram, SaysWhatIsWrong) {

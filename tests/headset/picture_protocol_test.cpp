@@ -133,6 +133,35 @@ TEST_F(Pictures, OfOneConnectionHaveTimesOfOneClock) {
   EXPECT_LT(inbox.readings[0].sample.time, time_s(1));
 }
 
+TEST_F(Pictures, WhoseTimesAreMissingAllAtOnceGetEstimates) {
+  const Bytes jpeg = grey_jpeg(32, 32, 1);
+  const auto verdict = [&](std::uint32_t number, std::optional<DeviceTime> time) {
+    return send({.number = number, .time = time, .first = number == 0, .arrival = after_s(number / 60.0)},
+                jpeg);
+  };
+  std::uint32_t number = 0;
+  for (; number < 5; ++number) EXPECT_EQ(verdict(number, time_s(100 + number / 60.0)), Verdict::taken);
+  for (int i = 1; i < PictureProtocol::kStandsStill; ++i)
+    EXPECT_EQ(verdict(number++, std::nullopt), Verdict::ignored);
+  EXPECT_EQ(verdict(number++, std::nullopt), Verdict::taken);
+  EXPECT_TRUE(inbox.readings.at(0).sample.time_estimated);
+  EXPECT_EQ(verdict(number++, time_s(101)), Verdict::taken);
+  EXPECT_TRUE(inbox.readings.at(0).sample.time_estimated) << "until its next connection";
+}
+
+TEST_F(Pictures, WhoseTimesRunBackGetEstimates) {
+  const Bytes jpeg = grey_jpeg(32, 32, 1);
+  for (std::uint32_t number = 0; number < 40; ++number) {
+    EXPECT_EQ(send({.number = number,
+                    .time = time_s(100 - number / 60.0),
+                    .first = number == 0,
+                    .arrival = after_s(number / 60.0)},
+                   jpeg),
+              Verdict::taken);
+    EXPECT_EQ(inbox.readings.at(0).sample.time_estimated, number >= PictureProtocol::kStandsStill);
+  }
+}
+
 TEST_F(Pictures, WhoseTimesStandStillGetEstimates) {
   const Bytes jpeg = grey_jpeg(32, 32, 1);
   const auto estimated = [&](std::uint32_t number, double told_s) {

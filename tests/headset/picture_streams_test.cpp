@@ -149,6 +149,38 @@ TEST_F(Streams, OfASerialLineHaveNoTimes) {
   EXPECT_EQ(stream.counts(), sensor::StreamCounts{.whole = 2});
 }
 
+TEST_F(Streams, LetNothingThroughThatNoSessionDecodes) {
+  Bytes progressive = jpeg;
+  progressive.at(place_of(jpeg, 0xC0) + 1) = std::byte{0xC2};
+  Bytes wide = jpeg;
+  wide.at(place_of(jpeg, 0xC0) + 7) = std::byte{0xFF};
+  Bytes sent = text_bytes(head());
+  for (const Bytes& one : {progressive, jpeg, wide, progressive, jpeg}) sent += one;
+  MjpegStream stream(kCamera);
+  ASSERT_TRUE(read(stream, sent));
+  ASSERT_EQ(got.size(), 2u);
+  EXPECT_EQ(got[1].packet.sequence, 4u) << "those that were refused have their numbers";
+  EXPECT_EQ(stream.counts(), (sensor::StreamCounts{.whole = 2, .refused = 3}));
+  EXPECT_EQ(stream.refusals(), (std::vector<sensor::Refusal>{{.why = "progressive", .count = 2},
+                                                             {.why = "too large", .count = 1}}));
+}
+
+TEST_F(Streams, APictureWithoutAnyIsBroken) {
+  MjpegStream http(kCamera);
+  Bytes sent = text_bytes(head());
+  sent += "\xFF\xD8\xFF\xD9";
+  sent += jpeg;
+  ASSERT_TRUE(read(http, sent));
+  EXPECT_EQ(http.counts(), (sensor::StreamCounts{.whole = 1, .broken = 1}));
+  EtvrStream line(kCamera);
+  const std::array frame = {std::byte{0xFF}, std::byte{0xA0}, std::byte{0xFF}, std::byte{0xA1},
+                            std::byte{4},    std::byte{0},    std::byte{0xFF}, std::byte{0xD8},
+                            std::byte{0xFF}, std::byte{0xD9}};
+  ASSERT_TRUE(read(line, frame));
+  EXPECT_EQ(line.counts(), (sensor::StreamCounts{.broken = 1}));
+  EXPECT_EQ(got.size(), 1u);
+}
+
 TEST_F(Streams, AllocateNothingOnTheWay) {
   MjpegStream stream(kCamera);
   Bytes sent = text_bytes(head());

@@ -42,6 +42,7 @@ TEST(CameraAddress, IsReadAsPeopleTypeIt) {
   EXPECT_EQ(source("http://192.168.1.7:80/"), "http://192.168.1.7/");
   EXPECT_EQ(source("http://openiristracker.local:81/stream?fps=60"),
             "http://openiristracker.local:81/stream?fps=60");
+  EXPECT_EQ(source("http://OpenIris.local/Stream"), "http://openiris.local/Stream");
   EXPECT_EQ(source("http://[::1]:8081/a/b"), "http://[::1]:8081/a/b");
   EXPECT_EQ(parse_camera_address("http://[::1]:8081/a/b")->host, "::1");
   for (const std::string text :
@@ -66,7 +67,7 @@ class CameraStreamTest : public ::testing::Test {
   }
   void start_camera(std::uint16_t port, const std::string& path = "/") {
     camera.emplace(
-        network, parse_camera_address(fmt::format("http://127.0.0.1:{}{}", port, path)).value(),
+        network, parse_camera_address(fmt::format("http://127.0.0.1:{}{}", port, path)).value(), "eye_L",
         std::make_unique<headset::MjpegStream>(kCamera),
         [this](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
           packets.push_back(headset::parse_picture_packet(datagram).value());
@@ -122,7 +123,7 @@ TEST_F(CameraStreamTest, GivesPicturesWithTheirTimes) {
   const std::string& request = server->visitors.front().request;
   EXPECT_THAT(request, StartsWith("GET /stream?fps=60 HTTP/1.1\r\n"));
   EXPECT_THAT(request, HasSubstr(fmt::format("\r\nHost: 127.0.0.1:{}\r\n", server->port())));
-  const CameraStream::Status status = camera->status();
+  const CameraStatus status = camera->status();
   EXPECT_TRUE(status.open);
   EXPECT_EQ(status.problem, "");
   EXPECT_EQ(status.address, fmt::format("http://127.0.0.1:{}/stream?fps=60", server->port()));
@@ -150,7 +151,7 @@ TEST_F(CameraStreamTest, HandsItsPicturesToASource) {
   PayloadSource source(
       3, [] { return HostTime(std::chrono::seconds(1)); }, awake);
   camera.emplace(
-      network, parse_camera_address(fmt::format("http://127.0.0.1:{}", server->port())).value(),
+      network, parse_camera_address(fmt::format("http://127.0.0.1:{}", server->port())).value(), "eye_L",
       std::make_unique<headset::MjpegStream>(kCamera),
       [&](auto datagram, auto payload) { source.hand_over(datagram, payload); }, [] { return HostTime(); });
   ASSERT_TRUE(until([&] { return source.counts().received == 1; }));
@@ -180,7 +181,7 @@ TEST_F(CameraStreamTest, AllocatesNothingWhilePicturesCome) {
   camera.emplace(
       network,
       parse_camera_address(fmt::format("http://127.0.0.1:{}", acceptor.local_endpoint().port())).value(),
-      std::make_unique<headset::MjpegStream>(kCamera), [&](auto, auto) { ++taken; },
+      "eye_L", std::make_unique<headset::MjpegStream>(kCamera), [&](auto, auto) { ++taken; },
       [&] { return now += std::chrono::milliseconds(10); });
   EXPECT_TRUE(run_until(network, [&] { return taken == 20; }));
   const std::size_t before = mien::test::allocation_count();
@@ -335,6 +336,72 @@ TEST_F(CameraStreamTest, SaysThatPicturesAreTooLong) {
   leapt += std::chrono::seconds(3);
   ASSERT_TRUE(until([&] { return !camera->status().problem.empty(); }));
   EXPECT_THAT(camera->status().problem, HasSubstr("256 KiB"));
+}
+
+TEST_F(CameraStreamTest, CountsWhatItRefusesByItsReasonAndSaysIt) {
+  stands = true;
+  Bytes progressive = jpeg;
+  progressive.at(headset::test::place_of(jpeg, 0xC0) + 1) = std::byte{0xC2};
+  start_server([&](Visitor& visitor) {
+    visitor.send(head() + part(1));
+    for (int i = 0; i < 3; ++i) visitor.send(std::string(as_text(progressive)));
+    visitor.send("\xFF\xD8\xFF\xD9");
+  });
+  start_camera(server->port());
+  ASSERT_TRUE(until([&] { return camera->status().pictures.all() == 5; }));
+  const CameraStatus status = camera->status();
+  EXPECT_EQ(status.pictures, (sensor::StreamCounts{.whole = 1, .broken = 1, .refused = 3}));
+  EXPECT_EQ(status.refusals, (std::vector<sensor::Refusal>{{.why = "progressive", .count = 3}}));
+  EXPECT_EQ(status.sensor, "eye_L");
+  EXPECT_EQ(pictures.size(), 1u);
+  leapt += std::chrono::seconds(3);
+  ASSERT_TRUE(until([&] { return !camera->status().problem.empty(); }));
+  EXPECT_THAT(camera->status().problem, HasSubstr("refused (progressive)"));
+}
+
+TEST_F(CameraStreamTest, OneThatGivesAPictureAndHangsUpIsAskedEverMoreRarely) {
+  stands = true;
+  std::vector<std::chrono::steady_clock::time_point> asked;
+  start_server([&](Visitor& visitor) {
+    asked.push_back(std::chrono::steady_clock::now());
+    visitor.send(head() + part(1));
+  });
+  start_camera(server->port());
+  // It hangs up once its picture was received.
+  ASSERT_TRUE(until([&] {
+    for (Visitor& visitor : server->visitors)
+      if (pictures.size() == asked.size() && !visitor.request.empty()) visitor.hang_up();
+    return asked.size() == 4;
+  }));
+  // After 0.1, 0.2 and 0.4 s, where it was a tenth each time before.
+  EXPECT_GE(asked[3] - asked[0], std::chrono::milliseconds(690));
+  EXPECT_EQ(camera->status().lost, 3u);
+}
+
+TEST_F(CameraStreamTest, WaitsForNoNameServerThatIsDead) {
+  std::atomic<bool> over = false;
+  std::atomic<int> answered = 0;
+  {
+    CameraStream named(
+        network, parse_camera_address("http://headset.example/").value(), "eye_L",
+        std::make_unique<headset::MjpegStream>(kCamera), [](auto, auto) {},
+        [this] { return HostTime(std::chrono::steady_clock::now().time_since_epoch()) + leapt; },
+        [&over, &answered](const std::string&, std::uint16_t) {
+          over.wait(false);
+          ++answered;
+          return NameLookup::Answer{};
+        });
+    leapt += std::chrono::seconds(3);
+    ASSERT_TRUE(until([&] { return !named.status().problem.empty(); }));
+    EXPECT_THAT(named.status().problem, HasSubstr("name server"));
+    named.close();
+    network.restart();
+    network.poll();  // What it still had to do.
+  }
+  EXPECT_EQ(answered, 0) << "it is gone before anybody answers";
+  over = true;
+  over.notify_all();
+  EXPECT_TRUE(until([&] { return answered == 1; })) << "and was asked once, however often it tried";
 }
 
 TEST_F(CameraStreamTest, SaysWhyItCannotBeReached) {

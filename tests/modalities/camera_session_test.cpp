@@ -1,4 +1,5 @@
 // A headset's session as the program makes it, from its cameras' pictures to a take and back.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -69,12 +70,11 @@ class Headset : public ::testing::Test {
                                    std::as_bytes(std::span(kCalibrate)));
         }
         ByteWriter packet;
-        EXPECT_TRUE(headset::write_picture_packet(
-            {.from = {headset::test::kHeadset + c, 0},
-             .sequence = n,
-             .time = DeviceTime(frame_offset(n) + std::chrono::seconds(3 + 2 * c)),
-             .first = n == 0},
-            packet));
+        EXPECT_TRUE(headset::write_picture_packet({.from = {headset::test::kHeadset + c, 0},
+                                                   .sequence = n,
+                                                   .time = DeviceTime(clock_(c, n)),
+                                                   .first = n == 0},
+                                                  packet));
         const std::string source = "http://127.0.0.1:" + std::to_string(8081 + c) + "/";
         const auto received =
             session.receive(arrival, {c, source}, packet.bytes(), pictures_[(n + 7 * c) % 40]);
@@ -97,6 +97,11 @@ class Headset : public ::testing::Test {
     return session.hash();
   }
 
+  /// What a camera's clock says at a picture.
+  std::function<Duration(std::uint32_t camera, std::uint32_t number)> clock_ = [](std::uint32_t camera,
+                                                                                  std::uint32_t number) {
+    return frame_offset(number) + std::chrono::seconds(3 + 2 * camera);
+  };
   mien::test::Folder folder_{mien::test::Folder::On::memory};
   std::filesystem::path model_ = folder_ / "headset.safetensors";
   std::vector<Bytes> pictures_;
@@ -143,6 +148,39 @@ TEST_F(Headset, AMouthThatNoCameraSeesIsHeldThenNeutralWhileTheEyesAreSeen) {
   EXPECT_EQ(at(270, "eyeBlink_L"), face::Provenance::measured);
   EXPECT_EQ(at(340, "jawOpen"), face::Provenance::neutral);
   EXPECT_EQ(at(340, "eyeBlink_R"), face::Provenance::measured);
+}
+
+TEST_F(Headset, GoesOnWhateverACamerasClockDoes) {
+  const auto nothing_lost = [](std::uint32_t, std::uint32_t) { return false; };
+  const auto right = clock_;
+  const std::size_t quiet = record(*session(), folder_ / "right.mien", nothing_lost).frames.size();
+  const auto hour = std::chrono::hours(1);
+  struct Wrong {
+    const char* name;
+    std::function<Duration(Duration right, std::uint32_t number)> time;
+  };
+  for (const Wrong& wrong : {
+           Wrong{"stands still", [](Duration, std::uint32_t) { return Duration(std::chrono::seconds(5)); }},
+           Wrong{"runs back",
+                 [](Duration, std::uint32_t n) { return std::chrono::seconds(9) - frame_offset(n); }},
+           Wrong{"an hour ahead", [&](Duration t, std::uint32_t) { return t + hour; }},
+           Wrong{"an hour ahead at times",
+                 [&](Duration t, std::uint32_t n) { return n % 50 == 0 ? t + hour : t; }},
+           Wrong{"an hour ahead and back by turns",
+                 [&](Duration t, std::uint32_t n) { return n % 2 == 0 ? t + hour : t; }},
+       })
+    for (const std::uint32_t which : {0U, 2U}) {  // The rig's reference, and another.
+      SCOPED_TRACE(fmt::format("camera {} {}", which, wrong.name));
+      clock_ = [&](std::uint32_t camera, std::uint32_t number) {
+        const Duration time = right(camera, number);
+        return camera == which && number >= 100 ? wrong.time(time, number) : time;
+      };
+      const auto played = record(*session(), folder_ / "wrong.mien", nothing_lost);
+      EXPECT_NEAR(static_cast<double>(played.frames.size()), static_cast<double>(quiet), 3);
+      EXPECT_EQ(played.frames.back().provenance[face::shape("jawOpen")], face::Provenance::measured);
+      EXPECT_EQ(replayed(folder_ / "wrong.mien", *session()), played.hash);
+      std::filesystem::remove(folder_ / "wrong.mien");
+    }
 }
 
 TEST_F(Headset, TakesAnotherNetworksFeaturesForNone) {
