@@ -9,7 +9,9 @@
 #include <chrono>
 #include <memory>
 
+#include "mien/headset/headset_camera.h"
 #include "mien/headset/picture_streams.h"
+#include "mien/headset/view_maker.h"
 #include "mien/live/camera_news.h"
 #include "mien/live/camera_stream.h"
 #include "mien/sensor/bindings.h"
@@ -27,14 +29,33 @@ HostTime steady_now() {
   return HostTime(std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
 }
 
+/// What the part that is wanted of a camera looks like to the network.
+headset::NetworkViewSettings shown(const live::PicturePart& part) {
+  sensor::CameraMount camera;
+  camera.crop = part.crop;
+  camera.turn_deg = part.turn_deg;
+  camera.mirror = part.mirror;
+  return headset::network_view_of(camera, live::PictureTap::kSide);
+}
+
+/// A camera of the command line, and how it can be looked at.
+struct FollowedCamera {
+  live::CameraAddress address;
+  std::string sensor;  ///< Its name in the rig.
+  sensor::DeviceKey device;
+  headset::ViewMaker views;
+};
+
 /// Pictures are handed over by who reads them, so that none waits for a look.
-void follow_camera(const live::CameraAddress& address, const std::string& sensor, sensor::DeviceKey device,
-                   live::FeedPort& port) {
+void follow_camera(FollowedCamera& followed, live::PictureTap& tap, live::FeedPort& port) {
   boost::asio::io_context network(1);
   live::CameraStream camera(
-      network, address, sensor, std::make_unique<headset::MjpegStream>(device),
-      [&port](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
+      network, followed.address, followed.sensor, std::make_unique<headset::MjpegStream>(followed.device),
+      [&](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
         port.hand_over(datagram, payload);
+        tap.offer([&](const live::PictureTap::Wish& wish, std::span<std::uint8_t> pixels) {
+          return followed.views.make(payload, shown(wish.part), pixels);
+        });
       },
       steady_now);
   live::CameraNews news;
@@ -79,10 +100,14 @@ Result<ListenedCameras> listened_cameras(const std::vector<std::string>& listen,
     if (asked) {
       MIEN_TRY_ASSIGN(const live::CameraAddress address, live::parse_camera_address(text));
       source = address.source();
-      out.feeds.push_back(
-          {.name = source,
-           .run = [address, sensor, key](live::FeedPort& port) { follow_camera(address, sensor, key, port); },
-           .heard = false});
+      MIEN_TRY_ASSIGN(headset::ViewMaker views, headset::ViewMaker::create());
+      const auto camera = std::make_shared<FollowedCamera>(
+          FollowedCamera{.address = address, .sensor = sensor, .device = key, .views = std::move(views)});
+      const auto tap = std::make_shared<live::PictureTap>(key);
+      out.feeds.push_back({.name = source,
+                           .run = [camera, tap](live::FeedPort& port) { follow_camera(*camera, *tap, port); },
+                           .heard = false,
+                           .tap = tap});
     } else {
       MIEN_TRY_ASSIGN(const live::SerialAddress line, live::parse_serial_address(text));
       source = line.source();

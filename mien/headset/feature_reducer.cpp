@@ -1,7 +1,6 @@
 #include "mien/headset/feature_reducer.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "mien/core/sha256.h"
 #include "mien/headset/feature_record.h"
@@ -14,10 +13,6 @@ namespace {
 
 /// To be raised with every change of how a picture becomes numbers.
 constexpr std::uint32_t kMethodVersion = 1;
-
-int least_pixels(int side, double share) {
-  return static_cast<int>(std::ceil(side / share));
-}
 
 }  // namespace
 
@@ -51,10 +46,9 @@ Result<FeatureReducer> FeatureReducer::create(const sensor::Rig& rig,
     hash.add_value(static_cast<std::uint32_t>(see.quarter_turns));
     hash.add_value(static_cast<std::uint32_t>(see.mirror ? 1 : 0));
     MIEN_TRY_ASSIGN(NetworkView view, NetworkView::create(see));
-    made.cameras_.push_back({.camera = std::move(camera),
-                             .view = std::move(view),
-                             .least_width = least_pixels(see.side, see.right - see.left),
-                             .least_height = least_pixels(see.side, see.bottom - see.top)});
+    const auto [width, height] = least_size(see);
+    made.cameras_.push_back(
+        {.camera = std::move(camera), .view = std::move(view), .least_width = width, .least_height = height});
   }
   made.hash_ = hash.hex();
   return made;

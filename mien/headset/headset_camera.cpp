@@ -14,6 +14,17 @@ constexpr int kQuarterTurn_deg = 90;
 
 }  // namespace
 
+NetworkViewSettings network_view_of(const sensor::CameraMount& camera, std::size_t side) {
+  const auto& [left, top, width, height] = camera.crop;
+  return {.side = static_cast<int>(side),
+          .left = left,
+          .top = top,
+          .right = std::min(1.0, left + width),
+          .bottom = std::min(1.0, top + height),
+          .quarter_turns = camera.turn_deg / kQuarterTurn_deg,
+          .mirror = camera.mirror};
+}
+
 Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::size_t side) {
   const std::string where = "rig " + rig.name;
   std::vector<HeadsetCamera> cameras;
@@ -30,17 +41,10 @@ Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::
                   fmt::format("{} and {} look at the same, and the network has one place for it", other->name,
                               mount.name),
                   where, "leave one of them out, or give them sides L and R");
-    const auto& [left, top, width, height] = camera.crop;
     cameras.push_back({.sensor = number,
                        .place = place,
                        .name = mount.name,
-                       .view = {.side = static_cast<int>(side),
-                                .left = left,
-                                .top = top,
-                                .right = std::min(1.0, left + width),
-                                .bottom = std::min(1.0, top + height),
-                                .quarter_turns = camera.turn_deg / kQuarterTurn_deg,
-                                .mirror = camera.mirror},
+                       .view = network_view_of(camera, side),
                        .half_exposure = from_seconds(camera.exposure_ms / 2000)});
   }
   if (cameras.empty()) return fail(ErrorCode::mismatch, "no sensor of this rig is of the kind camera", where);

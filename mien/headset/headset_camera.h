@@ -21,6 +21,9 @@ struct HeadsetCamera {
   Duration half_exposure{};  ///< From the middle of a picture's exposure to its end.
 };
 
+/// What of its pictures the network sees of a camera, in a view of `side` pixels either way.
+[[nodiscard]] NetworkViewSettings network_view_of(const sensor::CameraMount& camera, std::size_t side);
+
 /// The cameras of a rig, in its order, for a network whose views have `side` pixels either way. One before
 /// the middle of the face stands for the left. Errors: mismatch (no camera; one without a [sensor.camera];
 /// two for one place).

@@ -36,6 +36,11 @@ std::uint8_t step_of(float share) {
 
 }  // namespace
 
+std::pair<int, int> least_size(const NetworkViewSettings& settings) {
+  const auto pixels = [&](double share) { return static_cast<int>(std::ceil(settings.side / share)); };
+  return {pixels(settings.right - settings.left), pixels(settings.bottom - settings.top)};
+}
+
 Result<NetworkView> NetworkView::create(const NetworkViewSettings& settings) {
   const auto bad = [](const char* what, const char* fix) {
     return fail(ErrorCode::out_of_range, what, "a camera's view", fix);

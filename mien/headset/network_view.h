@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -21,7 +22,11 @@ struct NetworkViewSettings {
   double bottom = 1;
   int quarter_turns = 0;  ///< Clockwise, of what was cut out, 0 to 3.
   bool mirror = false;    ///< Left and right changed, of what was turned.
+  bool operator==(const NetworkViewSettings&) const = default;
 };
+
+/// Width and height of the smallest picture in which no pixel of the view has less than one of its own.
+[[nodiscard]] std::pair<int, int> least_size(const NetworkViewSettings& settings);
 
 /// Makes the square view of a network out of pictures: cut out, turned, mirrored, each pixel the mean of what
 /// it covers (by area, so also of parts of pixels), and stretched so that the levels that 2 % and 98 % of the

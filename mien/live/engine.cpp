@@ -10,7 +10,6 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 
@@ -20,6 +19,7 @@
 #include "mien/live/page_messages.h"
 #include "mien/live/page_requests.h"
 #include "mien/live/recorder.h"
+#include "mien/live/recording_news.h"
 #include "mien/live/take_listing.h"
 #include "mien/live/tracker_loop.h"
 #include "mien/live/unheard.h"
@@ -47,8 +47,6 @@ constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
 constexpr std::size_t kPieces = 10;
 constexpr int kBeatsPerPiece = 10;
-/// One event warns when the temporary log will be full within this time, s.
-constexpr double kLogWarning_s = 600;
 constexpr std::size_t kMaxSinks = 16;
 
 /// Names of files need not be UTF-8.
@@ -118,6 +116,7 @@ struct Engine::State {
   Recorder recorder;
   TrackerLoop loop;
   Hearing hearing;  // Before what its feeds fill is gone they have ended.
+  PagePictures pictures;
   Player player;
   TakeListing listing;
   asio::posix::stream_descriptor wake;
@@ -139,11 +138,9 @@ struct Engine::State {
   std::uint64_t frames = 0;
   std::string frame_text;
   std::optional<std::filesystem::path> take;
-  std::string recording_error, unable_to_record;
+  RecordingNews recording_news;
   bool told_silent = false;        // That nothing is heard; already told, ...
   bool told_uncalibrated = false;  // ... as this.
-  bool log_warning_sent = false;
-  bool was_recording = false;
   std::atomic<std::size_t> watchers = 0;
   const std::atomic<bool>* stop = nullptr;
   EngineListener listener;
@@ -241,26 +238,8 @@ void Engine::State::on_beat() {
     pieces[piece].clear();
     look_at_interfaces();
   }
-  const Recorder::State recorded = recorder.state();
-  if (was_recording && !recorded.on && recorded.error.empty())
-    tell("recorded", recorded.path.string() + " is written");
-  was_recording = recorded.on;
-  if (recorded.error != recording_error) {
-    recording_error = recorded.error;
-    if (!recording_error.empty())
-      tell("recording_failed", "the recording ended: " + recording_error + "; the capture goes on");
-  } else if (recorded.unable != unable_to_record && recorded.error.empty()) {
-    tell("recording_failed", "this session cannot be recorded: " + recorded.unable);
-  }
-  unable_to_record = recorded.unable;
-  if (!log_warning_sent && recorded.unable.empty() && recorded.log.seconds_left &&
-      *recorded.log.seconds_left < kLogWarning_s) {
-    log_warning_sent = true;
-    tell("log_fills",
-         fmt::format("the session's log is full in {:.0f} minutes; from then on the session cannot "
-                     "be recorded (--log-limit)",
-                     std::ceil(*recorded.log.seconds_left / 60)));
-  }
+  for (const RecordingNews::Sentence& news : recording_news.tell(recorder.state()))
+    tell(news.kind, news.text);
   for (const CameraNews::Sentence& news : line_news.tell(now(), intake.lines())) tell(news.kind, news.text);
   for (Outlet& outlet : outlets) {
     const sink::Status state = outlet.sink->status();
@@ -284,8 +263,10 @@ void Engine::State::on_beat() {
       tell("not_calibrated",
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
-  const auto heard = loop.report().hearing;
-  hearing.look(heard ? std::optional(heard->on) : std::nullopt, page.get());
+  const session::Report report = loop.report();
+  hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
+  // A take's face has no part in what cameras see now.
+  if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, session->rig(), *page);
   const bool watched = page && page->clients() > 0;
   if (beats % kBeatsPerStatus != 0 || (!watched && !listener.seen)) return;
   const Status now_is = status();
@@ -310,6 +291,7 @@ Status Engine::State::status() const {
   out.report = loop.report();
   out.missed = loop.missed();
   out.hearing = hearing.state();
+  out.pictures = pictures.state();
   for (const Latencies& part : pieces) out.latency += part;
   for (const Outlet& outlet : outlets) out.sinks.push_back({outlet.id, outlet.on, outlet.sink->status()});
   out.lines = intake.lines();
@@ -355,7 +337,7 @@ void Engine::State::tell(const std::string& kind, const std::string& text) {
 Result<void> Engine::State::start_recording(const std::filesystem::path& path, bool replace) {
   MIEN_TRY(recorder.start(path, settings.header, replace));
   take = path;
-  recording_error.clear();
+  recording_news.begin();
   tell("recording", "recording " + path.string());
   return {};
 }
@@ -399,6 +381,12 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
   if (name == "microphone") {
     MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
     MIEN_TRY(hearing.microphone(client, on, *page));
+    return std::string();
+  }
+  if (name == "pictures") {
+    MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
+    MIEN_TRY_ASSIGN(const bool first, pictures.show(client, on));
+    if (first) tell("pictures", "a page is shown what the cameras see");
     return std::string();
   }
   if (name == "takes") return text(list_takes(true));
@@ -503,6 +491,7 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
     MIEN_TRY_ASSIGN(state->listening.emplace_back(), state->intake.listen(address, std::move(camera)));
   }
   std::ranges::copy_if(state->listening, std::back_inserter(state->open), is_on_every_interface);
+  state->pictures.open(state->settings.feeds);
   MIEN_TRY(state->hearing.open(std::move(state->settings.feeds), state->settings.hear, state->settings.shut,
                                state->intake));
   state->look_at_interfaces();

@@ -16,6 +16,7 @@
 #include "mien/live/camera_status.h"
 #include "mien/live/page_inlet.h"
 #include "mien/live/payload_source.h"
+#include "mien/live/picture_tap.h"
 
 namespace mien::live {
 
@@ -89,6 +90,8 @@ struct Feed {
   /// Where what it has comes from a browser: there the page's messages are left for it.
   std::shared_ptr<PageInlet> inlet = nullptr;
   bool heard = true;  ///< What it has is sound.
+  /// Where what a camera sees can be looked at.
+  std::shared_ptr<PictureTap> tap = nullptr;
 };
 
 /// A session's feeds, each with its source and its thread.

@@ -98,6 +98,18 @@ json hearing_json(const session::Report& report, const HearingState& feeds) {
           {"browser", std::move(browser)}};
 }
 
+json pictures_json(const std::optional<PicturesState>& pictures) {
+  if (!pictures) return nullptr;
+  return {{"cameras", pictures->cameras}, {"watchers", pictures->watchers}};
+}
+
+/// Which way a sensor looks that does not sit on the skin.
+std::optional<Vec3> aim_of(const sensor::Mount& mount) {
+  if (!mount.camera || !mount.position_m) return mount.aim;
+  const Vec3 sight = mount.camera->look_at_m - *mount.position_m;
+  return sight.norm() > 0 ? std::optional<Vec3>(sight.normalized()) : std::nullopt;
+}
+
 /// The settings, and the resting face that is in force.
 json shaping_json(const session::Report& report) {
   json shaping = json::parse(report.shaping, nullptr, false);
@@ -183,7 +195,7 @@ sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string 
   sink::Hello::Rig shown{rig.name, {}};
   for (const sensor::Mount& mount : rig.sensors)
     shown.sensors.push_back({mount.name, mount.kind, mount.site, std::string(1, mount.side), mount.role,
-                             mount.position_m, mount.aim});
+                             mount.position_m, aim_of(mount)});
   hello.rig = std::move(shown);
   hello.face = "/face.glb";
   hello.model = std::move(model);
@@ -271,6 +283,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
        {"log", log_json(recording)},
        {"shaping", shaping_json(status.report)},
        {"hearing", hearing_json(status.report, status.hearing)},
+       {"pictures", pictures_json(status.pictures)},
        {"replay", std::move(replay)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }

@@ -11,6 +11,7 @@
 #include "mien/live/hearing.h"
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
+#include "mien/live/page_pictures.h"
 #include "mien/live/recorder.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/take_listing.h"
@@ -63,6 +64,7 @@ struct Status {
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
   std::optional<ReplayState> replay;
   HearingState hearing;
+  std::optional<PicturesState> pictures;  ///< None of a session without cameras.
 };
 
 [[nodiscard]] sink::Hello hello_for(const sensor::Rig& rig, std::string software, std::string model,

@@ -100,6 +100,10 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
     queue_.push_back(message);
     write();
   }
+  void send_picture(std::uint16_t camera, std::shared_ptr<const std::string> message) {
+    pictures_[camera] = std::move(message);
+    write();
+  }
 
  private:
   void answer() {
@@ -211,17 +215,20 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   }
 
   void write() {
-    if (writing_ || (queue_.empty() && !frame_)) return;
+    if (writing_ || (queue_.empty() && !frame_ && pictures_.empty())) return;
     std::shared_ptr<const std::string> message;
-    if (queue_.empty()) {
+    const bool is_text = !queue_.empty() || frame_;
+    if (!queue_.empty()) {
+      message = queue_.front();
+      queue_.pop_front();
+    } else if (frame_) {
       message = std::move(frame_);
       frame_.reset();
     } else {
-      message = queue_.front();
-      queue_.pop_front();
+      message = std::move(pictures_.extract(pictures_.begin()).mapped());
     }
     writing_ = true;
-    socket_->text(true);
+    socket_->text(is_text);
     socket_->async_write(asio::buffer(*message),
                          [self = shared_from_this(), message](beast::error_code code, std::size_t) {
                            self->writing_ = false;
@@ -239,7 +246,8 @@ class PageServer::Connection : public std::enable_shared_from_this<PageServer::C
   std::uint64_t client_ = 0;
   bool writing_ = false;
   std::deque<std::shared_ptr<const std::string>> queue_;
-  std::shared_ptr<const std::string> frame_;  // The newest that has not been sent.
+  std::shared_ptr<const std::string> frame_;  // The newest that has not been sent, ...
+  std::map<std::uint16_t, std::shared_ptr<const std::string>> pictures_;  // ... and of each camera.
 };
 
 bool PageServer::State::knows_token(std::string_view token) const {
@@ -335,6 +343,13 @@ void PageServer::send(std::string message) {
   const auto shared = std::make_shared<const std::string>(std::move(message));
   for (const auto& [number, client] : state_->clients)
     if (const auto there = client.lock()) there->send(shared);
+}
+
+void PageServer::send_picture(std::uint64_t client, std::uint16_t camera, std::string message) {
+  const auto found = state_->clients.find(client);
+  if (found == state_->clients.end()) return;
+  if (const auto there = found->second.lock())
+    there->send_picture(camera, std::make_shared<const std::string>(std::move(message)));
 }
 
 void PageServer::send(std::uint64_t client, std::string message) {

@@ -64,6 +64,9 @@ class PageServer {
   void send_frame(std::string frame);
   /// To everybody, in order.
   void send(std::string message);
+  /// A binary message to one client, if it is still there, after all else: one that has not taken the last of
+  /// this camera yet gets this instead of it.
+  void send_picture(std::uint64_t client, std::uint16_t camera, std::string message);
   /// To one client, if it is still there.
   void send(std::uint64_t client, std::string message);
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/ip/udp.hpp>
 #include <chrono>
@@ -15,8 +16,12 @@
 #include <stop_token>
 #include <thread>
 
+#include "mien/headset/headset_tracker.h"
+#include "mien/headset/picture_protocol.h"
 #include "mien/session/replay.h"
+#include "mien/take/take.h"
 #include "tests/folder.h"
+#include "tests/headset/small_model.h"
 #include "tests/session/session_run.h"
 #include "tests/sink/loopback.h"
 
@@ -81,8 +86,9 @@ class Nodes {
 /// An engine on a thread of its own.
 class Running {
  public:
-  explicit Running(EngineSettings settings)
-      : engine_(Engine::open(std::move(settings), session::test::session())) {
+  explicit Running(EngineSettings settings,
+                   std::unique_ptr<session::Session> session = session::test::session())
+      : engine_(Engine::open(std::move(settings), std::move(session))) {
     if (!engine_) return;
     thread_ = std::jthread([this] { summary_ = (*engine_)->run(stop_, EngineListener()); });
   }
@@ -447,6 +453,61 @@ TEST(Engine, FeedsHandOverUntilTheyAreOverFailOrAreStopped) {
   EXPECT_EQ(handed, 3);
   EXPECT_TRUE(was_stopped);
   EXPECT_EQ(summary->datagrams, 3U);
+}
+
+TEST(Engine, ShowsWhatACameraSeesToWhoAsksAndLogsNoneOfIt) {
+  const mien::test::Folder folder(mien::test::Folder::On::memory);
+  boost::asio::io_context network;
+  session::Session::Parts parts;
+  parts.rig = headset::test::headset_rig();
+  parts.tracker = headset::HeadsetTracker::create(parts.rig, headset::test::small_model()).value();
+  parts.protocols.push_back(std::make_unique<headset::PictureProtocol>());
+  const auto tap = std::make_shared<PictureTap>(sensor::parse_device(parts.rig.sensors[1].device).value());
+
+  EngineSettings asked = settings(folder);
+  asked.header.rig_toml = headset::test::headset_rig_text();
+  asked.page = PageSettings{.host = "127.0.0.1", .port = 0, .token = {}, .assets = {}};
+  std::atomic<int> made = 0;
+  asked.feeds.push_back({.name = "http://camera/",
+                         .run =
+                             [&](FeedPort& port) {
+                               while (!port.stopped()) {
+                                 tap->offer([&](const PictureTap::Wish&, std::span<std::uint8_t> pixels) {
+                                   std::ranges::fill(pixels, static_cast<std::uint8_t>(100 + ++made % 100));
+                                   return true;
+                                 });
+                                 std::this_thread::sleep_for(std::chrono::milliseconds(2));
+                               }
+                             },
+                         .heard = false,
+                         .tap = tap});
+  Running running(std::move(asked), session::Session::create(std::move(parts)).value());
+  ASSERT_TRUE(running.engine()) << running.engine().error().message();
+  PageClient page(network, test::port_of((*running).page()));
+  ASSERT_TRUE(run_until(network, [&] { return !page.last("status").is_null(); }));
+  EXPECT_EQ(page.last("status")["pictures"], Json({{"cameras", 1}, {"watchers", 0}}));
+  EXPECT_EQ(made, 0);
+  EXPECT_EQ(page.ask({{"command", "pictures"}})["ok"], false) << "on or off?";
+  EXPECT_EQ(page.ask({{"command", "record"}, {"on", true}, {"name", "seen"}})["ok"], true);
+  EXPECT_EQ(page.ask({{"command", "pictures"}, {"on", true}})["ok"], true);
+  ASSERT_TRUE(run_until(network, [&] { return page.binary().size() >= 3; }));
+  EXPECT_TRUE(page.has_event("pictures")) << "it is said that somebody looks";
+  const std::string& picture = page.binary().front();
+  ASSERT_EQ(picture.size(), 12U + 96 * 96);
+  EXPECT_EQ(picture.substr(0, 12), std::string("MPIC\x01\0\x01\0\x60\0\x60\0", 12));
+  EXPECT_EQ(picture[12], 101);
+  EXPECT_TRUE(run_until(network, [&] { return page.last("status")["pictures"]["watchers"] == 1; }));
+  EXPECT_EQ(page.ask({{"command", "pictures"}, {"on", false}})["ok"], true);
+  const std::size_t seen = page.binary().size();
+  ASSERT_TRUE(run_until(network, [&] { return page.last("status")["pictures"]["watchers"] == 0; }));
+  EXPECT_LE(page.binary().size(), seen + 1) << "but for one on its way";
+  EXPECT_EQ(page.ask({{"command", "record"}, {"on", false}, {"name", ""}})["ok"], true);
+  ASSERT_TRUE(run_until(network, [&] { return page.has_event("recorded"); }));
+  running.ask_to_stop();
+  running.wait();
+  const auto take = take::Take::open(folder / "seen.mien");
+  ASSERT_TRUE(take) << take.error().message();
+  EXPECT_THAT(take->entries().value(), IsEmpty()) << "neither the pictures nor that they were asked for";
 }
 
 TEST(Engine, SaysWhyItCannotBegin) {

@@ -78,8 +78,10 @@ class PageClient {
     return reply;
   }
 
-  /// All but frames, in order.
+  /// All texts but frames, in order.
   [[nodiscard]] const std::vector<nlohmann::json>& messages() const { return messages_; }
+  /// Binary messages, in order.
+  [[nodiscard]] const std::vector<std::string>& binary() const { return binary_; }
   [[nodiscard]] std::size_t frames() const { return frames_; }
   [[nodiscard]] const nlohmann::json& last_frame() const { return last_frame_; }
   /// The newest of this type, or null.
@@ -110,9 +112,13 @@ class PageClient {
   void read() {
     stream_.async_read(buffer_, [this](boost::system::error_code code, std::size_t) {
       if (code) return end();
-      nlohmann::json message =
-          nlohmann::json::parse(boost::beast::buffers_to_string(buffer_.data()), nullptr, false);
+      std::string bytes = boost::beast::buffers_to_string(buffer_.data());
       buffer_.consume(buffer_.size());
+      if (stream_.got_binary()) {
+        binary_.push_back(std::move(bytes));
+        return read();
+      }
+      nlohmann::json message = nlohmann::json::parse(bytes, nullptr, false);
       if (message.is_object() && message["type"] == "frame") {
         ++frames_;
         last_frame_ = std::move(message);
@@ -129,6 +135,7 @@ class PageClient {
   boost::beast::websocket::response_type answer_;
   boost::beast::flat_buffer buffer_;
   std::vector<nlohmann::json> messages_;
+  std::vector<std::string> binary_;
   nlohmann::json last_frame_;
   std::size_t frames_ = 0;
   std::int64_t number_ = 0;

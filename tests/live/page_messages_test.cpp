@@ -41,6 +41,28 @@ TEST(PageMessages, HelloSaysWhereASensorLooks) {
   EXPECT_FALSE(hello["rig"]["sensors"][1].contains("aim"));
 }
 
+TEST(PageMessages, HelloSaysWhereACameraLooks) {
+  sensor::Rig rig = glasses();
+  rig.sensors[0].kind = "camera";
+  rig.sensors[0].aim.reset();
+  rig.sensors[0].camera.emplace().look_at_m = Vec3(0.018, 0.054, 0.100);
+  const Json hello = Json::parse(sink::hello_json(hello_for(rig, "mien", "m", {}, false)));
+  ASSERT_TRUE(hello["rig"]["sensors"][0].contains("aim"));
+  const auto aim = hello["rig"]["sensors"][0]["aim"].get<std::vector<double>>();
+  EXPECT_NEAR(aim[0], 0, 1e-9);
+  EXPECT_NEAR(aim[2], -1, 1e-9);
+  rig.sensors[0].camera->look_at_m = *rig.sensors[0].position_m;
+  const Json nowhere = Json::parse(sink::hello_json(hello_for(rig, "mien", "m", {}, false)));
+  EXPECT_FALSE(nowhere["rig"]["sensors"][0].contains("aim"));
+}
+
+TEST(PageMessages, StatusSaysWhoIsShownPictures) {
+  Status now = status();
+  EXPECT_TRUE(Json::parse(status_json(now, glasses()))["pictures"].is_null()) << "no camera";
+  now.pictures = PicturesState{.cameras = 4, .watchers = 1};
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["pictures"], Json({{"cameras", 4}, {"watchers", 1}}));
+}
+
 TEST(PageMessages, StatusSaysWhereTheFaceRests) {
   Status now = status();
   now.report.shaping = R"({"resting": true})";

@@ -65,6 +65,14 @@ export class Actions {
     await this.send({ command: "cancel_calibration" });
   }
 
+  /** What the cameras see is shown on this page from now on, or no more. */
+  async showPictures(on: boolean): Promise<void> {
+    // Hidden at once; shown when the session says yes.
+    if (!on) this.view.showPictures.set(false);
+    const reply = await this.send({ command: "pictures", on });
+    if (reply.ok) this.view.showPictures.set(on);
+  }
+
   async recentre(): Promise<void> {
     const reply = await this.send({ command: "recentre" });
     if (reply.ok) this.view.say("Hold a neutral face: it becomes the new neutral.", "good");

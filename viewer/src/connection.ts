@@ -1,4 +1,5 @@
 /** The one WebSocket to the session: opens it, opens it again when it breaks, and matches replies to commands. */
+import { readPicture } from "./picture_protocol";
 import { OWN_ORDER, readMessage, type Command, type Message, type Reply } from "./protocol";
 
 export type ConnectionState =
@@ -62,6 +63,7 @@ export class Connection {
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     this.listener.state({ kind: "connecting" });
     const socket = new WebSocket(url);
+    socket.binaryType = "arraybuffer";
     this.socket = socket;
     socket.onopen = () => {
       this.attempts = 0;
@@ -109,7 +111,7 @@ export class Connection {
       this.stalled = false;
       this.listener.state({ kind: "open" });
     }
-    const message = typeof data === "string" && data.length <= LONGEST_MESSAGE ? readMessage(data, this.order) : null;
+    const message = this.read(data);
     if (!message) {
       ++this.malformed;
       return;
@@ -117,6 +119,11 @@ export class Connection {
     if (message.type === "hello") this.order = message.order;
     if (message.type === "reply") this.answer(message);
     else this.listener.message(message);
+  }
+
+  private read(data: unknown): Message | null {
+    if (data instanceof ArrayBuffer) return data.byteLength <= LONGEST_MESSAGE ? readPicture(data) : null;
+    return typeof data === "string" && data.length <= LONGEST_MESSAGE ? readMessage(data, this.order) : null;
   }
 
   private answer(reply: Reply): void {

@@ -9,10 +9,12 @@ import type { CalibrationStatus, PromptStatus, Status } from "./protocol";
 import type { Session } from "./session";
 import { shapeLabel } from "./shapes";
 import type { Avatar } from "./scene/avatar";
+import { CameraViews } from "./scene/camera_views";
 import { SkinDifference, weightsApart } from "./scene/difference";
 import { SensorDots } from "./scene/dots";
 import { acceptDrops, pickFile } from "./scene/drop";
 import { Glasses } from "./scene/glasses";
+import { Headset } from "./scene/headset";
 import { loadAvatar, refusal } from "./scene/load_avatar";
 import { dropPictures, loadPictures, type SkinPictures } from "./scene/skin_pictures";
 import { Stage } from "./scene/stage";
@@ -35,7 +37,9 @@ export class FaceView {
 
   private readonly stage: Stage | null;
   private readonly glasses = new Glasses();
+  private readonly headset = new Headset();
   private readonly dots: SensorDots;
+  private readonly cameras: CameraViews;
   private readonly left = h("div", { class: "face-label", hidden: true });
   private readonly right = h("div", { class: "face-label", hidden: true });
   private readonly nextLabel = h("span");
@@ -72,15 +76,17 @@ export class FaceView {
     private readonly session: Session,
     private readonly view: ViewState,
   ) {
-    this.dots = new SensorDots(this.glasses, (sensor) => {
+    const choose = (sensor: string) => {
       view.sensor.set(view.sensor.value === sensor ? null : sensor);
       if (view.sensor.value) {
         view.panel.set("sensors");
         view.panelOpen.set(true);
       }
-    });
+    };
+    this.dots = new SensorDots(this.glasses, choose);
+    this.cameras = new CameraViews(this.headset, choose);
     const host = h("div", { class: "stage-host" });
-    this.element.append(host, this.dots.element, this.left, this.right, this.nextFace, this.difference, this.coming, this.veil);
+    this.element.append(host, this.dots.element, this.cameras.element, this.left, this.right, this.nextFace, this.difference, this.coming, this.veil);
     this.loading.listen(() => this.showComing());
     session.connection.listen(({ kind }) => {
       // While it tries again nothing is known yet: a refused page would promise its face at every try.
@@ -95,11 +101,22 @@ export class FaceView {
     this.stage.onDrawn = () => this.afterDraw();
     this.stage.onQuality = () => this.setPlain();
     this.stage.onLost = () => this.view.say("The graphics card was lost. The face comes back with it; all else goes on.", "bad");
-    session.frame.listen(() => this.stage?.wake());
+    session.frame.listen((frame) => {
+      if (frame) this.cameras.setFrame(frame);
+      this.stage?.wake();
+    });
+    session.picture.listen((picture) => {
+      if (picture && view.showPictures.value && !session.status.value?.replay) this.cameras.show(picture);
+    });
+    view.showPictures.listen((shown) => {
+      if (!shown) this.cameras.clear();
+    });
     session.hello.listen((hello) => {
       if (!hello) return;
       this.glasses.setSensors(hello.sensors);
       this.dots.setSensors(hello.sensors);
+      this.headset.setSensors(hello.sensors);
+      this.cameras.setSensors(hello.sensors);
       this.refreshDots();
       if (!this.bytes || this.bytes.own) void this.loadOwn(hello.face);
     });
@@ -112,7 +129,9 @@ export class FaceView {
     view.turnHead.listen(() => this.stage?.wake());
     view.showDots.listen((shown) => {
       setHidden(this.dots.element, !shown);
+      setHidden(this.cameras.element, !shown);
       this.glasses.object.visible = shown;
+      this.headset.object.visible = shown;
       this.stage?.wake();
     });
     acceptDrops(
@@ -213,9 +232,10 @@ export class FaceView {
       this.dropSecond();
       this.forgetPictures();
       this.glasses.object.removeFromParent();
+      this.headset.object.removeFromParent();
       this.first?.dispose();
       this.first = avatar;
-      avatar.worn.add(this.glasses.object);
+      avatar.worn.add(this.glasses.object, this.headset.object);
       this.skin = null;
       this.setPlain();
       this.stage.put("first", avatar.object);
@@ -275,7 +295,10 @@ export class FaceView {
     const status = this.session.status.value;
     const links = status?.replay ? null : (status?.links ?? []);
     this.dots.setHealth(links, this.view.sensor.value, status?.tap ?? null);
-    if (this.glasses.setHealth(links ?? [])) this.stage?.wake();
+    this.cameras.setHealth(links, this.view.sensor.value);
+    if (!links) this.cameras.clear();
+    const coloured = [this.glasses.setHealth(links ?? []), this.headset.setHealth(links ?? [])];
+    if (coloured.includes(true)) this.stage?.wake();
   }
 
   private chooseSecond(): void {
@@ -332,6 +355,8 @@ export class FaceView {
     let more = this.session.playout.pose(now, this.pose, this.truth);
     if (!this.view.turnHead.value) still(this.pose), still(this.truth);
     this.first?.apply(this.pose);
+    const seen = this.session.frame.value;
+    this.headset.look(this.pose.eyes, seen && seen.eyesProvenance !== "n" ? seen.eyesConfidence : null);
     if (this.second && this.secondWanted === "truth") this.second.apply(this.truth);
     if (this.second && this.secondWanted === "target") {
       more = this.poseTarget(now) || more;
@@ -377,6 +402,7 @@ export class FaceView {
   private afterDraw(): void {
     if (!this.stage) return;
     this.dots.update(this.stage, "first");
+    this.cameras.update(this.stage, "first");
     if (this.secondWanted === "none") return;
     for (const [label, place] of [[this.left, "second"], [this.right, "first"]] as const) {
       const rect = this.stage.rectOf(place);

@@ -12,6 +12,7 @@ import "./style/narrow.css";
 import "./style/panels.css";
 import "./style/panel_weights.css";
 import "./style/panel_sensors.css";
+import "./style/headset.css";
 import "./style/panel_calibration.css";
 import "./style/panel_takes.css";
 import "./style/panel_output.css";

@@ -5,6 +5,7 @@
  */
 import { type Hearing, type MicrophoneOver, readHearing } from "./hearing_protocol";
 import { type NetworkStatus, readNetwork } from "./network_protocol";
+import { type CameraPicture, type PicturesStatus, readPictures } from "./picture_protocol";
 import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
 
@@ -200,6 +201,8 @@ export interface Status {
   shaping: Shaping;
   /** Null where there is no microphone. */
   hearing: Hearing | null;
+  /** Null where no camera is asked for its pictures. */
+  pictures: PicturesStatus | null;
   replay: ReplayStatus | null;
   /** The sensor that waits for a tap. */
   tap: string | null;
@@ -234,7 +237,7 @@ export interface Takes {
   takes: Take[];
 }
 
-export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver;
+export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver | CameraPicture;
 
 /** wearer: neutral, nod and shake, expressions, then a minute of others, from which skin sensors learn the wearer. */
 export type CalibrationKind = "short" | "full" | "wearer";
@@ -257,6 +260,7 @@ export type Command =
   | { command: "listen"; only: string }
   | { command: "pair" }
   | { command: "microphone"; on: boolean }
+  | { command: "pictures"; on: boolean }
   | { command: "takes" }
   | { command: "replay"; take: string }
   | { command: "replay"; paused: boolean }
@@ -538,6 +542,7 @@ function readStatus(fields: Fields): Status {
     },
     shaping: readShaping(fieldsOf(fields["shaping"])),
     hearing: readHearing(fields["hearing"]),
+    pictures: readPictures(fields["pictures"]),
     replay: readReplay(fields["replay"]),
     tap: text(fieldsOf(fields["tap"])["sensor"]) || null,
   };

@@ -2,6 +2,7 @@
 import { Connection, type ConnectionState } from "./connection";
 import type { MicrophoneOver } from "./hearing_protocol";
 import { History } from "./history";
+import type { CameraPicture } from "./picture_protocol";
 import { Playout } from "./playout";
 import { readTakes, type Command, type Frame, type Hello, type Message, type Reply, type SessionEvent, type Status, type Take } from "./protocol";
 import { Signal } from "./signal";
@@ -23,6 +24,8 @@ export class Session {
   readonly takes = new Signal<readonly Take[]>([]);
   /** That this browser's microphone is heard no more, and why. */
   readonly microphoneOver = new Signal<MicrophoneOver | null>(null);
+  /** The newest of any camera, where this page asked for pictures. */
+  readonly picture = new Signal<CameraPicture | null>(null);
   readonly history = new History();
   readonly playout = new Playout();
 
@@ -90,6 +93,9 @@ export class Session {
         break;
       case "takes":
         this.takes.set(message.takes);
+        break;
+      case "picture":
+        this.picture.set(message);
         break;
       case "microphone":
         this.microphoneOver.set(message);

@@ -36,6 +36,8 @@ export class ViewState {
   /** The sensor that is looked at. */
   readonly sensor = new Signal<string | null>(null);
   readonly showDots = new Signal<boolean>(true);
+  /** What a headset's cameras see: never without being asked for anew. */
+  readonly showPictures = new Signal<boolean>(false);
   readonly turnHead = new Signal<boolean>(true);
   readonly showTruth = new Signal<boolean>(true);
   /** Nothing but the face. */

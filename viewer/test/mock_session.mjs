@@ -2,9 +2,10 @@
 // docs/reference/page_protocol.md says, with made-up but believable data: a talking face, a lossy sensor, a frozen one, a lost one.
 //
 //   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated] [-- --eyewear] [-- --prompts] [-- --microphone]
+//     [-- --headset]
 //
 // --eyewear wears the glasses of rigs/eyewear.toml beside the ear's sensor; --prompts records, and asks for a few poses;
-// --microphone hears that of a browser.
+// --microphone hears that of a browser; --headset has the cameras of rigs/headset.toml.
 //
 // The face is the built-in one where MIEN_PROGRAM names the program that makes it, else an egg.
 import { execFileSync } from "node:child_process";
@@ -14,6 +15,8 @@ import { tmpdir } from "node:os";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
+import { MockCameras } from "./mock_cameras.mjs";
+import { eyewearSensors, headsetSensors } from "./mock_rigs.mjs";
 import { MockVoice } from "./mock_voice.mjs";
 import { SHAPES, sphereHead } from "./sphere_head.mjs";
 
@@ -26,16 +29,6 @@ const RIG = [
   ["zygomaticus_lower_L", 0.0343, -0.019, 0.0963], ["buccinator_R", -0.0393, -0.0363, 0.0902],
   ["buccinator_L", 0.0393, -0.0363, 0.0902], ["mentalis", 0, -0.0684, 0.1087], ["mastoid_L", 0.06, -0.0076, -0.0164],
 ];
-
-/** The sensors of rigs/eyewear.toml as `hello` lists them. */
-function eyewearSensors() {
-  const text = readFileSync(join(here, "../../rigs/eyewear.toml"), "utf8");
-  return text.split("[[sensor]]").slice(1).map((part) => {
-    const words = (key) => new RegExp(`^${key} = "(.*)"`, "m").exec(part)?.[1] ?? "";
-    const numbers = (key) => JSON.parse(new RegExp(`^${key} = (\\[.*\\])`, "m").exec(part)[1]);
-    return { name: words("name"), kind: "eyewear", site: words("site"), side: words("side"), role: "face", position_m: numbers("position_m"), aim: numbers("aim") };
-  });
-}
 
 const IMUS = RIG.map(([name, ...position]) => ({
   name, kind: "imu", site: name.replace(/_[LR]$/, ""), side: /_([LR])$/.exec(name)?.[1] ?? "M",
@@ -143,18 +136,18 @@ class MockSession {
   holdAt = "";
 
   /** `microphone`: it hears one, that of a browser. */
-  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false } = {}) {
-    this.sensors = eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : microphone ? [...IMUS, MICROPHONE] : IMUS;
+  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false, headset = false } = {}) {
+    this.sensors = headset ? headsetSensors() : eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : microphone ? [...IMUS, MICROPHONE] : IMUS;
     this.quick = quick;
     this.random = seeded(7);
     this.started = Date.now();
     this.clients = new Set();
-    this.states = eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost", frontalis_R: "duplicate" };
+    this.states = headset ? { mouth_R: "frozen" } : eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost", frontalis_R: "duplicate" };
     this.prompts = prompts ? { at: 0, seconds: -LEAD_IN, paused: false } : null;
     this.devices = Object.fromEntries(this.sensors.map(({ name }, i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
     // Two send as one of them.
     this.heard = { frontalis_R: "udp://192.168.1.40:5005" };
-    this.rivals = eyewear ? {} : { frontalis_R: [{ source: "udp://192.168.1.66:5005", implausible: true }] };
+    this.rivals = eyewear || headset ? {} : { frontalis_R: [{ source: "udp://192.168.1.66:5005", implausible: true }] };
     this.unbound = [
       { device: "02:4D:49:45:4E:1F/0", announces: "mentalis", protocol: "mien" },
       { device: "5C:CF:7F:0A:11:3E/0", announces: "", protocol: "slimevr" },
@@ -170,6 +163,9 @@ class MockSession {
     if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
     this.shaping = { smoothing: 0.25, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
+    this.cameras = new MockCameras(headset ? this.sensors.length : 0, (sensor) => this.states[this.sensors[sensor].name] !== "lost");
+    /** Of a headset: the lower face is heard, since no camera sees it. */
+    this.mouthIsHeard = false;
     this.voice = new MockVoice(microphone);
     this.replay = null;
     this.tap = null;
@@ -187,6 +183,7 @@ class MockSession {
   close() {
     clearInterval(this.timer);
     clearInterval(this.statusTimer);
+    this.cameras.close();
     for (const client of this.clients) client.terminate();
   }
 
@@ -244,6 +241,7 @@ class MockSession {
     const provenance = SHAPES.map((name) => {
       if (this.allProvenance) return this.allProvenance;
       if (!calibrated) return "n";
+      if (this.cameras.status) return /^eyeLook/.test(name) ? "p" : this.mouthIsHeard && !/^(brow|eye)/.test(name) ? "a" : "m";
       if (RIG.some(([sensor]) => ["lost", "frozen"].includes(this.states[sensor]) && feels(sensor, name))) return "h";
       if (/^eyeLook/.test(name)) return "p";
       if (/^(mouthFunnel|mouthPucker|mouthShrugUpper)/.test(name)) return "a";
@@ -258,6 +256,12 @@ class MockSession {
       return Math.min(1, Math.max(0, 0.92 * value + 0.02 * Math.sin(40 * t + k)));
     });
     const confidence = provenance.map((letter, k) => ({ m: 0.94, i: 0.8, p: 0.55, a: 0.6, h: 0.2, n: 0 })[letter] - 0.05 * Math.abs(Math.sin(t + k)) * (letter === "n" ? 0 : 1));
+    // What a camera sees that is lost or frozen is little known.
+    if (this.cameras.status)
+      SHAPES.forEach((name, k) => {
+        const half = /^(brow|eye)/.test(name) ? "eye" : "mouth";
+        if (["L", "R"].some((side) => name.endsWith(`_${side}`) && ["lost", "frozen"].includes(this.states[`${half}_${side}`]))) confidence[k] = 0.2;
+      });
     const nod = this.calibration.run && this.calibration.step === "nod" ? 0.3 * Math.sin(this.calibration.stepSeconds * 2.6) : 0;
     const shake = this.calibration.run && this.calibration.step === "shake" ? 0.4 * Math.sin(this.calibration.stepSeconds * 2.6) : 0;
     const round = (value) => Math.round(value * 1e4) / 1e4;
@@ -302,7 +306,7 @@ class MockSession {
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
-      shaping: this.shaping, hearing: this.voice.hearing, replay: this.replay, tap: this.tap ? { sensor: this.tap } : null,
+      shaping: this.shaping, hearing: this.voice.hearing, replay: this.replay, pictures: this.cameras.status, tap: this.tap ? { sensor: this.tap } : null,
       network: this.network,
     };
   }
@@ -432,6 +436,9 @@ class MockSession {
         Object.assign(this.shaping.gains, command.gains);
         Object.assign(this.shaping.limits, command.limits);
         return null;
+      case "pictures":
+        this.cameras.show(client, command.on);
+        return null;
       case "microphone":
         this.voice.ask(client, command.on === true);
         return null;
@@ -490,6 +497,7 @@ class MockSession {
     client.on("close", () => {
       this.clients.delete(client);
       this.voice.leave(client);
+      this.cameras.leave(client);
     });
     client.on("message", (data, isBinary) => {
       if (isBinary) return this.voice.take(client, data);
@@ -583,6 +591,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const { url } = await startMockSession({
     port: Number(option("port", 8740)), token: option("token", ""), uncalibrated: process.argv.includes("--uncalibrated"),
     eyewear: process.argv.includes("--eyewear"), prompts: process.argv.includes("--prompts"), microphone: process.argv.includes("--microphone"),
+    headset: process.argv.includes("--headset"),
   });
   console.log(`A mock session: ${url}\nIts page with changes shown at once: npm run dev`);
 }

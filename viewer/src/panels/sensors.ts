@@ -6,6 +6,7 @@ import { healthOf } from "../health";
 import type { Link, Rival, UnboundDevice } from "../protocol";
 import type { Session } from "../session";
 import type { ViewState } from "../view_state";
+import { HeadsetSection } from "./headset";
 import { isHeard, linkFigures, linkSummary } from "./link_words";
 import { NetworkSection } from "./network";
 
@@ -63,6 +64,7 @@ export class SensorsPanel {
     this.table.append(h("caption", { class: "hidden-visually", text: "Sensors and their links" }), head, this.body);
     this.element.append(
       this.summary,
+      new HeadsetSection(session, view, actions).element,
       this.detail.element,
       h("div", { class: "table-scroll" }, this.table),
       this.unboundSection,

@@ -1,5 +1,6 @@
 /** The sensors as dots on the face, or over the lamps of what it wears: ordinary buttons laid over the picture, so that they can be focused, named and pressed. */
 import { Quaternion, Vector3, type Mesh } from "three";
+import { isCamera } from "../camera_words";
 import { h, setAttribute, setText } from "../dom";
 import { sensorLabel } from "../format";
 import { healthOf, REPLAYED } from "../health";
@@ -30,11 +31,11 @@ export class SensorDots {
     private readonly choose: (sensor: string) => void,
   ) {}
 
-  /** Makes a dot for each sensor of the rig that has a place. */
+  /** Makes a dot for each sensor of the rig that has a place; cameras have pictures instead. */
   setSensors(sensors: readonly RigSensor[]): void {
     this.element.replaceChildren();
     this.dots = sensors
-      .filter((sensor) => sensor.position !== null)
+      .filter((sensor) => sensor.position !== null && !isCamera(sensor))
       .map((sensor) => {
         const mark = h("span", { class: "dot-mark" });
         const label = h("span", { class: "dot-label", text: sensorLabel(sensor.name) });

@@ -1,0 +1,62 @@
+#include "mien/live/recording_news.h"
+
+#include <gmock/gmock.h>
+
+namespace mien::live::test::recording_news_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::vector<std::string> kinds(const std::vector<RecordingNews::Sentence>& news) {
+  std::vector<std::string> out;
+  for (const RecordingNews::Sentence& one : news) out.push_back(one.kind);
+  return out;
+}
+using Kinds = std::vector<std::string>;
+
+TEST(RecordingNews, SaysOnceThatATakeIsWritten) {
+  RecordingNews news;
+  Recorder::State state;
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  state.on = true;
+  state.path = "me.mien";
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  state.on = false;
+  const auto said = news.tell(state);
+  ASSERT_EQ(kinds(said), Kinds{"recorded"});
+  EXPECT_EQ(said[0].text, "me.mien is written");
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+}
+
+TEST(RecordingNews, SaysWhyOneEndedAndSaysItAgainOfTheNext) {
+  RecordingNews news;
+  Recorder::State state;
+  state.on = true;
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  state.on = false;
+  state.error = "the disk is full";
+  const auto said = news.tell(state);
+  ASSERT_EQ(kinds(said), Kinds{"recording_failed"});
+  EXPECT_THAT(said[0].text, HasSubstr("the disk is full; the capture goes on"));
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  news.begin();
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{"recording_failed"});
+}
+
+TEST(RecordingNews, SaysOnceThatTheLogFillsAndThatItIsFull) {
+  RecordingNews news;
+  Recorder::State state;
+  state.log.seconds_left = RecordingNews::kLogWarning_s + 1;
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  state.log.seconds_left = 95;
+  const auto said = news.tell(state);
+  ASSERT_EQ(kinds(said), Kinds{"log_fills"});
+  EXPECT_THAT(said[0].text, HasSubstr("full in 2 minutes"));
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+  state.unable = "the log is full";
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{"recording_failed"});
+  EXPECT_EQ(kinds(news.tell(state)), Kinds{});
+}
+
+}  // namespace
+}  // namespace mien::live::test::recording_news_test

@@ -1,0 +1,89 @@
+// A headset's cameras on the page, in a real browser against a mock session: where they are shown, and who is shown what they see.
+//
+//   npm run build && npm run test:page
+//
+//   MIEN_CHROMIUM     the browser (/usr/bin/chromium)
+//   MIEN_SCREENSHOTS  a folder that keeps what was seen
+//   MIEN_PROGRAM      the program that gives the real face; an egg without it
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { launch, openPage, PATIENCE, settled } from "./browser.mjs";
+import { startMockSession } from "./mock_session.mjs";
+
+const pictures = process.env.MIEN_SCREENSHOTS ?? "";
+if (pictures) mkdirSync(pictures, { recursive: true });
+
+async function picture(page, name) {
+  if (pictures) await page.screenshot({ path: join(pictures, `${name}.png`), timeout: PATIENCE });
+}
+
+const troubles = [];
+
+test("a headset: its cameras beside the face, their pictures only where they are asked for", { timeout: 4 * PATIENCE }, async () => {
+  const headset = await startMockSession({ headset: true });
+  const browser = await launch();
+  const page = await openPage(browser, headset.url, troubles, { viewport: { width: 1280, height: 800 } });
+  const button = (name) => page.getByRole("button", { name, exact: true });
+  const view = (name) => page.locator(".camera-view", { hasText: name });
+  try {
+    await settled(page, () => document.documentElement.dataset.standing === "live", "a living face");
+    await settled(page, () => [...document.querySelectorAll(".camera-view")].filter((one) => one.style.transform !== "").length === 4, "four cameras");
+    assert.equal(await page.locator(".dot").count(), 0, "cameras sit on no skin");
+    assert.equal(await page.locator(".camera-view canvas:not([hidden])").count(), 0, "nobody asked for pictures");
+    assert.equal(headset.session.cameras.sent, 0);
+    assert.equal(await view("mouth R").getAttribute("data-severity"), "bad");
+    assert.equal(await view("eye L").getAttribute("data-severity"), "good");
+    // Beside the face, as one sees the performer: their left on the right, eyes above the mouth.
+    const box = async (name) => await view(name).boundingBox();
+    assert.ok((await box("eye L")).x > (await box("eye R")).x + 100);
+    assert.ok((await box("mouth L")).y > (await box("eye L")).y + 30);
+    await picture(page, "headset");
+
+    await page.getByRole("tab", { name: "Sensors" }).click();
+    await button("Show pictures").click();
+    await settled(page, () => document.querySelectorAll(".camera-view[data-pictured=true]").length === 4, "four pictures");
+    const levels = await view("eye L").locator("canvas").evaluate((canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      const grey = [...data].filter((_, i) => i % 4 === 0);
+      return { least: Math.min(...grey), most: Math.max(...grey), alpha: data[3] };
+    });
+    assert.ok(levels.least < 40 && levels.most > 215 && levels.alpha === 255, JSON.stringify(levels));
+    const brightness = (name) => view(name).locator("canvas").evaluate((canvas) => Number(canvas.style.opacity));
+    assert.ok((await brightness("mouth R")) < (await brightness("mouth L")) - 0.2, "what is little known is dim");
+    assert.equal(await page.locator(".headset-facts dd").nth(1).innerText(), "measured");
+    headset.session.mouthIsHeard = true;
+    await settled(page, () => document.querySelectorAll(".headset-facts dd")[1].textContent === "from sound", "a mouth that is heard");
+    assert.equal(await page.locator(".headset-facts dd").first().innerText(), "measured");
+    const open = await page.locator(".headset-facts [role=meter]").first().getAttribute("aria-valuenow");
+    assert.ok(Number(open) >= 0 && Number(open) <= 100, open);
+    await picture(page, "headset_pictures");
+
+    headset.session.states.eye_L = "lost";
+    await settled(page, () => document.querySelectorAll(".camera-view[data-pictured=true]").length === 3, "no picture of a camera that is lost");
+    delete headset.session.states.eye_L;
+    await settled(page, () => document.querySelectorAll(".camera-view[data-pictured=true]").length === 4, "it is back");
+
+    // While a take is played what the cameras see is nothing of that face.
+    headset.session.obey({ command: "replay", take: "reading_aloud.mien" });
+    await settled(page, () => document.querySelectorAll(".camera-view[data-pictured=true]").length === 0, "no pictures beside a take");
+    headset.session.obey({ command: "replay", stop: true });
+    await settled(page, () => document.querySelectorAll(".camera-view[data-pictured=true]").length === 4, "pictures again");
+
+    await button("Hide pictures").click();
+    await settled(page, () => document.querySelectorAll(".camera-view canvas:not([hidden])").length === 0, "no pictures");
+    const sent = headset.session.cameras.sent;
+    await page.waitForTimeout(500);
+    assert.equal(headset.session.cameras.sent, sent, "nor are any sent");
+    const blank = await view("eye L").locator("canvas").evaluate((canvas) => canvas.getContext("2d").getImageData(0, 0, 96, 96).data.every((value) => value === 0));
+    assert.ok(blank, "and none is left behind");
+    await view("mouth L").click();
+    await settled(page, () => document.querySelector(".detail:not([hidden]) h3")?.textContent === "mouth L", "the camera's numbers");
+    assert.deepEqual(headset.session.commands.filter((one) => one.command === "pictures").map((one) => one.on), [true, false]);
+    assert.deepEqual(troubles, []);
+  } finally {
+    await browser.close();
+    await headset.close();
+  }
+});
