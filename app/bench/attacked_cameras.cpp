@@ -21,6 +21,7 @@
 #include "app/child_program.h"
 #include "app/command.h"
 #include "app/private_folder.h"
+#include "mien/core/files.h"
 #include "mien/live/picture_server.h"
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/rig.h"

@@ -55,7 +55,7 @@ Json summary_json(const live::EngineSummary& summary) {
                      {"bytes", line.bytes},
                      {"overlong", line.overlong}});
   Json cameras = Json::array();
-  for (const live::CameraStatus& camera : summary.cameras) cameras.push_back(live::camera_json(camera));
+  for (const live::CameraStatus& camera : summary.cameras) cameras.push_back(Json(live::camera_json(camera)));
   Json links = Json::array();
   for (const session::Report::Link& link : summary.report.links)
     links.push_back({{"device", link.device},

@@ -23,6 +23,9 @@ constexpr float kSeen = 0.9F;
 constexpr float kSeenByOne = 0.6F;
 constexpr float kGuessed = 0.2F;
 
+/// Wider than for IMUs: pictures tell each moment anew and tremble less, so little delay is worth more.
+constexpr tracker::JitterSettings kJitter{.cutoff_hz = 1.5, .beta = 12, .low_pass_hz = 16};
+
 /// Frames in which a face that holds still is shown to a network with a memory: longer than it remembers.
 constexpr int kSettles = 60;
 
@@ -79,6 +82,7 @@ HeadsetTracker::HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_p
       workspace_(model_->network()),
       reducer_(std::move(reducer)),
       reduced_(feature_record_bytes(model_->network().architecture().features)),
+      jitter_filter_(kJitter),
       maker_(model_->network().architecture().features) {
   const std::size_t count = model_->network().architecture().features;
   moment_.features.resize(model::kViews * count);
@@ -141,9 +145,14 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
     in_force_.reset();
     before_.reset();
     last_eyes_rad_.reset();
-    if (state_) state_->reset();
+    forget_moments();
     if (hold_) maker_.begin();  // So are the frames that were gathered.
   }
+}
+
+void HeadsetTracker::forget_moments() {
+  if (state_) state_->reset();
+  jitter_filter_.reset();
 }
 
 void HeadsetTracker::gather(DeviceTime frame, const sensor::TimeLines& lines) {
@@ -193,12 +202,13 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
     // A hold is judged by what is seen without the neutral before it.
     ask(moment_, in_force_ && !hold_ ? in_force_->rest : kUnknown, state_ ? &*state_ : nullptr);
     answer = decode_answer(std::span(outputs_).first<kAnswerOutputs>());
-  } else if (state_) {
-    state_->reset();
+  } else {
+    forget_moments();
   }
   lead(frame, answer, result);
   if (result.sensors_present == 0) return result;
   if (in_force_ && !hold_) in_force_->correct(answer);
+  if (state_) jitter_filter_.apply(answer.weights);
   write(answer, out);
   result.explained = out.confidence;  // Nobody measured more; the merge must know who sees what.
   return result;

@@ -18,6 +18,7 @@
 #include "mien/headset/neutral_face.h"
 #include "mien/headset/picture_statistics.h"
 #include "mien/sensor/rig.h"
+#include "mien/tracker/jitter_filter.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::headset {
@@ -27,7 +28,7 @@ namespace mien::headset {
 /// model's memory, or moment by moment where it has none. Pictures that come as such it reduces itself, to
 /// the same bits. A camera whose newest picture is older than kPresent, or stands still (FrozenPictures), is
 /// missing: the network knows a token for that. Frames without any camera are forgotten, and so is what was
-/// before them.
+/// before them. A memory's weights pass the filter that all causal networks' do (tracker::JitterFilter).
 ///
 /// It answers without a calibration too. Confidence of regions and of the eyes' directions is the memory's
 /// judgement (HeadsetModel::probability); a shape has its region's, less where the camera that sees its side
@@ -94,6 +95,8 @@ class HeadsetTracker final : public tracker::Tracker {
 
   HeadsetTracker(std::vector<HeadsetCamera> cameras, std::shared_ptr<const HeadsetModel> model,
                  FeatureReducer reducer);
+  /// What comes next has nothing to do with what was.
+  void forget_moments();
   /// Features of the frame into moment_.
   void gather(DeviceTime frame, const sensor::TimeLines& lines);
   /// What the network makes of the moment beside `rest` into outputs_. `state`: what it remembers, unused
@@ -114,7 +117,8 @@ class HeadsetTracker final : public tracker::Tracker {
   std::vector<std::byte> reduced_;  // Of a picture that came as such.
   MomentFeatures moment_;
   std::optional<model::CausalNetwork::State> state_;
-  std::vector<float> condition_;  // What the network reads of the moment.
+  tracker::JitterFilter jitter_filter_;  // Behind a memory.
+  std::vector<float> condition_;         // What the network reads of the moment.
   std::array<float, kMemoryOutputs> outputs_{};
 
   std::optional<NeutralFace> in_force_, before_;

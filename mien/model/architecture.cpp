@@ -96,8 +96,7 @@ Result<void> check(const Architecture& a) {
   for (const Range& r :
        {Range{"layers", a.layers, 1, 32, 1}, Range{"d_model", a.d_model, 32, 4096, 32},
         denoisers({"heads", a.heads, 1, 64, 1}), denoisers({"d_head", a.d_head, 32, 1024, 32}),
-        denoisers({"ffn", a.ffn, 32, 16384, 32}),
-        Range{"window", a.window, 2, 1024, 1},
+        denoisers({"ffn", a.ffn, 32, 16384, 32}), Range{"window", a.window, 2, 1024, 1},
         views ? Range{"condition", a.condition, views_condition(a.side), views_condition(a.side), 1}
               : Range{"condition", a.condition, 1, 4096, 1},
         Range{"side", a.side, 0, views ? 256UL : 0UL, 1},
@@ -180,7 +179,8 @@ double flop_count(const Architecture& a) {
   if (a.kind == NetworkKind::causal)
     return 2 * d(a.d_model) * (d(a.condition + a.outputs) + d(a.layers) * 2 * d(kGates) * d(a.d_model));
   if (a.kind == NetworkKind::views)
-    return d(kViews) * flop_count(backbone_shape(a)) + 2 * d(a.d_model) * d(2 * kViews * a.features + a.outputs);
+    return d(kViews) * flop_count(backbone_shape(a)) +
+           2 * d(a.d_model) * d(2 * kViews * a.features + a.outputs);
   const double tokens = d(a.tokens());
   const double layer = 2 * tokens * (4 * d(a.d_model) * d(a.d_attention()) + 2 * d(a.d_model) * d(a.ffn)) +
                        4 * tokens * tokens * d(a.d_attention());

@@ -69,7 +69,7 @@ class PerformCameras : public ::testing::Test {
     Camera& one = cameras[camera];
     one.stream = std::make_unique<live::CameraStream>(
         network, live::parse_camera_address("http://127.0.0.1:" + std::to_string(port + camera)).value(),
-        std::make_unique<headset::MjpegStream>(sensor::DeviceKey{.device = camera}),
+        "camera", std::make_unique<headset::MjpegStream>(sensor::DeviceKey{.device = camera}),
         [&one](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
           one.packets.push_back(headset::parse_picture_packet(datagram).value());
           one.pictures.emplace_back(payload.begin(), payload.end());

@@ -71,7 +71,7 @@ TEST_F(PictureServerTest, IsReadByACameraStream) {
   std::vector<Bytes> pictures;
   const auto stream_to = [&](bool keep) {
     return std::make_unique<CameraStream>(
-        network, parse_camera_address(fmt::format("http://127.0.0.1:{}", server->port())).value(),
+        network, parse_camera_address(fmt::format("http://127.0.0.1:{}", server->port())).value(), "eye_L",
         std::make_unique<headset::MjpegStream>(kCamera),
         [&, keep](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
           if (!keep) return;
@@ -134,7 +134,7 @@ TEST_F(PictureServerTest, DropsWhoIsTooSlowAndNobodyElse) {
   slow.set_option(boost::asio::socket_base::receive_buffer_size(4096));
   boost::asio::write(slow, boost::asio::buffer(std::string("GET / HTTP/1.1\r\n\r\n")));
   CameraStream quick(
-      network, parse_camera_address(fmt::format("http://127.0.0.1:{}", server->port())).value(),
+      network, parse_camera_address(fmt::format("http://127.0.0.1:{}", server->port())).value(), "eye_L",
       std::make_unique<headset::MjpegStream>(kCamera), [](auto, auto) {},
       [] { return HostTime(std::chrono::steady_clock::now().time_since_epoch()); });
   ASSERT_TRUE(run_until(network, [&] { return server->counts().clients == 2; }));

@@ -75,13 +75,13 @@ Result<std::unique_ptr<MemoryTask>> task_of(const std::filesystem::path& folder,
 
 TEST(MemoryTask, LearnsAToyAndToJudgeItself) {
   const mien::test::Folder folder;
-  const auto task = task_of(folder.path(), 300);
+  const auto task = task_of(folder.path(), 250);
   ASSERT_TRUE(task) << task.error().message();
   const auto report =
       train(**task, {.out = folder / "toy.safetensors", .device = "cpu", .threads = 1}, no_progress);
   ASSERT_TRUE(report) << report.error().message();
   const auto results = nlohmann::json::parse(report->results)["headset"];
-  EXPECT_LT(results["mse"].get<double>(), 0.6 * results["mean_pose_mse"].get<double>()) << results;
+  EXPECT_LT(results["mse"].get<double>(), 0.5 * results["mean_pose_mse"].get<double>()) << results;
 
   const auto file = headset::read_views_file(folder / "toy.safetensors");
   ASSERT_TRUE(file) << file.error().message();

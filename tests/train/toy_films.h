@@ -27,8 +27,11 @@ inline study::HeadsetFilms toy_films(const std::filesystem::path& folder, int re
     for (int i = 0; i < 120; ++i) {
       study::FilmFrame& frame = frames.emplace_back();
       const bool rests = i < rest;
-      const auto jaw = rests ? 0.0F : static_cast<float>(random.uniform()),
-                 lid = rests ? 0.0F : static_cast<float>(random.uniform());
+      // Slowly where there is a rest, so that a network with a memory has something to follow.
+      const auto move = [&](double slow) {
+        return static_cast<float>(rest > 0 ? 0.5 - 0.5 * std::cos(slow * (i - rest)) : random.uniform());
+      };
+      const auto jaw = rests ? 0.0F : move(0.11 + 0.02 * f), lid = rests ? 0.0F : move(0.17 - 0.02 * f);
       frame.truth.weights[face::shape("jawOpen")] = jaw;
       frame.truth.weights[face::shape("eyeBlink_L")] = lid;
       frame.truth.openness = {1 - lid, 1};
