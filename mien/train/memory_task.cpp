@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
@@ -13,12 +12,12 @@
 #include "mien/core/sha256.h"
 #include "mien/core/time.h"
 #include "mien/headset/answer.h"
-#include "mien/headset/headset_camera.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/views_network.h"
 #include "mien/study/logistic_fit.h"
 #include "mien/study/performers.h"
 #include "mien/study/reliability.h"
+#include "mien/train/film_answers.h"
 #include "mien/train/view_augmentation.h"
 
 namespace mien::train {
@@ -30,9 +29,6 @@ using model::kViews;
 /// Ways in which each donning of training is shown: as it is and mirrored, and both once more as other
 /// mountings and cameras show it. Raising: other headsets work better, for more minutes and memory.
 constexpr std::size_t kWays = 4;
-/// Below this openness a gaze cannot be seen.
-constexpr float kShut = 0.25F;
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 // Of a window: that it is not told what the face is like at rest; that all cameras are slow; that frames are
@@ -43,31 +39,6 @@ constexpr std::uint64_t kLongestBurst = 10;
 constexpr double kSlow = 0.05, kMissing = 0.04, kAway = 0.06, kMouthAway = 0.03;
 /// How much later than usual a view may come, shares of a tick.
 constexpr double kLatest = 0.6;
-
-std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
-  headset::Answer answer{.weights = {},
-                         .tongue_out = truth.tongue_out,
-                         .gaze_rad = truth.gaze_rad,
-                         .openness = truth.openness,
-                         .pupil_mm = truth.pupil_mm};
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) answer.weights[k] = truth.weights[k];
-  std::array<float, kAnswerOutputs> wanted{};
-  headset::encode_answer(answer, wanted);
-  for (std::size_t e = 0; e < 2; ++e)
-    if (truth.openness[e] < kShut) {
-      wanted[headset::kGazeOutput + 2 * e] = wanted[headset::kGazeOutput + 2 * e + 1] = kUnknown;
-      wanted[headset::kPupilOutput + e] = kUnknown;
-    }
-  return wanted;
-}
-
-/// Which camera gives a place's view, and how.
-struct Place {
-  std::size_t camera = 0;
-  bool is_there = false;
-  headset::NetworkViewSettings view;
-};
-using Places = std::array<Place, kViews>;
 
 /// What a donning is shown as.
 struct Way {
@@ -87,9 +58,9 @@ Way draw_way(std::size_t number, Random& random) {
 struct Found {
   std::vector<float> features, wanted;
 };
-Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& donning, const Places& places,
-           const Way& way, const model::ViewsNetwork& network, model::ViewsNetwork::Workspace& memory,
-           Random& random) {
+Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& donning,
+           const FilmPlaces& places, const Way& way, const model::ViewsNetwork& network,
+           model::ViewsNetwork::Workspace& memory, Random& random) {
   const std::size_t count = network.architecture().features, pixels = film.side() * film.side();
   const auto side = static_cast<int>(film.side());
   Found found;
@@ -98,7 +69,7 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
   for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
     std::array<bool, kViews> present{};
     for (std::size_t v = 0; v < kViews; ++v) {
-      const Place& place = places[way.mirrored ? v ^ 1U : v];
+      const FilmPlace& place = places[way.mirrored ? v ^ 1U : v];
       if (!place.is_there) continue;
       present[v] = true;
       const std::span<const std::uint8_t> view = film.view(frame, place.camera);
@@ -114,11 +85,9 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
     const std::size_t begin = found.features.size();
     found.features.resize(begin + kViews * count);
     network.find(views, present, memory, std::span(found.features).subspan(begin));
-    const auto wanted = wanted_of(film.truth(frame));
-    for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
-      const std::size_t from = way.mirrored ? headset::mirrored_outputs()[i] : i;
-      found.wanted.push_back(way.mirrored && headset::mirrors_sign(i) ? -wanted[from] : wanted[from]);
-    }
+    const auto wanted = answer_of(film.truth(frame));
+    const auto asked = way.mirrored ? mirrored_answer(wanted) : wanted;
+    found.wanted.insert(found.wanted.end(), asked.begin(), asked.end());
   }
   return found;
 }
@@ -160,23 +129,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
       judgement.outputs.push_back(static_cast<std::int64_t>(output));
     judgement.most_error = double{headset::right_output_error(j)};
   }
-  for (const auto* part : {&films.train, &films.validation})
-    for (const study::HeadsetFilm& film : *part)
-      if (film.side() != views.architecture.side || film.views() != rig.sensors.size())
-        return fail(ErrorCode::mismatch,
-                    fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
-                                film.side(), rig.sensors.size(), views.architecture.side),
-                    "[data] side");
-  Places places;
-  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras,
-                  headset::headset_cameras(rig, views.architecture.side));
-  for (const headset::HeadsetCamera& camera : cameras) {
-    Place& place = places[camera.place];
-    place = {.camera = camera.sensor, .is_there = true, .view = camera.view};
-    // Films show what is cut out already.
-    place.view.left = place.view.top = 0;
-    place.view.right = place.view.bottom = 1;
-  }
+  MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, views.architecture.side));
   MIEN_TRY_ASSIGN(const model::ViewsNetwork network,
                   model::ViewsNetwork::create(views.architecture, views.network));
   auto task = std::unique_ptr<MemoryTask>(new MemoryTask(std::move(recipe), std::move(views)));
@@ -410,7 +363,7 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
           gaze_deg.push_back(kDegPerRad *
                              std::hypot(double{seen.gaze_rad[2 * e] - is.gaze_rad[2 * e]},
                                         double{seen.gaze_rad[2 * e + 1] - is.gaze_rad[2 * e + 1]}));
-        const bool closed = is.openness[e] < kShut, says = seen.openness[e] < kShut;
+        const bool closed = is.openness[e] < kShutEye, says = seen.openness[e] < kShutEye;
         shut += closed ? 1 : 0;
         told += says ? 1 : 0;
         hits += closed && says ? 1 : 0;

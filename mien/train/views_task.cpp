@@ -16,9 +16,9 @@
 #include "mien/core/sha256.h"
 #include "mien/face/shape_region.h"
 #include "mien/headset/answer.h"
-#include "mien/headset/headset_camera.h"
 #include "mien/headset/network_view.h"
 #include "mien/model/views_network.h"
+#include "mien/train/film_answers.h"
 #include "mien/train/view_augmentation.h"
 
 namespace mien::train {
@@ -31,8 +31,6 @@ using model::kViews;
 constexpr double kMissing = 0.05, kMirrored = 0.5;
 /// Of a window, that it is not told what the face is like at rest.
 constexpr double kNotTold = 1.0 / 6;
-/// Below this openness a gaze cannot be seen.
-constexpr float kShut = 0.25F;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Whether an output is of the upper face.
@@ -45,21 +43,9 @@ bool is_upper(std::size_t output) {
 
 /// What the network should answer; what cannot be seen is unknown.
 std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
-  headset::Answer answer{.weights = {},
-                         .tongue_out = truth.tongue_out,
-                         .gaze_rad = truth.gaze_rad,
-                         .openness = truth.openness,
-                         .pupil_mm = truth.pupil_mm};
-  for (std::size_t k = 0; k < face::kShapeCount; ++k) answer.weights[k] = truth.weights[k];
-  std::array<float, kAnswerOutputs> wanted{};
-  headset::encode_answer(answer, wanted);
+  std::array<float, kAnswerOutputs> wanted = answer_of(truth);
   for (std::size_t i = 0; i < kAnswerOutputs; ++i)
     if (truth.visible[is_upper(i) ? 0 : 1] == 0) wanted[i] = kUnknown;
-  for (std::size_t e = 0; e < 2; ++e)
-    if (truth.openness[e] < kShut) {
-      wanted[headset::kGazeOutput + 2 * e] = wanted[headset::kGazeOutput + 2 * e + 1] = kUnknown;
-      wanted[headset::kPupilOutput + e] = kUnknown;
-    }
   return wanted;
 }
 
@@ -124,23 +110,9 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
                 "write architecture = \"views\"");
   recipe.architecture.outputs = kAnswerOutputs;
   MIEN_TRY(model::check(recipe.architecture));
-  for (const auto* part : {&films.train, &films.validation})
-    for (const study::HeadsetFilm& film : *part)
-      if (film.side() != recipe.architecture.side || film.views() != rig.sensors.size())
-        return fail(ErrorCode::mismatch,
-                    fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
-                                film.side(), rig.sensors.size(), recipe.architecture.side),
-                    "[data] side");
+  MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, recipe.architecture.side));
   auto task = std::unique_ptr<ViewsTask>(new ViewsTask(std::move(recipe), std::move(films)));
-  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras,
-                  headset::headset_cameras(rig, task->recipe_.architecture.side));
-  for (const headset::HeadsetCamera& camera : cameras) {
-    Place& place = task->places_[camera.place];
-    place = {.camera = camera.sensor, .is_there = true, .view = camera.view};
-    // Films show what is cut out already.
-    place.view.left = place.view.top = 0;
-    place.view.right = place.view.bottom = 1;
-  }
+  task->places_ = places;
   for (const bool training : {true, false})
     for (const study::HeadsetFilm& film : training ? task->films_.train : task->films_.validation)
       for (const study::HeadsetFilm::Donning& frames : film.donnings())
@@ -189,7 +161,7 @@ void ViewsTask::append(const study::HeadsetFilm& film, std::span<const std::size
     for (std::size_t v = 0; v < kViews; ++v) {
       // A mirrored face's left camera sees what the right one saw, mirrored: and right views are shown
       // mirrored.
-      const Place& place = places_[mirrored ? v ^ 1U : v];
+      const FilmPlace& place = places_[mirrored ? v ^ 1U : v];
       if (!place.is_there || missing[v]) continue;
       const std::span<const std::uint8_t> view = film.view(frame, place.camera);
       changed.assign(view.begin(), view.end());
@@ -204,10 +176,8 @@ void ViewsTask::append(const study::HeadsetFilm& film, std::span<const std::size
     }
     batch.condition[begin + each - 1] = known ? 1 : 0;
     const auto wanted = wanted_of(film.truth(frame));
-    for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
-      const std::size_t from = mirrored ? headset::mirrored_outputs()[i] : i;
-      batch.clean.push_back(mirrored && headset::mirrors_sign(i) ? -wanted[from] : wanted[from]);
-    }
+    const auto asked = mirrored ? mirrored_answer(wanted) : wanted;
+    batch.clean.insert(batch.clean.end(), asked.begin(), asked.end());
   }
   batch.level.push_back(0);
   batch.held.push_back(0);
@@ -346,11 +316,11 @@ Result<std::string> ViewsTask::assess(std::span<const model::Tensor> network, co
       const study::FilmTruth truth = film->truth(frame);
       for (std::size_t e = 0; e < 2; ++e) {
         if (truth.visible[0] == 0) continue;
-        if (truth.openness[e] >= kShut)
+        if (truth.openness[e] >= kShutEye)
           gaze_deg.push_back(kDegPerRad *
                              std::hypot(double{seen.gaze_rad[2 * e] - truth.gaze_rad[2 * e]},
                                         double{seen.gaze_rad[2 * e + 1] - truth.gaze_rad[2 * e + 1]}));
-        const bool is = truth.openness[e] < kShut, says = seen.openness[e] < kShut;
+        const bool is = truth.openness[e] < kShutEye, says = seen.openness[e] < kShutEye;
         shut += is ? 1 : 0;
         told += says ? 1 : 0;
         hits += is && says ? 1 : 0;

@@ -9,6 +9,7 @@
 #include "mien/headset/views_file.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/headset/headset_dataset.h"
+#include "mien/train/film_answers.h"
 #include "mien/train/task.h"
 
 namespace mien::train {
@@ -46,12 +47,6 @@ class ViewsTask final : public Task {
     const study::HeadsetFilm* film;
     study::HeadsetFilm::Donning frames;
   };
-  /// Which camera stands in a place of the network, if one does, and how its view is turned.
-  struct Place {
-    std::size_t camera = 0;
-    bool is_there = false;
-    headset::NetworkViewSettings view;
-  };
   ViewsTask(Recipe recipe, study::HeadsetFilms films)
       : recipe_(std::move(recipe)), films_(std::move(films)) {}
   void find_mean();
@@ -63,7 +58,7 @@ class ViewsTask final : public Task {
 
   Recipe recipe_;
   study::HeadsetFilms films_;
-  std::array<Place, model::kViews> places_{};
+  FilmPlaces places_{};
   std::vector<Donning> training_, validation_;
   headset::ViewsFile model_;
 };

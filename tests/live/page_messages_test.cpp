@@ -141,7 +141,7 @@ TEST(PageMessages, StatusTellsWhoCanSend) {
   EXPECT_EQ(Json::parse(status_json(now, glasses()))["network"], Json::parse(R"({
       "open": ["udp://0.0.0.0:5005"],
       "interfaces": [{"name": "lo", "address": "127.0.0.1", "loopback": true}],
-      "only": "lo", "elsewhere": 7, "sealed": true, "refused": 9})"));
+      "only": "lo", "elsewhere": 7, "sealed": true, "refused": 9, "unsealed": []})"));
 }
 
 TEST(PageMessages, ASessionWithoutFramesHasNoLatency) {

@@ -1,0 +1,61 @@
+#include "mien/train/film_answers.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <vector>
+
+#include "mien/headset/headset_camera.h"
+
+namespace mien::train {
+
+using headset::kAnswerOutputs;
+
+Result<FilmPlaces> film_places(const study::HeadsetFilms& films, const sensor::Rig& rig, std::size_t side) {
+  for (const auto* part : {&films.train, &films.validation})
+    for (const study::HeadsetFilm& film : *part)
+      if (film.side() != side || film.views() != rig.sensors.size())
+        return fail(ErrorCode::mismatch,
+                    fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
+                                film.side(), rig.sensors.size(), side),
+                    "[data] side");
+  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras, headset::headset_cameras(rig, side));
+  FilmPlaces places;
+  for (const headset::HeadsetCamera& camera : cameras) {
+    FilmPlace& place = places[camera.place];
+    place = {.camera = camera.sensor, .is_there = true, .view = camera.view};
+    // Films show what is cut out already.
+    place.view.left = place.view.top = 0;
+    place.view.right = place.view.bottom = 1;
+  }
+  return places;
+}
+
+std::array<float, kAnswerOutputs> answer_of(const study::FilmTruth& truth) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  headset::Answer answer{.weights = {},
+                         .tongue_out = truth.tongue_out,
+                         .gaze_rad = truth.gaze_rad,
+                         .openness = truth.openness,
+                         .pupil_mm = truth.pupil_mm};
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) answer.weights[k] = truth.weights[k];
+  std::array<float, kAnswerOutputs> wanted{};
+  headset::encode_answer(answer, wanted);
+  for (std::size_t e = 0; e < 2; ++e)
+    if (truth.openness[e] < kShutEye) {
+      wanted[headset::kGazeOutput + 2 * e] = wanted[headset::kGazeOutput + 2 * e + 1] = kUnknown;
+      wanted[headset::kPupilOutput + e] = kUnknown;
+    }
+  return wanted;
+}
+
+std::array<float, kAnswerOutputs> mirrored_answer(const std::array<float, kAnswerOutputs>& answer) {
+  std::array<float, kAnswerOutputs> mirrored{};
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
+    const float from = answer[headset::mirrored_outputs()[i]];
+    mirrored[i] = headset::mirrors_sign(i) ? -from : from;
+  }
+  return mirrored;
+}
+
+}  // namespace mien::train

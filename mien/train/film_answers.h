@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "mien/core/error.h"
+#include "mien/headset/answer.h"
+#include "mien/headset/network_view.h"
+#include "mien/model/architecture.h"
+#include "mien/sensor/rig.h"
+#include "mien/study/headset/headset_dataset.h"
+
+// What networks of a headset's pictures learn from films: which view stands where, and what is true.
+namespace mien::train {
+
+/// Below this openness a gaze cannot be seen, and an eye counts as closed.
+inline constexpr float kShutEye = 0.25F;
+
+/// Which of a film's cameras stands in a place of the network, if one does, and how its view is turned.
+struct FilmPlace {
+  std::size_t camera = 0;
+  bool is_there = false;
+  headset::NetworkViewSettings view;
+};
+using FilmPlaces = std::array<FilmPlace, model::kViews>;
+
+/// The places of the rig's cameras in films of views of `side` pixels. Errors: headset_cameras'; mismatch
+/// (films of another size or number of views).
+[[nodiscard]] Result<FilmPlaces> film_places(const study::HeadsetFilms& films, const sensor::Rig& rig,
+                                             std::size_t side);
+
+/// What a network should answer, in its outputs' range; NaN: gaze and pupil of an eye that is shut.
+[[nodiscard]] std::array<float, headset::kAnswerOutputs> answer_of(const study::FilmTruth& truth);
+/// The same of the mirrored face.
+[[nodiscard]] std::array<float, headset::kAnswerOutputs> mirrored_answer(
+    const std::array<float, headset::kAnswerOutputs>& answer);
+
+}  // namespace mien::train
