@@ -1,7 +1,7 @@
 #include "mien/headset/stream_gate.h"
 
 #include <algorithm>
-#include <functional>
+#include <tuple>
 
 #include "mien/headset/jpeg_gate.h"
 
@@ -26,7 +26,10 @@ std::vector<sensor::Refusal> StreamGate::refusals() const {
   std::vector<sensor::Refusal> all;
   for (std::size_t i = 0; i < faults_.size(); ++i)
     if (faults_[i] > 0) all.push_back({name_of(static_cast<PictureFault>(i)), faults_[i]});
-  std::ranges::stable_sort(all, std::greater(), &sensor::Refusal::count);
+  // The most frequent first, those of one count by their names.
+  std::ranges::sort(all, [](const sensor::Refusal& a, const sensor::Refusal& b) {
+    return std::tie(b.count, a.why) < std::tie(a.count, b.why);
+  });
   return all;
 }
 

@@ -92,37 +92,37 @@ CameraStream::CameraStream(asio::io_context& network, CameraAddress address, std
 }
 
 void CameraStream::ask() {
-  const std::uint64_t attempt = ++attempt_;
+  const Attempt attempt = next_attempt();
   asking_ = true;
   finding_ = true;
   pictures_.begin();
   lookup_.find(address_.host, address_.port, [this, attempt](const NameLookup::Answer& host) {
-    if (attempt == attempt_) connect(attempt, host);
+    if (!attempt.is_over()) connect(attempt, host);
   });
 }
 
-void CameraStream::connect(std::uint64_t attempt, const NameLookup::Answer& host) {
+void CameraStream::connect(const Attempt& attempt, const NameLookup::Answer& host) {
   finding_ = false;
   if (host.error)
     return lose("no such host (" + host.error.message() + "); look at its name, or give its number");
   asio::async_connect(socket_, host.found, [this, attempt](error_code failed, const tcp::endpoint&) {
-    if (attempt != attempt_) return;
+    if (attempt.is_over()) return;
     if (failed) return lose("not there (" + failed.message() + "); switch it on, and look at its port");
     send_request(attempt);
   });
 }
 
-void CameraStream::send_request(std::uint64_t attempt) {
+void CameraStream::send_request(const Attempt& attempt) {
   asio::async_write(socket_, asio::buffer(request_), [this, attempt](error_code code, std::size_t) {
-    if (attempt != attempt_) return;
+    if (attempt.is_over()) return;
     if (code) return lose("it hung up (" + code.message() + ")");
     read(attempt);
   });
 }
 
-void CameraStream::read(std::uint64_t attempt) {
+void CameraStream::read(const Attempt& attempt) {
   socket_.async_read_some(asio::buffer(bytes_), [this, attempt](error_code code, std::size_t size) {
-    if (attempt != attempt_) return;
+    if (attempt.is_over()) return;
     if (code) return lose("it hung up (" + code.message() + ")");
     if (const auto taken = pictures_.read(std::span(bytes_).first(size)); !taken)
       return lose(taken.error().message());
@@ -130,11 +130,11 @@ void CameraStream::read(std::uint64_t attempt) {
   });
 }
 
-void CameraStream::read_when_due(std::uint64_t attempt, std::size_t size) {
+void CameraStream::read_when_due(const Attempt& attempt, std::size_t size) {
   if (pictures_.may_read_on(size)) return read(attempt);
   retry_.expires_after(kHoldBack);
   retry_.async_wait([this, attempt, size](error_code code) {
-    if (attempt == attempt_ && !code) read_when_due(attempt, size);
+    if (!attempt.is_over() && !code) read_when_due(attempt, size);
   });
 }
 
@@ -150,7 +150,7 @@ void CameraStream::watch() {
 }
 
 void CameraStream::lose(const std::string& problem) {
-  ++attempt_;
+  next_attempt();
   asking_ = false;
   error_code ignored;
   socket_.close(ignored);
@@ -164,13 +164,13 @@ void CameraStream::lose(const std::string& problem) {
 void CameraStream::ask_again() {
   retry_.expires_after(pause_);
   pause_ = std::min<std::chrono::milliseconds>(2 * pause_, kLastRetry);
-  retry_.async_wait([this, attempt = attempt_](error_code code) {
-    if (attempt == attempt_ && !code) ask();
+  retry_.async_wait([this, attempt = next_attempt()](error_code code) {
+    if (!attempt.is_over() && !code) ask();
   });
 }
 
 void CameraStream::close() {
-  ++attempt_;
+  next_attempt();
   asking_ = false;
   error_code ignored;
   socket_.close(ignored);

@@ -53,17 +53,26 @@ class CameraStream {
                Clock clock, NameLookup::Ask find = NameLookup::ask_system);
   CameraStream(const CameraStream&) = delete;
   CameraStream& operator=(const CameraStream&) = delete;
+  ~CameraStream() { close(); }
   /// For good. Waits for nobody.
   void close();
   [[nodiscard]] CameraStatus status() const { return pictures_.status(); }
 
  private:
+  /// A connection, or the wait for one: what belongs to one that is over is ignored, also when it is told of
+  /// after the stream has gone.
+  struct Attempt {
+    std::shared_ptr<const std::uint64_t> newest;
+    std::uint64_t number = 0;
+    [[nodiscard]] bool is_over() const { return *newest != number; }
+  };
+  Attempt next_attempt() { return {newest_, ++*newest_}; }
   void ask();
   void ask_again();
-  void connect(std::uint64_t attempt, const NameLookup::Answer& host);
-  void send_request(std::uint64_t attempt);
-  void read(std::uint64_t attempt);
-  void read_when_due(std::uint64_t attempt, std::size_t size);
+  void connect(const Attempt& attempt, const NameLookup::Answer& host);
+  void send_request(const Attempt& attempt);
+  void read(const Attempt& attempt);
+  void read_when_due(const Attempt& attempt, std::size_t size);
   void watch();
   void lose(const std::string& problem);
 
@@ -76,7 +85,7 @@ class CameraStream {
   boost::asio::steady_timer retry_;  // To ask again, or to read on.
   boost::asio::steady_timer watch_;
   std::array<std::byte, 16384> bytes_{};
-  std::uint64_t attempt_ = 0;  // What belongs to one before is ignored.
+  std::shared_ptr<std::uint64_t> newest_ = std::make_shared<std::uint64_t>(0);  // Attempt.
   bool asking_ = false;
   bool finding_ = false;  // Its host.
   std::chrono::milliseconds pause_ = kFirstRetry;

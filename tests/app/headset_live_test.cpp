@@ -121,7 +121,8 @@ TEST_F(HeadsetProgram, CamerasBecomeATakeThatReplaysToTheSameBits) {
     const auto opened = take::Take::open(take).value();
     auto payloads = opened.payloads().value();
     std::size_t pictures = 0;
-    for (const take::LogEntry& entry : opened.entries().value()) {
+    const std::vector<take::LogEntry> entries = opened.entries().value();
+    for (const take::LogEntry& entry : entries) {
       const sensor::Payload payload = payloads.of(entry.id).value();
       if (payload.bytes.empty()) continue;
       ++pictures;
@@ -163,7 +164,8 @@ TEST_F(HeadsetProgram, ACameraOnACableIsOneOfTheRigs) {
   EXPECT_GT(summary["cameras"][1]["pictures"], 60);
   const auto opened = take::Take::open(take).value();
   std::size_t pictures = 0;
-  for (const take::LogEntry& entry : opened.entries().value()) pictures += entry.source == cable.address();
+  const std::vector<take::LogEntry> entries = opened.entries().value();
+  for (const take::LogEntry& entry : entries) pictures += entry.source == cable.address() ? 1 : 0;
   EXPECT_GT(pictures, 60U);
   const Outcome again = run({"live", "--replay", take, "--model", folder / "model.safetensors", "--json"});
   ASSERT_EQ(again.status, 0) << again.err;
