@@ -124,9 +124,9 @@ void add_export_command(Commands& commands) {
                   "which a .trc takes unless told. A .csv then holds markers too")
       .needs(motion);
   command
-      .add_option(
-          "--part", options->graph.part,
-          "Of a model: network, ridge.lab or ridge.device; of a headset's eye or mouth (default: network)")
+      .add_option("--part", options->graph.part,
+                  "Of a model: network, ridge.lab or ridge.device; of a headset's eye, mouth or moment "
+                  "(default: network)")
       .needs(model);
   command
       .add_option("--chain", options->graph.steps,

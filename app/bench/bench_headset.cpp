@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -24,6 +26,7 @@
 #include "mien/model/backbone.h"
 #include "mien/model/peak.h"
 #include "mien/onnx/export_model.h"
+#include "mien/onnx/rival_graphs.h"
 
 namespace mien::app {
 namespace {
@@ -127,10 +130,17 @@ struct MeasuredEncoder {
 struct EncoderFigures {
   double peak_gflops = 0, flop = 0;
   std::vector<MeasuredEncoder> precisions;
-  std::optional<double> onnxruntime_s;  ///< The same four views.
-  std::string why_not;                  ///< Else.
-  PictureFigures pictures;              ///< Of the simulator.
-  CameraFrameFigures whole;             ///< Pictures to weights.
+  struct Peers {
+    double same_s = 0;    ///< ONNX Runtime on the same four views.
+    double rivals_s = 0;  ///< On networks of the sizes that other programs run for two eyes and a mouth.
+  };
+  std::optional<Peers> peers;
+  std::string why_not;       ///< Else.
+  PictureFigures pictures;   ///< Of the simulator.
+  CameraFrameFigures whole;  ///< Pictures to weights.
+
+  /// How much longer those of others take than features of four views and the frame made of them.
+  [[nodiscard]] double vs_rivals() const { return peers->rivals_s / (whole.encode_s + whole.frame_s); }
 };
 
 Spread measure_each(Encoder& encoder) {
@@ -164,8 +174,9 @@ Result<Spread> measure_paced(Encoder& encoder, std::size_t frames, const std::st
   return spread_of(std::move(took));
 }
 
-/// Each site's two views in one call, and one by one: ONNX Runtime may have whichever is quicker.
-Result<double> measure_peer(const Headset& headset, const Encoder& fp32) {
+/// Each site's two views in one call, and one by one: ONNX Runtime may have whichever is quicker. Then
+/// others' networks.
+Result<EncoderFigures::Peers> measure_peers(const Headset& headset, const Encoder& fp32, std::uint64_t seed) {
   const std::size_t size = headset.shape.size;
   std::vector<PeerGraph> graphs;
   for (std::size_t site = 0; site < headset.sites.size(); ++site) {
@@ -179,11 +190,21 @@ Result<double> measure_peer(const Headset& headset, const Encoder& fp32) {
       graph.expected.assign(features.begin(), features.end());
     }
   }
+  const std::size_t ours = graphs.size();
+  Random random(seed);
+  for (const onnx::RivalGraph& rival : {onnx::rival_eye_graph(seed), onnx::rival_mouth_graph(seed)}) {
+    PeerGraph& graph = graphs.emplace_back(PeerGraph{.onnx = rival.onnx, .inputs = {}, .expected = {}});
+    Floats pictures(
+        std::accumulate(rival.input.begin(), rival.input.end(), std::size_t{1}, std::multiplies()));
+    for (float& v : pictures) v = static_cast<float>(random.uniform());
+    graph.inputs["pictures"] = {{"dims", rival.input}, {"data", pictures}};
+  }
   MIEN_TRY_ASSIGN(const PeerTimes times, measure_graphs(graphs, PeerEffort{}));
-  double all_s = 0;
-  for (std::size_t i = 0; i < graphs.size(); i += 2)
-    all_s += std::min(times.graphs[i].best_step_s, kViews * times.graphs[i + 1].best_step_s);
-  return all_s;
+  EncoderFigures::Peers peers;
+  for (std::size_t i = 0; i < ours; i += 2)
+    peers.same_s += std::min(times.graphs[i].best_step_s, kViews * times.graphs[i + 1].best_step_s);
+  for (std::size_t i = ours; i < graphs.size(); ++i) peers.rivals_s += times.graphs[i].best_step_s;
+  return peers;
 }
 
 Result<EncoderFigures> measure(const HeadsetBench& options) {
@@ -202,10 +223,10 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
   }
   if (options.no_peers) {
     f.why_not = "not asked for";
-  } else if (const auto peer = measure_peer(headset, encoders.front()); peer) {
-    f.onnxruntime_s = *peer;
+  } else if (const auto peers = measure_peers(headset, encoders.front(), options.seed); peers) {
+    f.peers = *peers;
   } else {
-    f.why_not = peer.error().message();
+    f.why_not = peers.error().message();
   }
   for (std::size_t i = 0; i < encoders.size(); ++i) {
     MeasuredEncoder& m = f.precisions[i];
@@ -224,36 +245,37 @@ Result<EncoderFigures> measure(const HeadsetBench& options) {
 Json as_json(const HeadsetBench& options, const Headset& headset, const EncoderFigures& f) {
   Json precisions = Json::array();
   for (const MeasuredEncoder& m : f.precisions)
-    precisions.push_back(
-        {{"precision", model::precision_name(m.precision)},
-         {"p50_ms", 1e3 * m.paced.p50_s},
-         {"p99_ms", 1e3 * m.paced.p99_s},
-         {"hot_ms", 1e3 * m.hot_s},
-         {"hot_p50_ms", 1e3 * m.hot.p50_s},
-         {"hot_p99_ms", 1e3 * m.hot.p99_s},
-         {"gflops", 1e-9 * f.flop / m.hot_s},
-         {"vs_onnxruntime", f.onnxruntime_s ? Json(*f.onnxruntime_s / m.hot_s) : Json(nullptr)},
-         {"weight_bytes", m.weight_bytes},
-         {"kernels", model::kernel_name(m.precision)},
-         {"hash", m.hash}});
+    precisions.push_back({{"precision", model::precision_name(m.precision)},
+                          {"p50_ms", 1e3 * m.paced.p50_s},
+                          {"p99_ms", 1e3 * m.paced.p99_s},
+                          {"hot_ms", 1e3 * m.hot_s},
+                          {"hot_p50_ms", 1e3 * m.hot.p50_s},
+                          {"hot_p99_ms", 1e3 * m.hot.p99_s},
+                          {"gflops", 1e-9 * f.flop / m.hot_s},
+                          {"vs_onnxruntime", f.peers ? Json(f.peers->same_s / m.hot_s) : Json(nullptr)},
+                          {"weight_bytes", m.weight_bytes},
+                          {"kernels", model::kernel_name(m.precision)},
+                          {"hash", m.hash}});
   Json json = {{"peak_gflops", f.peak_gflops},
                {"encoder",
                 {{"views", kViews * headset.sites.size()},
                  {"size", headset.shape.size},
                  {"widths", headset.shape.widths},
                  {"flop", f.flop},
-                 {"onnxruntime_ms", f.onnxruntime_s ? Json(1e3 * *f.onnxruntime_s) : Json(nullptr)},
+                 {"onnxruntime_ms", f.peers ? Json(1e3 * f.peers->same_s) : Json(nullptr)},
                  {"precisions", precisions}}},
                {"p50_ms", 1e3 * f.whole.whole.p50_s},
                {"p99_ms", 1e3 * f.whole.whole.p99_s},
                {"decode_ms", 1e3 * f.whole.decode_s},
                {"encode_ms", 1e3 * f.whole.encode_s},
                {"frame_ms", 1e3 * f.whole.frame_s},
+               {"rivals_ms", f.peers ? Json(1e3 * f.peers->rivals_s) : Json(nullptr)},
+               {"vs_rivals", f.peers ? Json(f.vs_rivals()) : Json(nullptr)},
                {"pictures_per_s", f.pictures.pictures_per_s},
                {"vs_single_rays", f.pictures.vs_single_rays},
                {"frames", options.frames},
                {"seed", options.seed}};
-  if (!f.onnxruntime_s) json["onnxruntime"] = f.why_not;
+  if (!f.peers) json["onnxruntime"] = f.why_not;
   return json;
 }
 
@@ -269,10 +291,13 @@ void print_headset(const Headset& headset, const EncoderFigures& f) {
     fmt::print("{:<6} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.0f} {:>14}   {}, {}\n",
                model::precision_name(m.precision), 1e3 * m.hot_s, 1e3 * m.hot.p50_s, 1e3 * m.hot.p99_s,
                1e3 * m.paced.p50_s, 1e3 * m.paced.p99_s, 1e-9 * f.flop / m.hot_s,
-               f.onnxruntime_s ? fmt::format("{:.2f}", *f.onnxruntime_s / m.hot_s) : "?",
+               f.peers ? fmt::format("{:.2f}", f.peers->same_s / m.hot_s) : "?",
                model::kernel_name(m.precision), m.hash.substr(0, 16));
-  if (f.onnxruntime_s)
-    fmt::print("ONNX Runtime, fp32, one thread: {:.3f} ms\n", 1e3 * *f.onnxruntime_s);
+  if (f.peers)
+    fmt::print(
+        "ONNX Runtime, fp32, one thread: {:.3f} ms; networks of others' sizes for two eyes and a mouth "
+        "{:.2f} ms, {:.1f} times as long as all networks here\n",
+        1e3 * f.peers->same_s, 1e3 * f.peers->rivals_s, f.vs_rivals());
   else
     fmt::print("ONNX Runtime: {}\n", f.why_not);
   fmt::print(

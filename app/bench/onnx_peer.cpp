@@ -141,9 +141,9 @@ Result<PeerTimes> read_times(const Json& told, const std::vector<PeerGraph>& gra
                             .step_s = graph.at("step_s"),
                             .best_step_s = graph.at("best_step_s")});
     const auto answer = graph.at("answer").get<Floats>();
-    if (answer.size() != graphs[i].expected.size())
+    if (!graphs[i].expected.empty() && answer.size() != graphs[i].expected.size())
       return fail(ErrorCode::mismatch, "it gives another number of numbers than we do", "ONNX Runtime");
-    for (std::size_t v = 0; v < answer.size(); ++v)
+    for (std::size_t v = 0; v < graphs[i].expected.size(); ++v)
       times.largest_difference =
           std::max(times.largest_difference, std::abs(double{answer[v]} - double{graphs[i].expected[v]}));
     Sha256 hash;

@@ -41,9 +41,9 @@ struct PeerEffort {
 /// One graph to be timed, what goes in, and what must come out.
 struct PeerGraph {
   std::vector<std::byte> onnx;
-  std::size_t steps = 1;  ///< Steps that one run does.
-  Json inputs;            ///< By name: {"dims": [...], "data": [...]}.
-  std::vector<float> expected;
+  std::size_t steps = 1;        ///< Steps that one run does.
+  Json inputs;                  ///< By name: {"dims": [...], "data": [...]}.
+  std::vector<float> expected;  ///< Empty: whatever it answers.
 };
 
 /// Times graphs in a temporary folder, under this process's own affinity and priority. Errors: not_found (no

@@ -177,15 +177,10 @@ void HeadsetTracker::gather(DeviceTime frame, const sensor::TimeLines& lines) {
 
 void HeadsetTracker::ask(const MomentFeatures& moment, const RestFeatures& rest,
                          model::CausalNetwork::State* state) {
-  if (state != nullptr) {
-    write_moment_condition(moment, rest, condition_);
-    model_->memory()->step(condition_, *state, outputs_);
-    return;
-  }
-  const std::span<float> differences = std::span(condition_).first(moment.features.size());
-  features_from_rest(moment, rest, differences);
-  model_->network().answer(moment.features, differences, workspace_,
-                           std::span(outputs_).first(kAnswerOutputs));
+  read_moment(model_->network(), moment, rest, workspace_, condition_);
+  outputs_.fill(0);
+  if (state != nullptr) model_->memory()->step(condition_, *state, outputs_);
+  add_moment_answer(condition_, outputs_);
 }
 
 tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,

@@ -14,17 +14,25 @@ void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, 
   }
 }
 
-void write_moment_condition(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out) {
+void read_moment(const model::ViewsNetwork& network, const MomentFeatures& moment, const RestFeatures& rest,
+                 model::ViewsNetwork::Workspace& workspace, std::span<float> condition) {
   const std::size_t count = moment.features.size();
-  std::ranges::copy(moment.features, out.begin());
-  features_from_rest(moment, rest, out.subspan(count, count));
-  const std::span<float> views = out.subspan(2 * count);
+  std::ranges::copy(moment.features, condition.begin());
+  const std::span<float> differences = condition.subspan(count, count);
+  features_from_rest(moment, rest, differences);
+  const std::span<float> views = condition.subspan(2 * count);
   for (std::size_t v = 0; v < model::kViews; ++v) {
     const bool there = moment.present[v];
     views[v] = there ? std::clamp(moment.age_s[v] / kOldest_s, 0.0F, 1.0F) : 1.0F;
     views[model::kViews + v] = there ? 1.0F : 0.0F;
   }
   views[2 * model::kViews] = rest.features.empty() ? 0.0F : 1.0F;
+  network.answer(moment.features, differences, workspace, condition.last(kAnswerOutputs));
+}
+
+void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs) {
+  const std::span<const float> answer = condition.last(kAnswerOutputs);
+  for (std::size_t i = 0; i < answer.size(); ++i) outputs[i] += answer[i];
 }
 
 const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs() {

@@ -8,6 +8,7 @@
 #include "mien/face/shape_region.h"
 #include "mien/headset/answer.h"
 #include "mien/model/architecture.h"
+#include "mien/model/views_network.h"
 
 namespace mien::headset {
 
@@ -34,22 +35,29 @@ struct MomentFeatures {
 /// Features less those at rest; 0 where either is not known. `out`: as many numbers.
 void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out);
 
-/// Numbers of a moment that a network with a memory reads, in their order: the features, what they are from
-/// rest, of each view its age (1: kOldest_s or missing) and whether it is there, and whether the face at rest
-/// is known.
-[[nodiscard]] constexpr std::size_t moment_condition(std::size_t features) {
+/// Where a memory's condition has the network of pictures' answer to the moment, which is its end.
+[[nodiscard]] constexpr std::size_t moment_answer(std::size_t features) {
   return 2 * model::kViews * (features + 1) + 1;
 }
-/// Writes them; `out`: moment_condition() numbers.
-void write_moment_condition(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out);
+/// Numbers of a moment that a memory reads, in their order: the features, what they are from rest, of each
+/// view its age (1: kOldest_s or missing) and whether it is there, whether the face at rest is known, and
+/// what `network` answers to this moment alone.
+[[nodiscard]] constexpr std::size_t moment_condition(std::size_t features) {
+  return moment_answer(features) + kAnswerOutputs;
+}
+/// Writes them; `condition`: moment_condition() numbers.
+void read_moment(const model::ViewsNetwork& network, const MomentFeatures& moment, const RestFeatures& rest,
+                 model::ViewsNetwork::Workspace& workspace, std::span<float> condition);
 
-/// What such a network answers: kAnswerOutputs as headset/answer.h has them, then of each region of shapes
-/// and of the gaze the logit of the probability that it is right: that the mean absolute error of its shapes
-/// is at most 0.1 (docs/reference/metrics.md), and that of the eyes' angles at most 0.1 rad.
+/// What a memory answers: what it adds to the moment's kAnswerOutputs (headset/answer.h), then of each region
+/// of shapes and of the gaze the logit of the probability that the sum is right: that the mean absolute error
+/// of its shapes is at most 0.1 (docs/reference/metrics.md), and that of the eyes' angles at most 0.1 rad.
 inline constexpr std::size_t kGazeJudgement = face::kShapeRegionCount;
 inline constexpr std::size_t kJudgements = kGazeJudgement + 1;
 inline constexpr std::size_t kMemoryOutputs = kAnswerOutputs + kJudgements;
 inline constexpr float kRightWeight = 0.1F, kRightGaze_rad = 0.1F;
+/// Makes answers of a memory's outputs: adds those of the moment's condition.
+void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs);
 /// The answer's outputs that a judgement is about: the region's shapes.
 [[nodiscard]] const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs();
 /// The error of such an output that is right, in the outputs' range.

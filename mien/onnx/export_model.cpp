@@ -21,13 +21,6 @@ using Json = nlohmann::json;
 constexpr const char* kWeightsSay =
     "The weights of metadata `shapes`, in that order, 0 to 1; of several steps, a step's rows together.";
 
-std::vector<std::byte> bytes_of(const Graph& graph) {
-  std::string text;
-  graph.model().SerializeToString(&text);
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
 /// What every file says of itself.
 void tell_kind(Graph& graph, const char* kind) {
   graph.tell("format", "mien-onnx");
@@ -88,7 +81,7 @@ std::vector<std::byte> ridge_graph(const model::ModelFile& model, const model::R
                  graph.constant("bias", {ridge.outputs}, bias));
   graph.add("Clip", {sum, graph.scalar("zero", 0), graph.scalar("one", 1)}, {}, "weights");
   graph.output({.name = "weights", .shape = {"batch", ridge.outputs}, .says = kWeightsSay});
-  return bytes_of(graph);
+  return graph.bytes();
 }
 
 std::vector<std::byte> causal_graph(const model::ModelFile& model, const ExportRequest& request) {
@@ -102,7 +95,7 @@ std::vector<std::byte> causal_graph(const model::ModelFile& model, const ExportR
   add_causal_network(graph, model.architecture, model.network, condition,
                      {.name = "weights", .says = kWeightsSay, .factor = 0.5F, .shift = 0.5F, .held = true},
                      request.steps);
-  return bytes_of(graph);
+  return graph.bytes();
 }
 
 std::vector<std::byte> window_graph(const model::ModelFile& model, bool features) {
@@ -119,7 +112,7 @@ std::vector<std::byte> window_graph(const model::ModelFile& model, bool features
                             .dump());
   const std::string condition = add_condition(graph, model, features, {"batch", "frames"});
   add_window_network(graph, model.architecture, model.network, condition, model.schedule.levels);
-  return bytes_of(graph);
+  return graph.bytes();
 }
 
 }  // namespace
@@ -180,7 +173,7 @@ Result<std::vector<std::byte>> onnx_of(const eyewear::MarkerNetworkFile& model,
                "head's frame (+X the performer's left, +Y up, +Z forward), on Mien's built-in face.",
        .factor = static_cast<float>(model.scale_m)},
       request.steps);
-  return bytes_of(graph);
+  return graph.bytes();
 }
 
 Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
@@ -193,8 +186,48 @@ Result<std::vector<std::byte>> onnx_of(const model::BackboneShape& shape,
                .shape = {"batch", std::size_t{1}, shape.size, shape.size},
                .says = "Pictures, line by line, 0 (black) to 1."});
   add_backbone(graph, shape, tensors, "pictures");
-  return bytes_of(graph);
+  return graph.bytes();
 }
+
+namespace {
+
+/// How a headset's answer is read.
+constexpr const char* kHeadsetAnswer =
+    "53 weights and the tongue as 2 w - 1; yaw and pitch of the left and the right eye over 0.7 rad; "
+    "openness "
+    "of both as 2 (o / 1.5) - 1; pupils as (mm - 4.5) / 3.5";
+
+/// What a network of pictures answers to what its backbones found.
+Result<std::vector<std::byte>> onnx_of_moment(const headset::ViewsFile& model, const ExportRequest& request) {
+  MIEN_TRY(check(request, false));
+  Graph graph("mien_headset_moment",
+              "A network of Mien for a headset's cameras: what is found in their views to the face.");
+  tell_kind(graph, "headset_moment");
+  const std::size_t found = model::kViews * model.architecture.features;
+  graph.input({.name = "features",
+               .shape = {"batch", found},
+               .says = "Features of four views: left eye, right eye, left half of the mouth, right half."});
+  graph.input({.name = "differences",
+               .shape = {"batch", found},
+               .says = "The same less those of the face at rest; 0 where either is not known."});
+  const auto constant = [&](const std::string& name) {
+    const auto tensor = std::ranges::find(model.network, name, &model::Tensor::name);
+    return graph.constant(name, tensor->shape, tensor->values);
+  };
+  const std::string read = graph.add("Concat", {"features", "differences"}, {{"axis", std::int64_t{1}}});
+  const std::string hidden =
+      graph.add("Relu", {graph.gemm(read, constant("hidden.weight"), constant("hidden.bias"))});
+  graph.gemm(hidden, constant("output.weight"), constant("output.bias"), "answer");
+  graph.output({.name = "answer",
+                .shape = {"batch", model.architecture.outputs},
+                .says = fmt::format("{}.", kHeadsetAnswer)});
+  // Tokens of views that are missing, which stand for their features.
+  const auto missing = std::ranges::find(model.network, "missing", &model::Tensor::name);
+  graph.tell("missing", Json(missing->values).dump());
+  return graph.bytes();
+}
+
+}  // namespace
 
 Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model, const ExportRequest& request) {
   MIEN_TRY(model::check(model.architecture));
@@ -215,9 +248,11 @@ Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model, const Ex
     }
     return onnx_of(shape, tensors);
   }
+  if (request.part == "moment") return onnx_of_moment(model, request);
   if (request.part != "network" || !model.memory)
-    return fail(ErrorCode::not_found, "the model has no such part", request.part,
-                model.memory ? "use network, eye or mouth" : "use eye or mouth: it has no memory");
+    return fail(
+        ErrorCode::not_found, "the model has no such part", request.part,
+        model.memory ? "use network, moment, eye or mouth" : "use moment, eye or mouth: it has no memory");
   const headset::ViewsMemory& memory = *model.memory;
   MIEN_TRY(check(request, true));
   MIEN_TRY(model::check(memory.architecture));
@@ -233,21 +268,22 @@ Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model, const Ex
                .says =
                    "Features of four views (left eye, right eye, left half of the mouth, right half), the "
                    "same less those of the face at rest (0 where unknown), of each view its age (shares of "
-                   "0.1 s, 1 where it is missing) and whether it is there (0 or 1), and whether the face "
-                   "at rest is known (0 or 1)."});
+                   "0.1 s, 1 where it is missing) and whether it is there (0 or 1), whether the face at rest "
+                   "is known (0 or 1), and the answer of the graph `moment` to them."});
   add_causal_network(
       graph, memory.architecture, memory.network, "condition",
       {.name = "answer",
-       .says = "53 weights and the tongue as 2 w - 1; yaw and pitch of the left and the right eye "
-               "over 0.7 rad; openness of both as 2 (o / 1.5) - 1; pupils as (mm - 4.5) / 3.5; "
-               "then six logits, of brows, eyes, cheeks, mouth, jaw and gaze, to be made "
-               "probabilities by the maps in metadata `judgements` (offset, slope).",
+       .says =
+           fmt::format("To be added to the moment's answer, which has {}; then six logits, of brows, eyes, "
+                       "cheeks, mouth, jaw and gaze, to be made probabilities by the maps in metadata "
+                       "`judgements` (offset, slope).",
+                       kHeadsetAnswer),
        .factor = 1},
       request.steps);
   Json maps = Json::array();
   for (const model::LogisticMap& map : memory.judgements) maps.push_back({map.offset, map.slope});
   graph.tell("judgements", maps.dump());
-  return bytes_of(graph);
+  return graph.bytes();
 }
 
 Result<std::vector<std::byte>> onnx_of_file(const std::filesystem::path& path, const ExportRequest& request) {

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostSteps = 256;
 
 /// What is to be exported of a model file, and how.
 struct ExportRequest {
-  /// Or "ridge.PROFILE", as the file's tensors are called; of a headset's model "eye" or "mouth".
+  /// Or "ridge.PROFILE", as the file's tensors are called; of a headset's model "eye", "mouth" or "moment".
   std::string part = "network";
   /// The graph takes what sensors say (m/s^2, quaternions, flags) instead of the normalised condition.
   bool features = false;
@@ -36,8 +36,8 @@ struct ExportRequest {
 /// The eyewear model's: its answer is in metres.
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of(const eyewear::MarkerNetworkFile& model,
                                                      const ExportRequest& request = {});
-/// A headset's: its part "network" is the memory, from moment_condition() numbers of what was found and how
-/// it differs from rest to the weights and all else that it answers; "eye" and "mouth" are what finds it.
+/// A headset's: "eye" and "mouth" find what is in pictures, "moment" answers it, and "network" is the memory,
+/// from moment_condition() numbers to what is added to that answer.
 /// Errors: also not_found (a model without a memory).
 [[nodiscard]] Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model,
                                                      const ExportRequest& request = {});

@@ -37,6 +37,13 @@ Graph::Graph(const std::string& name, const std::string& says) {
   graph().set_doc_string(says);
 }
 
+std::vector<std::byte> Graph::bytes() const {
+  std::string text;
+  model_.SerializeToString(&text);
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
 void Graph::tell(const std::string& key, const std::string& text) {
   ::onnx::StringStringEntryProto& entry = *model_.add_metadata_props();
   entry.set_key(key);

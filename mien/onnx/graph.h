@@ -63,7 +63,8 @@ class Graph {
   /// `count` parts of one size along an axis.
   std::vector<std::string> split(const std::string& x, std::size_t count, std::int64_t axis);
 
-  [[nodiscard]] const ::onnx::ModelProto& model() const { return model_; }
+  /// The file.
+  [[nodiscard]] std::vector<std::byte> bytes() const;
 
  private:
   ::onnx::GraphProto& graph() { return *model_.mutable_graph(); }

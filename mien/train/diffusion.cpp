@@ -49,6 +49,14 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
   return torch::where(frame < batch.held.view({-1, 1, 1}), batch.clean, mixed);
 }
 
+torch::Tensor answer_at_once(const Recipe& recipe, const Parameters& parameters,
+                             const torch::Tensor& condition, const Pass& pass) {
+  const torch::Tensor outputs = predict_at_once(recipe.architecture, parameters, condition, pass);
+  if (!recipe.added_to) return outputs;
+  const auto judged = static_cast<std::int64_t>(recipe.judgements.size()), answers = outputs.size(2) - judged;
+  return outputs + torch::constant_pad_nd(condition.narrow(2, *recipe.added_to, answers), {0, judged});
+}
+
 torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor& clean) {
   return torch::where(clean.isnan(), torch::zeros_like(clean), predicted - clean);
 }
@@ -76,19 +84,13 @@ torch::Tensor answers_of(const Recipe& recipe, const torch::Tensor& predicted) {
   return predicted.narrow(2, 0, predicted.size(2) - static_cast<std::int64_t>(recipe.judgements.size()));
 }
 
-}  // namespace
-
-torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
-  if (!recipe.judgements.empty()) {
-    Recipe of_answers = recipe;
-    of_answers.judgements.clear();
-    return loss_of(of_answers, answers_of(recipe, predicted), batch) +
-           kJudgementWeight * judgement_loss(recipe, predicted, batch.clean);
-  }
-  const torch::Tensor difference = difference_of(predicted, batch.clean);
+torch::Tensor answer_loss(const Recipe& recipe, const torch::Tensor& answers, const DeviceBatch& batch) {
+  const torch::Tensor difference = difference_of(answers, batch.clean);
   const torch::Tensor error = error_of(recipe.loss, difference);
   if (recipe.difference_weight > 0) {
-    const torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
+    torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
+    if (!recipe.quick_outputs.empty())
+      change = change.index_fill(2, torch::tensor(recipe.quick_outputs).to(change.device()), 0);
     return error.mean() + recipe.difference_weight * change.square().mean();
   }
   if (recipe.t_weight == 0) return error.mean();
@@ -98,13 +100,21 @@ torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, cons
   return (error.mean(at::IntArrayRef{1, 2}) * weight / weight.mean()).mean();
 }
 
+}  // namespace
+
+torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
+  const torch::Tensor loss = answer_loss(recipe, answers_of(recipe, predicted), batch);
+  if (recipe.judgements.empty()) return loss;
+  return loss + kJudgementWeight * judgement_loss(recipe, predicted, batch.clean);
+}
+
 ValidationScore validate(const Recipe& recipe, const Parameters& parameters, const Batch& windows,
                          const NoiseMixer& mixer, const torch::Device& device) {
   const at::NoGradGuard no_gradients;
   DeviceBatch all = to_device(windows, recipe, device);
   if (recipe.architecture.kind != model::NetworkKind::window) {
     const torch::Tensor predicted =
-        predict_at_once(recipe.architecture, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16});
+        answer_at_once(recipe, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16});
     const torch::Tensor error = difference_of(answers_of(recipe, predicted).clamp(-1, 1), all.clean);
     // Half the distance in [-1, 1] is the distance of weights.
     return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};

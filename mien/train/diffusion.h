@@ -27,11 +27,17 @@ class NoiseMixer {
   torch::Tensor keep_, add_;  ///< One number a level.
 };
 
-/// The training loss: mean error of the clean windows, weighted by noise level where the recipe says
-/// so; of a causal network's with that of the changes from frame to frame, where the recipe says so.
+/// What a network that is not a window's says of a batch: predict_at_once(), added to what the recipe has it
+/// added to.
+[[nodiscard]] torch::Tensor answer_at_once(const Recipe& recipe, const Parameters& parameters,
+                                           const torch::Tensor& condition, const Pass& pass);
+
 /// Predicted less clean windows. What nobody can know of a window is no number there, and differs by nothing.
 [[nodiscard]] torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor& clean);
 
+/// The training loss: mean error of the clean windows, weighted by noise level where the recipe says so; of a
+/// causal network's with that of the changes from frame to frame, and of its judgements of itself, where the
+/// recipe says so.
 [[nodiscard]] torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted,
                                     const DeviceBatch& batch);
 

@@ -5,8 +5,6 @@
 #include <limits>
 #include <vector>
 
-#include "mien/headset/headset_camera.h"
-
 namespace mien::train {
 
 using headset::kAnswerOutputs;
@@ -19,15 +17,10 @@ Result<FilmPlaces> film_places(const study::HeadsetFilms& films, const sensor::R
                     fmt::format("films have {} views of {} pixels, the network {} of {}", film.views(),
                                 film.side(), rig.sensors.size(), side),
                     "[data] side");
-  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras, headset::headset_cameras(rig, side));
+  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras, study::film_cameras(rig, side));
   FilmPlaces places;
-  for (const headset::HeadsetCamera& camera : cameras) {
-    FilmPlace& place = places[camera.place];
-    place = {.camera = camera.sensor, .is_there = true, .view = camera.view};
-    // Films show what is cut out already.
-    place.view.left = place.view.top = 0;
-    place.view.right = place.view.bottom = 1;
-  }
+  for (const headset::HeadsetCamera& camera : cameras)
+    places[camera.place] = {.camera = camera.sensor, .is_there = true, .view = camera.view};
   return places;
 }
 

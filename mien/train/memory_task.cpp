@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "mien/core/quantile.h"
@@ -19,6 +20,7 @@
 #include "mien/study/reliability.h"
 #include "mien/train/film_answers.h"
 #include "mien/train/view_augmentation.h"
+#include "mien/train/view_obstacle.h"
 
 namespace mien::train {
 namespace {
@@ -40,17 +42,34 @@ constexpr double kSlow = 0.05, kMissing = 0.04, kAway = 0.06, kMouthAway = 0.03;
 /// How much later than usual a view may come, shares of a tick.
 constexpr double kLatest = 0.6;
 
+/// Of a donning that is spoilt: that something comes before cameras; of eyes and of mouth, that it does so
+/// there; then of each view.
+constexpr double kHidden = 0.6, kHalfHidden = 0.6, kViewHidden = 0.85;
+
 /// What a donning is shown as.
 struct Way {
   bool mirrored = false;
   std::array<ViewLook, kViews> looks;
   bool spoilt = false;
+  std::array<std::optional<ViewObstacle>, kViews> obstacles;
 };
 
-Way draw_way(std::size_t number, Random& random) {
-  Way way{.mirrored = number % 2 == 1, .looks = {}, .spoilt = number >= 2};
-  if (way.spoilt)
-    for (ViewLook& look : way.looks) look = draw_look(random);
+/// `frames` [rest, frames) follow those at rest.
+Way draw_way(std::size_t number, std::size_t rest, std::size_t frames, Random& random) {
+  Way way{.mirrored = number % 2 == 1, .looks = {}, .spoilt = number >= 2, .obstacles = {}};
+  if (!way.spoilt) return way;
+  for (ViewLook& look : way.looks) look = draw_look(random);
+  if (!random.chance(kHidden)) return way;
+  const std::array<bool, 2> halves = {random.chance(kHalfHidden), random.chance(kHalfHidden)};
+  const ViewObstacle all = draw_obstacle(frames - rest, random);
+  for (std::size_t v = 0; v < kViews; ++v) {
+    if (!halves[v / 2] || !random.chance(kViewHidden)) continue;
+    ViewObstacle& obstacle = way.obstacles[v].emplace(draw_obstacle(frames - rest, random));
+    // What stands before one view stands before its neighbours at the same time.
+    obstacle.begin = rest + all.begin;
+    obstacle.end = rest + all.end;
+    obstacle.is_glare = all.is_glare;
+  }
   return way;
 }
 
@@ -76,6 +95,7 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
       shown.assign(view.begin(), view.end());
       if (way.spoilt) {
         show_as(way.looks[v], shown, side, scratch);
+        if (way.obstacles[v]) show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
         spoil_view(shown, side, random);
       }
       auto stretched = headset::NetworkView::create(place.view);
@@ -122,6 +142,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
   const std::size_t count = views.architecture.features;
   recipe.architecture.condition = headset::moment_condition(count);
   recipe.architecture.outputs = headset::kMemoryOutputs;
+  recipe.added_to = static_cast<std::int64_t>(headset::moment_answer(count));
   MIEN_TRY(model::check(recipe.architecture));
   for (std::size_t j = 0; j < headset::kJudgements; ++j) {
     Recipe::Judgement& judgement = recipe.judgements.emplace_back();
@@ -129,14 +150,14 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
       judgement.outputs.push_back(static_cast<std::int64_t>(output));
     judgement.most_error = double{headset::right_output_error(j)};
   }
+  for (const std::size_t output : {face::shape("eyeBlink_L"), face::shape("eyeBlink_R"),
+                                   headset::kOpennessOutput, headset::kOpennessOutput + 1})
+    recipe.quick_outputs.push_back(static_cast<std::int64_t>(output));
   MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, views.architecture.side));
-  MIEN_TRY_ASSIGN(const model::ViewsNetwork network,
-                  model::ViewsNetwork::create(views.architecture, views.network));
-  auto task = std::unique_ptr<MemoryTask>(new MemoryTask(std::move(recipe), std::move(views)));
-  for (std::size_t v = 0; v < kViews; ++v) {
-    const std::span<const float> token = network.missing(v);
-    task->missing_.insert(task->missing_.end(), token.begin(), token.end());
-  }
+  MIEN_TRY_ASSIGN(model::ViewsNetwork looks, model::ViewsNetwork::create(views.architecture, views.network));
+  auto task =
+      std::unique_ptr<MemoryTask>(new MemoryTask(std::move(recipe), std::move(views), std::move(looks)));
+  const model::ViewsNetwork& network = task->network_;
   const Random root = Random(task->recipe_.seed).fork("ways");
   const std::size_t all = films.train.size() + films.validation.size();
   std::vector<std::vector<Sequence>> found(all);
@@ -149,7 +170,8 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
       for (const study::HeadsetFilm::Donning& donning : film.donnings()) {
         if (donning.end - donning.begin < 2) continue;
         Random random = root.fork("film", index).fork("way", way).fork("donning", donning.begin);
-        const Way shown = draw_way(way, random);
+        const Way shown =
+            draw_way(way, donning.rest_end - donning.begin, donning.end - donning.begin, random);
         Sequence s;
         s.film = number;
         s.frames = donning.end - donning.begin;
@@ -198,7 +220,7 @@ void MemoryTask::moment_at(const Sequence& sequence, double frame, std::span<con
     const auto begin = static_cast<std::ptrdiff_t>(v * count);
     const auto leave_out = [&] {
       moment.present[v] = false;
-      std::copy_n(missing_.begin() + begin, count, moment.features.begin() + begin);
+      std::ranges::copy(network_.missing(v), moment.features.begin() + begin);
     };
     const Delivery* const of = delivery.empty() ? nullptr : &delivery[v];
     if (!sequence.rest.present[v] || (of != nullptr && of->missing)) {
@@ -262,14 +284,15 @@ void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random
   }
   headset::MomentFeatures moment;
   moment.features.resize(kViews * views_.architecture.features);
+  model::ViewsNetwork::Workspace memory(network_);
   for (std::size_t tick = first_tick; tick < first_tick + window; ++tick) {
     const double frame = std::min(static_cast<double>(tick) * sequence.rate_hz / kFrameRateHz,
                                   static_cast<double>(sequence.frames - 1));
     moment_at(sequence, frame, delivery, moment);
     const std::size_t begin = batch.condition.size(), wanted = batch.clean.size();
     batch.condition.resize(begin + each);
-    headset::write_moment_condition(moment, told ? sequence.rest : kNothing,
-                                    std::span(batch.condition).subspan(begin));
+    headset::read_moment(network_, moment, told ? sequence.rest : kNothing, memory,
+                         std::span(batch.condition).subspan(begin));
     batch.clean.resize(wanted + kAnswerOutputs);
     wanted_at(sequence, frame, std::span(batch.clean).subspan(wanted));
   }
@@ -320,6 +343,7 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
   headset::MomentFeatures moment;
   moment.features.resize(kViews * views_.architecture.features);
   std::vector<float> condition(recipe_.architecture.condition);
+  model::ViewsNetwork::Workspace memory(network_);
   std::array<float, headset::kMemoryOutputs> outputs{};
   std::array<float, kAnswerOutputs> wanted{};
   struct Judged {
@@ -329,7 +353,8 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
     bool hit = false;
   };
   std::vector<Judged> judged;
-  double squares = 0, mean_squares = 0, weights = 0, hits = 0, told = 0, shut = 0, rough = 0, true_rough = 0;
+  double squares = 0, mean_squares = 0, moment_squares = 0, weights = 0, hits = 0, told = 0, shut = 0,
+         rough = 0, true_rough = 0;
   std::vector<double> gaze_deg;
   for (std::size_t n = 0; n < validation_.size(); ++n) {
     const Sequence& s = validation_[n];
@@ -340,10 +365,12 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
     for (std::size_t tick = 0; tick < ticks_of(s); ++tick) {
       const double frame = static_cast<double>(tick) * s.rate_hz / kFrameRateHz;
       moment_at(s, frame, {}, moment);
-      headset::write_moment_condition(moment, s.rest, condition);
+      headset::read_moment(network_, moment, s.rest, memory, condition);
       runs.step(condition, state, outputs);
+      headset::add_moment_answer(condition, outputs);
       if (frame < static_cast<double>(s.rest_end)) continue;
       wanted_at(s, frame, wanted);
+      const std::span<const float> moments_answer = std::span(condition).last(kAnswerOutputs);
       auto& answer = answered.emplace_back();
       auto& real = truth.emplace_back();
       for (std::size_t k = 0; k < face::kShapeCount; ++k) {
@@ -354,6 +381,8 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
         const double of_mean = 0.5 * double{views_.mean_answer[k] - wanted[k]};
         squares += error * error;
         mean_squares += of_mean * of_mean;
+        const float by_itself = std::clamp(moments_answer[k], -1.0F, 1.0F);
+        moment_squares += 0.25 * double{by_itself - wanted[k]} * double{by_itself - wanted[k]};
         ++weights;
       }
       const headset::Answer seen = headset::decode_answer(std::span(outputs).first<kAnswerOutputs>());
@@ -409,6 +438,7 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
   return nlohmann::json{{"headset",
                          {{"mse", squares / std::max(1.0, weights)},
                           {"mean_pose_mse", mean_squares / std::max(1.0, weights)},
+                          {"moment_mse", moment_squares / std::max(1.0, weights)},
                           {"gaze_median_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.5)},
                           {"gaze_p90_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.9)},
                           {"closed_f1", 2 * hits / std::max(1.0, shut + told)},

@@ -39,9 +39,9 @@ class MemoryTask final : public Task {
   [[nodiscard]] Result<std::string> results_of(const std::filesystem::path& model) const override;
   [[nodiscard]] Result<std::vector<model::Tensor>> begin_with(const std::filesystem::path& model) override;
   /// "headset": over validation, frame by frame after the rest: squared error of the weights beside the mean
-  /// answer's, the gaze's median error and its 90th percentile, how well closed lids are told, how restless
-  /// the answer is (third differences over the truth's), and of the judgements, fitted on half of the
-  /// wearers, calibration error and area under the ROC on the other half.
+  /// answer's and that of the network of pictures alone, the gaze's median error and its 90th percentile, how
+  /// well closed lids are told, how restless the answer is (third differences over the truth's), and of the
+  /// judgements, fitted on half of the wearers, calibration error and area under the ROC on the other half.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
                                            const Progress& progress) override;
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,
@@ -60,8 +60,8 @@ class MemoryTask final : public Task {
   /// What arrives of a view in a window.
   struct Delivery;
 
-  MemoryTask(Recipe recipe, headset::ViewsFile views)
-      : recipe_(std::move(recipe)), views_(std::move(views)) {}
+  MemoryTask(Recipe recipe, headset::ViewsFile views, model::ViewsNetwork network)
+      : recipe_(std::move(recipe)), views_(std::move(views)), network_(std::move(network)) {}
   [[nodiscard]] static std::size_t frames_of(const std::vector<Sequence>& sequences);
   [[nodiscard]] std::size_t ticks_of(const Sequence& sequence) const;
   void append(const Sequence& sequence, std::size_t first_tick, Random* random, Batch& batch) const;
@@ -72,7 +72,7 @@ class MemoryTask final : public Task {
 
   Recipe recipe_;
   headset::ViewsFile views_;
-  std::vector<float> missing_;  // kViews x features.
+  model::ViewsNetwork network_;  // That of views_.
   std::vector<Sequence> training_, validation_;
   std::string training_hash_, validation_hash_;
 };

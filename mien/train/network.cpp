@@ -10,11 +10,23 @@
 namespace mien::train {
 namespace {
 
+/// Added to a channel's variance, so that an even one can be normalised.
+constexpr double kBatchNormEpsilon = 1e-5;
+
+/// What batch normalisation found of one convolution, a value a channel.
+struct ChannelStatistics {
+  torch::Tensor mean, variance;
+};
+
 /// Hands out parameters one after the other, in the order in which the network uses them.
 class Cursor {
  public:
-  Cursor(const Parameters& parameters, const Pass& pass)
-      : next_(parameters.begin()), pass_(pass), type_(pass.bf16 ? torch::kBFloat16 : torch::kFloat) {}
+  /// `statistics`: where those of each convolution go that is normalised; may be null.
+  Cursor(const Parameters& parameters, const Pass& pass, std::vector<ChannelStatistics>* statistics = nullptr)
+      : next_(parameters.begin()),
+        pass_(pass),
+        type_(pass.bf16 ? torch::kBFloat16 : torch::kFloat),
+        statistics_(statistics) {}
 
   torch::Tensor linear(const torch::Tensor& x) {
     const torch::Tensor weight = take(), bias = take();
@@ -23,7 +35,14 @@ class Cursor {
   /// 3 x 3 pixels, stride 2, zeros around.
   torch::Tensor convolve(const torch::Tensor& x) {
     const torch::Tensor weight = take(), bias = take();
-    return torch::conv2d(x.to(type_), weight, bias, 2, 1);
+    if (!pass_.batch_norm) return torch::conv2d(x.to(type_), weight, bias, 2, 1);
+    const torch::Tensor plain = torch::conv2d(x.to(type_), weight, {}, 2, 1);
+    ChannelStatistics found;
+    if (statistics_ != nullptr) found = {torch::zeros_like(bias), torch::zeros_like(bias)};
+    const torch::Tensor normalised = torch::batch_norm(plain, torch::ones_like(bias), bias, found.mean,
+                                                       found.variance, true, 1, kBatchNormEpsilon, false);
+    if (statistics_ != nullptr) statistics_->push_back(std::move(found));
+    return normalised;
   }
   /// A parameter that is added as it is.
   torch::Tensor plain() { return *next_++; }
@@ -56,6 +75,7 @@ class Cursor {
   Parameters::const_iterator next_;
   const Pass& pass_;
   torch::ScalarType type_;
+  std::vector<ChannelStatistics>* statistics_;
 };
 
 torch::Tensor as_tensor(const std::vector<float>& values, at::IntArrayRef shape,
@@ -153,15 +173,15 @@ Parameters from_tensors(const std::vector<model::Tensor>& tensors, const torch::
   return parameters;
 }
 
-torch::Tensor predict_views(const model::Architecture& a, const Parameters& parameters,
-                            const torch::Tensor& condition, const Pass& pass) {
-  constexpr auto kViews = static_cast<std::int64_t>(model::kViews);
+namespace {
+
+torch::Tensor run_views(const model::Architecture& a, const torch::Tensor& condition, Cursor use) {
+  constexpr auto kEach = static_cast<std::int64_t>(model::kViews);
   const auto side = static_cast<std::int64_t>(a.side), wearers = condition.size(0), each = condition.size(1),
              moments = wearers * each;
   const torch::Tensor all = condition.view({moments, -1});
-  const torch::Tensor views = all.narrow(1, 0, kViews * side * side).view({moments, kViews, side, side});
-  const torch::Tensor present = all.narrow(1, kViews * side * side, kViews).unsqueeze(2);
-  Cursor use(parameters, pass);
+  const torch::Tensor views = all.narrow(1, 0, kEach * side * side).view({moments, kEach, side, side});
+  const torch::Tensor present = all.narrow(1, kEach * side * side, kEach).unsqueeze(2);
   std::vector<torch::Tensor> found;
   for (const std::int64_t first : {0, 2}) {  // Eyes, then mouths: two views through one backbone.
     torch::Tensor x = views.narrow(1, first, 2).reshape({2 * moments, 1, side, side});
@@ -171,14 +191,40 @@ torch::Tensor predict_views(const model::Architecture& a, const Parameters& para
   const torch::Tensor seen = torch::cat(found, 1);
   const torch::Tensor features = present * seen + (1 - present) * use.plain().unsqueeze(0);
   // Against the first moment, where both views are there and it is known.
-  const torch::Tensor of_wearers = features.view({wearers, each, kViews, -1});
-  const torch::Tensor there = present.view({wearers, each, kViews, 1}),
-                      known = all.narrow(1, kViews * (side * side + 1), 1).view({wearers, each, 1, 1});
+  const torch::Tensor of_wearers = features.view({wearers, each, kEach, -1});
+  const torch::Tensor there = present.view({wearers, each, kEach, 1}),
+                      known = all.narrow(1, kEach * (side * side + 1), 1).view({wearers, each, 1, 1});
   const torch::Tensor differences =
       known * there * there.narrow(1, 0, 1) * (of_wearers - of_wearers.narrow(1, 0, 1));
   const torch::Tensor read = torch::cat({features.flatten(1), differences.view({moments, -1})}, 1);
   const torch::Tensor hidden = torch::relu(use.linear(use.drop(read)));
   return use.linear(hidden).to(torch::kFloat).view({wearers, each, -1});
+}
+
+}  // namespace
+
+torch::Tensor predict_views(const model::Architecture& architecture, const Parameters& parameters,
+                            const torch::Tensor& condition, const Pass& pass) {
+  return run_views(architecture, condition, Cursor(parameters, pass));
+}
+
+Parameters fold_batch_norm(const model::Architecture& architecture, const Parameters& parameters,
+                           const torch::Tensor& condition) {
+  const at::NoGradGuard no_gradients;
+  std::vector<ChannelStatistics> statistics;
+  const Pass pass{.batch_norm = true};
+  run_views(architecture, condition, Cursor(parameters, pass, &statistics));
+  Parameters folded = parameters;
+  auto found = statistics.begin();
+  const std::vector<model::TensorSpec> specs = model::network_tensors(architecture);
+  for (std::size_t i = 0; i + 1 < specs.size(); ++i) {
+    if (specs[i].shape.size() != 4) continue;  // A convolution's weight; its bias follows.
+    const torch::Tensor scale = (found->variance + kBatchNormEpsilon).rsqrt();
+    folded[i] = parameters[i] * scale.view({-1, 1, 1, 1});
+    folded[i + 1] = parameters[i + 1] - found->mean * scale;
+    ++found;
+  }
+  return folded;
 }
 
 torch::Tensor predict_at_once(const model::Architecture& architecture, const Parameters& parameters,

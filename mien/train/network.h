@@ -28,6 +28,9 @@ struct Pass {
   double dropout =
       0;  ///< Share of activations dropped after softmax, attention and feed-forward; 0 when not training.
   bool bf16 = false;  ///< Products in bf16 with fp32 sums: more than twice as fast where the CPU has it.
+  /// Of a network of pictures: batch normalisation (Ioffe and Szegedy 2015, arXiv:1502.03167) behind each
+  /// convolution, whose bias is the shift; its gain is left to the next layer, since a ReLU passes it on.
+  bool batch_norm = false;
 };
 
 /// What a causal network answers: the same function as model::CausalNetwork from a fresh state on, frame by
@@ -42,6 +45,11 @@ struct Pass {
 [[nodiscard]] torch::Tensor predict_views(const model::Architecture& architecture,
                                           const Parameters& parameters, const torch::Tensor& condition,
                                           const Pass& pass);
+
+/// Of a network of pictures that answers with Pass::batch_norm: the weights that answer the same without it,
+/// on pictures whose channels have the means and variances that they have in `condition`.
+[[nodiscard]] Parameters fold_batch_norm(const model::Architecture& architecture,
+                                         const Parameters& parameters, const torch::Tensor& condition);
 
 /// Either of them, by the architecture's kind, which is not a window's.
 [[nodiscard]] torch::Tensor predict_at_once(const model::Architecture& architecture,

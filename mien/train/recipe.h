@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,11 @@ struct Recipe {
     double most_error = 0;
   };
   std::vector<Judgement> judgements;
+  /// Filled in by tasks whose network adds to what it reads: where in its condition stand as many numbers as
+  /// are asked for, which its first outputs are added to.
+  std::optional<std::int64_t> added_to;
+  /// Filled in by tasks: answers that difference_weight leaves out, since they change as fast as lids do.
+  std::vector<std::int64_t> quick_outputs;
 
   // [data]: the table as TOML text, unread, for whoever makes the data.
   std::string data;

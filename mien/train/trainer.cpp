@@ -96,15 +96,15 @@ double learning_rate(const Recipe& recipe, std::int64_t step, double fraction) {
 
 /// One optimisation step on a batch; the loss.
 double take_step(const Recipe& recipe, const torch::Device& device, const NoiseMixer& mixer,
-                 const Batch& batch, std::int64_t step, double rate, Parameters& weights, Adam& adam,
-                 MovingAverage& average) {
+                 const Batch& batch, bool batch_norm, std::int64_t step, double rate, Parameters& weights,
+                 Adam& adam, MovingAverage& average) {
   // Noise and dropout start anew from the step's number, so nothing needs to be remembered across a restart.
   torch::manual_seed(Random(recipe.seed).fork("step", static_cast<std::uint64_t>(step)).bits());
   const DeviceBatch windows = to_device(batch, recipe, device);
-  const Pass pass{.dropout = recipe.dropout, .bf16 = recipe.bf16};
+  const Pass pass{.dropout = recipe.dropout, .bf16 = recipe.bf16, .batch_norm = batch_norm};
   torch::Tensor predicted;
   if (recipe.architecture.kind != model::NetworkKind::window) {
-    predicted = predict_at_once(recipe.architecture, weights, windows.condition, pass);
+    predicted = answer_at_once(recipe, weights, windows.condition, pass);
   } else {
     const torch::Tensor noisy = mixer.mix(windows, torch::randn_like(windows.clean));
     predicted = predict(recipe.architecture, weights, noisy, windows.condition, windows.level, pass);
@@ -180,6 +180,8 @@ class Training {
       weights_ = from_tensors(begin_with_, *device_);
       for (torch::Tensor& weight : weights_) weight.requires_grad_();
     }
+    // A standing network's normalisation is folded into its weights, and stays as it was.
+    batch_norm_ = recipe_.architecture.kind == model::NetworkKind::views && options_.from.empty();
     adam_.emplace(weights_);
     average_.emplace(weights_);
     state_.run = run_;
@@ -217,8 +219,8 @@ class Training {
     double mark_s = now_s(), last_validation_s = mark_s;
     while (fraction() < 1) {
       const double rate = learning_rate(recipe_, state_.step, fraction());
-      const double loss = take_step(recipe_, *device_, *mixer_, stream.next(), state_.step, rate, weights_,
-                                    *adam_, *average_);
+      const double loss = take_step(recipe_, *device_, *mixer_, stream.next(), batch_norm_, state_.step, rate,
+                                    weights_, *adam_, *average_);
       if (!std::isfinite(loss))
         return fail(ErrorCode::internal, fmt::format("the loss is no longer finite at step {}", state_.step),
                     options_.out.string(), "lower optimiser.learning_rate; the last checkpoint is sound");
@@ -257,9 +259,21 @@ class Training {
     return text;
   }
 
+  /// The averaged weights as a model file has them: batch normalisation by the statistics that they have
+  /// themselves, on training windows, and folded.
+  [[nodiscard]] Parameters averaged() {
+    if (!batch_norm_) return average_->average;
+    constexpr std::size_t kWindows = 128;
+    if (statistics_windows_.windows == 0)
+      statistics_windows_ = task_.random_batch(kWindows, Random(recipe_.seed).fork("statistics"));
+    return fold_batch_norm(recipe_.architecture, average_->average,
+                           to_device(statistics_windows_, recipe_, *device_).condition);
+  }
+
   /// Validates the averaged weights, keeps the best, and adds a row to the curve.
   void look(double rate) {
-    last_score_ = validate(recipe_, average_->average, validation_windows_, *mixer_, *device_);
+    const Parameters weights = averaged();
+    last_score_ = validate(recipe_, weights, validation_windows_, *mixer_, *device_);
     state_.curve += fmt::format("{},{:.1f},{},{:.3g},{:.6f},{:.6f},{:.7f}\n", state_.step, state_.seconds,
                                 state_.step * static_cast<std::int64_t>(recipe_.batch), rate,
                                 loss_count_ > 0 ? loss_sum_ / static_cast<double>(loss_count_) : 0.0,
@@ -269,7 +283,7 @@ class Training {
     if (last_score_->by(recipe_.score) < state_.best_score) {
       state_.best_score = last_score_->by(recipe_.score);
       state_.best_step = state_.step;
-      state_.best = to_tensors(recipe_.architecture, average_->average);
+      state_.best = to_tensors(recipe_.architecture, weights);
     }
   }
 
@@ -280,7 +294,7 @@ class Training {
     state_.adam_square = to_tensors(a, adam_->square);
     state_.average = to_tensors(a, average_->average);
     state_.averagings = average_->count;
-    if (state_.best.empty()) state_.best = state_.average;
+    if (state_.best.empty()) state_.best = to_tensors(a, averaged());
     MIEN_TRY(write_checkpoint(checkpoint_path_, state_));
     return write_file(curve_path_, state_.curve);
   }
@@ -334,6 +348,8 @@ class Training {
   std::optional<torch::Device> device_;
   std::optional<NoiseMixer> mixer_;
   Batch validation_windows_;
+  Batch statistics_windows_;  ///< Those that batch normalisation is folded by; drawn when first asked for.
+  bool batch_norm_ = false;
   std::string validation_hash_, run_;
   Parameters weights_;
   std::optional<Adam> adam_;
@@ -380,8 +396,8 @@ Result<double> measure_speed(const Recipe& given, std::size_t sensors, std::size
   std::vector<double> seconds;
   for (std::size_t i = 0; i <= steps; ++i) {
     const double start_s = now_s();
-    take_step(recipe, device, mixer, batch, static_cast<std::int64_t>(i), recipe.learning_rate, weights, adam,
-              average);
+    take_step(recipe, device, mixer, batch, false, static_cast<std::int64_t>(i), recipe.learning_rate,
+              weights, adam, average);
     if (i > 0) seconds.push_back(now_s() - start_s);  // The first one also sets libtorch up.
   }
   std::sort(seconds.begin(), seconds.end());

@@ -78,11 +78,17 @@ TEST(ExportModel, AHeadsetsModelHasItsMemoryAndItsBackbones) {
   EXPECT_EQ(onnx_of(file).error().code, ErrorCode::not_found) << "it has no memory";
   file.memory = headset::test::small_memory();
   const auto memory = onnx_of(file), eye = onnx_of(file, {.part = "eye"}),
-             mouth = onnx_of(file, {.part = "mouth"});
+             mouth = onnx_of(file, {.part = "mouth"}), moment = onnx_of(file, {.part = "moment"});
   ASSERT_TRUE(memory) << memory.error().message();
   ASSERT_TRUE(eye) << eye.error().message();
   ASSERT_TRUE(mouth) << mouth.error().message();
   EXPECT_NE(*eye, *mouth);
+  ASSERT_TRUE(moment) << moment.error().message();
+  check_file(*moment);
+  const auto of_moment = test::parsed(*moment);
+  EXPECT_THAT(shapes_of(of_moment.graph().input()),
+              ElementsAre("features: batch 32", "differences: batch 32"));
+  EXPECT_THAT(shapes_of(of_moment.graph().output()), ElementsAre("answer: batch 62"));
   EXPECT_EQ(onnx_of(file, {.part = "ridge.lab"}).error().code, ErrorCode::not_found);
   EXPECT_EQ(onnx_of(file, {.features = true}).error().code, ErrorCode::bad_usage);
   EXPECT_EQ(onnx_of(file, {.part = "eye", .steps = 2}).error().code, ErrorCode::bad_usage);

@@ -8,12 +8,17 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <utility>
 
 #include "mien/core/files.h"
 #include "mien/core/random.h"
+#include "mien/headset/views_file.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/denoiser.h"
+#include "mien/model/views_network.h"
 #include "mien/onnx/export_model.h"
+#include "mien/onnx/rival_graphs.h"
 #include "tests/folder.h"
 #include "tests/model/random_backbone.h"
 #include "tests/onnx/example_models.h"
@@ -147,6 +152,23 @@ double ridge_difference(const model::ModelFile& model, const model::RidgeBaselin
   return largest_difference(answers.at(0).at("weights"), expected);
 }
 
+double moment_difference(const headset::ViewsFile& file) {
+  constexpr std::size_t kMoments = 40;
+  const model::ViewsNetwork network = model::ViewsNetwork::create(file.architecture, file.network).value();
+  model::ViewsNetwork::Workspace workspace(network);
+  const std::size_t count = model::kViews * file.architecture.features;
+  const Floats features = noise(kMoments * count, 10), differences = noise(kMoments * count, 11);
+  Floats expected(kMoments * file.architecture.outputs);
+  for (std::size_t m = 0; m < kMoments; ++m)
+    network.answer(std::span(features).subspan(m * count, count),
+                   std::span(differences).subspan(m * count, count), workspace,
+                   std::span(expected).subspan(m * file.architecture.outputs, file.architecture.outputs));
+  const Json answers = replay(onnx_of(file, {.part = "moment"}).value(),
+                              Json::array({{{"features", tensor({kMoments, count}, features)},
+                                            {"differences", tensor({kMoments, count}, differences)}}}));
+  return largest_difference(answers.at(0).at("answer"), expected);
+}
+
 /// What was measured, for the eyes of who runs it and for docs/method/onnx.md.
 void expect_parity(const std::string& what, double difference) {
   fmt::print("{}: largest difference {:.2g}\n", what, difference);
@@ -192,6 +214,19 @@ TEST(OnnxRuntime, TheModelsThatAreInstalled) {
   expect_parity("headset.safetensors, its memory, 2 x 300 frames, of the network's unit",
                 causal_difference(onnx_of(headset).value(), "answer", headset.memory->architecture,
                                   headset.memory->network, 300, [](float y) { return y; }));
+  expect_parity("headset.safetensors, what it answers to 40 moments", moment_difference(headset));
+}
+
+TEST(OnnxRuntime, RunsNetworksOfOthersSizes) {
+  MIEN_SKIP_WITHOUT_ONNX_RUNTIME();
+  for (const auto& [graph, numbers] :
+       {std::pair(rival_eye_graph(1), 7), std::pair(rival_mouth_graph(1), 45)}) {
+    const std::size_t pixels =
+        std::accumulate(graph.input.begin(), graph.input.end(), std::size_t{1}, std::multiplies());
+    const Json call = {{"pictures", tensor(graph.input, Floats(pixels, 0.5F))}};
+    const Json answers = replay(graph.onnx, Json::array({call}));
+    EXPECT_EQ(answers.at(0).at("answer").at("data").size(), static_cast<std::size_t>(numbers));
+  }
 }
 
 TEST(OnnxRuntime, StepsInOneGraphAreTheStepsOneByOne) {

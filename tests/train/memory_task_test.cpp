@@ -144,6 +144,23 @@ TEST(MemoryTask, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(MemoryTask::create(longer, toy_films(folder.path(), 10), views(), rig(), no_progress));
 }
 
+TEST(Loss, ChangesOfQuickAnswersAreNotAskedFor) {
+  Recipe recipe = recipe_of(1);
+  recipe.judgements.clear();
+  recipe.difference_weight = 5;
+  const DeviceBatch batch{.condition = {},
+                          .clean = torch::zeros({1, 3, 2}),
+                          .level = torch::zeros({1}, torch::kLong),
+                          .held = torch::zeros({1}, torch::kLong)};
+  const auto loss = [&](std::vector<float> answers) {
+    return loss_of(recipe, torch::tensor(answers).view({1, 3, 2}), batch).item<double>();
+  };
+  const std::vector<float> first_is_rough = {0, 0, 1, 0, 0, 0}, second_is_rough = {0, 0, 0, 1, 0, 0};
+  EXPECT_EQ(loss(first_is_rough), loss(second_is_rough));
+  recipe.quick_outputs = {1};
+  EXPECT_GT(loss(first_is_rough), 2 * loss(second_is_rough));
+}
+
 TEST(Loss, AJudgementIsAskedWhetherTheAnswerIsRight) {
   Recipe recipe = recipe_of(1);
   recipe.judgements = {{.outputs = {0, 1}, .most_error = 0.1}};

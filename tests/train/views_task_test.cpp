@@ -13,6 +13,7 @@
 #include "mien/train/network.h"
 #include "mien/train/trainer.h"
 #include "mien/train/view_augmentation.h"
+#include "mien/train/view_obstacle.h"
 #include "tests/folder.h"
 #include "tests/project_path.h"
 #include "tests/train/toy_films.h"
@@ -111,6 +112,22 @@ TEST(ViewsTask, TheRunTimeAnswersAsLibtorchDoes) {
   }
 }
 
+TEST(ViewsTask, FoldedWeightsAnswerAsBatchNormalisationDid) {
+  model::Architecture architecture = recipe_of(1).architecture;
+  architecture.outputs = headset::kAnswerOutputs;
+  const Parameters parameters = fresh_parameters(architecture, 5, false, torch::kCPU);
+  torch::manual_seed(1);
+  const torch::Tensor condition =
+      torch::rand({6, 4, static_cast<std::int64_t>(architecture.condition)}) * 3 + 0.5;
+  const torch::Tensor normalised = predict_views(architecture, parameters, condition, {.batch_norm = true});
+  const Parameters folded = fold_batch_norm(architecture, parameters, condition);
+  const auto furthest = [&](const Parameters& weights) {
+    return (predict_views(architecture, weights, condition, {}) - normalised).abs().max().item<float>();
+  };
+  EXPECT_LT(furthest(folded), 2e-3F);  // The variance of a fold is that of a sample.
+  EXPECT_GT(furthest(parameters), 0.1F);
+}
+
 TEST(ViewsTask, BatchesFollowTheirStream) {
   const mien::test::Folder folder;
   const auto task = ViewsTask::create(recipe_of(1), toy_films(folder.path()), rig(), "");
@@ -163,6 +180,35 @@ TEST(ViewsTask, RefusesFilmsOfAnotherSize) {
   EXPECT_FALSE(ViewsTask::create(recipe, toy_films(folder.path()), rig(), ""));
   EXPECT_FALSE(ViewsTask::create(
       *parse_recipe("[network]\narchitecture = \"causal\"\n[budget]\nsteps = 1", "r"), {}, rig(), ""));
+}
+
+TEST(ViewObstacle, StandsBeforeTheViewForAWhileOnly) {
+  const std::vector<std::uint8_t> view(kSide * kSide, 100);
+  std::size_t changed = 0, glares = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Random random(seed), again(seed);
+    const ViewObstacle obstacle = draw_obstacle(100, random);
+    const auto shown = [&](const ViewObstacle& of, std::size_t frame) {
+      std::vector<std::uint8_t> seen = view;
+      show_obstacle(of, frame, seen, kSide);
+      return seen;
+    };
+    ASSERT_LT(obstacle.begin, obstacle.end);
+    EXPECT_EQ(shown(obstacle, obstacle.end), view);
+    if (obstacle.begin > 0) {
+      EXPECT_EQ(shown(obstacle, obstacle.begin - 1), view);
+    }
+    const auto during = shown(obstacle, obstacle.begin);
+    EXPECT_EQ(during, shown(draw_obstacle(100, again), obstacle.begin));
+    if (during != view) ++changed;
+    if (obstacle.is_glare) {
+      ++glares;
+      EXPECT_TRUE(std::ranges::all_of(during, [](std::uint8_t pixel) { return pixel >= 100; }));
+    }
+  }
+  EXPECT_EQ(changed, 40u);
+  EXPECT_GT(glares, 3u);
+  EXPECT_LT(glares, 25u);
 }
 
 TEST(ViewLook, GivesTheSameBitsAndAnotherView) {

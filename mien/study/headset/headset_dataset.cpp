@@ -192,6 +192,15 @@ std::vector<FilmFrame> film_wearer(const virt::HeadsetWearer& wearer, const virt
   return frames;
 }
 
+Result<std::vector<headset::HeadsetCamera>> film_cameras(const sensor::Rig& rig, std::size_t side) {
+  MIEN_TRY_ASSIGN(std::vector<headset::HeadsetCamera> cameras, headset::headset_cameras(rig, side));
+  for (headset::HeadsetCamera& camera : cameras) {
+    camera.view.left = camera.view.top = 0;
+    camera.view.right = camera.view.bottom = 1;
+  }
+  return cameras;
+}
+
 Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const std::string& where) {
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(text, where + ", [data]"));
   HeadsetDataRecipe recipe;
@@ -202,10 +211,6 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
     std::int64_t* value;
     std::int64_t least, most;
   };
-  struct Real {
-    double* value;
-    double least, most;
-  };
   const std::map<std::string_view, Whole> wholes = {{"seed", {&seed, 0, INT64_MAX}},
                                                     {"wearers", {&wearers, 1, 100'000}},
                                                     {"validation_wearers", {&validation, 1, 10'000}},
@@ -213,7 +218,6 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
                                                     {"frames", {&frames, 1, 100'000}},
                                                     {"neutral_frames", {&neutral, 0, 1000}},
                                                     {"side", {&side, 16, 256}}};
-  const std::map<std::string_view, Real> reals = {{"failing", {&recipe.failing, 0, 1}}};
   for (const auto& [name, node] : table) {
     const std::string_view key = name.str();
     const auto out_of_range = [&](double least, double most) {
@@ -226,12 +230,11 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
       if (*value < limits.least || *value > limits.most)
         return out_of_range(static_cast<double>(limits.least), static_cast<double>(limits.most));
       *limits.value = *value;
-    } else if (const auto real = reals.find(key); real != reals.end()) {
-      const auto value = node.is_number() ? node.value<double>() : std::nullopt;
-      if (!value) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
-      const Real& limits = real->second;
-      if (!(*value >= limits.least && *value <= limits.most)) return out_of_range(limits.least, limits.most);
-      *limits.value = *value;
+    } else if (key == "failing") {
+      const auto share = node.is_number() ? node.value<double>() : std::nullopt;
+      if (!share) return fail(ErrorCode::malformed, "failing must be a number", where);
+      if (!(*share >= 0 && *share <= 1)) return out_of_range(0, 1);
+      recipe.failing = *share;
     } else if (key == "rates_hz") {
       const toml::array* const rates = node.as_array();
       if (rates == nullptr || rates->empty() ||

@@ -13,6 +13,7 @@
 #include "mien/core/progress.h"
 #include "mien/face/face.h"
 #include "mien/face/motion.h"
+#include "mien/headset/headset_camera.h"
 #include "mien/sensor/rig.h"
 #include "mien/study/headset/headset_film.h"
 #include "mien/virtual/headset/headset_simulator.h"
@@ -59,6 +60,11 @@ struct HeadsetTakeRequest {
                                                  const virt::HeadsetFaults& faults,
                                                  const face::Motion& motion,
                                                  const HeadsetTakeRequest& request, const Random& random);
+
+/// The rig's cameras as views of `side` pixels in films need them: films show what is cut out already.
+/// Errors: headset_cameras'.
+[[nodiscard]] Result<std::vector<headset::HeadsetCamera>> film_cameras(const sensor::Rig& rig,
+                                                                       std::size_t side);
 
 /// What a wearer does for training: a random script, and poses of single shapes and few, quickly changing.
 [[nodiscard]] face::Motion headset_motion(double seconds, const Random& random);

@@ -10,7 +10,6 @@
 #include "mien/core/quantile.h"
 #include "mien/headset/answer.h"
 #include "mien/headset/feature_record.h"
-#include "mien/headset/headset_camera.h"
 #include "mien/headset/headset_tracker.h"
 #include "mien/headset/picture_sample.h"
 #include "mien/measure/metrics.h"
@@ -48,12 +47,8 @@ Result<Take> look_at(const std::vector<FilmFrame>& frames, const sensor::Rig& ri
                      const headset::HeadsetModel& model) {
   const model::ViewsNetwork& network = model.network();
   model::ViewsNetwork::Workspace memory(network);
-  MIEN_TRY_ASSIGN(std::vector<headset::HeadsetCamera> cameras,
-                  headset::headset_cameras(rig, network.architecture().side));
-  for (headset::HeadsetCamera& camera : cameras) {  // Films show what is cut out already.
-    camera.view.left = camera.view.top = 0;
-    camera.view.right = camera.view.bottom = 1;
-  }
+  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras,
+                  film_cameras(rig, network.architecture().side));
   Take take;
   std::vector<float> view(network.architecture().side * network.architecture().side),
       features(network.architecture().features);
