@@ -57,8 +57,8 @@ void sit_still(performer::PrologueMotion& motion, double still_s) {
   for (std::size_t i = 0; i < count; ++i) still[i].time_s = static_cast<double>(i) / kFrameRateHz;
   frames.insert(frames.begin(), still.begin(), still.end());
   performer::PrologueTimes& times = motion.times;
-  for (performer::Interval* part :
-       {&times.neutral, &times.nod, &times.shake, &times.anchors, &times.range_of_motion, &times.ease}) {
+  for (performer::Interval* part : {&times.neutral, &times.nod, &times.shake, &times.anchors,
+                                    &times.range_of_motion, &times.gaze, &times.ease}) {
     part->begin_s += moved_s;
     part->end_s += moved_s;
   }

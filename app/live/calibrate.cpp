@@ -308,8 +308,9 @@ void add_calibrate_command(Commands& commands) {
       .add_option(
           "kind", options->kind,
           "short: hold still, and nod and shake the head where the sensors need it; full: then the anchor "
-          "expressions; wearer: then a minute of others, from which sensors on the skin learn yours")
-      .one_of({"short", "full", "wearer"})
+          "expressions; wearer: then a minute of others, from which sensors on the skin learn yours; gaze: "
+          "short, then five points to look at, from which a headset's cameras learn where you look")
+      .one_of({"short", "full", "wearer", "gaze"})
       .show_default();
   guided
       .add_option("--wait", options->wait_s,

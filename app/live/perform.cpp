@@ -188,6 +188,7 @@ Result<void> run_perform(PerformOptions options) {
   if (options.prologue == "none") request.prologue = performer::PrologueKind::none;
   if (options.prologue == "full") request.prologue = performer::PrologueKind::full;
   if (options.prologue == "guided") request.prologue = performer::PrologueKind::guided;
+  if (options.prologue == "gaze") request.prologue = performer::PrologueKind::gaze;
   request.real_time = options.pace == "real";
   request.software = "mien " MIEN_VERSION;
   MIEN_TRY_ASSIGN(request.rig, path_or(options.rig, "rigs/default.toml"));
@@ -294,8 +295,9 @@ void add_perform_command(Commands& commands) {
       .add_option(
           "--prologue", options->prologue,
           "The calibration that the performance begins with: short (still, nod, shake), none, full (then "
-          "expressions) or guided (full, in the time of a mien calibrate that waits for the sensors)")
-      .one_of({"short", "none", "full", "guided"})
+          "expressions), guided (full, in the time of a mien calibrate that waits for the sensors) or gaze "
+          "(short, then five points to look at, in that time too)")
+      .one_of({"short", "none", "full", "guided", "gaze"})
       .show_default();
   command.add_option("--pace", options->pace, "fast: at once; real: as packets would arrive")
       .needs(take)

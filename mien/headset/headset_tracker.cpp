@@ -1,6 +1,7 @@
 #include "mien/headset/headset_tracker.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "mien/tracker/provenance.h"
@@ -31,6 +32,10 @@ constexpr int kSettles = 60;
 
 /// Lids open less than this hide where the eye looks; open by kOpen they hide nothing.
 constexpr float kClosed = 0.15F, kOpen = 0.4F;
+
+/// Less sure than this the network does not see the eyes. Little, since it is the eyes that it finds wrongly
+/// whose direction is to be learnt.
+constexpr float kLeastGazeConfidence = 0.2F;
 
 constexpr std::size_t kLeftEye = 0, kRightEye = 1, kLeftMouth = 2, kRightMouth = 3;
 
@@ -147,6 +152,7 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
     last_eyes_rad_.reset();
     forget_moments();
     if (hold_) maker_.begin();  // So are the frames that were gathered.
+    gaze_learner_.restart();
   }
 }
 
@@ -195,14 +201,17 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
   Answer answer;
   if (result.sensors_present > 0) {
     // A hold is judged by what is seen without the neutral before it.
-    ask(moment_, in_force_ && !hold_ ? in_force_->rest : kUnknown, state_ ? &*state_ : nullptr);
+    ask(moment_, in_force_ && !hold_ ? in_force_->neutral.rest : kUnknown, state_ ? &*state_ : nullptr);
     answer = decode_answer(std::span(outputs_).first<kAnswerOutputs>());
   } else {
     forget_moments();
   }
   lead(frame, answer, result);
+  const bool corrects = in_force_ && !hold_;
+  if (corrects) in_force_->neutral.correct(answer);
+  lead_gaze(frame, answer, result);
   if (result.sensors_present == 0) return result;
-  if (in_force_ && !hold_) in_force_->correct(answer);
+  if (corrects && in_force_->gaze) in_force_->gaze->correct(answer);
   if (state_) jitter_filter_.apply(answer.weights);
   write(answer, out);
   result.explained = out.confidence;  // Nobody measured more; the merge must know who sees what.
@@ -213,12 +222,10 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
   const Present& present = moment_.present;
   out.weights = answer.weights;
   out.tongue_out = answer.tongue_out;
-  float gaze_confidence = kSeen;
   if (model_->memory() != nullptr) {
     const std::span<const float> logits = std::span(outputs_).subspan(kAnswerOutputs);
     for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
       out.region_confidence[r] = model_->probability(r, logits[r]);
-    gaze_confidence = model_->probability(kGazeJudgement, logits[kGazeJudgement]);
   }
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     out.confidence[k] = confidence_of(k, present);
@@ -232,7 +239,8 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
   std::array<float, 2> seen{};
   for (std::size_t e = 0; e < seen.size(); ++e)
     if (present[e])
-      seen[e] = gaze_confidence * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
+      seen[e] =
+          gaze_confidence() * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
   const bool sees = seen[0] > 0 || seen[1] > 0;
   if (sees) {
     last_eyes_rad_.emplace();
@@ -245,6 +253,11 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
   if (!last_eyes_rad_) return;
   out.eyes_rad = *last_eyes_rad_;
   out.eyes_provenance = sees ? Provenance::measured : Provenance::held;
+}
+
+float HeadsetTracker::gaze_confidence() const {
+  if (model_->memory() == nullptr) return kSeen;
+  return model_->probability(kGazeJudgement, outputs_[kAnswerOutputs + kGazeJudgement]);
 }
 
 NeutralFace HeadsetTracker::make_neutral() {
@@ -281,11 +294,14 @@ void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickR
     const double wanted = kThere * kFrameRateHz * to_seconds(hold_->end - hold_->begin);
     hold_.reset();
     if (maker_.frames() > 0 && static_cast<double>(maker_.frames()) >= wanted) {
-      in_force_ = make_neutral();
+      std::optional<GazeMap> gaze;
+      if (in_force_ && in_force_->gaze) gaze = in_force_->gaze->gains();
+      in_force_ = {.neutral = make_neutral(), .gaze = gaze};
       event.kind = CalibrationEvent::Kind::calibrated;
     } else {
       failure_ = "a camera gave too few pictures during the hold; check the cameras and calibrate again";
       in_force_ = before_;
+      gaze_learner_.clear();
       event.kind = CalibrationEvent::Kind::withdrawn;
     }
   }
@@ -297,13 +313,50 @@ void HeadsetTracker::lead(DeviceTime frame, const Answer& answer, tracker::TickR
   if (guided_until_ && frame >= *guided_until_) guided_until_.reset();
 }
 
-void HeadsetTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
-  if (step != Step::neutral) return;
+void HeadsetTracker::lead_gaze(DeviceTime frame, const Answer& answer, tracker::TickResult& result) {
+  if (gaze_learner_.is_over(frame)) {
+    CalibrationEvent& event = result.calibration.emplace_back();
+    event.modality = modality();
+    if (in_force_) {
+      GazeLearner::Learnt learnt = gaze_learner_.learn();
+      if (learnt.map) in_force_->gaze = learnt.map;
+      std::vector<sensor::Score>& scores = in_force_->neutral.scores;
+      std::erase_if(scores, [](const sensor::Score& score) { return score.name.starts_with("gaze "); });
+      std::ranges::move(learnt.scores, std::back_inserter(scores));
+      event.kind = CalibrationEvent::Kind::calibrated;
+    } else {
+      failure_ = "nothing is known of the face at rest, which directions are read against; calibrate again";
+      event.kind = CalibrationEvent::Kind::withdrawn;
+    }
+    gaze_learner_.clear();
+  }
+  if (!gaze_learner_.asks() || !in_force_ || hold_ || result.sensors_present == 0) return;
+  GazeLearner::Found found;
+  if (gaze_confidence() >= kLeastGazeConfidence)
+    for (std::size_t e = 0; e < found.size(); ++e)
+      if (moment_.present[e] && answer.openness[e] >= kOpen)
+        found[e] = Eigen::Vector2f(answer.gaze_rad[2 * e], answer.gaze_rad[2 * e + 1]);
+  gaze_learner_.add(frame, found);
+}
+
+tracker::Guidance HeadsetTracker::guidance() const {
+  const bool sees_eye =
+      std::ranges::any_of(channels_, [](const Channel& c) { return c.camera.place <= kRightEye; });
+  return {.neutral = kNeutral, .gestures = false, .learns_gaze = sees_eye};
+}
+
+void HeadsetTracker::guide_until(DeviceTime end) {
   if (!guided_until_) before_ = in_force_;
   guided_until_ = std::max(end, guided_until_.value_or(end));
+}
+
+void HeadsetTracker::guide(Step step, DeviceTime begin, DeviceTime end) {
+  if (step != Step::neutral) return;
+  guide_until(end);
   hold_ = Hold{begin, end};
   awaited_.reset();
   maker_.begin();
+  gaze_learner_.clear();
   failure_ = {};
 }
 
@@ -311,10 +364,16 @@ void HeadsetTracker::guide_range(DeviceTime, DeviceTime end) {
   if (guided_until_) guided_until_ = std::max(end, *guided_until_);
 }
 
+void HeadsetTracker::guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) {
+  guide_until(end);
+  gaze_learner_.ask(target, begin, end);
+}
+
 void HeadsetTracker::cancel_guidance() {
   if (!guided_until_) return;
   guided_until_.reset();
   hold_.reset();
+  gaze_learner_.clear();
   in_force_ = before_;
 }
 
@@ -326,30 +385,30 @@ tracker::CalibrationState HeadsetTracker::calibration_state() const {
     state.phase = Phase::guided;
     state.step = Step::neutral;
   } else {
-    state.phase = Phase::done;
+    state.phase = gaze_learner_.asks() ? Phase::guided : Phase::done;
   }
   return state;
 }
 
 std::string HeadsetTracker::calibration() const {
-  return in_force_ ? write_neutral_face(*in_force_) : std::string();
+  return in_force_ ? write_wearer_calibration(*in_force_) : std::string();
 }
 
 std::vector<sensor::Score> HeadsetTracker::scores() const {
-  return in_force_ ? in_force_->scores : std::vector<sensor::Score>();
+  return in_force_ ? in_force_->neutral.scores : std::vector<sensor::Score>();
 }
 
 Result<void> HeadsetTracker::restore(std::string_view json) {
-  MIEN_TRY_ASSIGN(NeutralFace neutral, parse_neutral_face(json, "calibration"));
-  if (!std::ranges::equal(neutral.cameras, channels_, {}, {},
+  MIEN_TRY_ASSIGN(WearerCalibration calibration, parse_wearer_calibration(json, "calibration"));
+  if (!std::ranges::equal(calibration.neutral.cameras, channels_, {}, {},
                           [](const Channel& channel) { return channel.camera.name; }))
     return fail(ErrorCode::mismatch, "the calibration is of another rig's cameras", "calibration",
                 "calibrate anew");
-  if (neutral.network != model_->hash())
+  if (calibration.neutral.network != model_->hash())
     return fail(ErrorCode::mismatch, "the calibration was made with another model", "calibration",
                 "calibrate anew");
   cancel_guidance();
-  in_force_ = std::move(neutral);
+  in_force_ = std::move(calibration);
   failure_ = {};
   return {};
 }

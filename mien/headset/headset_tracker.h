@@ -12,11 +12,13 @@
 #include "mien/headset/answer.h"
 #include "mien/headset/feature_record.h"
 #include "mien/headset/feature_reducer.h"
+#include "mien/headset/gaze_learner.h"
 #include "mien/headset/headset_camera.h"
 #include "mien/headset/headset_model.h"
 #include "mien/headset/moment_features.h"
 #include "mien/headset/neutral_face.h"
 #include "mien/headset/picture_statistics.h"
+#include "mien/headset/wearer_calibration.h"
 #include "mien/sensor/rig.h"
 #include "mien/tracker/jitter_filter.h"
 #include "mien/tracker/tracker.h"
@@ -35,6 +37,9 @@ namespace mien::headset {
 /// is missing. Without a memory that of a shape says which of the cameras that see it are there, and that of
 /// regions is unknown. Shapes that a camera sees are measured; others, and the eight that follow the eyes,
 /// predicted. Eye directions are those last seen while both lids are closed. No head.
+///
+/// What targets taught of the eyes' directions (GazeLearner) belongs to the neutral that they were read
+/// against. A later neutral keeps its gains, and finds anew where ahead is.
 ///
 /// No allocation in add and tick, but where a calibration is made.
 class HeadsetTracker final : public tracker::Tracker {
@@ -55,13 +60,12 @@ class HeadsetTracker final : public tracker::Tracker {
                         std::span<const std::byte> payload) override;
   void forget(std::uint16_t sensor) override;
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
-  /// Three seconds of neutral; no gestures.
-  [[nodiscard]] tracker::Guidance guidance() const override {
-    return {.neutral = kNeutral, .gestures = false};
-  }
+  /// Three seconds of neutral; no gestures; targets for the eyes where a camera sees one.
+  [[nodiscard]] tracker::Guidance guidance() const override;
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   /// Nothing is learnt from it; until its end guidance can be cancelled.
   void guide_range(DeviceTime begin, DeviceTime end) override;
+  void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override;
   void cancel_guidance() override;
   /// Done where nothing is calibrated yet, too: nobody is asked for anything before a face is shown.
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;
@@ -104,6 +108,12 @@ class HeadsetTracker final : public tracker::Tracker {
   void ask(const MomentFeatures& moment, const RestFeatures& rest, model::CausalNetwork::State* state);
   /// A step of the guided hold; the event that it ends with.
   void lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
+  /// A step of what targets teach, with the answer that the neutral corrected; the event that it ends with.
+  void lead_gaze(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
+  /// How sure the network is of the eyes' directions.
+  [[nodiscard]] float gaze_confidence() const;
+  /// Guidance goes on until then at least; what was in force before it is kept.
+  void guide_until(DeviceTime end);
   /// Of what was gathered in a hold.
   [[nodiscard]] NeutralFace make_neutral();
   /// All cameras that ever gave a picture do so now, and there is one.
@@ -121,8 +131,9 @@ class HeadsetTracker final : public tracker::Tracker {
   std::vector<float> condition_;         // What the network reads of the moment.
   std::array<float, kMemoryOutputs> outputs_{};
 
-  std::optional<NeutralFace> in_force_, before_;
+  std::optional<WearerCalibration> in_force_, before_;
   NeutralMaker maker_;
+  GazeLearner gaze_learner_;
   std::optional<Hold> hold_;
   std::optional<Present> awaited_;  // What was there when the hold began.
   std::optional<DeviceTime> guided_until_;

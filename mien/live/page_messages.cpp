@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "mien/core/units.h"
+
 namespace mien::live {
 namespace {
 
@@ -171,10 +173,15 @@ json calibration_json(const session::Report::Calibration& calibration) {
                         {"scores", std::move(scores)}});
   }
   json target = calibration.target ? target_object(*calibration.target) : json(nullptr);
+  json look = nullptr;
+  if (calibration.look_rad)
+    look = {{"yaw_deg", rounded(kDegPerRad * double{calibration.look_rad->x()})},
+            {"pitch_deg", rounded(kDegPerRad * double{calibration.look_rad->y()})}};
   return {{"state", calibration.state},
           {"step", calibration.step},
           {"prompt", calibration.prompt},
           {"target", std::move(target)},
+          {"look", std::move(look)},
           {"progress", rounded(calibration.progress)},
           {"remaining_s", rounded(calibration.remaining_s)},
           {"step_number", calibration.step_number},

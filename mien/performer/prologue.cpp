@@ -10,6 +10,7 @@
 #include "mien/face/anchors.h"
 #include "mien/performer/blink.h"
 #include "mien/performer/canvas.h"
+#include "mien/performer/gaze_points.h"
 #include "mien/performer/head_motion.h"
 #include "mien/performer/limits.h"
 
@@ -55,7 +56,8 @@ class Prologue {
 
   PrologueMotion run(const face::Motion& motion, PrologueKind kind) {
     PrologueTimes times;
-    times.neutral = stretch(needs_.neutral_s + (kind == PrologueKind::guided ? kLedIn_s : 0));
+    const bool led = kind == PrologueKind::guided || kind == PrologueKind::gaze;
+    times.neutral = stretch(needs_.neutral_s + (led ? kLedIn_s : 0));
     times.nod = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
     times.shake = stretch(needs_.gestures ? kGesture_s + kGestureRest_s : 0);
     if (kind == PrologueKind::full || kind == PrologueKind::guided) {
@@ -64,6 +66,8 @@ class Prologue {
     } else {
       times.anchors = times.range_of_motion = {now_s_, now_s_};
     }
+    const double targets = kind == PrologueKind::gaze ? static_cast<double>(face::gaze_targets().size()) : 0;
+    times.gaze = stretch(kGazeTarget_s * targets);
     times.ease = stretch(kEase_s);
     times.motion_start_s = times.ease.end_s;
     return {write(motion, times), times};
@@ -114,6 +118,13 @@ class Prologue {
     auto blinks = draw_blinks(std::max(0.0, prompted_s - 0.5), 12, {}, random_.fork("blink"));
     for (Blink& blink : blinks) blink.begin_s += times.anchors.begin_s;
     const auto lids = lid_tracks(blinks, frame_count);
+
+    if (times.gaze.end_s > times.gaze.begin_s) {
+      const auto begin = static_cast<std::size_t>(std::round(times.gaze.begin_s * kFrameRateHz));
+      const auto looks = look_at_targets(face::gaze_targets(), kGazeTarget_s, random_.fork("gaze"));
+      for (std::size_t i = begin; i < frame_count; ++i)
+        canvas.weights[i] = looks[std::min(i - begin, looks.size() - 1)];
+    }
 
     // Where the motion begins.
     face::MotionFrame first;

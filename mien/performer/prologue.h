@@ -14,6 +14,8 @@ enum class PrologueKind {
   brief,   ///< "short": neutral, nod, shake.
   full,    ///< The same, then anchor expressions and a minute of prompted range of motion.
   guided,  ///< "full", with the timing of a live session's guidance.
+  gaze,    ///< "short", then the targets of a calibration of gaze, with that
+           ///< timing too.
 };
 
 /// Seconds from the start of the whole; end_s == begin_s: none.
@@ -33,6 +35,9 @@ struct Prompt {
   face::BlendshapeWeights target;
 };
 
+/// A target of a calibration of gaze is asked for so long.
+inline constexpr double kGazeTarget_s = 2.7;
+
 /// Times of the prologue's parts.
 struct PrologueTimes {
   Interval neutral;  ///< w = 0 exactly; the head upright with postural sway.
@@ -40,6 +45,7 @@ struct PrologueTimes {
   Interval shake;    ///< Two cycles of about +-20 degrees; w = 0.
   Interval anchors;
   Interval range_of_motion;
+  Interval gaze;                ///< Targets are looked at, each for kGazeTarget_s.
   Interval ease;                ///< Half a second from neutral into the motion's first frame; not evaluated.
   double motion_start_s = 0;    ///< New time of the motion's time 0.
   std::vector<Prompt> prompts;  ///< Of a full prologue, in order.

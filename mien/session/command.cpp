@@ -70,7 +70,7 @@ Result<Shape> shape_of(const json& object) {
 }
 
 /// By the numbers of Calibrate::Kind.
-constexpr std::array<std::string_view, 3> kCalibrationKinds = {"short", "full", "wearer"};
+constexpr std::array<std::string_view, 4> kCalibrationKinds = {"short", "full", "wearer", "gaze"};
 
 struct Writer {
   json operator()(const Calibrate& c) const {
@@ -143,7 +143,7 @@ Result<Command> parse_command(std::string_view text) {
     const auto found = std::ranges::find(kCalibrationKinds, kind);
     if (found == kCalibrationKinds.end())
       return fail(ErrorCode::malformed, fmt::format("there is no calibration \"{}\"", excerpt(kind)),
-                  kCommand, "short, full or wearer");
+                  kCommand, "short, full, wearer or gaze");
     return Calibrate{static_cast<Calibrate::Kind>(found - kCalibrationKinds.begin())};
   }
   if (name == "cancel_calibration") return CancelCalibration{};

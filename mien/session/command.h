@@ -21,6 +21,7 @@ struct Calibrate {
     brief,   ///< "short": neutral, nod and shake, as the sensors need them.
     full,    ///< "full": then the anchor expressions.
     wearer,  ///< "wearer": then a range of motion as well, and the wearer is learnt from all of them.
+    gaze,    ///< "gaze": as brief, then targets to look at.
   };
   Kind kind = Kind::brief;
 };

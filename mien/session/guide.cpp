@@ -16,11 +16,18 @@ constexpr Duration kLeadIn = std::chrono::milliseconds(1500);
 constexpr Duration kGesture = std::chrono::milliseconds(4500);
 constexpr Duration kAnchor = std::chrono::milliseconds(2400);
 constexpr Duration kRange = std::chrono::milliseconds(2000);
+constexpr Duration kLook = std::chrono::milliseconds(2700);
+/// Of it. A saccade begins a quarter of a second after what calls for it was understood; the rest is reading.
+constexpr Duration kReaction = std::chrono::milliseconds(900);
 constexpr Duration kLearning = tracker::kWearerLearnt + tracker::kWearerShown;
 /// An anchor of which less than this share came through was not done, or is not felt.
 constexpr double kMinResponse = 0.25;
 
 }  // namespace
+
+DeviceTime Guide::Part::looks_from() const {
+  return begin + kReaction;
+}
 
 void Guide::begin(Calibrate::Kind kind) {
   *this = {};
@@ -32,7 +39,7 @@ void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
   DeviceTime at = begin + kLeadIn;
   const auto add = [&](Step step, std::string_view name, std::string_view prompt, Duration length,
                        const face::BlendshapeWeights* target) {
-    parts_.push_back({step, name, prompt, target, false, at, at + length});
+    parts_.push_back({step, name, prompt, target, nullptr, false, at, at + length});
     at += length;
   };
   add(Step::neutral, "neutral", "Look ahead, relax your face and hold still", wanted.neutral, nullptr);
@@ -40,7 +47,12 @@ void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
     add(Step::nod, "nod", "Keep your face still and nod twice, down first", kGesture, nullptr);
     add(Step::shake, "shake", "Keep your face still and shake your head twice", kGesture, nullptr);
   }
-  if (kind_ != Calibrate::Kind::brief)
+  if (kind_ == Calibrate::Kind::gaze)
+    for (const face::GazeTarget& look : face::gaze_targets()) {
+      add(Step::none, look.name, look.prompt, kLook, nullptr);
+      parts_.back().look = &look;
+    }
+  if (kind_ == Calibrate::Kind::full || kind_ == Calibrate::Kind::wearer)
     for (const face::Anchor& anchor : face::anchors()) {
       add(Step::none, anchor.name, anchor.prompt, kAnchor, &anchor.target);
       parts_.back().scored = true;
@@ -56,8 +68,10 @@ void Guide::plan(DeviceTime begin, const tracker::Guidance& wanted) {
 void Guide::before(DeviceTime frame, tracker::Tracker& tracker) {
   if (state_ != State::wanted) return;
   plan(frame, tracker.guidance());
-  for (const Part& part : parts_)
+  for (const Part& part : parts_) {
     if (part.step != Step::none) tracker.guide(part.step, part.begin, part.end);
+    if (part.look != nullptr) tracker.guide_gaze(*part.look, part.looks_from(), part.end);
+  }
   const auto asked = [](const Part& part) { return part.target != nullptr; };
   const auto first = std::ranges::find_if(parts_, asked);
   if (first != parts_.end()) {

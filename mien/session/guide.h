@@ -14,8 +14,9 @@
 namespace mien::session {
 
 /// Leads a performer through a calibration on the grid's time: neutral, nod and shake as the tracker asks for
-/// them, in a full one the anchor expressions, each with a score of how much of it the tracker saw, and in
-/// one that learns the wearer a range of motion too. Allocates where it begins and ends.
+/// them, in a full one the anchor expressions, each with a score of how much of it the tracker saw, in one
+/// that learns the wearer a range of motion too, and in one of gaze the targets to look at. Allocates where
+/// it begins and ends.
 class Guide {
  public:
   /// From the next tick on.
@@ -32,12 +33,15 @@ class Guide {
 
   /// A part of the run, for events in a take and for the page.
   struct Part {
-    tracker::Step step = tracker::Step::none;  ///< none: an expression, or the learning.
-    std::string_view name;                     ///< "neutral", "nod", "shake", "smile", ..., "learning".
+    tracker::Step step = tracker::Step::none;  ///< none: an expression, the learning, or a target.
+    std::string_view name;  ///< "neutral", "nod", "shake", "smile", ..., "learning", "look left", ...
     std::string_view prompt;
     const face::BlendshapeWeights* target = nullptr;  ///< Of an expression.
+    const face::GazeTarget* look = nullptr;           ///< Where to look.
     bool scored = false;                              ///< An anchor.
     DeviceTime begin, end;
+    /// When the eyes are taken to rest on a target: people hear, read and turn them first.
+    [[nodiscard]] DeviceTime looks_from() const;
   };
   /// Of the run that is on, or was over last.
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }

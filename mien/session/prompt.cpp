@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "mien/core/units.h"
+
 namespace mien::session {
 namespace {
 
@@ -52,6 +54,21 @@ std::string target_json(const face::BlendshapeWeights& target) {
 std::string prompt_event_json(const Prompt& prompt) {
   return fmt::format(R"({{"name": {}, "target": {}}})", nlohmann::json(prompt.name).dump(),
                      target_json(prompt.target));
+}
+
+std::string gaze_event_json(const face::GazeTarget& target) {
+  return fmt::format(R"({{"name": "{}", "yaw_deg": {:.1f}, "pitch_deg": {:.1f}}})", target.name,
+                     kDegPerRad * double{target.direction_rad.x()},
+                     kDegPerRad * double{target.direction_rad.y()});
+}
+
+const face::GazeTarget* gaze_event_target(std::string_view json) {
+  const nlohmann::json event = nlohmann::json::parse(json, nullptr, false);
+  if (!event.is_object() || !event.contains("name") || !event["name"].is_string()) return nullptr;
+  const auto targets = face::gaze_targets();
+  const auto found =
+      std::ranges::find(targets, event["name"].get_ref<const std::string&>(), &face::GazeTarget::name);
+  return found == targets.end() ? nullptr : &*found;
 }
 
 }  // namespace mien::session

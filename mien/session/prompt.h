@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "mien/core/error.h"
+#include "mien/face/gaze_targets.h"
 #include "mien/face/profile.h"
 
 namespace mien::session {
@@ -30,5 +31,10 @@ inline constexpr std::size_t kMaxPrompts = 4096;
 [[nodiscard]] std::string target_json(const face::BlendshapeWeights& target);
 /// What a take's event of kind "prompt" says: {"name": ..., "target": {...}}.
 [[nodiscard]] std::string prompt_event_json(const Prompt& prompt);
+/// What one of kind "gaze" says, of a time in which the eyes rest on a target:
+/// {"name": ..., "yaw_deg": ..., "pitch_deg": ...}.
+[[nodiscard]] std::string gaze_event_json(const face::GazeTarget& target);
+/// The target that such an event names; null where it names none.
+[[nodiscard]] const face::GazeTarget* gaze_event_target(std::string_view json);
 
 }  // namespace mien::session

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,6 +52,8 @@ struct Report {
     std::string step;
     std::string prompt;
     std::optional<face::BlendshapeWeights> target;
+    /// Where to look, as face::GazeTarget has it, rad; none while that is no matter.
+    std::optional<Eigen::Vector2f> look_rad;
     std::size_t step_number = 0;  ///< From 1; 0 when none runs.
     std::size_t steps = 0;
     double progress = 0;  ///< Of the step, 0 to 1.

@@ -100,6 +100,8 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
       if (part.target != nullptr)
         add_event("prompt", part.begin, part.end,
                   prompt_event_json({.name = std::string(part.name), .say = {}, .target = *part.target}));
+      else if (part.look != nullptr)
+        add_event("gaze", part.looks_from(), part.end, gaze_event_json(*part.look));
       else if (part.step != Step::none && failure_.empty())
         add_event(std::string(step_name(part.step)), part.begin, part.end, R"({"guided": true})");
     }
@@ -206,6 +208,9 @@ Result<void> Session::execute(const Calibrate& command) {
     return fail(
         ErrorCode::unsupported, "nothing here learns a wearer", kSession,
         "it takes sensors on the skin and a model such as models/live.safetensors; or calibrate full");
+  if (command.kind == Calibrate::Kind::gaze && !tracker_->guidance().learns_gaze)
+    return fail(ErrorCode::unsupported, "nothing here learns where its wearer looks", kSession,
+                "it takes a headset with a camera that sees an eye, such as rigs/headset.toml has");
   MIEN_TRY(execute(CancelCalibration{}));
   failure_ = {};
   guide_.begin(command.kind);
@@ -356,6 +361,7 @@ void Session::report(HostTime now, Report& out) const {
   const tracker::CalibrationState state = tracker_->calibration_state();
   calibration.in_force = in_force_;
   calibration.target.reset();
+  calibration.look_rad.reset();
   calibration.progress = calibration.remaining_s = 0;
   calibration.step_number = calibration.steps = 0;
   if (guide_.running()) {
@@ -367,9 +373,12 @@ void Session::report(HostTime now, Report& out) const {
     calibration.remaining_s = to_seconds(place.remaining);
     calibration.step = place.part == nullptr           ? ""
                        : place.part->target != nullptr ? "anchor"
+                       : place.part->look != nullptr   ? "gaze"
                                                        : place.part->name;
     calibration.prompt = place.part == nullptr ? std::string_view() : place.part->prompt;
     if (place.part != nullptr && place.part->target != nullptr) calibration.target = *place.part->target;
+    if (place.part != nullptr && place.part->look != nullptr)
+      calibration.look_rad = place.part->look->direction_rad;
   } else if (!failure_.empty()) {
     calibration.state = "failed";
     calibration.step.clear();

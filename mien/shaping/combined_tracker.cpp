@@ -130,6 +130,7 @@ tracker::Guidance CombinedTracker::guidance() const {
     all.neutral = std::max(all.neutral, one.neutral);
     all.gestures = all.gestures || one.gestures;
     all.learns_wearer = all.learns_wearer || one.learns_wearer;
+    all.learns_gaze = all.learns_gaze || one.learns_gaze;
   }
   return all;
 }
@@ -144,6 +145,10 @@ void CombinedTracker::guide_range(DeviceTime begin, DeviceTime end) {
 
 void CombinedTracker::guide_expression(const tracker::PromptedExpression& asked) {
   for (Member& member : members_) member.tracker->guide_expression(asked);
+}
+
+void CombinedTracker::guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) {
+  for (Member& member : members_) member.tracker->guide_gaze(target, begin, end);
 }
 
 void CombinedTracker::cancel_guidance() {

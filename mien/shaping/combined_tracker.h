@@ -59,6 +59,7 @@ class CombinedTracker final : public tracker::Tracker {
   void guide(tracker::Step step, DeviceTime begin, DeviceTime end) override;
   void guide_range(DeviceTime begin, DeviceTime end) override;
   void guide_expression(const tracker::PromptedExpression& asked) override;
+  void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override;
   void cancel_guidance() override;
   /// Guided while any is; done when all are; step and hint of the first that has one.
   [[nodiscard]] tracker::CalibrationState calibration_state() const override;

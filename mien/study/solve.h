@@ -60,14 +60,14 @@ struct Solution {
                                           std::span<const model::FeatureFrame> features,
                                           tracker::CausalTracker& tracker, const Progress& progress);
 
-/// Guides the tracker through the calibration that these events are of ("neutral", "nod", "shake", "range");
-/// to be called before the first tick.
+/// Guides the tracker through the calibration that these events are of ("neutral", "nod", "shake", "range",
+/// "gaze"); to be called before the first tick.
 void guide_by_events(std::span<const take::Event> events, tracker::Tracker& tracker);
 
 /// Solves a performed take with the tracker of its sensors: with the calibrations that the take holds, each
 /// from when it was made; where it holds none, with those that the tracker makes of the take's events
-/// ("neutral", "nod", "shake", "range") or finds by itself. The tracker is a fresh one; no ridge. Errors: the
-/// take's; not_found (no ticks); what the tracker says of a calibration; cancelled.
+/// ("neutral", "nod", "shake", "range", "gaze") or finds by itself. The tracker is a fresh one; no ridge.
+/// Errors: the take's; not_found (no ticks); what the tracker says of a calibration; cancelled.
 [[nodiscard]] Result<Solution> solve_take(const take::Take& take, tracker::Tracker& tracker,
                                           const Progress& progress);
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mien/modalities/modalities.h"
+#include "mien/session/prompt.h"
 #include "mien/session/replay.h"
 #include "mien/study/solve.h"
 
@@ -72,6 +73,9 @@ void guide_by_events(std::span<const take::Event> events, tracker::Tracker& trac
       tracker.guide(step, event.begin, event.end);
     else if (event.kind == "range")
       tracker.guide_range(event.begin, event.end);
+    else if (event.kind == "gaze")
+      if (const face::GazeTarget* const target = session::gaze_event_target(event.json))
+        tracker.guide_gaze(*target, event.begin, event.end);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/time.h"
+#include "mien/face/gaze_targets.h"
 #include "mien/face/output_frame.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/clock_model.h"
@@ -49,6 +50,7 @@ struct Guidance {
   Duration neutral = std::chrono::seconds(3);
   bool gestures = true;        ///< The head nods and shakes.
   bool learns_wearer = false;  ///< It can learn its wearer from expressions (guide_expression()).
+  bool learns_gaze = false;    ///< It can learn from targets what it finds where eyes look (guide_gaze()).
 };
 
 /// So long after the last expression a wearer is learnt: a fixed time, so that a replay gives the same bits
@@ -133,6 +135,11 @@ class Tracker {
   /// their order, before the first begins. What is learnt comes into force kWearerLearnt after the last one's
   /// end. A modality that has no use for it passes it over.
   virtual void guide_expression([[maybe_unused]] const PromptedExpression& asked) {}
+  /// The eyes rest on a target on the frames [begin, end). All of a calibration's targets are given before
+  /// the first begins, after the steps; the last one's end puts in force what was learnt. A modality that has
+  /// no use for them passes them over.
+  virtual void guide_gaze([[maybe_unused]] const face::GazeTarget& target, [[maybe_unused]] DeviceTime begin,
+                          [[maybe_unused]] DeviceTime end) {}
   /// Ends guidance; what was in force before its first step is in force again.
   virtual void cancel_guidance() = 0;
 

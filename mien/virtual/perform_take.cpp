@@ -24,6 +24,8 @@ std::string_view prologue_name(performer::PrologueKind kind) {
       return "full";
     case performer::PrologueKind::guided:
       return "guided";
+    case performer::PrologueKind::gaze:
+      return "gaze";
   }
   return "none";
 }

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "mien/session/prompt.h"
+
 namespace mien::virt {
 
 std::vector<take::Event> prologue_events(const performer::PrologueTimes& times,
@@ -26,6 +28,15 @@ std::vector<take::Event> prologue_events(const performer::PrologueTimes& times,
     add("prompt", prompt.begin_s, prompt.end_s,
         fmt::format(R"({{"name": "{}", "anchor": {}, "rise_s": {}, "target": {{{}}}}})", prompt.name,
                     prompt.anchor, prompt.rise_s, target));
+  }
+  // As a session asks for them (session::Guide): the eyes have turned there.
+  constexpr double kTurns_s = 0.9;
+  double looks_s = times.gaze.begin_s;
+  for (const face::GazeTarget& target : face::gaze_targets()) {
+    const double end_s = looks_s + performer::kGazeTarget_s;
+    if (times.gaze.end_s > times.gaze.begin_s)
+      add("gaze", looks_s + kTurns_s, end_s, session::gaze_event_json(target));
+    looks_s = end_s;
   }
   add("ease", times.ease.begin_s, times.ease.end_s);
   return events;

@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "mien/core/files.h"
 #include "mien/headset/feature_record.h"
 #include "mien/headset/picture_packet.h"
+#include "mien/headset/wearer_calibration.h"
 #include "mien/modalities/modalities.h"
 #include "mien/session/replay.h"
 #include "mien/take/take.h"
@@ -22,6 +24,7 @@ using headset::test::Bytes;
 using sensor::Verdict;
 
 const std::string kCalibrate = R"({"command": "calibrate", "kind": "short"})";
+const std::string kCalibrateGaze = R"({"command": "calibrate", "kind": "gaze"})";
 
 class Headset : public ::testing::Test {
  protected:
@@ -43,7 +46,8 @@ class Headset : public ::testing::Test {
   static bool right_eye_for_a_while(std::uint32_t camera, std::uint32_t number) {
     return camera == 1 && number > 300 && number < 330;
   }
-  /// Six seconds of four cameras with clocks of their own, into a take: a calibration, then one that is lost.
+  /// Six seconds of four cameras with clocks of their own, into a take: `command_`, a calibration, then a
+  /// camera that is lost.
   Recorded record(session::Session& session, const std::filesystem::path& path,
                   const Lost& lost = right_eye_for_a_while) {
     take::Header header;
@@ -59,15 +63,15 @@ class Headset : public ::testing::Test {
         writer.add_tick({tick->index, entry, tick->fired, tick->frame});
       }
     };
-    for (std::uint32_t n = 0; n < 360; ++n) {
+    for (std::uint32_t n = 0; n < pictures_each_; ++n) {
       for (std::uint32_t c = 0; c < 4; ++c) {
         if (lost(c, n)) continue;
         const HostTime arrival(frame_offset(n) + std::chrono::milliseconds(6 + c));
         fire(arrival);
         if (n == 60 && c == 0) {
-          EXPECT_TRUE(session.command(arrival, kCalibrate));
+          EXPECT_TRUE(session.command(arrival, command_));
           entry = writer.add_entry(arrival, std::string(session::kPageSource),
-                                   std::as_bytes(std::span(kCalibrate)));
+                                   std::as_bytes(std::span(command_)));
         }
         ByteWriter packet;
         EXPECT_TRUE(headset::write_picture_packet({.from = {headset::test::kHeadset + c, 0},
@@ -97,6 +101,8 @@ class Headset : public ::testing::Test {
     return session.hash();
   }
 
+  std::string command_ = kCalibrate;
+  std::uint32_t pictures_each_ = 360;
   /// What a camera's clock says at a picture.
   std::function<Duration(std::uint32_t camera, std::uint32_t number)> clock_ = [](std::uint32_t camera,
                                                                                   std::uint32_t number) {
@@ -117,6 +123,27 @@ TEST_F(Headset, LiveWithAndWithoutPicturesAndReplaysGiveTheSameBits) {
     EXPECT_EQ(replayed(folder_ / take, *session()), reduced.hash) << take;
     EXPECT_EQ(replayed(folder_ / take, *session(Pictures::kept)), reduced.hash) << take;
   }
+}
+
+TEST_F(Headset, ACalibrationOfGazeReplaysToTheSameBits) {
+  command_ = kCalibrateGaze;
+  pictures_each_ = 60 * 21;  // 1 s before it, 18 s of it.
+  const auto live = session();
+  const Recorded played = record(*live, folder_ / "gaze.mien");
+  ASSERT_EQ(live->versions().size(), 1U);
+  const session::CalibrationVersion& made = live->versions().front();
+  EXPECT_EQ(made.origin, "guided");
+  const auto calibration = headset::parse_wearer_calibration(made.json, "calibration");
+  ASSERT_TRUE(calibration) << calibration.error().message();
+  EXPECT_TRUE(calibration->gaze);
+  EXPECT_NE(std::ranges::find(made.scores, "gaze targets", &sensor::Score::name), made.scores.end());
+  std::vector<std::string> looked;
+  for (const take::Event& event : live->take_events())
+    if (event.kind == "gaze") looked.push_back(event.json);
+  ASSERT_EQ(looked.size(), 5U);
+  EXPECT_EQ(looked[1], R"({"name": "look left", "yaw_deg": 15.0, "pitch_deg": 0.0})");
+  for (const Pictures pictures : {Pictures::reduced, Pictures::kept})
+    EXPECT_EQ(replayed(folder_ / "gaze.mien", *session(pictures)), played.hash);
 }
 
 TEST_F(Headset, ATakeHoldsAPictureOnlyWhereItWasAskedFor) {

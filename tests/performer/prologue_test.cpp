@@ -35,15 +35,19 @@ TEST(Prologue, NoneChangesNothing) {
 
 TEST(Prologue, PhasesFollowEachOtherAndTheMotionFollowsThem) {
   const auto motion = some_motion();
-  for (const PrologueKind kind : {PrologueKind::brief, PrologueKind::full, PrologueKind::guided}) {
+  for (const PrologueKind kind :
+       {PrologueKind::brief, PrologueKind::full, PrologueKind::guided, PrologueKind::gaze}) {
     const auto [with, times] = with_prologue(motion, kind, Random(1));
     EXPECT_EQ(times.neutral.begin_s, 0);
-    EXPECT_DOUBLE_EQ(times.neutral.end_s, kind == PrologueKind::guided ? 4.6 : 3);
+    EXPECT_DOUBLE_EQ(times.neutral.end_s,
+                     kind == PrologueKind::guided || kind == PrologueKind::gaze ? 4.6 : 3);
     EXPECT_EQ(times.nod.begin_s, times.neutral.end_s);
     EXPECT_EQ(times.shake.begin_s, times.nod.end_s);
     EXPECT_EQ(times.anchors.begin_s, times.shake.end_s);
     EXPECT_EQ(times.range_of_motion.begin_s, times.anchors.end_s);
-    EXPECT_EQ(times.ease.begin_s, times.range_of_motion.end_s);
+    EXPECT_EQ(times.gaze.begin_s, times.range_of_motion.end_s);
+    EXPECT_EQ(times.ease.begin_s, times.gaze.end_s);
+    EXPECT_NEAR(times.gaze.end_s - times.gaze.begin_s, kind == PrologueKind::gaze ? 13.5 : 0, 1e-9);
     EXPECT_NEAR(times.ease.end_s - times.ease.begin_s, 0.5, 1e-9);
     EXPECT_EQ(times.motion_start_s, times.ease.end_s);
     double before = -1;
@@ -134,6 +138,26 @@ TEST(Prologue, LabLeavesOutNodAndShake) {
   EXPECT_EQ(times.shake.begin_s, times.shake.end_s);
   EXPECT_NEAR(times.motion_start_s, 3.5, 1e-9);
   EXPECT_EQ(with.frames[100].head.coeffs(), Quat::Identity().coeffs());
+}
+
+TEST(Prologue, GazeLooksAtFiveTargetsAndComesBack) {
+  const auto [with, times] = with_prologue(some_motion(), PrologueKind::gaze, Random(4), {.gestures = false});
+  const auto targets = face::gaze_targets();
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    // Towards its end: they turned late, and may blink.
+    const double end_s = times.gaze.begin_s + kGazeTarget_s * static_cast<double>(i + 1);
+    const auto eyes = face::eyes_rad(with.frames[static_cast<std::size_t>(end_s * kFrameRateHz) - 2].weights);
+    EXPECT_LT((eyes[0] - targets[i].direction_rad).norm(), 0.05F) << targets[i].name;
+    EXPECT_LT((eyes[0] - eyes[1]).norm(), 1e-5F);
+  }
+  EXPECT_TRUE(times.prompts.empty()) << "nothing is told of shapes";
+  float most = 0;
+  for (std::size_t i = 1; i < with.frames.size(); ++i)
+    if (with.frames[i].time_s > times.ease.begin_s && with.frames[i].time_s <= times.motion_start_s)
+      most = std::max(
+          most,
+          (face::eyes_rad(with.frames[i].weights)[0] - face::eyes_rad(with.frames[i - 1].weights)[0]).norm());
+  EXPECT_LT(most, 0.02F) << "without a jump into the motion";
 }
 
 TEST(Prologue, FullPromptsAMinuteAndEveryOneIsMissed) {

@@ -11,8 +11,8 @@ TEST(Command, AreWrittenAsTheyAreRead) {
   for (
       const char* text :
       {R"({"command":"calibrate","kind":"short"})", R"({"command":"calibrate","kind":"full"})",
-       R"({"command":"calibrate","kind":"wearer"})", R"({"command":"cancel_calibration"})",
-       R"({"command":"use_calibration","version":3})",
+       R"({"command":"calibrate","kind":"wearer"})", R"({"command":"calibrate","kind":"gaze"})",
+       R"({"command":"cancel_calibration"})", R"({"command":"use_calibration","version":3})",
        R"({"calibration":"{\"a\":1}","command":"restore_calibration"})", R"({"command":"recentre"})",
        R"({"command":"bind","device":"02:4D:49:45:4E:07/1","sensor":"mentalis"})",
        R"({"command":"hear","sensor":"mentalis","source":"udp://192.168.1.7:5005"})",

@@ -19,6 +19,11 @@ class Guided final : public tracker::Tracker {
   std::vector<Asked> asked;
   std::vector<Asked> ranges;
   std::vector<tracker::PromptedExpression> expressions;
+  struct Look {
+    std::string_view name;
+    DeviceTime begin, end;
+  };
+  std::vector<Look> looks;
   tracker::Guidance wanted;
 
   [[nodiscard]] std::string_view modality() const override { return "none"; }
@@ -29,6 +34,9 @@ class Guided final : public tracker::Tracker {
   [[nodiscard]] tracker::Guidance guidance() const override { return wanted; }
   void guide_range(DeviceTime begin, DeviceTime end) override { ranges.push_back({Step::none, begin, end}); }
   void guide_expression(const tracker::PromptedExpression& told) override { expressions.push_back(told); }
+  void guide_gaze(const face::GazeTarget& target, DeviceTime begin, DeviceTime end) override {
+    looks.push_back({target.name, begin, end});
+  }
   void cancel_guidance() override {}
   [[nodiscard]] tracker::CalibrationState calibration_state() const override { return {}; }
   [[nodiscard]] std::string calibration() const override { return {}; }
@@ -128,6 +136,30 @@ TEST(Guide, OneThatLearnsTheWearerTellsTheTrackerOfEachExpression) {
   ASSERT_EQ(tracker.ranges.size(), 1u);
   EXPECT_EQ(tracker.ranges[0].end, tracker.expressions.back().end) << "the learning is no expression";
   EXPECT_EQ(guide.anchor_scores().size(), face::anchors().size()) << "the others are not judged one by one";
+}
+
+TEST(Guide, OneOfGazeAsksForTargetsAfterTheNeutralAndGivesTimeToLookThere) {
+  Guide guide;
+  Guided tracker;
+  tracker.wanted = {.neutral = std::chrono::seconds(3), .gestures = false, .learns_gaze = true};
+  guide.begin(Calibrate::Kind::gaze);
+  const auto targets = face::gaze_targets();
+  const auto count = static_cast<double>(targets.size());
+  EXPECT_NEAR(lead(guide, tracker, 1), 60 * (1.5 + 3 + 2.7 * count), 1);
+  ASSERT_EQ(tracker.asked.size(), 1u);
+  EXPECT_TRUE(tracker.ranges.empty()) << "eyes that turn are no range of motion";
+  EXPECT_TRUE(guide.anchor_scores().empty());
+  ASSERT_EQ(tracker.looks.size(), targets.size());
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const DeviceTime shown = tracker.asked[0].end + i * std::chrono::milliseconds(2700);
+    EXPECT_EQ(tracker.looks[i].name, targets[i].name);
+    EXPECT_EQ(tracker.looks[i].begin, shown + std::chrono::milliseconds(900)) << "they turn there first";
+    EXPECT_EQ(tracker.looks[i].end, shown + std::chrono::milliseconds(2700));
+    const Guide::Part& part = guide.parts()[i + 1];
+    EXPECT_EQ(part.look, &targets[i]);
+    EXPECT_EQ(part.prompt, targets[i].prompt);
+    EXPECT_EQ(part.target, nullptr);
+  }
 }
 
 TEST(Guide, TellsWhereItIs) {

@@ -212,6 +212,12 @@ TEST(Session, AGuidedCalibrationScoresAndACancelledOneChangesNothing) {
   }
 }
 
+TEST(Session, WithoutACameraThatSeesAnEyeThereIsNoCalibrationOfGaze) {
+  const auto refused = test::session()->command(HostTime{}, R"({"command": "calibrate", "kind": "gaze"})");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::unsupported);
+}
+
 TEST(Session, VersionsCanBeUndone) {
   const virt::VirtualSession performed = performance(10);
   const auto session = test::session();

@@ -56,6 +56,8 @@ class Puppet final : public tracker::Tracker {
   void guide_range(DeviceTime, DeviceTime end) override { range_end = end; }
   void guide_expression(const tracker::PromptedExpression& asked) override { expression = asked.name; }
   std::string expression;
+  void guide_gaze(const face::GazeTarget& target, DeviceTime, DeviceTime) override { looks = target.name; }
+  std::string looks;
   void cancel_guidance() override { ++cancelled; }
   [[nodiscard]] CalibrationState calibration_state() const override { return state; }
   [[nodiscard]] std::string calibration() const override { return made; }
@@ -252,6 +254,11 @@ TEST(CombinedTracker, GuidesAllAsLongAsOneWants) {
   stage.both->guide_range(begin, end);
   stage.both->guide_expression({.name = "smile", .begin = begin, .end = end, .target = {}});
   EXPECT_EQ(stage.eyewear->expression, "smile");
+  EXPECT_FALSE(stage.both->guidance().learns_gaze);
+  stage.eyewear->wants.learns_gaze = true;
+  EXPECT_TRUE(stage.both->guidance().learns_gaze);
+  stage.both->guide_gaze(face::gaze_targets()[1], begin, end);
+  EXPECT_EQ(stage.eyewear->looks, "look left");
   stage.both->cancel_guidance();
   for (const Puppet* one : {stage.imu, stage.eyewear}) {
     EXPECT_EQ(one->guided, (std::vector<Step>{Step::neutral, Step::nod}));

@@ -1,6 +1,7 @@
 /** What buttons and keys do: one place for both, so that they do the same. */
+import type { CalibrationKind } from "./calibration_protocol";
 import { type Pairing, readPairing } from "./network_protocol";
-import type { CalibrationKind, Command, Reply } from "./protocol";
+import type { Command, Reply } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
 

@@ -10,6 +10,11 @@ export function isCamera(sensor: RigSensor): boolean {
   return sensor.kind === CAMERA_KIND && sensor.position !== null;
 }
 
+/** A headset that covers the eyes: who wears it cannot read this page. */
+export function seesAnEye(sensors: readonly RigSensor[]): boolean {
+  return sensors.some((sensor) => isCamera(sensor) && sensor.site === "eye");
+}
+
 /** ICT's names begin with the part of the face, as in mien/face/shape_region.h. */
 const UPPER = /^(brow|eye)/;
 

@@ -1,11 +1,12 @@
 /**
  * The face in the middle of the page: which head is shown, what it is told, what stands beside it, and how honest it looks.
  */
+import type { CalibrationStatus } from "./calibration_protocol";
 import { withToken } from "./connection";
 import { h, setHidden, setText } from "./dom";
 import { fixed } from "./format";
 import { restingPose, type Pose } from "./playout";
-import type { CalibrationStatus, PromptStatus, Status } from "./protocol";
+import type { PromptStatus, Status } from "./protocol";
 import type { Session } from "./session";
 import { shapeLabel } from "./shapes";
 import type { Avatar } from "./scene/avatar";

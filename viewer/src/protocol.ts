@@ -3,6 +3,7 @@
  * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
  * for what cannot be used at all.
  */
+import { type CalibrationKind, type CalibrationStatus, readCalibration, readTarget } from "./calibration_protocol";
 import { type Hearing, type MicrophoneOver, readHearing } from "./hearing_protocol";
 import { type NetworkStatus, readNetwork } from "./network_protocol";
 import { type CameraPicture, type PicturesStatus, readPictures } from "./picture_protocol";
@@ -95,37 +96,6 @@ export interface UnboundDevice {
   announces: string;
   ageMs: number | null;
   protocol: string;
-}
-
-export interface Score {
-  name: string;
-  value: number | null;
-  unit: string;
-  pass: boolean;
-  sentence: string;
-}
-
-export interface CalibrationVersion {
-  id: string | number;
-  time: number | null;
-  inForce: boolean;
-  origin: string;
-  scores: Score[];
-}
-
-export interface CalibrationStatus {
-  state: "none" | "watching" | "running" | "done" | "failed";
-  step: string;
-  prompt: string;
-  /** In our order; null when no face is to be shown. */
-  target: Float32Array | null;
-  /** Of the present step, 0 to 1. */
-  progress: number;
-  remainingS: number | null;
-  /** Which step this is, from 1, and of how many; 0 where the session does not say. */
-  stepNumber: number;
-  steps: number;
-  versions: CalibrationVersion[];
 }
 
 /** The poses of a recording, asked for one after the other. */
@@ -238,9 +208,6 @@ export interface Takes {
 }
 
 export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver | CameraPicture;
-
-/** wearer: neutral, nod and shake, expressions, then a minute of others, from which skin sensors learn the wearer. */
-export type CalibrationKind = "short" | "full" | "wearer";
 
 /** What the page may ask for; `id` is added by the connection. */
 export type Command =
@@ -390,43 +357,6 @@ function readLink(one: Fields): Link {
     headingSigmaDeg: numberOrNull(one["heading_sigma_deg"]),
     level: numberOrNull(one["level"]) === null ? null : share(one["level"]),
     estimated: one["estimated"] === true,
-  };
-}
-
-function readVersion(one: Fields): CalibrationVersion {
-  return {
-    id: idOf(one["id"]),
-    time: numberOrNull(one["time"]),
-    inForce: one["in_force"] === true,
-    origin: text(one["origin"]),
-    scores: list(one["scores"], (score) => ({
-      name: text(score["name"]),
-      value: numberOrNull(score["value"]),
-      unit: text(score["unit"]),
-      pass: score["pass"] === true,
-      sentence: text(score["sentence"]),
-    })),
-  };
-}
-
-function readTarget(value: unknown): Float32Array | null {
-  if (typeof value !== "object" || value === null || Array.isArray(value)) return null;
-  const target = fieldsOf(value);
-  return Float32Array.from(SHAPES, (name) => share(target[name]));
-}
-
-function readCalibration(fields: Fields): CalibrationStatus {
-  const state = fields["state"];
-  return {
-    state: state === "watching" || state === "running" || state === "done" || state === "failed" ? state : "none",
-    step: text(fields["step"]),
-    prompt: text(fields["prompt"]),
-    target: readTarget(fields["target"]),
-    progress: share(fields["progress"]),
-    remainingS: numberOrNull(fields["remaining_s"]),
-    stepNumber: Math.max(0, Math.round(number(fields["step_number"]))),
-    steps: Math.min(64, Math.max(0, Math.round(number(fields["steps"])))),
-    versions: list(fields["versions"], readVersion),
   };
 }
 

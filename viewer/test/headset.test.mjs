@@ -41,6 +41,19 @@ test("a headset: its cameras beside the face, their pictures only where they are
     assert.ok((await box("mouth L")).y > (await box("eye L")).y + 30);
     await picture(page, "headset");
 
+    // Points to look at.
+    await page.getByRole("tab", { name: "Calibration" }).click();
+    headset.session.holdAt = "gaze";
+    await button("Where I look").click();
+    await settled(page, () => document.querySelector(".guide:not(.prompts) h2").textContent === "Look there", "a point to look at");
+    await settled(page, () => document.querySelector(".look:not([hidden]) .look-words")?.textContent === "ahead", "its direction");
+    await picture(page, "look");
+    headset.session.holdAt = "";
+    await settled(page, () => document.querySelector(".look-words")?.textContent === "15° left", "the next one");
+    assert.ok(Number(await page.locator(".look-point").getAttribute("cx")) < 0, "left is left for who looks");
+    await page.locator(".guide-done").waitFor({ state: "visible" });
+    await page.locator(".guide-done").getByRole("button", { name: "Done" }).click();
+
     await page.getByRole("tab", { name: "Sensors" }).click();
     await button("Show pictures").click();
     await settled(page, () => document.querySelectorAll(".camera-view[data-pictured=true]").length === 4, "four pictures");

@@ -17,6 +17,7 @@ import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
 import { MockCameras } from "./mock_cameras.mjs";
 import { eyewearSensors, headsetSensors } from "./mock_rigs.mjs";
+import { STEPS } from "./mock_steps.mjs";
 import { MockVoice } from "./mock_voice.mjs";
 import { SHAPES, sphereHead } from "./sphere_head.mjs";
 
@@ -52,20 +53,6 @@ const TAKES = [
   { name: "range_of_motion.mien", seconds: 64.2, megabytes: 4.1, recorded: "2026-11-20T10:12:05Z", truth: true },
   { name: "tuesday_lunch.mien", seconds: 312.5, megabytes: 21.4, recorded: "2026-11-17T12:31:00Z", truth: false },
 ];
-const STEPS = {
-  short: [
-    { step: "neutral", seconds: 3, prompt: "Look straight ahead, lips closed, face at rest. Hold still." },
-    { step: "nod", seconds: 4.5, prompt: "Keep your face at rest and nod slowly: down first, then up." },
-    { step: "shake", seconds: 4.5, prompt: "Face at rest. Shake your head slowly, left and right." },
-  ],
-  full: [
-    { step: "anchor", seconds: 3, prompt: "Smile as wide as you can.", target: { mouthSmile_L: 1, mouthSmile_R: 1, cheekSquint_L: 0.5, cheekSquint_R: 0.5 } },
-    { step: "anchor", seconds: 3, prompt: "Open your mouth wide.", target: { jawOpen: 0.9, mouthLowerDown_L: 0.2, mouthLowerDown_R: 0.2 } },
-    { step: "anchor", seconds: 3, prompt: "Raise your brows.", target: { browInnerUp_L: 1, browInnerUp_R: 1, browOuterUp_L: 1, browOuterUp_R: 1, eyeWide_L: 0.4, eyeWide_R: 0.4 } },
-    { step: "anchor", seconds: 3, prompt: "Pucker your lips, as for a kiss.", target: { mouthPucker: 1, mouthFunnel: 0.2 } },
-    { step: "anchor", seconds: 3, prompt: "Wrinkle your nose.", target: { noseSneer_L: 1, noseSneer_R: 1, mouthUpperUp_L: 0.5, mouthUpperUp_R: 0.5, browDown_L: 0.5, browDown_R: 0.5 } },
-  ],
-};
 
 /** A person who talks, blinks, smiles at times and looks about; the same at every time. Weights by name. */
 export function performanceAt(t) {
@@ -298,7 +285,7 @@ class MockSession {
       latency_ms: { p50: 7.4 + 0.5 * this.random(), p99: 11.8 + 2.5 * this.random(), max: 17.2 + this.random() }, hold_ms: this.holdMs,
       links, unbound: this.unbound.map((one) => ({ ...one, age_ms: 3 + 5 * this.random() })),
       calibration: {
-        state: this.calibration.state, step: this.calibration.step, prompt: this.calibration.prompt, target: step?.target ?? null,
+        state: this.calibration.state, step: this.calibration.step, prompt: this.calibration.prompt, target: step?.target ?? null, look: step?.look ?? null,
         progress: run ? Math.min(1, this.calibration.stepSeconds / step.seconds) : 0, remaining_s: run ? Math.max(0, step.seconds - this.calibration.stepSeconds) : 0,
         step_number: run ? run.at + 1 : 0, steps: run ? run.steps.length : 0, versions: this.versions,
       },
@@ -366,7 +353,7 @@ class MockSession {
     switch (command.command) {
       case "calibrate":
         if (this.replay) throw new Error("A replay cannot be calibrated.");
-        this.calibration.run = { steps: command.kind === "full" ? [...STEPS.short, ...STEPS.full] : STEPS.short, at: 0 };
+        this.calibration.run = { steps: [...STEPS.short, ...({ full: STEPS.full, gaze: STEPS.gaze }[command.kind] ?? [])], at: 0 };
         this.enterStep();
         return null;
       case "cancel_calibration":

@@ -16,6 +16,7 @@
 #include "mien/model/views_network.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/study/headset/headset_dataset.h"
+#include "mien/study/headset/taught_gaze.h"
 #include "mien/study/performers.h"
 #include "mien/study/region_tally.h"
 #include "mien/virtual/headset/headset_wearer.h"
@@ -82,10 +83,11 @@ struct Answered {
   FilmTruth truth;
 };
 
-/// Plays a take to a tracker: `neutral` first, if told, of any take of this wearer, then the take's motion.
+/// Plays a take to a tracker: `neutral` first, if told, of any take of this wearer, after it `targets` that
+/// are looked at, then the take's motion.
 Result<std::vector<Answered>> play(const Take& take, const Take* neutral, const sensor::Rig& rig,
                                    const std::shared_ptr<const headset::HeadsetModel>& model,
-                                   const Arrives& arrives) {
+                                   const Arrives& arrives, const Take* targets) {
   MIEN_TRY_ASSIGN(const auto tracker, headset::HeadsetTracker::create(rig, model));
   sensor::TimeLines lines(rig.sensors.size(), std::uint16_t{0});
   std::int64_t number = 0;
@@ -108,6 +110,10 @@ Result<std::vector<Answered>> play(const Take& take, const Take* neutral, const 
     const DeviceTime begin(frame_offset(number));
     tracker->guide(tracker::Step::neutral, begin, begin + frame_offset(kRest - 2));
     for (std::size_t frame = 0; frame < kRest; ++frame) step(*neutral, frame, true);
+  }
+  if (targets != nullptr) {
+    guide_gaze_targets(DeviceTime(frame_offset(number)), *tracker);
+    for (std::size_t frame = 0; frame < targets->truth.size(); ++frame) step(*targets, frame, true);
   }
   std::vector<Answered> answered;
   for (std::size_t frame = kRest; frame < take.truth.size(); ++frame) {
@@ -263,7 +269,7 @@ virt::HeadsetSeat another_seat(Random random) {
 std::string_view condition_name(HeadsetCondition condition) {
   constexpr std::array<std::string_view, kHeadsetConditions> kNames = {
       "as worn",   "no neutral",          "put on anew",        "slipped", "15 Hz",
-      "10 % lost", "a mouth camera lost", "an eye camera lost", "hidden"};
+      "10 % lost", "a mouth camera lost", "an eye camera lost", "hidden",  "after five points"};
   return kNames[static_cast<std::size_t>(condition)];
 }
 
@@ -301,6 +307,16 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
     take.fails_from = kRest + take.frames / 3;
     MIEN_TRY_ASSIGN(const Take covered, film("hidden"));
 
+    // In the seat of the take as worn.
+    MIEN_TRY_ASSIGN(const Take targets,
+                    look_at(film_wearer(wearer, faults, gaze_targets_motion(root.fork("gaze")),
+                                        {.frames = static_cast<int>(kTaughtGaze_s * kFrameRateHz),
+                                         .neutral_frames = 0,
+                                         .rate_hz = kFrameRateHz,
+                                         .side = side},
+                                        root.fork("as worn")),
+                            rig, side, *model));
+
     const measure::Meter meter(wearer.face);
     std::vector<std::vector<bool>> lost(rig.sensors.size());
     Random random = root.fork("lost");
@@ -319,8 +335,9 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
     const std::size_t mouth = camera_named("mouth"), eye = camera_named("eye");
     const Arrives all = [](std::size_t, std::size_t) { return true; };
     const auto add = [&](HeadsetCondition condition, const Take& of, const Take* neutral,
-                         const Arrives& arrives) -> Result<void> {
-      MIEN_TRY_ASSIGN(const std::vector<Answered> answered, play(of, neutral, rig, model, arrives));
+                         const Arrives& arrives, const Take* looked_at = nullptr) -> Result<void> {
+      MIEN_TRY_ASSIGN(const std::vector<Answered> answered,
+                      play(of, neutral, rig, model, arrives, looked_at));
       parts[w][static_cast<std::size_t>(condition)] = part_of(answered, meter, mean_answer);
       return {};
     };
@@ -334,6 +351,7 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
     MIEN_TRY(add(mouth_lost, usual, &usual, [&](std::size_t, std::size_t c) { return c != mouth; }));
     MIEN_TRY(add(eye_lost, usual, &usual, [&](std::size_t, std::size_t c) { return c != eye; }));
     MIEN_TRY(add(hidden, covered, &usual, all));
+    MIEN_TRY(add(gaze_taught, usual, &usual, all, &targets));
     return {};
   };
   MIEN_TRY(for_each_performer(wearers, request.threads, progress, look_through));

@@ -42,8 +42,9 @@ enum class HeadsetCondition : std::uint8_t {
   mouth_lost,   ///< The camera of the mouth's left half is missing.
   eye_lost,     ///< The left eye's is.
   hidden,       ///< From a third of the motion on by what training never saw (test_failures()).
+  gaze_taught,  ///< As worn, after five targets were looked at (gaze_targets_motion()).
 };
-inline constexpr std::size_t kHeadsetConditions = 9;
+inline constexpr std::size_t kHeadsetConditions = 10;
 [[nodiscard]] std::string_view condition_name(HeadsetCondition condition);
 
 /// All wearers of one condition. Squared errors are of weights, means over frames and shapes.

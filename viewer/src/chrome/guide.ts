@@ -1,18 +1,22 @@
 /** The guided calibration over the face: what to do now, a ring that runs down, and afterwards how well it went. */
 import type { Actions } from "../actions";
+import { seesAnEye } from "../camera_words";
 import { h, setAttribute, setHidden, setText } from "../dom";
 import type { Session } from "../session";
 import type { Status } from "../protocol";
 import { scoreItems } from "../panels/calibration";
+import { findVoice, speak } from "../spoken";
+import { LookField } from "./look_field";
 import { CountdownRing } from "./ring";
 
-const TITLES: Readonly<Record<string, string>> = { neutral: "Hold still", nod: "Nod", shake: "Shake your head", anchor: "Make this face" };
+const TITLES: Readonly<Record<string, string>> = { neutral: "Hold still", nod: "Nod", shake: "Shake your head", anchor: "Make this face", gaze: "Look there" };
 
 export class CalibrationGuide {
   readonly element = h("section", { class: "guide", "aria-label": "Calibration", hidden: true });
   private readonly title = h("h2");
   private readonly prompt = h("p", { "aria-live": "assertive" });
   private readonly ring = new CountdownRing();
+  private readonly look = new LookField();
   private readonly steps = h("ol", { class: "steps", "aria-hidden": "true" });
   private readonly running = h("div", { class: "guide-running" });
   private readonly done = h("div", { class: "guide-done", hidden: true });
@@ -21,17 +25,23 @@ export class CalibrationGuide {
   /** The versions that there were when it began: a cancelled one brings no other. */
   private before: ReadonlySet<string | number> = new Set();
   private step = "";
+  /** Who wears a headset, or is to look elsewhere, cannot read. */
+  private spoken = false;
 
   constructor(
     session: Session,
     private readonly actions: Actions,
   ) {
     this.running.append(
-      this.ring.element,
+      h("div", { class: "guide-signs" }, this.ring.element, this.look.element),
       h("div", { class: "guide-words" }, this.title, this.prompt, this.steps),
       h("button", { type: "button", class: "button", text: "Cancel", onclick: () => void actions.cancelCalibration() }),
     );
     this.element.append(this.running, this.done);
+    session.hello.listen((hello) => {
+      this.spoken = seesAnEye(hello?.sensors ?? []);
+      if (this.spoken) findVoice();
+    });
     session.status.listen((status) => {
       if (status) this.update(status);
     });
@@ -68,9 +78,11 @@ export class CalibrationGuide {
         this.prompt.classList.remove("fresh");
         void this.prompt.offsetWidth;
         this.prompt.classList.add("fresh");
+        if (this.spoken) speak(calibration.prompt);
       }
       setText(this.title, TITLES[calibration.step] ?? "Calibrating");
       setText(this.prompt, calibration.prompt);
+      this.look.show(calibration.look);
       this.ring.set(calibration.progress, calibration.remainingS ?? 0);
       this.drawSteps(calibration.stepNumber, calibration.steps);
       return;

@@ -1,8 +1,10 @@
 /** Calibrations: beginning one, the versions so far, two of them compared, and an earlier one put back in force. */
 import type { Actions } from "../actions";
+import type { CalibrationVersion, Score } from "../calibration_protocol";
+import { seesAnEye } from "../camera_words";
 import { h, KeyedList, setHidden, setText } from "../dom";
 import { ago, fixed } from "../format";
-import type { CalibrationVersion, Score, Status } from "../protocol";
+import type { Status } from "../protocol";
 import type { Session } from "../session";
 
 const ORIGINS: Readonly<Record<string, string>> = {
@@ -30,14 +32,15 @@ export class CalibrationPanel {
     const short = h("button", { type: "button", class: "button primary", onclick: () => void actions.calibrate("short") }, "Calibrate");
     const full = h("button", { type: "button", class: "button", onclick: () => void actions.calibrate("full") }, "With expressions");
     const wearer = h("button", { type: "button", class: "button", onclick: () => void actions.calibrate("wearer") }, "Learn my skin");
+    const gaze = h("button", { type: "button", class: "button", hidden: true, onclick: () => void actions.calibrate("gaze") }, "Where I look");
     const recentre = h("button", { type: "button", class: "button", onclick: () => void actions.recentre() }, "Re-centre");
-    this.begin = [short, full, wearer];
+    this.begin = [short, full, wearer, gaze];
     this.element.append(
       this.sentence,
-      h("div", { class: "button-row" }, short, full, wearer, recentre),
+      h("div", { class: "button-row" }, short, full, wearer, gaze, recentre),
       h("p", {
         class: "quiet",
-        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Re-centre: the face you have now is neutral again.",
+        text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Where I look, with a headset: five points to look at, said aloud. Re-centre: the face you have now is neutral again.",
       }),
       h("h3", { text: "Versions" }),
       this.list,
@@ -46,6 +49,7 @@ export class CalibrationPanel {
     );
     this.versions = new KeyedList(this.list, (one) => String(one.id), (one) => new VersionRow(one, actions, (on) => this.compare(one, on)));
     session.status.listen((status) => this.update(status));
+    session.hello.listen((hello) => setHidden(gaze, !seesAnEye(hello?.sensors ?? [])));
   }
 
   private update(status: Status | null): void {

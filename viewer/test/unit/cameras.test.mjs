@@ -3,7 +3,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 
 const { readPicture, readPictures } = await load("picture_protocol.ts");
-const { brightnessOf, confidenceOf, isCamera, opennessOf, originOf, shapesSeen } = await load("camera_words.ts");
+const { brightnessOf, confidenceOf, isCamera, opennessOf, originOf, seesAnEye, shapesSeen } = await load("camera_words.ts");
 const { SHAPES, shapeIndex } = await load("shapes.ts");
 const { gazeDirection } = await load("scene/headset.ts");
 const { anchorOf, keepWithin } = await load("scene/camera_views.ts");
@@ -15,6 +15,12 @@ const VECTOR = "4d504943 01 00 0200 0300 0200 000a141e2832";
 
 const EYE_L = { name: "eye_L", kind: "camera", site: "eye", side: "L", role: "face", position: [0.05, 0.02, 0.1245], aim: null };
 const MOUTH_R = { ...EYE_L, name: "mouth_R", site: "mouth", side: "R" };
+
+test("a headset covers the eyes where a camera sees one", () => {
+  assert.equal(seesAnEye([MOUTH_R]), false);
+  assert.equal(seesAnEye([MOUTH_R, EYE_L]), true);
+  assert.equal(seesAnEye([{ ...EYE_L, kind: "imu" }]), false);
+});
 
 test("a picture is read as the session writes it", () => {
   const picture = readPicture(bytes(VECTOR));

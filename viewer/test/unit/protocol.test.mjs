@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { load } from "./load.mjs";
 
 const { readMessage, readTakes, OWN_ORDER } = await load("protocol.ts");
+const { lookWords } = await load("chrome/look_field.ts");
 const { readPairing } = await load("network_protocol.ts");
 const { SHAPES, SHAPE_COUNT } = await load("shapes.ts");
 
@@ -221,4 +222,14 @@ test("who can send is read, and a session that does not say has none", () => {
   assert.equal(readPairing(null), null);
   assert.equal(readPairing({ firmware: 7 }), null);
   assert.deepEqual(readPairing({ file: "f", firmware: "line", command: "c", in_force: true }), { file: "f", firmware: "line", command: "c", inForce: true });
+});
+
+test("where to look is read, and an odd direction becomes one that an eye can turn to", () => {
+  const look = (value) => read({ type: "status", calibration: { state: "running", step: "gaze", look: value } }).calibration.look;
+  assert.deepEqual(look({ yaw_deg: 15, pitch_deg: -10 }), { leftDeg: 15, upDeg: -10 });
+  assert.deepEqual(look({ yaw_deg: 1e9, pitch_deg: "up" }), { leftDeg: 45, upDeg: 0 });
+  for (const none of [null, undefined, 5, [], "left"]) assert.equal(look(none), null);
+  assert.equal(lookWords({ leftDeg: 15, upDeg: 0 }), "15° left");
+  assert.equal(lookWords({ leftDeg: -15, upDeg: 10 }), "10° up, 15° right");
+  assert.equal(lookWords({ leftDeg: 0, upDeg: 0 }), "ahead");
 });
