@@ -24,6 +24,7 @@
 #include "mien/face/motion.h"
 #include "mien/live/picture_server.h"
 #include "mien/performer/encore.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/virtual/headset/worn_headset.h"
 #include "mien/virtual/node.h"
 
@@ -267,6 +268,9 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   MIEN_TRY(parse_first_camera(options.to, 1));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
   const virt::WornHeadset* headset = virt::headset_of(stage);
+  if (headset == nullptr && !sensor::sensors_of(stage.rig, "camera").empty())
+    return fail(ErrorCode::bad_usage, "no virtual performer has cameras and other sensors on a network",
+                request.rig.string(), "perform them into a take: --take FILE.mien");
   if (headset == nullptr)
     return fail(ErrorCode::bad_usage, "only cameras are asked for pictures, and the rig is of other sensors",
                 request.rig.string(), "use rigs/headset.toml, or send to udp://HOST:PORT");

@@ -9,6 +9,7 @@
 #include "app/json_output.h"
 #include "app/seed_option.h"
 #include "app/study/study_confidence.h"
+#include "app/study/study_hand.h"
 #include "app/study/study_headset.h"
 #include "app/study/study_lag.h"
 #include "app/study/study_live.h"
@@ -202,6 +203,7 @@ void add_study_command(Commands& commands) {
   add_study_confidence(commands, study);
   add_drift(commands, study);
   add_skin(commands, study);
+  add_study_hand(commands, study);
   add_study_headset(commands, study);
   add_study_lag(commands, study);
   add_study_live(commands, study);

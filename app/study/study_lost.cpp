@@ -23,9 +23,13 @@ struct StudyLostOptions {
 };
 
 Json row_json(const study::LostSensorsPerson& person, const study::LostSensorsRow& row) {
-  return {{"seed", person.seed},          {"voice", person.voice},    {"audio", row.audio},
-          {"jerk_ratio", row.jerk_ratio}, {"notice_s", row.notice_s}, {"recover_s", row.recover_s},
-          {"mouth_mm", row.mouth_mm}};
+  return {{"seed", person.seed},
+          {"voice", person.voice},
+          {"audio", row.audio},
+          {"jerk_ratio", row.over.jerk_ratio},
+          {"notice_s", row.over.notice_s},
+          {"recover_s", row.over.recover_s},
+          {"mouth_mm", row.over.mouth_mm}};
 }
 
 /// The first person's loss, as it was and as it is shown with a microphone.
@@ -58,10 +62,11 @@ Result<void> run_study_lost(const StudyLostOptions& options) {
   fmt::print("|---|---|---|---|---|---|---|---|\n");
   for (const study::LostSensorsPerson& person : people)
     for (const study::LostSensorsRow* row : {&person.held, &person.heard})
-      fmt::print("| {} | {} | {} | {:.2f} | {:.0f} | {:.0f} | {:.3f} | {:+.0f} % |\n", person.seed,
-                 person.voice, row->audio ? "yes" : "no", row->jerk_ratio, 1e3 * row->notice_s,
-                 1e3 * row->recover_s, row->mouth_mm,
-                 person.held.mouth_mm == 0 ? 0 : 100 * (row->mouth_mm / person.held.mouth_mm - 1));
+      fmt::print(
+          "| {} | {} | {} | {:.2f} | {:.0f} | {:.0f} | {:.3f} | {:+.0f} % |\n", person.seed, person.voice,
+          row->audio ? "yes" : "no", row->over.jerk_ratio, 1e3 * row->over.notice_s,
+          1e3 * row->over.recover_s, row->over.mouth_mm,
+          person.held.over.mouth_mm == 0 ? 0 : 100 * (row->over.mouth_mm / person.held.over.mouth_mm - 1));
   fmt::print(
       "\njerk: of mouth and jaw about the change, over that of whoever answers then without one\n"
       "mouth: mean error of the face's vertices meanwhile; of held: of the row without a microphone\n");

@@ -143,6 +143,9 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
   std::uint8_t best = kNobody;
   float most = 0;
   for (const std::uint8_t s : order) {
+    // Half a picture of a mouth is worse than sensors that guess the other half: the region goes as a whole.
+    if (region < face::kShapeRegionCount && seen_[region] && history_[s].sight[region] == Sight::lost)
+      continue;
     const Vote vote = vote_of(sources, s, part);
     // Who explains nothing has no hold on the part: else whoever came first would keep it for good.
     const float score = vote.share + (s == present && vote.share > 0 ? hysteresis : 0);
@@ -151,6 +154,28 @@ std::uint8_t Merge::choose(std::span<const Source> sources, std::size_t part) co
     most = score;
   }
   return best;
+}
+
+void Merge::look_for_sight(std::span<const Source> sources) {
+  seen_.fill(false);
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    std::array<std::optional<float>, face::kShapeRegionCount> most;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      const Vote vote = vote_of(sources, s, k);
+      if (!vote.known || vote.heard) continue;
+      std::optional<float>& region = most[static_cast<std::size_t>(face::kShapeRegions[k])];
+      region = std::max(region.value_or(0), vote.share);
+    }
+    for (std::size_t r = 0; r < most.size(); ++r) {
+      if (!most[r]) continue;
+      Sight& sight = history_[s].sight[r];
+      if (*most[r] >= settings_.sure)
+        sight = Sight::sees;
+      else if (sight == Sight::sees && *most[r] < settings_.unsure)
+        sight = Sight::lost;
+      seen_[r] = seen_[r] || sight == Sight::sees;
+    }
+  }
 }
 
 void Merge::look_for_gaps(std::span<const Source> sources, DeviceTime time) {
@@ -256,6 +281,7 @@ std::size_t Merge::apply(std::span<const Source> sources, OutputFrame& out) {
     if (has_estimate(*sources[s].frame)) behind += present;
   }
   known_ = known_ || behind > 0;
+  look_for_sight(sources);
   look_for_gaps(sources, time);
 
   out.time = time;

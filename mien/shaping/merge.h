@@ -27,6 +27,8 @@ namespace mien::shaping {
 ///    `unsure` for the present one (hysteresis, MergeSettings);
 /// 2. else the one with sensors that explains the most; another replaces the present one where it leads by
 ///    more than the hysteresis, sure - unsure, or where that one explains nothing;
+///    None of those is one that lost sight of the shape's region, while another sees it: one that explained a
+///    shape of it by `sure` once, and none by `unsure` any more, until it explains one by `sure` again;
 /// 3. else none (provenance neutral everywhere): the part is held as shown, then eased to neutral (Fading).
 ///
 /// What a tracker explains of a shape depends on its sensors and not on the weights, so that nothing changes
@@ -100,6 +102,8 @@ class Merge {
     bool measured = false;
     float share = 0;  // Of the part that it explains; else its confidence.
   };
+  /// How much of a region a source sees: a shape of it by `sure` at least, until none by `unsure` any more.
+  enum class Sight : std::uint8_t { never, sees, lost };
   /// What is known of a source beyond its present frame.
   struct History {
     face::OutputFrame last, before, earlier;  // Mended: the present frame, and the two before.
@@ -108,11 +112,14 @@ class Merge {
     bool seen = false;                        // It had sensors once.
     bool warms_up = false;  // Its sensors were all lost, and are back for less than kWarmUp.
     std::optional<DeviceTime> back_since;
+    std::array<Sight, face::kShapeRegionCount> sight{};  // What it sees of each region.
   };
   /// Mends the source's frame and takes it into its history. Returns its sensors that count.
   std::size_t follow(const Source& source, History& history);
   [[nodiscard]] Vote vote_of(std::span<const Source> sources, std::size_t which, std::size_t part) const;
   [[nodiscard]] std::uint8_t choose(std::span<const Source> sources, std::size_t part) const;
+  /// Follows which regions each tracker sees.
+  void look_for_sight(std::span<const Source> sources);
   /// Follows which regions no tracker senses: those that sound may answer for, and those that nobody does.
   void look_for_gaps(std::span<const Source> sources, DeviceTime time);
   /// Eases the part out from what is shown to a source that was not asked before.
@@ -130,6 +137,7 @@ class Merge {
   std::vector<History> history_;                                   // Of each source.
   std::array<std::uint8_t, kPartCount> answers_{};                 // Selected source by part.
   std::array<std::uint8_t, face::kShapeRegionCount> leads_{};      // Source that answers most of a region.
+  std::array<bool, face::kShapeRegionCount> seen_{};               // Some source sees the region.
   std::array<std::optional<DeviceTime>, face::kShapeRegionCount> unsensed_since_;
   std::array<bool, face::kShapeRegionCount> heard_{};  // Sound may answer for the region.
   std::array<std::optional<DeviceTime>, face::kShapeRegionCount> turning_since_{};

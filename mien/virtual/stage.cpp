@@ -51,7 +51,9 @@ constexpr std::array kModalities = {
     Modality{kHearing, wear_microphones},
 };
 /// Devices whose faults stand in a table of their own, so that they can be worn beside others.
-constexpr std::array<std::string_view, 1> kFaultTables = {"microphone"};
+constexpr std::array<std::string_view, 2> kFaultTables = {"microphone", "headset"};
+/// What cameras may be worn beside; a microphone may be beside both, or beside any one kind.
+constexpr std::string_view kFeeling = "imu";
 
 /// A rig with nothing but the sensors of one kind, each bound as in the whole.
 Result<sensor::Rig> only_of(const sensor::Rig& rig, std::string_view kind) {
@@ -82,24 +84,29 @@ Result<std::shared_ptr<const WornDevices>> wear_all(const StageRequest& request,
                 "leave out --headset-failure, or use rigs/headset.toml");
   if (kinds.size() == 1) return wear(request, kinds.front(), std::move(face), root, stage);
   const bool hears = std::erase(kinds, kHearing) > 0;
-  if (!hears || kinds.size() != 1)
+  std::ranges::sort(kinds, {}, [](const std::string& kind) { return kind != kFeeling; });
+  if (kinds.size() > 1 && kinds != std::vector<std::string>{std::string(kFeeling), std::string(kSeeing)})
     return fail(ErrorCode::unsupported, "no virtual performer wears sensors of these kinds at once",
                 request.rig.string(),
-                "a microphone may be beside one kind; perform each other one with a rig of its own, to one "
-                "session that has all");
-  const std::vector<std::uint16_t> sensors = sensor::sensors_of(stage.rig, kinds.front());
+                "cameras may be beside IMUs, and a microphone beside these or beside one kind; perform each "
+                "other one with a rig of its own, to one session that has all");
   if (const auto reference = stage.rig.find(stage.rig.reference);
-      !reference || stage.rig.sensors[*reference].kind == kHearing)
-    return fail(ErrorCode::bad_usage, "the frames' clock is a microphone's", request.rig.string(),
+      !reference || stage.rig.sensors[*reference].kind != kinds.front())
+    return fail(ErrorCode::bad_usage, "the frames' clock is a microphone's, or a camera's beside IMUs",
+                request.rig.string(),
                 fmt::format("name a sensor of the kind {} as the reference", kinds.front()));
-  Stage part;
-  part.lab = stage.lab;
-  MIEN_TRY_ASSIGN(part.rig, only_of(stage.rig, kHearing));
-  MIEN_TRY_ASSIGN(auto hearing, wear(request, kHearing, face, root, part));
-  MIEN_TRY_ASSIGN(part.rig, only_of(stage.rig, kinds.front()));
-  MIEN_TRY_ASSIGN(auto feeling, wear(request, kinds.front(), std::move(face), root, part));
-  return std::make_shared<const WornTogether>(WornTogether::Part{std::move(feeling), sensors},
-                                              std::move(hearing));
+  const bool together = kinds.size() > 1;
+  if (hears) kinds.emplace_back(kHearing);
+  std::vector<WornTogether::Part> parts;
+  for (const std::string& kind : kinds) {
+    Stage part;
+    part.lab = stage.lab;
+    part.together = together;
+    MIEN_TRY_ASSIGN(part.rig, only_of(stage.rig, kind));
+    MIEN_TRY_ASSIGN(auto worn, wear(request, kind, face, root, part));
+    parts.push_back({std::move(worn), sensor::sensors_of(stage.rig, kind)});
+  }
+  return std::make_shared<const WornTogether>(std::move(parts));
 }
 
 /// What belongs to one table of devices, or to none.

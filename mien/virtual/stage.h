@@ -45,7 +45,9 @@ struct StageRequest {
 struct Stage {
   std::string rig_toml;  ///< The rig file, whole.
   sensor::Rig rig;
-  bool lab = false;                         ///< The profile *lab*: there are no faults then.
+  bool lab = false;  ///< The profile *lab*: there are no faults then.
+  /// IMUs and cameras are worn at once: the faults of cameras stand in a table of their own.
+  bool together = false;
   std::shared_ptr<const WornDevices> worn;  ///< All that the rig has; never null when set.
   performer::PrologueMotion motion;
   Random devices = Random(0);  ///< What the devices' faults are drawn from.
@@ -57,15 +59,16 @@ struct FaultsText {
   std::string where;
 };
 /// The faults that the request's devices are of: the rig's own, or a file's. Not for *lab*. `table`: those of
-/// devices that have a table of their own in it ("microphone", for [faults.microphone]); empty: all that
-/// stands in none. Errors: not_found, malformed.
+/// devices that have a table of their own in it ("microphone", for [faults.microphone]; "headset"); empty:
+/// all that stands in none. Errors: not_found, malformed.
 [[nodiscard]] Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig,
                                              std::string_view table = {});
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
 /// not_found (no such devices); bad_usage (eyewear or cameras in the profile *lab*, or on skin unlike
-/// the face's; a headset's failure without one; a microphone that is the reference beside other sensors);
-/// unsupported (a rig of several kinds of sensors besides microphones); out_of_range (too long).
+/// the face's; a headset's failure without one; a microphone, or a camera beside IMUs, that is the
+/// reference); unsupported (several kinds at once but for cameras beside IMUs, and microphones); out_of_range
+/// (too long).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
 /// The whole performance on its stage, as a session with the rig receives it; `progress` hears of devices'.

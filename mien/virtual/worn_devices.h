@@ -57,8 +57,8 @@ class NodeDevices {
 };
 
 /// A performer's devices: faults read, places and skin drawn. Each modality's folder derives
-/// one, and stage.cpp has the table of them; WornTogether is of two. Immutable once made, so safe to share
-/// between threads.
+/// one, and stage.cpp has the table of them; WornTogether is of several. Immutable once made, so safe to
+/// share between threads.
 class WornDevices {
  public:
   virtual ~WornDevices() = default;

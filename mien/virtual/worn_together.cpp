@@ -1,7 +1,9 @@
 #include "mien/virtual/worn_together.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
+#include <string_view>
 #include <utility>
 
 namespace mien::virt {
@@ -9,61 +11,88 @@ namespace {
 
 class TogetherOnNetwork final : public NodeDevices {
  public:
-  TogetherOnNetwork(std::unique_ptr<NodeDevices> one, std::unique_ptr<NodeDevices> other)
-      : one_(std::move(one)), other_(std::move(other)) {}
+  explicit TogetherOnNetwork(std::vector<std::unique_ptr<NodeDevices>> parts) : parts_(std::move(parts)) {}
   [[nodiscard]] std::vector<Node*> nodes() override {
-    std::vector<Node*> all = one_->nodes();
-    std::ranges::copy(other_->nodes(), std::back_inserter(all));
+    std::vector<Node*> all;
+    for (const auto& part : parts_) std::ranges::copy(part->nodes(), std::back_inserter(all));
     return all;
   }
-  /// The one that is behind, so that neither runs far ahead.
-  [[nodiscard]] Result<void> simulate() override {
-    const bool first = other_->done() || (!one_->done() && one_->simulated_s() <= other_->simulated_s());
-    return (first ? *one_ : *other_).simulate();
-  }
-  [[nodiscard]] double simulated_s() const override {
-    if (one_->done()) return other_->simulated_s();
-    if (other_->done()) return one_->simulated_s();
-    return std::min(one_->simulated_s(), other_->simulated_s());
-  }
-  [[nodiscard]] bool done() const override { return one_->done() && other_->done(); }
+  /// The one that is behind, so that none runs far ahead.
+  [[nodiscard]] Result<void> simulate() override { return behind().simulate(); }
+  [[nodiscard]] double simulated_s() const override { return behind().simulated_s(); }
+  [[nodiscard]] bool done() const override { return std::ranges::all_of(parts_, &NodeDevices::done); }
 
  private:
-  std::unique_ptr<NodeDevices> one_, other_;
+  /// Of those that are not done the one that is simulated least; of done ones the one that ended first.
+  [[nodiscard]] NodeDevices& behind() const {
+    return **std::ranges::min_element(parts_, {}, [](const std::unique_ptr<NodeDevices>& part) {
+      return std::pair(part->done(), part->simulated_s());
+    });
+  }
+  std::vector<std::unique_ptr<NodeDevices>> parts_;
 };
 
 }  // namespace
 
 performer::PrologueNeeds WornTogether::prologue(const Stage& stage) const {
-  return feeling_.worn->prologue(stage);
+  performer::PrologueNeeds all{.neutral_s = 0, .gestures = false};
+  for (const Part& part : parts_) {
+    const performer::PrologueNeeds one = part.worn->prologue(stage);
+    all.neutral_s = std::max(all.neutral_s, one.neutral_s);
+    all.gestures = all.gestures || one.gestures;
+  }
+  return all;
 }
 
 Result<Sent> WornTogether::send(const Stage& stage, const Progress& progress) const {
-  MIEN_TRY_ASSIGN(Sent all, feeling_.worn->send(stage, progress));
-  MIEN_TRY_ASSIGN(Sent heard, hearing_->send(stage, progress));
-  std::ranges::move(heard.datagrams, std::back_inserter(all.datagrams));
+  Sent all;
+  const auto count = static_cast<double>(parts_.size());
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    MIEN_TRY_ASSIGN(Sent sent, parts_[p].worn->send(stage, [&](double share, std::string_view what) {
+      return progress((static_cast<double>(p) + share) / count, what);
+    }));
+    if (p == 0) {
+      all = std::move(sent);
+      continue;
+    }
+    std::ranges::move(sent.datagrams, std::back_inserter(all.datagrams));
+    // What befell them is told on their own clock.
+    for (take::Event& event : sent.events) {
+      event.begin = all.reference.device(sent.reference.true_s(event.begin));
+      event.end = all.reference.device(sent.reference.true_s(event.end));
+      all.events.push_back(std::move(event));
+    }
+  }
   return all;
 }
 
 std::vector<take::CalibrationVersion> WornTogether::calibrations(const Stage& stage,
                                                                  const VirtualSession& session) const {
-  VirtualSession felt;
-  felt.ticks = session.ticks;
-  felt.events = session.events;
-  for (const take::StoredSample& stored : session.samples) {
-    const auto found = std::ranges::find(feeling_.sensors, stored.sample.sensor);
-    if (found == feeling_.sensors.end()) continue;
-    felt.samples.push_back(stored);
-    felt.samples.back().sample.sensor = static_cast<std::uint16_t>(found - feeling_.sensors.begin());
+  std::vector<take::CalibrationVersion> all;
+  for (const Part& part : parts_) {
+    VirtualSession own;
+    own.ticks = session.ticks;
+    own.events = session.events;
+    for (const take::StoredSample& stored : session.samples) {
+      const auto found = std::ranges::find(part.sensors, stored.sample.sensor);
+      if (found == part.sensors.end()) continue;
+      own.samples.push_back(stored);
+      own.samples.back().sample.sensor = static_cast<std::uint16_t>(found - part.sensors.begin());
+    }
+    std::ranges::move(part.worn->calibrations(stage, own), std::back_inserter(all));
   }
-  return feeling_.worn->calibrations(stage, felt);
+  std::ranges::stable_sort(all, {}, &take::CalibrationVersion::made);
+  for (std::size_t v = 0; v < all.size(); ++v) all[v].id = static_cast<std::int64_t>(v) + 1;
+  return all;
 }
 
 Result<std::unique_ptr<NodeDevices>> WornTogether::on_network(const Stage& stage, const PlayedMotion& motion,
                                                               NodeLanguage language) const {
-  MIEN_TRY_ASSIGN(auto feeling, feeling_.worn->on_network(stage, motion, language));
-  MIEN_TRY_ASSIGN(auto hearing, hearing_->on_network(stage, motion, language));
-  return std::make_unique<TogetherOnNetwork>(std::move(feeling), std::move(hearing));
+  std::vector<std::unique_ptr<NodeDevices>> all;
+  for (const Part& part : parts_) {
+    MIEN_TRY_ASSIGN(all.emplace_back(), part.worn->on_network(stage, motion, language));
+  }
+  return std::make_unique<TogetherOnNetwork>(std::move(all));
 }
 
 }  // namespace mien::virt

@@ -9,18 +9,18 @@
 
 namespace mien::virt {
 
-/// Devices of two modalities that one performer wears, each of which knows a rig of its own sensors alone:
-/// those that feel the performance, among them the whole rig's reference, and microphones, which need no
-/// prologue.
+/// Devices of several modalities that one performer wears, each of which knows a rig of its own sensors
+/// alone.
 class WornTogether final : public WornDevices {
  public:
   struct Part {
     std::shared_ptr<const WornDevices> worn;
     std::vector<std::uint16_t> sensors;  ///< Of each sensor of its rig, the number in the whole rig.
   };
-  WornTogether(Part feeling, std::shared_ptr<const WornDevices> hearing)
-      : feeling_(std::move(feeling)), hearing_(std::move(hearing)) {}
+  /// `parts`: at least one; the whole rig's reference is among the sensors of the first.
+  explicit WornTogether(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
+  /// All that any of them needs.
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
   [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
@@ -30,8 +30,7 @@ class WornTogether final : public WornDevices {
                                                                 NodeLanguage language) const override;
 
  private:
-  Part feeling_;
-  std::shared_ptr<const WornDevices> hearing_;
+  std::vector<Part> parts_;
 };
 
 }  // namespace mien::virt

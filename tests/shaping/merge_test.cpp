@@ -314,6 +314,44 @@ TEST(Merge, AConfidenceAboutTheThresholdDoesNotFlap) {
   EXPECT_EQ(before, kEyewear);
 }
 
+TEST(Merge, WhoLosesSightOfARegionGivesItUpAsAWholeUntilItIsSureAgain) {
+  // A headset whose lower face a hand hides, beside IMUs that are sure of the smile and not of the jaw.
+  Merge both({"imu", "camera"});
+  constexpr std::size_t kCamera = 1;
+  tracker::Explained by_imu{}, by_camera{};
+  by_imu[kSmile] = 0.6F;
+  by_imu[shape("mouthPucker")] = 0.1F;
+  by_imu[kJaw] = 0.55F;
+  by_camera.fill(0.8F);
+  int i = 0;
+  std::size_t there = 12;
+  const auto judged = [&](float lower) {
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      if (face::kShapeRegions[k] == face::ShapeRegion::mouth ||
+          face::kShapeRegions[k] == face::ShapeRegion::jaw)
+        by_camera[k] = lower;
+    OutputFrame imu = measured(i, 0.2F), camera = glasses(i, 0.8F), out;
+    ++i;
+    const std::array<Merge::Source, 2> sources = {
+        Merge::Source{.frame = &imu, .sensors_present = there, .explained = &by_imu},
+        Merge::Source{.frame = &camera, .sensors_present = 4, .explained = &by_camera}};
+    both.apply(sources, out);
+    return std::array{both.answers(kSmile), both.answers(shape("mouthPucker")), both.answers(kJaw),
+                      both.answers(shape("jawLeft"))};
+  };
+  using Who = std::array<std::optional<std::size_t>, 4>;
+  const Who sees{kCamera, kCamera, kCamera, kCamera}, hidden{kImu, kImu, kImu, kImu};
+  EXPECT_EQ(judged(0.8F), sees);
+  EXPECT_EQ(judged(0.4F), sees) << "down to `unsure`";
+  EXPECT_EQ(judged(0.3F), hidden) << "what nobody is sure of too: it is a picture of a hand";
+  EXPECT_EQ(both.answers(kBrow), kCamera);
+  EXPECT_EQ(judged(0.45F), hidden) << "not before it is sure";
+  EXPECT_EQ(judged(0.6F), sees);
+  EXPECT_EQ(judged(0.3F), hidden);
+  there = 0;
+  for (int f = 0; f < 3; ++f) EXPECT_EQ(judged(0.3F), sees) << "nobody else sees it";
+}
+
 TEST(Merge, ATrackerThatDropsOutIsReplacedSoftlyAndComesBackSoftly) {
   Merge both({"imu", "eyewear"});
   Shaper shaper;

@@ -9,13 +9,11 @@
 
 #include "mien/core/quantile.h"
 #include "mien/headset/answer.h"
-#include "mien/headset/feature_record.h"
 #include "mien/headset/headset_tracker.h"
-#include "mien/headset/picture_sample.h"
 #include "mien/measure/metrics.h"
-#include "mien/model/views_network.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/study/headset/headset_dataset.h"
+#include "mien/study/headset/seen_film.h"
 #include "mien/study/headset/taught_gaze.h"
 #include "mien/study/performers.h"
 #include "mien/study/region_tally.h"
@@ -38,42 +36,6 @@ constexpr std::size_t kSlowEvery = 4;
 constexpr float kClosed = 0.25F, kOpen = 0.4F;
 constexpr double kDegPerRad = 180 / std::numbers::pi;
 
-/// What the network finds in a take's pictures, and what is true.
-struct Take {
-  std::vector<FilmTruth> truth;
-  std::vector<std::vector<std::vector<std::byte>>> records;  // Of each frame and camera.
-};
-
-Result<Take> look_at(const std::vector<FilmFrame>& frames, const sensor::Rig& rig, int side,
-                     const headset::HeadsetModel& model) {
-  const model::ViewsNetwork& network = model.network();
-  model::ViewsNetwork::Workspace memory(network);
-  MIEN_TRY_ASSIGN(const std::vector<headset::HeadsetCamera> cameras,
-                  film_cameras(rig, network.architecture().side));
-  Take take;
-  std::vector<float> view(network.architecture().side * network.architecture().side),
-      features(network.architecture().features);
-  for (const FilmFrame& frame : frames) {
-    take.truth.push_back(frame.truth);
-    auto& records = take.records.emplace_back(rig.sensors.size());
-    for (const headset::HeadsetCamera& camera : cameras) {
-      const headset::GreyPicture picture{.width = side, .height = side, .pixels = frame.views[camera.sensor]};
-      auto shown = headset::NetworkView::create(camera.view);
-      shown->make(picture, view);
-      network.find_one(camera.place, view, memory, features);
-      const headset::FeatureRecord record{.statistics = headset::statistics_of(picture),
-                                          .jpeg_bytes = 1,
-                                          .sensor = camera.sensor,
-                                          .features = {}};
-      auto& bytes = records[camera.sensor];
-      bytes.resize(headset::feature_record_bytes(features.size()));
-      if (!headset::write_feature_record(record, features, bytes))
-        return fail(ErrorCode::internal, "features that no record takes", camera.name);
-    }
-  }
-  return take;
-}
-
 /// Which cameras' pictures of which frames arrive.
 using Arrives = std::function<bool(std::size_t frame, std::size_t camera)>;
 
@@ -85,25 +47,18 @@ struct Answered {
 
 /// Plays a take to a tracker: `neutral` first, if told, of any take of this wearer, after it `targets` that
 /// are looked at, then the take's motion.
-Result<std::vector<Answered>> play(const Take& take, const Take* neutral, const sensor::Rig& rig,
+Result<std::vector<Answered>> play(const SeenFilm& take, const SeenFilm* neutral, const sensor::Rig& rig,
                                    const std::shared_ptr<const headset::HeadsetModel>& model,
-                                   const Arrives& arrives, const Take* targets) {
+                                   const Arrives& arrives, const SeenFilm* targets) {
   MIEN_TRY_ASSIGN(const auto tracker, headset::HeadsetTracker::create(rig, model));
   sensor::TimeLines lines(rig.sensors.size(), std::uint16_t{0});
   std::int64_t number = 0;
   face::OutputFrame out;
-  const auto step = [&](const Take& of, std::size_t frame, bool all) {
+  const auto step = [&](const SeenFilm& of, std::size_t frame, bool all) {
     const DeviceTime now(frame_offset(number++));
-    for (std::size_t c = 0; c < rig.sensors.size(); ++c) {
-      if (!all && !arrives(frame, c)) continue;
-      sensor::Sample sample;
-      sample.sensor = static_cast<std::uint16_t>(c);
-      sample.kind = sensor::SampleKind::picture;
-      sample.time = now + from_seconds(5e-4 * rig.sensors[c].camera->exposure_ms);
-      const HostTime arrival(sample.time.time_since_epoch());
-      lines.add(arrival, sample);
-      tracker->add_with_payload(arrival, sample, of.records[frame][c]);
-    }
+    deliver(
+        of.records[frame], now, rig, [&](std::size_t c) { return all || arrives(frame, c); }, lines,
+        *tracker);
     tracker->tick(now, lines, out);
   };
   if (neutral != nullptr) {
@@ -296,26 +251,26 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
                             .rate_hz = kFrameRateHz,
                             .side = side};
     const auto film = [&](std::string_view name) {
-      return look_at(film_wearer(wearer, faults, motion, take, root.fork(name)), rig, side, *model);
+      return look_at(film_wearer(wearer, faults, motion, take, root.fork(name)), rig, *model);
     };
-    MIEN_TRY_ASSIGN(const Take usual, film("as worn"));
+    MIEN_TRY_ASSIGN(const SeenFilm usual, film("as worn"));
     take.seat = another_seat(root.fork("seat"));
-    MIEN_TRY_ASSIGN(const Take anew, film("put on anew"));
+    MIEN_TRY_ASSIGN(const SeenFilm anew, film("put on anew"));
     take.seat.reset();
     const auto failures = test_failures();
     take.failure = failures[w % failures.size()];
     take.fails_from = kRest + take.frames / 3;
-    MIEN_TRY_ASSIGN(const Take covered, film("hidden"));
+    MIEN_TRY_ASSIGN(const SeenFilm covered, film("hidden"));
 
     // In the seat of the take as worn.
-    MIEN_TRY_ASSIGN(const Take targets,
+    MIEN_TRY_ASSIGN(const SeenFilm targets,
                     look_at(film_wearer(wearer, faults, gaze_targets_motion(root.fork("gaze")),
                                         {.frames = static_cast<int>(kTaughtGaze_s * kFrameRateHz),
                                          .neutral_frames = 0,
                                          .rate_hz = kFrameRateHz,
                                          .side = side},
                                         root.fork("as worn")),
-                            rig, side, *model));
+                            rig, *model));
 
     const measure::Meter meter(wearer.face);
     std::vector<std::vector<bool>> lost(rig.sensors.size());
@@ -334,8 +289,8 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
     };
     const std::size_t mouth = camera_named("mouth"), eye = camera_named("eye");
     const Arrives all = [](std::size_t, std::size_t) { return true; };
-    const auto add = [&](HeadsetCondition condition, const Take& of, const Take* neutral,
-                         const Arrives& arrives, const Take* looked_at = nullptr) -> Result<void> {
+    const auto add = [&](HeadsetCondition condition, const SeenFilm& of, const SeenFilm* neutral,
+                         const Arrives& arrives, const SeenFilm* looked_at = nullptr) -> Result<void> {
       MIEN_TRY_ASSIGN(const std::vector<Answered> answered,
                       play(of, neutral, rig, model, arrives, looked_at));
       parts[w][static_cast<std::size_t>(condition)] = part_of(answered, meter, mean_answer);

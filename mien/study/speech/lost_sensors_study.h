@@ -7,6 +7,7 @@
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
 #include "mien/face/motion.h"
+#include "mien/study/speech/hand_over.h"
 #include "mien/study/speech/speaker.h"
 #include "mien/study/speech/spoken_session.h"
 
@@ -23,14 +24,7 @@ struct LostSensorsRequest {
 /// without.
 struct LostSensorsRow {
   bool audio = false;
-  /// Root mean square of the third difference of mouth and jaw about the loss and about the return, from a
-  /// quarter of a second before the sensors go or come to a quarter after another answers, over that of the
-  /// same moments without a change: while sensors answer as they show them, while sound does as it does all
-  /// along; where nothing answers as sensors do. The larger of the two.
-  double jerk_ratio = 0;
-  double notice_s = 0;   ///< From the loss until no weight of mouth or jaw claims to be measured.
-  double recover_s = 0;  ///< From the return until all of them are the sensors' again.
-  double mouth_mm = 0;  ///< Mean error of the face's vertices during the loss, mouth and jaw alone moving it.
+  HandOver over;
 };
 struct LostSensorsPerson {
   std::uint64_t seed = 0;

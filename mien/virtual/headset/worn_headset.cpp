@@ -9,6 +9,7 @@
 #include "mien/builtin_face/skin_marks.h"
 #include "mien/core/bytes.h"
 #include "mien/headset/picture_packet.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/reception.h"
 
@@ -103,8 +104,11 @@ std::vector<take::CalibrationVersion> WornHeadset::calibrations(const Stage&, co
   return {};
 }
 
-Result<std::unique_ptr<NodeDevices>> WornHeadset::on_network(const Stage&, const PlayedMotion&,
+Result<std::unique_ptr<NodeDevices>> WornHeadset::on_network(const Stage& stage, const PlayedMotion&,
                                                              NodeLanguage) const {
+  if (sensor::kinds_of(stage.rig).size() > 1)
+    return fail(ErrorCode::bad_usage, "no virtual performer has cameras and other sensors on a network",
+                stage.rig.name, "perform them into a take: --take FILE.mien");
   return fail(ErrorCode::bad_usage, "cameras send nothing of themselves, they are asked", rig_.name,
               "offer their pictures: --to http://HOST:PORT");
 }
@@ -114,10 +118,10 @@ Result<std::shared_ptr<const WornDevices>> wear_headset(const StageRequest& requ
   if (stage.lab)
     return fail(ErrorCode::bad_usage, "the profile lab is of sensors on the skin, and cameras look at it",
                 stage.rig.name, "use --devices device");
-  if (request.unlike > 0)
+  if (request.unlike > 0 && !stage.together)
     return fail(ErrorCode::bad_usage, "only sensors that are glued to it feel how skin turns", stage.rig.name,
                 "leave out --unlike");
-  MIEN_TRY_ASSIGN(const FaultsText text, read_faults(request, stage.rig));
+  MIEN_TRY_ASSIGN(const FaultsText text, read_faults(request, stage.rig, stage.together ? "headset" : ""));
   MIEN_TRY_ASSIGN(HeadsetFaults faults, parse_headset_faults(text.toml, text.where));
   MIEN_TRY(virtual_devices(stage.rig));
   face::SkinMarks marks;
