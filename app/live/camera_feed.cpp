@@ -29,15 +29,6 @@ HostTime steady_now() {
   return HostTime(std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-/// What the part that is wanted of a camera looks like to the network.
-headset::NetworkViewSettings shown(const live::PicturePart& part) {
-  sensor::CameraMount camera;
-  camera.crop = part.crop;
-  camera.turn_deg = part.turn_deg;
-  camera.mirror = part.mirror;
-  return headset::network_view_of(camera, live::PictureTap::kSide);
-}
-
 /// A camera of the command line, and how it can be looked at.
 struct FollowedCamera {
   live::CameraAddress address;
@@ -54,7 +45,8 @@ void follow_camera(FollowedCamera& followed, live::PictureTap& tap, live::FeedPo
       [&](std::span<const std::byte> datagram, std::span<const std::byte> payload) {
         port.hand_over(datagram, payload);
         tap.offer([&](const live::PictureTap::Wish& wish, std::span<std::uint8_t> pixels) {
-          return followed.views.make(payload, shown(wish.part), pixels);
+          return followed.views.make(payload, headset::network_view_of(wish.part, live::PictureTap::kSide),
+                                     pixels);
         });
       },
       steady_now);

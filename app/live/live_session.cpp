@@ -259,6 +259,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   settings.header.face = request.face;
   settings.header.prologue = "none";
   settings.header.rig_toml = rig_toml;
+  settings.rig = request.rig;
   settings.header.created_utc = now_utc();
   settings.make_session =
       [named = request.model](const sensor::Rig& taken) -> Result<std::unique_ptr<session::Session>> {

@@ -1,6 +1,7 @@
 #include "mien/headset/feature_reducer.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "mien/core/sha256.h"
 #include "mien/headset/feature_record.h"
@@ -13,6 +14,8 @@ namespace {
 
 /// To be raised with every change of how a picture becomes numbers.
 constexpr std::uint32_t kMethodVersion = 1;
+
+using Bound = std::pair<sensor::DeviceKey, std::uint16_t>;
 
 }  // namespace
 
@@ -30,28 +33,58 @@ Result<FeatureReducer> FeatureReducer::create(const sensor::Rig& rig,
                   headset_cameras(rig, model->network().architecture().side));
   MIEN_TRY_ASSIGN(PictureDecoder decoder, PictureDecoder::create());
   FeatureReducer made(std::move(model), std::move(decoder));
+  for (HeadsetCamera& camera : cameras) {
+    const auto device = std::ranges::find(bound, camera.sensor, &Bound::second);
+    if (device != bound.end()) made.bound_.push_back(*device);
+    MIEN_TRY_ASSIGN(NetworkView view, NetworkView::create(camera.view));
+    Camera& added = made.cameras_.emplace_back(Camera{.camera = std::move(camera), .view = std::move(view)});
+    MIEN_TRY(look_anew(added));
+  }
+  made.hash_anew();
+  return made;
+}
+
+Result<void> FeatureReducer::look_anew(Camera& camera) {
+  const NetworkViewSettings& see = camera.camera.view;
+  MIEN_TRY_ASSIGN(camera.view, NetworkView::create(see));
+  std::tie(camera.least_width, camera.least_height) = least_size(see);
+  return {};
+}
+
+void FeatureReducer::hash_anew() {
   Sha256 hash;
   hash.add_value(kMethodVersion);
-  hash.add(std::as_bytes(std::span(made.model_->hash())));
-  for (HeadsetCamera& camera : cameras) {
-    const NetworkViewSettings& see = camera.view;
-    const auto device = std::ranges::find(bound, camera.sensor, [](const auto& one) { return one.second; });
-    const sensor::DeviceKey key = device == bound.end() ? sensor::DeviceKey() : device->first;
-    if (device != bound.end()) made.bound_.push_back(*device);
-    hash.add_value(camera.sensor);
-    hash.add_value(static_cast<std::uint32_t>(camera.place));
+  hash.add(std::as_bytes(std::span(model_->hash())));
+  for (const Camera& camera : cameras_) {
+    const NetworkViewSettings& see = camera.camera.view;
+    const auto device = std::ranges::find(bound_, camera.camera.sensor, &Bound::second);
+    const sensor::DeviceKey key = device == bound_.end() ? sensor::DeviceKey() : device->first;
+    hash.add_value(camera.camera.sensor);
+    hash.add_value(static_cast<std::uint32_t>(camera.camera.place));
     hash.add_value(key.device);
     hash.add_value(key.channel);
     for (const double edge : {see.left, see.top, see.right, see.bottom}) hash.add_value(edge);
     hash.add_value(static_cast<std::uint32_t>(see.quarter_turns));
     hash.add_value(static_cast<std::uint32_t>(see.mirror ? 1 : 0));
-    MIEN_TRY_ASSIGN(NetworkView view, NetworkView::create(see));
-    const auto [width, height] = least_size(see);
-    made.cameras_.push_back(
-        {.camera = std::move(camera), .view = std::move(view), .least_width = width, .least_height = height});
   }
-  made.hash_ = hash.hex();
-  return made;
+  hash_ = hash.hex();
+}
+
+void FeatureReducer::change_view(std::uint16_t sensor, const sensor::PictureView& view) {
+  for (Camera& camera : cameras_) {
+    if (camera.camera.sensor != sensor) continue;
+    const NetworkViewSettings before = camera.camera.view;
+    camera.camera.view = network_view_of(view, static_cast<std::size_t>(before.side));
+    if (!look_anew(camera)) camera.camera.view = before;
+  }
+  hash_anew();
+}
+
+void FeatureReducer::bind(std::uint16_t sensor, const sensor::DeviceKey& device) {
+  std::erase_if(bound_, [&](const Bound& one) { return one.first == device || one.second == sensor; });
+  const auto seen = std::ranges::find(cameras_, sensor, [](const Camera& one) { return one.camera.sensor; });
+  if (seen != cameras_.end()) bound_.emplace_back(device, sensor);
+  hash_anew();
 }
 
 std::optional<std::size_t> FeatureReducer::reduce(std::span<const std::byte> datagram,

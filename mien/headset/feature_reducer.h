@@ -30,11 +30,13 @@ class FeatureReducer final : public sensor::Reducer {
                                                      std::shared_ptr<const HeadsetModel> model);
 
   [[nodiscard]] std::string_view hash() const override { return hash_; }
-  /// Of the camera that the rig binds to the device of the packet (sensor::bindings). A picture of any other
-  /// has statistics alone.
+  /// Of the camera that the device of the packet is bound to: by the rig (sensor::bindings), or by bind()
+  /// since. A picture of any other has statistics alone.
   [[nodiscard]] std::optional<std::size_t> reduce(std::span<const std::byte> datagram,
                                                   std::span<const std::byte> payload,
                                                   std::span<std::byte> out) override;
+  void change_view(std::uint16_t sensor, const sensor::PictureView& view) override;
+  void bind(std::uint16_t sensor, const sensor::DeviceKey& device) override;
   /// The same of a picture of the camera that is this sensor of the rig; none: of one that is none. None
   /// comes back where the picture does not decode.
   [[nodiscard]] std::optional<std::size_t> reduce_picture(std::optional<std::uint16_t> sensor,
@@ -49,6 +51,9 @@ class FeatureReducer final : public sensor::Reducer {
     int least_height = 0;
   };
   FeatureReducer(std::shared_ptr<const HeadsetModel> model, PictureDecoder decoder);
+  /// What its view is now becomes what is made of its pictures. Errors: NetworkView::create's.
+  [[nodiscard]] static Result<void> look_anew(Camera& camera);
+  void hash_anew();
 
   std::shared_ptr<const HeadsetModel> model_;
   PictureDecoder decoder_;

@@ -14,15 +14,15 @@ constexpr int kQuarterTurn_deg = 90;
 
 }  // namespace
 
-NetworkViewSettings network_view_of(const sensor::CameraMount& camera, std::size_t side) {
-  const auto& [left, top, width, height] = camera.crop;
+NetworkViewSettings network_view_of(const sensor::PictureView& view, std::size_t side) {
+  const auto& [left, top, width, height] = view.crop;
   return {.side = static_cast<int>(side),
           .left = left,
           .top = top,
           .right = std::min(1.0, left + width),
           .bottom = std::min(1.0, top + height),
-          .quarter_turns = camera.turn_deg / kQuarterTurn_deg,
-          .mirror = camera.mirror};
+          .quarter_turns = view.turn_deg / kQuarterTurn_deg,
+          .mirror = view.mirror};
 }
 
 Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::size_t side) {
@@ -44,7 +44,7 @@ Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::
     cameras.push_back({.sensor = number,
                        .place = place,
                        .name = mount.name,
-                       .view = network_view_of(camera, side),
+                       .view = network_view_of(sensor::view_of(camera), side),
                        .half_exposure = from_seconds(camera.exposure_ms / 2000)});
   }
   if (cameras.empty()) return fail(ErrorCode::mismatch, "no sensor of this rig is of the kind camera", where);

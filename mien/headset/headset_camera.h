@@ -8,6 +8,7 @@
 #include "mien/core/error.h"
 #include "mien/core/time.h"
 #include "mien/headset/network_view.h"
+#include "mien/sensor/picture_view.h"
 #include "mien/sensor/rig.h"
 
 namespace mien::headset {
@@ -22,7 +23,7 @@ struct HeadsetCamera {
 };
 
 /// What of its pictures the network sees of a camera, in a view of `side` pixels either way.
-[[nodiscard]] NetworkViewSettings network_view_of(const sensor::CameraMount& camera, std::size_t side);
+[[nodiscard]] NetworkViewSettings network_view_of(const sensor::PictureView& view, std::size_t side);
 
 /// The cameras of a rig, in its order, for a network whose views have `side` pixels either way. One before
 /// the middle of the face stands for the left. Errors: mismatch (no camera; one without a [sensor.camera];

@@ -156,6 +156,11 @@ void HeadsetTracker::forget(std::uint16_t sensor) {
   }
 }
 
+void HeadsetTracker::change_view(std::uint16_t sensor, const sensor::PictureView& view) {
+  reducer_.change_view(sensor, view);
+  forget(sensor);
+}
+
 void HeadsetTracker::forget_moments() {
   if (state_) state_->reset();
   jitter_filter_.reset();

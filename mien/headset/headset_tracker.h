@@ -59,6 +59,7 @@ class HeadsetTracker final : public tracker::Tracker {
   void add_with_payload(HostTime arrival, const sensor::Sample& sample,
                         std::span<const std::byte> payload) override;
   void forget(std::uint16_t sensor) override;
+  void change_view(std::uint16_t sensor, const sensor::PictureView& view) override;
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
   /// Three seconds of neutral; no gestures; targets for the eyes where a camera sees one.
   [[nodiscard]] tracker::Guidance guidance() const override;

@@ -266,7 +266,7 @@ void Engine::State::on_beat() {
   const session::Report report = loop.report();
   hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
   // A take's face has no part in what cameras see now.
-  if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, session->rig(), *page);
+  if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, *page);
   const bool watched = page && page->clients() > 0;
   if (beats % kBeatsPerStatus != 0 || (!watched && !listener.seen)) return;
   const Status now_is = status();
@@ -389,6 +389,7 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
     if (first) tell("pictures", "a page is shown what the cameras see");
     return std::string();
   }
+  if (name == "save_rig") return save_views(settings.rig, session->rig(), loop.report().links);
   if (name == "takes") return text(list_takes(true));
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
 }

@@ -58,6 +58,7 @@ struct EngineSettings {
   std::vector<session::Prompt> prompts;    ///< Poses to ask for, from the beginning on.
   /// The session is there for `record` alone: it ends when its prompts are over, or its recording is.
   bool ends_with_recording = false;
+  std::filesystem::path rig;         ///< The file of the rig, which the page may save views in; empty: none.
   take::Header header;               ///< Of takes; rig and time are filled in by whoever fills the rest.
   std::string model;                 ///< Name of the live model, for the page and takes.
   Player::MakeSession make_session;  ///< For takes that the page looks at.

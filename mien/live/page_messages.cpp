@@ -31,6 +31,17 @@ json rivals_json(const std::vector<session::Report::Rival>& rivals) {
   return out;
 }
 
+json view_json(const std::optional<sensor::PictureView>& view) {
+  if (!view) return nullptr;
+  return {{"crop", view->crop}, {"turn_deg", view->turn_deg}, {"mirror", view->mirror}};
+}
+
+json cover_json(const session::Report::Cover& cover) {
+  if (cover.sensor.empty() && cover.trouble.empty()) return nullptr;
+  return {{"sensor", cover.sensor.empty() ? json(nullptr) : json(cover.sensor)},
+          {"trouble", cover.trouble.empty() ? json(nullptr) : json(cover.trouble)}};
+}
+
 json link_json(const session::Report::Link& link, const std::string& sensor) {
   const sensor::LinkReport& health = link.health;
   json out = {{"sensor", sensor},
@@ -54,7 +65,8 @@ json link_json(const session::Report::Link& link, const std::string& sensor) {
                                         ? json(rounded(*link.heading_sigma_rad * 180 / std::numbers::pi))
                                         : json(nullptr)},
               {"level", link.level ? json(std::round(*link.level * 1e3) / 1e3) : json(nullptr)},
-              {"estimated", health.estimated}};
+              {"estimated", health.estimated},
+              {"view", view_json(link.view)}};
   if (health.clock) {
     out["offset_ms"] = milliseconds(health.clock->offset);
     out["drift_ppm"] = rounded(health.clock->drift_ppm);
@@ -292,6 +304,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
        {"hearing", hearing_json(status.report, status.hearing)},
        {"pictures", pictures_json(status.pictures)},
        {"replay", std::move(replay)},
+       {"cover", cover_json(status.report.cover)},
        {"tap", status.report.tap.empty() ? json(nullptr) : json({{"sensor", status.report.tap}})}});
 }
 
@@ -314,6 +327,7 @@ std::string event_text(const take::Event& event) {
     return text("sensor") + " is now device " + text("device") +
            (anew ? "; calibrate again when all are in their places, it has no neutral yet" : "");
   }
+  if (event.kind == "view") return text("sensor") + " is seen otherwise; calibrate again";
   if (event.kind == "contested")
     return fmt::format("two devices send as {}: {} is heard, {} is not; the page's sensors let you choose",
                        text("sensor"), text("accepted"), text("other"));

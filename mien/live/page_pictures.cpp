@@ -15,15 +15,11 @@ constexpr std::uint8_t kPictureVersion = 1;
 
 /// The place that a device is bound to, if that is a camera's.
 std::optional<PictureTap::Wish> wish_for(const std::string& device,
-                                         std::span<const session::Report::Link> links,
-                                         const sensor::Rig& rig) {
+                                         std::span<const session::Report::Link> links) {
   const auto link = std::ranges::find(links, device, &session::Report::Link::device);
   const auto number = static_cast<std::size_t>(link - links.begin());
-  if (link == links.end() || !rig.sensors[number].camera) return std::nullopt;
-  const sensor::CameraMount& camera = *rig.sensors[number].camera;
-  return PictureTap::Wish{
-      .sensor = static_cast<std::uint16_t>(number),
-      .part = {.crop = camera.crop, .turn_deg = camera.turn_deg, .mirror = camera.mirror}};
+  if (link == links.end() || !link->view) return std::nullopt;
+  return PictureTap::Wish{.sensor = static_cast<std::uint16_t>(number), .part = *link->view};
 }
 
 }  // namespace
@@ -53,13 +49,12 @@ bool PagePictures::watched(const PageServer& page) {
   return !clients_.empty();
 }
 
-void PagePictures::look(std::span<const session::Report::Link> links, const sensor::Rig& rig,
-                        PageServer& page) {
+void PagePictures::look(std::span<const session::Report::Link> links, PageServer& page) {
   for (const auto& tap : taps_) {
     if (const auto view = tap->take())
       for (const std::uint64_t client : clients_)
         page.send_picture(client, view->sensor, picture_message(*view));
-    if (const auto wish = wish_for(tap->device(), links, rig)) tap->ask(*wish);
+    if (const auto wish = wish_for(tap->device(), links)) tap->ask(*wish);
   }
 }
 

@@ -12,7 +12,6 @@
 #include "mien/core/error.h"
 #include "mien/live/feeds.h"
 #include "mien/live/picture_tap.h"
-#include "mien/sensor/rig.h"
 #include "mien/session/report.h"
 
 namespace mien::live {
@@ -38,7 +37,7 @@ class PagePictures {
   /// Whether somebody looks on. Forgets who is gone.
   [[nodiscard]] bool watched(const PageServer& page);
   /// Ten times a second, where it is watched: sends what was made, and asks for the next.
-  void look(std::span<const session::Report::Link> links, const sensor::Rig& rig, PageServer& page);
+  void look(std::span<const session::Report::Link> links, PageServer& page);
   /// None of a session without cameras.
   [[nodiscard]] std::optional<PicturesState> state() const;
 

@@ -10,7 +10,9 @@
 #include <chrono>
 #include <ctime>
 #include <nlohmann/json.hpp>
+#include <vector>
 
+#include "mien/sensor/rig_views.h"
 #include "mien/sink/address.h"
 
 namespace mien::live {
@@ -50,6 +52,19 @@ Result<void> check_page_sink(const std::string& text) {
     return fail(ErrorCode::bad_usage, "the page sends to IP addresses and localhost only", text,
                 "start mien live with --out for a host's name");
   return {};
+}
+
+Result<std::string> save_views(const std::filesystem::path& rig_file, const sensor::Rig& rig,
+                               std::span<const session::Report::Link> links) {
+  std::vector<sensor::SensorView> views;
+  for (std::size_t i = 0; i < std::min(links.size(), rig.sensors.size()); ++i)
+    if (links[i].view) views.push_back({.sensor = rig.sensors[i].name, .view = *links[i].view});
+  if (rig_file.empty() || views.empty())
+    return fail(ErrorCode::unsupported, "this session has no cameras' rig file", "save_rig",
+                "start it with a rig that has, as rigs/headset.toml");
+  MIEN_TRY(sensor::write_views(rig_file, views));
+  return nlohmann::json({{"rig", rig_file.string()}})
+      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace mien::live

@@ -2,11 +2,15 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 
 #include "mien/core/error.h"
+#include "mien/sensor/rig.h"
+#include "mien/session/report.h"
 
-// What the page asks for, made safe: it may name takes and receivers, and nothing else of this machine.
+// What the page asks for, made safe: it may name takes and receivers, and nothing else of this machine. It
+// writes one file that it cannot name: the rig of the session.
 namespace mien::live {
 
 /// A text of a command; empty where it has none.
@@ -22,5 +26,11 @@ namespace mien::live {
 /// Whether a page may ask for this sink: neither a path, which is not its business, nor a host's name, since
 /// looking it up takes seconds. Errors: bad_usage, sink::parse_address()'s.
 [[nodiscard]] Result<void> check_page_sink(const std::string& text);
+
+/// Writes which parts of cameras' pictures are seen now into the session's rig file, for sessions to come;
+/// what came of it, as the page is told. Errors: unsupported (no such file, no camera),
+/// sensor::write_views'.
+[[nodiscard]] Result<std::string> save_views(const std::filesystem::path& rig_file, const sensor::Rig& rig,
+                                             std::span<const session::Report::Link> links);
 
 }  // namespace mien::live

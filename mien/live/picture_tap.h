@@ -9,17 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "mien/sensor/picture_view.h"
 #include "mien/sensor/protocol.h"
 
 namespace mien::live {
-
-/// Which part of a camera's picture is seen, as sensor::CameraMount has it.
-struct PicturePart {
-  std::array<double, 4> crop{0, 0, 1, 1};
-  int turn_deg = 0;
-  bool mirror = false;
-  bool operator==(const PicturePart&) const = default;
-};
 
 /// The way of what one camera sees from its feed's thread to the page: one view, made when it was asked for,
 /// and wiped as it is taken. Neither side waits for the other: a feed that is not asked does nothing, and one
@@ -32,7 +25,7 @@ class PictureTap {
 
   struct Wish {
     std::uint16_t sensor = 0;  ///< Of the rig: the place that the camera is bound to.
-    PicturePart part;
+    sensor::PictureView part;
     bool operator==(const Wish&) const = default;
   };
   struct View {

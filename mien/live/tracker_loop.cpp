@@ -102,6 +102,7 @@ void TrackerLoop::take(const Arrived& arrived) {
     // A command that fails changes nothing: it is logged all the same, and fails again in a replay.
     recorder_.command(arrived.arrival, json);
     const auto done = session_.command(arrived.arrival, json);
+    renew_report(arrived.arrival);
     const std::string error = done ? std::string() : done.error().message();
     post({OutgoingMessage::Kind::reply, arrived.client, arrived.number, bytes_of(error)});
     hand_over_news(arrived.arrival);
@@ -169,6 +170,13 @@ void TrackerLoop::look_around(HostTime now) {
   tell_of_hold();
   // A reader that holds it gets the next one.
   if (const std::unique_lock lock(report_mutex_, std::try_to_lock); lock) std::swap(draft_, report_);
+}
+
+void TrackerLoop::renew_report(HostTime now) {
+  session_.report(now, draft_);
+  // Held for the time of a copy.
+  const std::lock_guard lock(report_mutex_);
+  std::swap(draft_, report_);
 }
 
 void TrackerLoop::tell_of_hold() {

@@ -56,7 +56,8 @@ class TrackerLoop {
   void release_said() { said_.release(); }
   /// There is something to take.
   [[nodiscard]] Signal& signal() { return out_; }
-  /// The newest report, at most a quarter of a second old. Copies it.
+  /// The newest report: at most a quarter of a second old, and not older than the last command that was
+  /// replied to. Copies it.
   [[nodiscard]] session::Report report() const;
 
   /// Frames that found no room, since the network's thread stood still.
@@ -70,6 +71,7 @@ class TrackerLoop {
   void hand_over_news(HostTime now);
   void post_event(std::string_view kind, std::string_view text);
   void look_around(HostTime now);
+  void renew_report(HostTime now);
   void tell_of_hold();
 
   session::Session& session_;

@@ -10,6 +10,7 @@
 #include "mien/core/excerpt.h"
 #include "mien/core/files.h"
 #include "mien/core/toml.h"
+#include "mien/sensor/picture_view.h"
 
 namespace mien::sensor {
 namespace {
@@ -140,16 +141,12 @@ Result<void> read_pixels(const toml::table& table, CameraMount& camera, const st
   if (const toml::node* node = table.get("crop")) {
     MIEN_TRY_ASSIGN(const Eigen::VectorXd crop, number_list(node, 4, "crop", where));
     for (Eigen::Index i = 0; i < 4; ++i) camera.crop[static_cast<std::size_t>(i)] = crop[i];
-    const auto& [left, top, width, height] = camera.crop;
-    if (left < 0 || top < 0 || width < 0.05 || height < 0.05 || left + width > 1 || top + height > 1)
-      return fail(ErrorCode::out_of_range, "'crop' leaves the picture, or too little of it",
-                  place(where, *node), "give left, top, width and height as shares of the picture");
+    MIEN_TRY(check_crop(camera.crop, place(where, *node)));
   }
   if (const toml::node* node = table.get("turn_deg")) {
-    const auto turn = node->value_exact<std::int64_t>();
-    if (!turn || *turn < 0 || *turn > 270 || *turn % 90 != 0)
-      return fail(ErrorCode::out_of_range, "'turn_deg' is not 0, 90, 180 or 270", place(where, *node));
-    camera.turn_deg = static_cast<int>(*turn);
+    const std::int64_t turn_deg = node->value_exact<std::int64_t>().value_or(-1);
+    MIEN_TRY(check_turn(turn_deg, place(where, *node)));
+    camera.turn_deg = static_cast<int>(turn_deg);
   }
   if (const toml::node* node = table.get("mirror")) {
     const auto mirror = node->value_exact<bool>();

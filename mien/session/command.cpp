@@ -53,6 +53,35 @@ Result<Prompt> prompt_of(const json& object) {
   return prompt;
 }
 
+/// Numbers are taken as they are: whether they are a view is the session's to say.
+Result<View> view_of(const json& object) {
+  View view;
+  MIEN_TRY_ASSIGN(view.sensor, text_of(object, "sensor"));
+  if (const auto crop = object.find("crop"); crop != object.end()) {
+    auto& edges = view.change.crop.emplace();
+    if (!crop->is_array() || crop->size() != edges.size() ||
+        !std::ranges::all_of(*crop, [](const json& edge) { return edge.is_number(); }))
+      return fail(ErrorCode::malformed, "\"crop\" is not a list of four numbers", kCommand,
+                  "give left, top, width and height as shares of the picture");
+    for (std::size_t i = 0; i < edges.size(); ++i) edges[i] = (*crop)[i].get<double>();
+  }
+  if (const auto turn = object.find("turn_deg"); turn != object.end()) {
+    if (!turn->is_number_integer())
+      return fail(ErrorCode::malformed, "\"turn_deg\" is not a whole number", kCommand, "0, 90, 180 or 270");
+    // What is no turn stays none, however large.
+    view.change.turn_deg = static_cast<int>(std::clamp<std::int64_t>(turn->get<std::int64_t>(), -1, 361));
+  }
+  if (const auto mirror = object.find("mirror"); mirror != object.end()) {
+    if (!mirror->is_boolean())
+      return fail(ErrorCode::malformed, "\"mirror\" is neither true nor false", kCommand);
+    view.change.mirror = mirror->get<bool>();
+  }
+  if (view.change == sensor::PictureViewChange())
+    return fail(ErrorCode::malformed, "\"view\" changes nothing", kCommand,
+                "give \"crop\", \"turn_deg\" or \"mirror\"");
+  return view;
+}
+
 /// The shaping settings that a command may change.
 constexpr std::array<std::string_view, 9> kShapeKeys = {
     "smoothing", "resting", "lids_follow_eyes", "gains", "limits", "constraints", "rules", "merge", "off"};
@@ -91,6 +120,14 @@ struct Writer {
     return {{"command", "hear"}, {"sensor", c.sensor}, {"source", c.source}};
   }
   json operator()(const Tap& c) const { return {{"command", "tap"}, {"sensor", c.sensor}}; }
+  json operator()(const Cover& c) const { return {{"command", "cover"}, {"sensor", c.sensor}}; }
+  json operator()(const View& c) const {
+    json out = {{"command", "view"}, {"sensor", c.sensor}};
+    if (c.change.crop) out["crop"] = *c.change.crop;
+    if (c.change.turn_deg) out["turn_deg"] = *c.change.turn_deg;
+    if (c.change.mirror) out["mirror"] = *c.change.mirror;
+    return out;
+  }
   json operator()(const Shape& c) const {
     json out = json::parse(c.json);
     out["command"] = "shape";
@@ -111,7 +148,7 @@ struct Writer {
 }  // namespace
 
 bool is_session_command(std::string_view name) {
-  static constexpr std::array<std::string_view, 11> kNames = {"calibrate",
+  static constexpr std::array<std::string_view, 13> kNames = {"calibrate",
                                                               "cancel_calibration",
                                                               "use_calibration",
                                                               "restore_calibration",
@@ -119,6 +156,8 @@ bool is_session_command(std::string_view name) {
                                                               "bind",
                                                               "hear",
                                                               "tap",
+                                                              "cover",
+                                                              "view",
                                                               "shape",
                                                               "prompt",
                                                               "prompts"};
@@ -173,6 +212,11 @@ Result<Command> parse_command(std::string_view text) {
     MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
     return Tap{std::move(sensor)};
   }
+  if (name == "cover") {
+    MIEN_TRY_ASSIGN(std::string sensor, text_of(object, "sensor"));
+    return Cover{std::move(sensor)};
+  }
+  if (name == "view") return view_of(object);
   if (name == "shape") return shape_of(object);
   if (name == "prompt") {
     MIEN_TRY_ASSIGN(Prompt prompt, prompt_of(object));

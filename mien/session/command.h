@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "mien/core/error.h"
+#include "mien/sensor/picture_view.h"
 #include "mien/sensor/protocol.h"
 #include "mien/session/prompt.h"
 
@@ -48,6 +49,15 @@ struct Hear {
 struct Tap {
   std::string sensor;
 };
+/// The next camera whose lens is covered is bound to this sensor; empty: none any more.
+struct Cover {
+  std::string sensor;
+};
+/// Which part of this camera's pictures the network sees, and how it is turned.
+struct View {
+  std::string sensor;  ///< Of the rig.
+  sensor::PictureViewChange change;
+};
 /// Shaping settings, each optional, as JSON: {"smoothing", "gains", "limits", "merge"}.
 struct Shape {
   std::string json;
@@ -64,7 +74,7 @@ struct Prompting {
 };
 
 using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
-                             Hear, Tap, Shape, AddPrompt, Prompting>;
+                             Hear, Tap, Cover, View, Shape, AddPrompt, Prompting>;
 
 /// Where commands come from, in a session log.
 inline constexpr std::string_view kPageSource = "page";

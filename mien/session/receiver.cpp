@@ -1,5 +1,7 @@
 #include "mien/session/receiver.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -67,6 +69,8 @@ Receiver::Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol
       links_(rig_.sensors.size()),
       bound_(std::move(bound)),
       reducers_(std::move(reducers)) {
+  for (const sensor::Mount& mount : rig_.sensors)
+    views_.push_back(mount.camera ? std::optional(sensor::view_of(*mount.camera)) : std::nullopt);
   devices_.reserve(kMaxDevices + rig_.sensors.size());
   bound_.reserve(kMaxDevices + rig_.sensors.size());
   samples_.reserve(kMostSamples);
@@ -115,10 +119,26 @@ void Receiver::bind(std::uint16_t sensor, const DeviceKey& key, SampleConsumer& 
     if (known.sensor) links_[*known.sensor] = Link();
     known.sensor = sensor;
   }
+  for (const auto& reducer : reducers_)
+    if (reducer != nullptr) reducer->bind(sensor, key);
   const bool was_received = links_[sensor].received.has_value();
   links_[sensor] = Link();
   ticks_.forget(sensor);
   consumer.rebound(sensor, key, was_received);
+}
+
+Result<void> Receiver::change_view(std::uint16_t sensor, const sensor::PictureViewChange& change,
+                                   SampleConsumer& consumer) {
+  const std::string& name = rig_.sensors[sensor].name;
+  std::optional<sensor::PictureView>& view = views_[sensor];
+  if (!view) return fail(ErrorCode::mismatch, fmt::format("{} is no camera", name), "view");
+  MIEN_TRY_ASSIGN(const sensor::PictureView changed, sensor::changed_view(*view, change, name));
+  if (changed == *view) return {};
+  view = changed;
+  for (const auto& reducer : reducers_)
+    if (reducer != nullptr) reducer->change_view(sensor, changed);
+  consumer.view_changed(sensor, changed, links_[sensor].received.has_value());
+  return {};
 }
 
 bool Receiver::is_received(const Device& device, HostTime arrival) {
@@ -283,6 +303,8 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
       tap_.arm({});
       if (sensor) bind(*sensor, *tapped, consumer);
     }
+    if (const auto covered = cover_.add(arrival, reading))
+      if (const auto sensor = rig_.find(covered->sensor)) bind(*sensor, covered->device, consumer);
   }
   if (!from->sensor) return;
   Link& link = links_[*from->sensor];
@@ -329,7 +351,8 @@ Receiver::Received Receiver::receive(HostTime arrival, Sender sender, std::span<
     return decode(arrival, sender, protocol, datagram, {payload, {}}, consumer);
   const std::optional<std::size_t> length = reducer->reduce(datagram, payload, reduction_);
   if (!length || *length == 0 || *length > reduction_.size()) return reject_malformed(sender.peer);
-  return decode(arrival, sender, protocol, datagram, {std::span(reduction_).first(*length), reducer->hash()},
+  reduced_by_ = reducer->hash();
+  return decode(arrival, sender, protocol, datagram, {std::span(reduction_).first(*length), reduced_by_},
                 consumer);
 }
 
@@ -440,6 +463,8 @@ void Receiver::report(HostTime now, Report& out) const {
   out.hold = ticks_.hold().now();
   out.longest_hold = ticks_.hold().longest();
   out.tap = tap_.armed();
+  out.cover.sensor = cover_.armed();
+  out.cover.trouble = cover_.trouble();
   out.links.resize(links_.size());
   for (std::uint16_t i = 0; i < links_.size(); ++i) {
     Report::Link& link = out.links[i];
@@ -461,6 +486,7 @@ void Receiver::report(HostTime now, Report& out) const {
       link.health.state = sensor::LinkState::duplicate;
     if (bound == bound_.end()) link.health.state = sensor::LinkState::unbound;
     link.level = links_[i].level;
+    link.view = views_[i];
   }
   out.unbound.clear();
   for (const Device& known : devices_)

@@ -15,10 +15,12 @@
 #include "mien/core/time.h"
 #include "mien/sensor/link_health.h"
 #include "mien/sensor/payload.h"
+#include "mien/sensor/picture_view.h"
 #include "mien/sensor/plausibility.h"
 #include "mien/sensor/protocol.h"
 #include "mien/sensor/rig.h"
 #include "mien/sensor/ticks.h"
+#include "mien/session/cover_watch.h"
 #include "mien/session/peers.h"
 #include "mien/session/report.h"
 #include "mien/session/tap_watch.h"
@@ -40,6 +42,10 @@ class SampleConsumer {
   /// From here on another device is bound to this sensor: whatever was estimated of the one before is void.
   /// `was_received`: samples of the one before had come.
   virtual void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) = 0;
+  /// From here on this camera is seen so. `was_received`: samples of it had come.
+  virtual void view_changed([[maybe_unused]] std::uint16_t sensor,
+                            [[maybe_unused]] const sensor::PictureView& view,
+                            [[maybe_unused]] bool was_received) {}
   /// Two send as this sensor's device: whose readings are taken, and whose are not. When the other comes, and
   /// when they change places (then after rebound()); not again while both go on. Source texts, valid during
   /// the call.
@@ -106,6 +112,14 @@ class Receiver {
   void bind(std::uint16_t sensor, const sensor::DeviceKey& device, SampleConsumer& consumer);
   /// The next device that is tapped is bound to this sensor of the rig; empty: none any more.
   void bind_by_tap(std::string sensor) { tap_.arm(std::move(sensor)); }
+  /// The next camera whose lens is covered is bound to this sensor of the rig (CoverWatch); empty: none any
+  /// more.
+  void bind_by_cover(std::string sensor) { cover_.arm(std::move(sensor)); }
+  /// Changes which part of a camera's pictures is seen, from the next one on; nothing where it is so already.
+  /// What is reduced, and the hash of what reduces it, follow. Errors: mismatch (a sensor that is no camera),
+  /// sensor::changed_view's; nothing has changed then.
+  [[nodiscard]] Result<void> change_view(std::uint16_t sensor, const sensor::PictureViewChange& change,
+                                         SampleConsumer& consumer);
   /// Of those who send as this sensor's device the one of this source text is accepted from now on, for all
   /// sensors of its board: until nothing of it is received, or another is chosen. False, and nothing changes,
   /// where none of them has it.
@@ -127,6 +141,7 @@ class Receiver {
   /// Writes what it knows of links, unbound devices and refused datagrams. Reuses what `out` holds.
   void report(HostTime now, Report& out) const;
 
+  /// As it was at the beginning, whatever was bound or seen otherwise since. Any thread.
   [[nodiscard]] const sensor::Rig& rig() const { return rig_; }
 
  private:
@@ -213,11 +228,14 @@ class Receiver {
   std::vector<std::unique_ptr<sensor::Protocol>> protocols_;
   sensor::TickRule ticks_;
   TapWatch tap_;
+  CoverWatch cover_;
   std::vector<Device> devices_;
   std::vector<Link> links_;                                         // One a sensor of the rig.
+  std::vector<std::optional<sensor::PictureView>> views_;           // One a sensor: of cameras.
   std::vector<std::pair<sensor::DeviceKey, std::uint16_t>> bound_;  // Whether received or not.
   std::vector<std::unique_ptr<sensor::Reducer>> reducers_;          // One a protocol, or null.
   std::vector<std::byte> reduction_;                                // Empty without reducers.
+  std::string reduced_by_;  // Its reducer's hash, which a binding that it leads to changes.
   sensor::Inbox inbox_;
   std::vector<sensor::Sample> samples_;
   bool listens_ = true;

@@ -12,7 +12,7 @@
 namespace mien::session {
 namespace {
 
-void bind_as_asked(const take::LogEntry& entry, Receiver& receiver, SampleConsumer& consumer) {
+void obey(const take::LogEntry& entry, Receiver& receiver, SampleConsumer& consumer) {
   const auto command = parse_command(as_text(entry.bytes));
   if (!command) return;
   if (const auto* bind = std::get_if<Bind>(&*command)) {
@@ -21,6 +21,14 @@ void bind_as_asked(const take::LogEntry& entry, Receiver& receiver, SampleConsum
     if (const auto sensor = receiver.rig().find(hear->sensor)) receiver.hear(*sensor, hear->source, consumer);
   } else if (const auto* tap = std::get_if<Tap>(&*command)) {
     if (tap->sensor.empty() || receiver.rig().find(tap->sensor)) receiver.bind_by_tap(tap->sensor);
+  } else if (const auto* cover = std::get_if<Cover>(&*command)) {
+    const auto sensor = receiver.rig().find(cover->sensor);
+    if (cover->sensor.empty() || (sensor && receiver.rig().sensors[*sensor].camera))
+      receiver.bind_by_cover(cover->sensor);
+  } else if (const auto* view = std::get_if<View>(&*command)) {
+    // What was refused then is refused again.
+    if (const auto sensor = receiver.rig().find(view->sensor)) [[maybe_unused]]
+      const auto done = receiver.change_view(*sensor, view->change, consumer);
   }
 }
 
@@ -33,7 +41,7 @@ Result<bool> play_samples(std::span<const take::LogEntry> entries, std::span<con
   for (const auto& step : take::replay_order(entries, ticks)) {
     if (const take::LogEntry* entry = step.item; entry != nullptr) {
       if (entry->source == kPageSource) {
-        bind_as_asked(*entry, receiver, consumer);
+        obey(*entry, receiver, consumer);
       } else {
         MIEN_TRY_ASSIGN(const sensor::Payload payload, payload_of(*entry));
         receiver.receive_logged(entry->arrival, peers.of(entry->source), entry->bytes, payload, consumer);

@@ -10,6 +10,7 @@
 #include "mien/face/profile.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/link_health.h"
+#include "mien/sensor/picture_view.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::session {
@@ -39,7 +40,8 @@ struct Report {
     std::vector<Rival> rivals;  ///< Of the last ten seconds, at most four.
     sensor::LinkReport health;
     std::optional<double> heading_sigma_rad;
-    std::optional<double> level;  ///< As sensor::level() has it, of the newest sample.
+    std::optional<double> level;              ///< As sensor::level() has it, of the newest sample.
+    std::optional<sensor::PictureView> view;  ///< Of a camera.
   };
   struct Unbound {
     std::string device;
@@ -86,6 +88,12 @@ struct Report {
   std::string shaping;  ///< JSON: {"smoothing", "gains", "limits"}.
   std::string resting;  ///< The resting face in force at the newest frame, JSON.
   std::string tap;      ///< The sensor that waits for a tap; empty: none.
+  /// Binding by covering a lens.
+  struct Cover {
+    std::string sensor;   ///< The one that waits for it; empty: none.
+    std::string trouble;  ///< Why the last wait ended without a camera; empty: it did not.
+  };
+  Cover cover;
   /// What is heard; none where the rig has no microphone.
   struct Hearing {
     bool on = true;       ///< MergeSettings::audio.

@@ -61,6 +61,20 @@ void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_re
           .dump());
 }
 
+void Session::view_changed(std::uint16_t sensor, const sensor::PictureView& view, bool was_received) {
+  if (was_received && guide_.running())
+    leave_guide(failure_ = "a camera's view was changed meanwhile; calibrate again");
+  bound_at_[sensor] = newest_frame_;
+  tracker_->change_view(sensor, view);
+  if (tracker_->calibration().empty()) in_force_ = 0;
+  add_event("view", newest_frame_, newest_frame_,
+            nlohmann::json({{"sensor", rig().sensors[sensor].name},
+                            {"crop", view.crop},
+                            {"turn_deg", view.turn_deg},
+                            {"mirror", view.mirror}})
+                .dump());
+}
+
 void Session::contested(std::uint16_t sensor, std::string_view accepted, std::string_view other) {
   // A take's sources need not be UTF-8.
   add_event("contested", newest_frame_, newest_frame_,
@@ -295,6 +309,26 @@ Result<void> Session::execute(const Tap& command) {
                 kSession);
   receiver_->bind_by_tap(command.sensor);
   return {};
+}
+
+Result<void> Session::execute(const Cover& command) {
+  const auto sensor = rig().find(command.sensor);
+  if (!command.sensor.empty() && !sensor)
+    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", excerpt(command.sensor)),
+                kSession, "the page lists its sensors");
+  if (sensor && !rig().sensors[*sensor].camera)
+    return fail(ErrorCode::mismatch, fmt::format("{} is no camera", command.sensor), kSession,
+                "tap a sensor on the skin to bind it");
+  receiver_->bind_by_cover(command.sensor);
+  return {};
+}
+
+Result<void> Session::execute(const View& command) {
+  const auto sensor = rig().find(command.sensor);
+  if (!sensor)
+    return fail(ErrorCode::not_found, fmt::format("the rig has no sensor \"{}\"", excerpt(command.sensor)),
+                kSession, "the page lists its sensors");
+  return receiver_->change_view(*sensor, command.change, *this);
 }
 
 Result<void> Session::execute(const Shape& command) {

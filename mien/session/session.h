@@ -108,6 +108,7 @@ class Session final : private SampleConsumer {
     tracker_->add_with_payload(arrival, sample, payload);
   }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey& device, bool was_received) override;
+  void view_changed(std::uint16_t sensor, const sensor::PictureView& view, bool was_received) override;
   void contested(std::uint16_t sensor, std::string_view accepted, std::string_view other) override;
   /// What was estimated of the board at this sensor is void.
   void forget(std::uint16_t sensor);
@@ -132,6 +133,8 @@ class Session final : private SampleConsumer {
   Result<void> execute(const Bind& command);
   Result<void> execute(const Hear& command);
   Result<void> execute(const Tap& command);
+  Result<void> execute(const Cover& command);
+  Result<void> execute(const View& command);
   Result<void> execute(const Shape& command);
   Result<void> execute(const AddPrompt& command);
   Result<void> execute(const Prompting& command);
@@ -143,7 +146,7 @@ class Session final : private SampleConsumer {
   std::function<void(const shaping::ShaperSettings&)> reshape_;
   Guide guide_;
   Prompter prompter_;
-  std::vector<DeviceTime> bound_at_;  // By sensor of the rig: the frame before its board came.
+  std::vector<DeviceTime> bound_at_;  // By sensor of the rig: the frame before its board, or its view, came.
 
   std::vector<CalibrationVersion> versions_;
   std::int64_t in_force_ = 0;              // Id; 0: none.

@@ -68,6 +68,10 @@ void CombinedTracker::forget(std::uint16_t sensor) {
   retiming_.reset();
 }
 
+void CombinedTracker::change_view(std::uint16_t sensor, const sensor::PictureView& view) {
+  for (Member& member : members_) member.tracker->change_view(sensor, view);
+}
+
 tracker::TickResult CombinedTracker::tick(DeviceTime frame, const sensor::TimeLines& lines,
                                           face::OutputFrame& out) {
   tracker::TickResult all;

@@ -52,6 +52,7 @@ class CombinedTracker final : public tracker::Tracker {
   void add_with_payload(HostTime arrival, const sensor::Sample& sample,
                         std::span<const std::byte> payload) override;
   void forget(std::uint16_t sensor) override;
+  void change_view(std::uint16_t sensor, const sensor::PictureView& view) override;
   /// `sensors_present`: of the sources of the frame (Merge::apply). Calibration events: all trackers'.
   tracker::TickResult tick(DeviceTime frame, const sensor::TimeLines& lines, face::OutputFrame& out) override;
 

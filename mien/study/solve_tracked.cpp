@@ -22,6 +22,9 @@ class TrackerFeed final : public session::SampleConsumer {
     tracker_.add_with_payload(arrival, sample, payload);
   }
   void rebound(std::uint16_t sensor, const sensor::DeviceKey&, bool) override { tracker_.forget(sensor); }
+  void view_changed(std::uint16_t sensor, const sensor::PictureView& view, bool) override {
+    tracker_.change_view(sensor, view);
+  }
 
  private:
   tracker::Tracker& tracker_;

@@ -15,6 +15,7 @@
 #include "mien/face/output_frame.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/clock_model.h"
+#include "mien/sensor/picture_view.h"
 #include "mien/sensor/sample.h"
 #include "mien/tracker/explained.h"
 #include "mien/tracker/prompted_expression.h"
@@ -118,6 +119,10 @@ class Tracker {
   }
   /// The sensor's next samples are another device's: nothing that was learned of the one before holds.
   virtual void forget(std::uint16_t sensor) = 0;
+  /// The sensor is a camera, and is seen so from its next sample on: what was learned of what it saw before
+  /// does not hold, as in forget(). A modality without cameras passes it over.
+  virtual void change_view([[maybe_unused]] std::uint16_t sensor,
+                           [[maybe_unused]] const sensor::PictureView& view) {}
 
   /// The answer at a frame of the grid: every field of `out`. Neutral, with that provenance, until there is a
   /// calibration. `lines`: every sensor's clock, and the time line on which `frame` stands.

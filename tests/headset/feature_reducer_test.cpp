@@ -117,6 +117,35 @@ TEST(FeatureReducer, ItsHashIsOfAllThatTheResultDependsOn) {
   EXPECT_NE(with([](sensor::Rig& rig) { rig.sensors[2].device = "02:4D:49:48:53:77"; }), hash);
 }
 
+TEST(FeatureReducer, FollowsViewsAndPlacesAsIfItWereMadeForSuchARig) {
+  FeatureReducer reducer = reducer_of();
+  const std::string before(reducer.hash());
+  const sensor::PictureView view{.crop = {0.2, 0.3, 0.4, 0.5}, .turn_deg = 90, .mirror = true};
+  reducer.change_view(2, view);
+  sensor::Rig rig = headset_rig();
+  sensor::set_view(*rig.sensors[2].camera, view);
+  EXPECT_NE(reducer.hash(), before);
+  EXPECT_EQ(reducer.hash(), reducer_of(rig).hash());
+  FeatureReducer made = reducer_of(rig);
+  const Bytes jpeg = grey_jpeg(240, 240, 3);
+  EXPECT_EQ(reduced(reducer, kHeadset + 2, jpeg), reduced(made, kHeadset + 2, jpeg));
+  EXPECT_EQ(reduced(reducer, kHeadset, jpeg), reduced(made, kHeadset, jpeg));
+  // Another camera at that place; the one that was there is at none.
+  reducer.bind(2, {0x77, 0});
+  rig.sensors[2].device = "00:00:00:00:00:77";
+  EXPECT_EQ(reducer.hash(), reducer_of(rig).hash());
+  EXPECT_EQ(reduced(reducer, 0x77, jpeg), reduced(made, kHeadset + 2, jpeg));
+  EXPECT_FALSE(parse_feature_record(reduced(reducer, kHeadset + 2, jpeg)).value().sensor);
+  // And at the other's place there is none any more.
+  reducer.bind(1, {0x77, 0});
+  EXPECT_EQ(parse_feature_record(reduced(reducer, 0x77, jpeg)).value().sensor, 1);
+  EXPECT_FALSE(parse_feature_record(reduced(reducer, kHeadset + 1, jpeg)).value().sensor);
+  // What is no camera has no view and no pictures.
+  const std::string hash(reducer.hash());
+  reducer.change_view(9, view);
+  EXPECT_EQ(reducer.hash(), hash);
+}
+
 TEST(FeatureReducer, RefusesRigsThatItsNetworkHasNoPlaceFor) {
   const auto error = [](const auto& edit) {
     sensor::Rig rig = headset_rig();

@@ -63,6 +63,26 @@ TEST(PageMessages, StatusSaysWhoIsShownPictures) {
   EXPECT_EQ(Json::parse(status_json(now, glasses()))["pictures"], Json({{"cameras", 4}, {"watchers", 1}}));
 }
 
+TEST(PageMessages, StatusSaysWhatIsSeenOfACamera) {
+  Status now = status();
+  now.report.links[0].view = {.crop = {0.1, 0.2, 0.5, 0.6}, .turn_deg = 90, .mirror = true};
+  const Json links = Json::parse(status_json(now, glasses()))["links"];
+  EXPECT_EQ(links[0]["view"],
+            Json::parse(R"({"crop": [0.1, 0.2, 0.5, 0.6], "turn_deg": 90, "mirror": true})"));
+  EXPECT_TRUE(links[1]["view"].is_null());
+}
+
+TEST(PageMessages, StatusSaysWhoseLensIsToBeCoveredAndWhyNoneWasFound) {
+  Status now = status();
+  EXPECT_TRUE(Json::parse(status_json(now, glasses()))["cover"].is_null());
+  now.report.cover.sensor = "eye_L";
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["cover"],
+            Json({{"sensor", "eye_L"}, {"trouble", nullptr}}));
+  now.report.cover = {.sensor = "", .trouble = "two lenses are covered at once"};
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["cover"],
+            Json({{"sensor", nullptr}, {"trouble", "two lenses are covered at once"}}));
+}
+
 TEST(PageMessages, StatusSaysWhereTheFaceRests) {
   Status now = status();
   now.report.shaping = R"({"resting": true})";

@@ -20,22 +20,6 @@ using ::testing::HasSubstr;
 
 constexpr const char* kToken = "0123456789abcdef";
 
-sensor::Rig rig() {
-  sensor::Rig out;
-  out.name = "two eyes";
-  for (const char side : {'L', 'R'}) {
-    sensor::Mount mount;
-    mount.name = std::string("eye_") + side;
-    mount.kind = "camera";
-    mount.side = side;
-    mount.camera.emplace();
-    mount.camera->crop = {0.1, 0.2, 0.5, 0.6};
-    mount.camera->mirror = side == 'R';
-    out.sensors.push_back(mount);
-  }
-  return out;
-}
-
 struct PagePicturesTest : ::testing::Test {
   PagePicturesTest() {
     const std::vector<Feed> feeds = {{.name = "sound:talk.wav", .run = {}},
@@ -45,6 +29,8 @@ struct PagePicturesTest : ::testing::Test {
     links.resize(2);
     links[0].device = left->device();
     links[1].device = right->device();
+    for (session::Report::Link& link : links)
+      link.view = {.crop = {0.1, 0.2, 0.5, 0.6}, .turn_deg = 0, .mirror = &link == &links[1]};
     PageSettings settings;
     settings.port = 0;
     settings.token = kToken;
@@ -63,7 +49,7 @@ struct PagePicturesTest : ::testing::Test {
   std::string target() const { return std::string("/ws?token=") + kToken; }
   /// One look of the network's thread, and what the feeds do until the next.
   void look() {
-    if (pictures.watched(*page)) pictures.look(links, rig(), *page);
+    if (pictures.watched(*page)) pictures.look(links, *page);
     for (const auto& tap : {left, right})
       tap->offer([&](const PictureTap::Wish& wish, std::span<std::uint8_t> pixels) {
         wishes.push_back(wish);

@@ -18,7 +18,10 @@ TEST(Command, AreWrittenAsTheyAreRead) {
        R"({"command":"hear","sensor":"mentalis","source":"udp://192.168.1.7:5005"})",
        R"({"command":"prompt","name":"smile","say":"","seconds":2.5,"target":{"jawOpen":0.1,"mouthSmile_L":1}})",
        R"({"command":"prompts","do":"pause"})", R"({"command":"prompts","do":"stop"})",
-       R"({"command":"tap","sensor":""})", R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {
+       R"({"command":"cover","sensor":"eye_L"})",
+       R"({"command":"view","crop":[0.1,0.0,0.5,1.0],"mirror":true,"sensor":"eye_L","turn_deg":270})",
+       R"({"command":"view","mirror":false,"sensor":"eye_L"})", R"({"command":"tap","sensor":""})",
+       R"({"command":"shape","gains":{"jawOpen":2},"smoothing":0.5})"}) {
     const auto command = parse_command(text);
     ASSERT_TRUE(command) << text << ": " << command.error().message();
     EXPECT_EQ(write_command(*command), text);
@@ -77,6 +80,16 @@ TEST(Command, RefusesEachMistakeAlone) {
       {R"({"command": "bind", "device": "02:4D:49:45:4E:07"})", ErrorCode::malformed},
       {R"({"command": "bind", "sensor": "mentalis", "device": "02:4D:49:45:4E"})", ErrorCode::malformed},
       {R"({"command": "tap"})", ErrorCode::malformed},
+      {R"({"command": "cover"})", ErrorCode::malformed},
+      {R"({"command": "view"})", ErrorCode::malformed},
+      {R"({"command": "view", "mirror": true})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L"})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L", "mirror": 1})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L", "turn_deg": 90.5})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L", "crop": [0, 0, 1]})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L", "crop": [0, 0, 1, null]})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L", "crop": {"left": 0}})", ErrorCode::malformed},
+      {R"({"command": "view", "sensor": "eye_L", "crop": [0, 0, 1, 1e999]})", ErrorCode::malformed},
       {R"({"command": "prompts"})", ErrorCode::malformed},
       {R"({"command": "prompts", "do": "dance"})", ErrorCode::malformed},
       {R"({"command": "prompt"})", ErrorCode::malformed},
@@ -123,7 +136,7 @@ TEST(Command, RefusesWhatIsLongOrDeepBeforeItIsRead) {
 
 TEST(Command, KnowsWhichAreTheSessions) {
   for (const char* name : {"calibrate", "cancel_calibration", "use_calibration", "restore_calibration",
-                           "recentre", "bind", "tap", "shape", "prompt", "prompts"}) {
+                           "recentre", "bind", "tap", "cover", "view", "shape", "prompt", "prompts"}) {
     EXPECT_TRUE(is_session_command(name)) << name;
     // Whatever is wrong with it, its name is known.
     const auto command = parse_command(std::string(R"({"command": ")") + name + "\"}");

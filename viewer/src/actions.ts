@@ -1,7 +1,7 @@
 /** What buttons and keys do: one place for both, so that they do the same. */
 import type { CalibrationKind } from "./calibration_protocol";
 import { type Pairing, readPairing } from "./network_protocol";
-import type { Command, Reply } from "./protocol";
+import type { Command, Reply, ViewChange } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
 
@@ -118,6 +118,23 @@ export class Actions {
     await this.send({ command: "tap", sensor: waiting ? "" : sensor });
   }
 
+  /** The next camera whose lens is covered is bound to this sensor; the same again stops waiting. */
+  async cover(sensor: string): Promise<void> {
+    const waiting = this.session.status.value?.cover.sensor === sensor;
+    await this.send({ command: "cover", sensor: waiting ? "" : sensor });
+  }
+
+  async changeView(sensor: string, to: ViewChange): Promise<void> {
+    await this.send({ command: "view", sensor, ...to });
+  }
+
+  /** What of its pictures the network sees of each camera becomes the rig file's. */
+  async saveRig(): Promise<void> {
+    const reply = await this.send({ command: "save_rig" });
+    const file = reply.result?.["rig"];
+    if (reply.ok) this.view.say(`Saved to ${typeof file === "string" ? file : "the rig"}.`, "good");
+  }
+
   async bind(sensor: string, device: string): Promise<void> {
     await this.send({ command: "bind", sensor, device });
   }
@@ -140,5 +157,9 @@ export class Actions {
 
   async stopTap(): Promise<void> {
     await this.send({ command: "tap", sensor: "" });
+  }
+
+  async stopCover(): Promise<void> {
+    await this.send({ command: "cover", sensor: "" });
   }
 }

@@ -7,6 +7,7 @@ import { type CalibrationKind, type CalibrationStatus, readCalibration, readTarg
 import { type Hearing, type MicrophoneOver, readHearing } from "./hearing_protocol";
 import { type NetworkStatus, readNetwork } from "./network_protocol";
 import { type CameraPicture, type PicturesStatus, readPictures } from "./picture_protocol";
+import { type Crop, type PictureView, readView } from "./picture_view";
 import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
 
@@ -89,6 +90,8 @@ export interface Link {
   /** How much it gets of what it is there for, 0 to 1; null for kinds that have no such number. */
   level: number | null;
   estimated: boolean;
+  /** Of a camera: which part of its pictures the network sees. */
+  view: PictureView | null;
 }
 
 export interface UnboundDevice {
@@ -176,6 +179,8 @@ export interface Status {
   replay: ReplayStatus | null;
   /** The sensor that waits for a tap. */
   tap: string | null;
+  /** The camera whose lens is to be covered, and why the last wait for one ended without it, or "". */
+  cover: { sensor: string | null; trouble: string };
 }
 
 export interface Reply {
@@ -209,6 +214,13 @@ export interface Takes {
 
 export type Message = Hello | Frame | Status | Reply | SessionEvent | Takes | MicrophoneOver | CameraPicture;
 
+/** What is to be another of a camera's view; the rest stays. */
+export interface ViewChange {
+  crop?: Crop;
+  turn_deg?: number;
+  mirror?: boolean;
+}
+
 /** What the page may ask for; `id` is added by the connection. */
 export type Command =
   | { command: "calibrate"; kind: CalibrationKind }
@@ -223,6 +235,9 @@ export type Command =
   | { command: "bind"; sensor: string; device: string }
   | { command: "hear"; sensor: string; source: string }
   | { command: "tap"; sensor: string }
+  | { command: "cover"; sensor: string }
+  | ({ command: "view"; sensor: string } & ViewChange)
+  | { command: "save_rig" }
   | { command: "shape"; smoothing?: number; merge?: { audio: boolean }; resting?: boolean; constraints?: boolean; lids_follow_eyes?: boolean; gains?: Record<string, number>; limits?: Record<string, [number, number]> }
   | { command: "listen"; only: string }
   | { command: "pair" }
@@ -357,6 +372,7 @@ function readLink(one: Fields): Link {
     headingSigmaDeg: numberOrNull(one["heading_sigma_deg"]),
     level: numberOrNull(one["level"]) === null ? null : share(one["level"]),
     estimated: one["estimated"] === true,
+    view: readView(one["view"]),
   };
 }
 
@@ -475,6 +491,7 @@ function readStatus(fields: Fields): Status {
     pictures: readPictures(fields["pictures"]),
     replay: readReplay(fields["replay"]),
     tap: text(fieldsOf(fields["tap"])["sensor"]) || null,
+    cover: { sensor: text(fieldsOf(fields["cover"])["sensor"]) || null, trouble: text(fieldsOf(fields["cover"])["trouble"]) },
   };
 }
 

@@ -22,7 +22,7 @@ async function picture(page, name) {
 const troubles = [];
 
 test("a headset: its cameras beside the face, their pictures only where they are asked for", { timeout: 4 * PATIENCE }, async () => {
-  const headset = await startMockSession({ headset: true });
+  const headset = await startMockSession({ headset: true, quick: true, every: 12 });
   const browser = await launch();
   const page = await openPage(browser, headset.url, troubles, { viewport: { width: 1280, height: 800 } });
   const button = (name) => page.getByRole("button", { name, exact: true });
@@ -71,6 +71,11 @@ test("a headset: its cameras beside the face, their pictures only where they are
     assert.equal(await page.locator(".headset-facts dd").first().innerText(), "measured");
     const open = await page.locator(".headset-facts [role=meter]").first().getAttribute("aria-valuenow");
     assert.ok(Number(open) >= 0 && Number(open) <= 100, open);
+    await settled(page, () => Number(document.querySelector(".headset-facts [role=meter]").getAttribute("aria-valuenow")) > 50, "an open eye");
+    const bar = await page.locator(".headset-facts .level-run").first().evaluate((run) => {
+      return { colour: getComputedStyle(run).backgroundColor, width: run.getBoundingClientRect().width };
+    });
+    assert.ok(!/, 0\)$|transparent/.test(bar.colour) && bar.width > 20, JSON.stringify(bar));
     await picture(page, "headset_pictures");
 
     headset.session.states.eye_L = "lost";
@@ -93,6 +98,30 @@ test("a headset: its cameras beside the face, their pictures only where they are
     assert.ok(blank, "and none is left behind");
     await view("mouth L").click();
     await settled(page, () => document.querySelector(".detail:not([hidden]) h3")?.textContent === "mouth L", "the camera's numbers");
+    // Which part of its pictures is seen is changed by buttons, each from what the session says that it is.
+    const seen = () => headset.session.views.mouth_L;
+    const pressed = async (name, words) => {
+      await button(name).click();
+      await settled(page, (text) => document.querySelector(".camera-buttons p")?.textContent.includes(text), name, words);
+      return seen();
+    };
+    assert.equal((await pressed("Turn", "turned 90°")).turn_deg, 90);
+    assert.equal((await pressed("Mirror", "mirrored")).mirror, true);
+    assert.deepEqual((await pressed("Closer", "75 % × 75 %")).crop, [0.133, 0.213, 0.754, 0.754]);
+    await button("Look more to the right").click();
+    await button("Save to rig").click();
+    await settled(page, () => [...document.querySelectorAll("[role=status], [role=alert]")].some((one) => one.textContent.includes("Saved to rigs/headset.toml")), "saved");
+    // Turned and mirrored, right of what is shown is up or down in the picture.
+    assert.deepEqual(seen().crop.map((edge, i) => Math.round(1000 * (edge - [0.133, 0.213, 0.754, 0.754][i]))).map(Math.abs), [0, 20, 0, 0]);
+    assert.equal(headset.session.saved, 1);
+    await picture(page, "headset_view");
+    // And it is bound by covering its lens.
+    await button("Cover it to bind it").click();
+    await settled(page, () => document.querySelector(".tap-banner:not([hidden])")?.textContent.includes("Cover this camera's lens"), "asked for a finger");
+    await settled(page, () => document.querySelector(".tap-banner")?.hidden === true, "bound");
+    assert.equal(headset.session.devices.mouth_L, "02:4D:49:48:53:7F/0");
+    headset.session.cover = { sensor: null, trouble: "two lenses are covered at once; ask again, and cover one alone" };
+    await settled(page, () => document.querySelector(".detail p")?.textContent.includes("two lenses are covered"), "what was in the way");
     assert.deepEqual(headset.session.commands.filter((one) => one.command === "pictures").map((one) => one.on), [true, false]);
     assert.deepEqual(troubles, []);
   } finally {

@@ -3,6 +3,11 @@
 const SIDE = 96;
 /** Pictures a second. */
 const RATE = 10;
+/**
+ * Who is so much behind, bytes, is sent none, as the session has it: frames and states come first, and are sent to whoever is
+ * less behind than twice as much.
+ */
+const MOST_WAITING = 50_000;
 
 /** The message of a camera's picture. */
 export function pictureMessage(sensor, width, height, levelAt) {
@@ -20,11 +25,11 @@ export class MockCameras {
   watchers = new Set();
   sent = 0;
 
-  /** `cameras`: how many there are; 0: it is no headset. `isSeen`: whether a camera's pictures come now. */
-  constructor(cameras, isSeen) {
+  /** `cameras`: how many there are; 0: it is no headset. Of `every` pictures one is sent. `isSeen`: whether a camera's pictures come now. */
+  constructor(cameras, every, isSeen) {
     this.cameras = cameras;
     this.isSeen = isSeen;
-    if (cameras > 0) this.timer = setInterval(() => this.send(), 1000 / RATE);
+    if (cameras > 0) this.timer = setInterval(() => this.send(), (1000 * every) / RATE);
   }
 
   close() {
@@ -52,7 +57,7 @@ export class MockCameras {
       if (!this.isSeen(sensor)) continue;
       const middle = SIDE * (0.5 + 0.1 * Math.sin(this.sent / 5 + sensor));
       const picture = pictureMessage(sensor, SIDE, SIDE, (x, y) => 128 + 100 * Math.cos(Math.hypot(x - middle, y - SIDE / 2) / (2 + sensor)));
-      for (const client of this.watchers) client.send(picture);
+      for (const client of this.watchers) if (client.bufferedAmount < MOST_WAITING) client.send(picture);
     }
   }
 }

@@ -123,7 +123,9 @@ class MockSession {
   holdAt = "";
 
   /** `microphone`: it hears one, that of a browser. */
-  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false, headset = false } = {}) {
+  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false, headset = false, every = 1 } = {}) {
+    /** Of so many frames and pictures one is sent: a browser on a busy machine falls behind sixty a second, ever further. */
+    this.every = every;
     this.sensors = headset ? headsetSensors() : eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : microphone ? [...IMUS, MICROPHONE] : IMUS;
     this.quick = quick;
     this.random = seeded(7);
@@ -135,7 +137,7 @@ class MockSession {
     // Two send as one of them.
     this.heard = { frontalis_R: "udp://192.168.1.40:5005" };
     this.rivals = eyewear || headset ? {} : { frontalis_R: [{ source: "udp://192.168.1.66:5005", implausible: true }] };
-    this.unbound = [
+    this.unbound = headset ? [{ device: "02:4D:49:48:53:7F/0", announces: "", protocol: "picture" }] : [
       { device: "02:4D:49:45:4E:1F/0", announces: "mentalis", protocol: "mien" },
       { device: "5C:CF:7F:0A:11:3E/0", announces: "", protocol: "slimevr" },
     ];
@@ -150,12 +152,16 @@ class MockSession {
     if (prompts) Object.assign(this.recording, { on: true, path: "me.mien" });
     this.takes = TAKES.map((take) => ({ ...take }));
     this.shaping = { smoothing: 0.25, resting: false, lids_follow_eyes: true, resting_face: { rest: {}, full: {} }, gains: { jawOpen: 1.2 }, limits: {} };
-    this.cameras = new MockCameras(headset ? this.sensors.length : 0, (sensor) => this.states[this.sensors[sensor].name] !== "lost");
+    this.cameras = new MockCameras(headset ? this.sensors.length : 0, every, (sensor) => this.states[this.sensors[sensor].name] !== "lost");
     /** Of a headset: the lower face is heard, since no camera sees it. */
     this.mouthIsHeard = false;
     this.voice = new MockVoice(microphone);
     this.replay = null;
     this.tap = null;
+    this.cover = { sensor: null, trouble: null };
+    /** Of a headset: which part of its pictures is seen of each camera. */
+    this.views = Object.fromEntries(this.sensors.filter(({ kind }) => kind === "camera").map(({ name, side }) => [name, { crop: [0.1, 0.18, 0.82, 0.82], turn_deg: 0, mirror: side === "R" }]));
+    this.saved = 0;
     this.network = {
       open: ["udp://0.0.0.0:6969"], only: "", elsewhere: 0, sealed: false, refused: 0,
       interfaces: [
@@ -217,7 +223,7 @@ class MockSession {
     this.advancePrompts();
     ++this.frames;
     for (const sink of this.sinks) if (sink.on) ++sink.sent;
-    this.say(this.frame());
+    if (this.frames % this.every === 0) this.say(this.frame());
   }
 
   frame() {
@@ -275,6 +281,7 @@ class MockSession {
         reordered: 0, malformed: 0, loss: !heard ? null : state === "lost" ? 1 : state === "lossy" ? 0.12 + 0.02 * this.random() : 0.003 * this.random(),
         offset_ms: heard ? 3187.4 * (i + 1) + 0.2 * this.random() : null, drift_ppm: heard ? 18 * Math.sin(3 * i) : null, uncertainty_ms: heard ? 0.3 + 0.2 * this.random() : null,
         battery: heard && kind === "imu" ? 92 - ((7 * i) % 60) : null, heading_sigma_deg: heard && kind === "imu" ? 1.4 + 0.3 * (i % 4) : null,
+        view: this.views[sensor] ?? null,
         level: kind === "speech" ? this.voice.level : kind === "eyewear" && heard ? 0.15 + 0.5 * (0.5 + 0.5 * Math.sin(1.3 * t + i)) : null, estimated: false,
       };
     });
@@ -294,6 +301,7 @@ class MockSession {
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
       shaping: this.shaping, hearing: this.voice.hearing, replay: this.replay, pictures: this.cameras.status, tap: this.tap ? { sensor: this.tap } : null,
+      cover: this.cover.sensor || this.cover.trouble ? this.cover : null,
       network: this.network,
     };
   }
@@ -412,6 +420,25 @@ class MockSession {
           setTimeout(() => this.tap === sensor && this.bind(sensor, this.unbound[0]?.device ?? this.devices[sensor]), this.quick ? 700 : 4000).unref();
         }
         return null;
+      case "cover":
+        this.cover = { sensor: command.sensor || null, trouble: null };
+        if (this.cover.sensor && this.unbound.length > 0) {
+          const { sensor } = this.cover;
+          setTimeout(() => this.cover.sensor === sensor && this.bind(sensor, this.unbound[0]?.device ?? this.devices[sensor]), this.quick ? 700 : 4000).unref();
+        }
+        return null;
+      case "view": {
+        const view = this.views[command.sensor];
+        if (!view) throw new Error(`the rig has no sensor "${command.sensor}"`);
+        const { crop = view.crop, turn_deg = view.turn_deg, mirror = view.mirror } = command;
+        const [left, top, width, height] = crop;
+        if (left < 0 || top < 0 || width < 0.05 || height < 0.05 || left + width > 1 || top + height > 1) throw new Error("'crop' leaves the picture, or too little of it");
+        this.views[command.sensor] = { crop, turn_deg, mirror };
+        return null;
+      }
+      case "save_rig":
+        ++this.saved;
+        return { rig: "rigs/headset.toml" };
       case "shape":
         if (command.smoothing !== undefined) this.shaping.smoothing = command.smoothing;
         for (const key of ["constraints", "lids_follow_eyes"]) if (command[key] !== undefined) this.shaping[key] = command[key];
@@ -476,6 +503,7 @@ class MockSession {
     this.unbound = this.unbound.filter((one) => one.device !== device);
     delete this.states[sensor];
     if (this.tap === sensor) this.tap = null;
+    if (this.cover.sensor === sensor) this.cover = { sensor: null, trouble: null };
     this.event("bound", `${device} sits on ${sensor}.`);
   }
 

@@ -6,6 +6,7 @@ import { healthOf } from "../health";
 import type { Link, Rival, UnboundDevice } from "../protocol";
 import type { Session } from "../session";
 import type { ViewState } from "../view_state";
+import { CameraView } from "./camera_view";
 import { HeadsetSection } from "./headset";
 import { isHeard, linkFigures, linkSummary } from "./link_words";
 import { NetworkSection } from "./network";
@@ -151,6 +152,7 @@ class Detail {
   private readonly tap = h("button", { type: "button", class: "button" });
   private readonly device = h("select", { "aria-label": "Device at this site" });
   private readonly senders: Senders;
+  private readonly cameraView: CameraView;
 
   constructor(
     private readonly session: Session,
@@ -158,8 +160,13 @@ class Detail {
     private readonly actions: Actions,
   ) {
     this.senders = new Senders(actions);
+    this.cameraView = new CameraView(actions);
     this.tap.addEventListener("click", () => {
-      if (view.sensor.value) void actions.tap(view.sensor.value);
+      const sensor = view.sensor.value;
+      if (!sensor) return;
+      // What looks from afar cannot be tapped.
+      const link = session.status.value?.links.find((one) => one.sensor === sensor);
+      void (link?.view ? actions.cover(sensor) : actions.tap(sensor));
     });
     this.device.addEventListener("change", () => {
       const sensor = view.sensor.value;
@@ -170,6 +177,7 @@ class Detail {
       this.sentence,
       this.senders.element,
       h("div", { class: "button-row" }, this.tap, this.device),
+      this.cameraView.element,
       this.facts,
     );
   }
@@ -182,10 +190,14 @@ class Detail {
     const health = healthOf(link.state);
     this.element.dataset["severity"] = health.severity;
     setText(this.title, sensorLabel(link.sensor));
-    const waiting = status.tap === link.sensor;
-    setText(this.sentence, waiting ? "Waiting: tap the real sensor that sits here, two or three times." : `${capital(health.label)}. ${health.sentence}`);
-    setText(this.tap, waiting ? "Stop waiting" : "Tap it to bind it");
+    const camera = link.view !== null;
+    const waiting = camera ? status.cover.sensor === link.sensor : status.tap === link.sensor;
+    const asked = camera ? "Waiting: hold a finger on the lens of the camera that looks from here, for a second." : "Waiting: tap the real sensor that sits here, two or three times.";
+    const trouble = camera && status.cover.trouble ? ` No camera was bound: ${status.cover.trouble}.` : "";
+    setText(this.sentence, waiting ? asked : `${capital(health.label)}. ${health.sentence}${trouble}`);
+    setText(this.tap, waiting ? "Stop waiting" : camera ? "Cover it to bind it" : "Tap it to bind it");
     this.senders.update(link);
+    this.cameraView.update(link);
     this.fillDevices(link, status.unbound);
     const facts: [string, string][] = [
       ["Device", link.device || "none"],

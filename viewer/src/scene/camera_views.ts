@@ -21,6 +21,9 @@ const DEPTH = 0.07;
 /** Of a camera in these states the last picture is not of now. */
 const GONE: readonly string[] = ["lost", "silent", "unbound"];
 
+/** Every machine that has a browser has its lowest byte first. */
+const OPAQUE = 0xff000000;
+
 interface View {
   sensor: RigSensor;
   /** Its number in `hello`. */
@@ -97,7 +100,9 @@ export class CameraViews {
       view.canvas.height = picture.height;
     }
     const image = pen.createImageData(picture.width, picture.height);
-    for (let i = 0; i < picture.pixels.length; ++i) image.data.fill(picture.pixels[i] ?? 0, 4 * i, 4 * i + 3).fill(255, 4 * i + 3, 4 * i + 4);
+    // Four bytes at once: a picture is shown ten times a second of every camera.
+    const words = new Uint32Array(image.data.buffer);
+    for (let i = 0; i < words.length; ++i) words[i] = OPAQUE | ((picture.pixels[i] ?? 0) * 0x010101);
     pen.putImageData(image, 0, 0);
     this.setPictured(view, true);
   }

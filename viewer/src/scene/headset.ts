@@ -3,7 +3,7 @@
  * looks. What hangs on the head follows it.
  */
 import {
-  CylinderGeometry, Group, Mesh, MeshBasicMaterial, MeshPhysicalMaterial, Vector3, type Object3D,
+  CylinderGeometry, Group, Mesh, MeshBasicMaterial, MeshPhysicalMaterial, TorusGeometry, Vector3, type Object3D,
 } from "three";
 import { isCamera } from "../camera_words";
 import { healthOf, type Severity } from "../health";
@@ -22,10 +22,13 @@ const EYE = new Vector3(0.031, 0.036, 0.0845);
 const RAY_FROM = 0.016;
 const RAY_LENGTH = 0.085;
 const RAY_RADIUS = 0.0009;
+/** At its end a ring: of a ray that points at whoever looks on, it is all that is seen. m. */
+const RING_RADIUS = 0.0042;
+const RING_WIDTH = 0.0007;
 
 /** As theme.css has them for dots on a face. */
 const COLOURS: Readonly<Record<Severity, number>> = { good: 0x63c29b, warn: 0xefb34a, bad: 0xff7d6b, idle: 0x9a9894 };
-const RAY_COLOUR = 0x3f9fe8;
+const RAY_COLOUR = 0x1f7fd6;
 
 const ALONG = new Vector3(0, 0, 1);
 
@@ -75,7 +78,7 @@ export class Headset {
   look(eyes: readonly [number, number, number, number], confidence: number | null): void {
     this.rays.forEach((ray, i) => {
       ray.visible = confidence !== null;
-      ray.material.opacity = 0.15 + 0.7 * (confidence ?? 0);
+      ray.material.opacity = 0.3 + 0.7 * (confidence ?? 0);
       ray.quaternion.setFromUnitVectors(ALONG, gazeDirection(eyes[2 * i] ?? 0, eyes[2 * i + 1] ?? 0, direction));
     });
   }
@@ -97,6 +100,9 @@ export class Headset {
     const stick = tube(RAY_RADIUS, RAY_LENGTH);
     stick.translate(0, 0, RAY_FROM + RAY_LENGTH / 2);
     const ray = new Mesh(stick, new MeshBasicMaterial({ color: RAY_COLOUR, transparent: true, depthWrite: false, toneMapped: false }));
+    const ring = new Mesh(new TorusGeometry(RING_RADIUS, RING_WIDTH, 8, 32), ray.material);
+    ring.position.z = RAY_FROM + RAY_LENGTH;
+    ray.add(ring);
     ray.position.set(side * EYE.x, EYE.y, EYE.z);
     ray.visible = false;
     this.object.add(ray);
