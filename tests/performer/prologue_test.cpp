@@ -6,6 +6,8 @@
 
 #include "mien/core/time.h"
 #include "mien/core/units.h"
+#include "mien/face/face.h"
+#include "mien/face/gaze_targets.h"
 #include "mien/performer/performer.h"
 #include "tests/performer/talking.h"
 
