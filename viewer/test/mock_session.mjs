@@ -8,10 +8,8 @@
 // --microphone hears that of a browser; --headset has the cameras of rigs/headset.toml.
 //
 // The face is the built-in one where MIEN_PROGRAM names the program that makes it, else an egg.
-import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { readFileSync } from "node:fs";
 import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
@@ -19,7 +17,8 @@ import { MockCameras } from "./mock_cameras.mjs";
 import { eyewearSensors, headsetSensors } from "./mock_rigs.mjs";
 import { STEPS } from "./mock_steps.mjs";
 import { MockVoice } from "./mock_voice.mjs";
-import { SHAPES, sphereHead } from "./sphere_head.mjs";
+import { sessionFace } from "./session_face.mjs";
+import { SHAPES } from "./sphere_head.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -530,18 +529,6 @@ class MockSession {
     });
     client.send(JSON.stringify(this.hello()));
     client.send(JSON.stringify(this.status()));
-  }
-}
-
-/** The bytes of /face.glb. */
-export function sessionFace(program = process.env.MIEN_PROGRAM) {
-  if (!program) return sphereHead();
-  const folder = mkdtempSync(join(tmpdir(), "mien_face_"));
-  try {
-    execFileSync(program, ["face", "export", "--textures", "none", "--out", join(folder, "face.glb")], { stdio: "ignore" });
-    return readFileSync(join(folder, "face.glb"));
-  } finally {
-    rmSync(folder, { recursive: true });
   }
 }
 
