@@ -81,8 +81,13 @@ std::vector<take::CalibrationVersion> WornTogether::calibrations(const Stage& st
     }
     std::ranges::move(part.worn->calibrations(stage, own), std::back_inserter(all));
   }
-  std::ranges::stable_sort(all, {}, &take::CalibrationVersion::made);
-  for (std::size_t v = 0; v < all.size(); ++v) all[v].id = static_cast<std::int64_t>(v) + 1;
+  // Of those made at once each kind's stand in its own order.
+  const auto number = [&] {
+    for (std::size_t v = 0; v < all.size(); ++v) all[v].id = static_cast<std::int64_t>(v) + 1;
+  };
+  number();
+  std::ranges::sort(all, {}, [](const take::CalibrationVersion& one) { return std::pair(one.made, one.id); });
+  number();
   return all;
 }
 

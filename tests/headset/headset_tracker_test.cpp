@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "tests/allocation_count.h"
 #include "tests/headset/worn_headset.h"
@@ -37,18 +38,21 @@ TEST(HeadsetTracker, AnswersWhatItsNetworkDoesWithoutACalibrationToo) {
   EXPECT_TRUE(worn.tracker->calibration().empty());
 }
 
-/// A model whose memory answers, and judges, the same whatever it reads.
+/// A model that answers and judges the same whatever it reads; half of the jaw is what its memory adds.
 std::shared_ptr<const HeadsetModel> constant_memory(const Answer& answer, float logit) {
-  ViewsFile file = small_views_file();
+  Answer half = answer;
+  half.weights[kJaw] = 0.5F * answer.weights[kJaw];
+  ViewsFile file = constant_file(half);
   file.memory = small_memory();
   file.memory->judgements.fill({.offset = 0, .slope = 1});
   auto& network = file.memory->network;
   std::ranges::fill(network[network.size() - 2].values, 0.0F);
   std::vector<float>& bias = network.back().values;
   std::ranges::fill(bias, logit);
-  std::array<float, kAnswerOutputs> outputs{};
-  encode_answer(answer, outputs);
-  std::ranges::copy(outputs, bias.begin());
+  std::array<float, kAnswerOutputs> whole{}, part{};
+  encode_answer(answer, whole);
+  encode_answer(half, part);
+  std::ranges::transform(whole, part, bias.begin(), std::minus());
   return HeadsetModel::create(file).value();
 }
 

@@ -37,7 +37,10 @@ std::shared_ptr<const HeadsetModel> looking_model_with_memory() {
   ViewsFile file = small_views_file();
   file.memory = small_memory();
   file.memory->judgements.fill({.offset = 0, .slope = 1});
+  leave_gaze(file.network, 0);
   leave_gaze(file.memory->network, 0.1F);
+  // It adds nothing but directions.
+  std::ranges::fill(std::span(file.memory->network.back().values).first(kAnswerOutputs), 0.0F);
   return HeadsetModel::create(file).value();
 }
 
