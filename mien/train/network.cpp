@@ -5,18 +5,11 @@
 #include <cstring>
 
 #include "mien/core/random.h"
+#include "mien/train/batch_norm.h"
 #include "mien/train/recurrent.h"
 
 namespace mien::train {
 namespace {
-
-/// Added to a channel's variance, so that an even one can be normalised.
-constexpr double kBatchNormEpsilon = 1e-5;
-
-/// What batch normalisation found of one convolution, a value a channel.
-struct ChannelStatistics {
-  torch::Tensor mean, variance;
-};
 
 /// Hands out parameters one after the other, in the order in which the network uses them.
 class Cursor {
@@ -32,17 +25,13 @@ class Cursor {
     const torch::Tensor weight = take(), bias = take();
     return torch::linear(x.to(type_), weight, bias);
   }
-  /// 3 x 3 pixels, stride 2, zeros around.
+  /// 3 x 3 pixels, stride 2, zeros around; a ReLU.
   torch::Tensor convolve(const torch::Tensor& x) {
     const torch::Tensor weight = take(), bias = take();
-    if (!pass_.batch_norm) return torch::conv2d(x.to(type_), weight, bias, 2, 1);
+    if (!pass_.batch_norm) return torch::relu(torch::conv2d(x.to(type_), weight, bias, 2, 1));
     const torch::Tensor plain = torch::conv2d(x.to(type_), weight, {}, 2, 1);
-    ChannelStatistics found;
-    if (statistics_ != nullptr) found = {torch::zeros_like(bias), torch::zeros_like(bias)};
-    const torch::Tensor normalised = torch::batch_norm(plain, torch::ones_like(bias), bias, found.mean,
-                                                       found.variance, true, 1, kBatchNormEpsilon, false);
-    if (statistics_ != nullptr) statistics_->push_back(std::move(found));
-    return normalised;
+    return normalise_and_rectify(plain, bias,
+                                 statistics_ == nullptr ? nullptr : &statistics_->emplace_back());
   }
   /// A parameter that is added as it is.
   torch::Tensor plain() { return *next_++; }
@@ -176,24 +165,24 @@ Parameters from_tensors(const std::vector<model::Tensor>& tensors, const torch::
 namespace {
 
 torch::Tensor run_views(const model::Architecture& a, const torch::Tensor& condition, Cursor use) {
-  constexpr auto kEach = static_cast<std::int64_t>(model::kViews);
+  constexpr auto kCameras = static_cast<std::int64_t>(model::kViews);
   const auto side = static_cast<std::int64_t>(a.side), wearers = condition.size(0), each = condition.size(1),
              moments = wearers * each;
   const torch::Tensor all = condition.view({moments, -1});
-  const torch::Tensor views = all.narrow(1, 0, kEach * side * side).view({moments, kEach, side, side});
-  const torch::Tensor present = all.narrow(1, kEach * side * side, kEach).unsqueeze(2);
+  const torch::Tensor views = all.narrow(1, 0, kCameras * side * side).view({moments, kCameras, side, side});
+  const torch::Tensor present = all.narrow(1, kCameras * side * side, kCameras).unsqueeze(2);
   std::vector<torch::Tensor> found;
   for (const std::int64_t first : {0, 2}) {  // Eyes, then mouths: two views through one backbone.
     torch::Tensor x = views.narrow(1, first, 2).reshape({2 * moments, 1, side, side});
-    for (std::size_t layer = 0; layer < a.layers; ++layer) x = torch::relu(use.convolve(x));
+    for (std::size_t layer = 0; layer < a.layers; ++layer) x = use.convolve(x);
     found.push_back(use.linear(x.flatten(1)).to(torch::kFloat).view({moments, 2, -1}));
   }
   const torch::Tensor seen = torch::cat(found, 1);
   const torch::Tensor features = present * seen + (1 - present) * use.plain().unsqueeze(0);
   // Against the first moment, where both views are there and it is known.
-  const torch::Tensor of_wearers = features.view({wearers, each, kEach, -1});
-  const torch::Tensor there = present.view({wearers, each, kEach, 1}),
-                      known = all.narrow(1, kEach * (side * side + 1), 1).view({wearers, each, 1, 1});
+  const torch::Tensor of_wearers = features.view({wearers, each, kCameras, -1});
+  const torch::Tensor there = present.view({wearers, each, kCameras, 1}),
+                      known = all.narrow(1, kCameras * (side * side + 1), 1).view({wearers, each, 1, 1});
   const torch::Tensor differences =
       known * there * there.narrow(1, 0, 1) * (of_wearers - of_wearers.narrow(1, 0, 1));
   const torch::Tensor read = torch::cat({features.flatten(1), differences.view({moments, -1})}, 1);
