@@ -50,8 +50,9 @@ void read_moment(const model::ViewsNetwork& network, const MomentFeatures& momen
                  model::ViewsNetwork::Workspace& workspace, std::span<float> condition);
 
 /// What a memory answers: what it adds to the moment's kAnswerOutputs (headset/answer.h), then of each region
-/// of shapes and of the gaze the logit of the probability that the sum is right: that the mean absolute error
-/// of its shapes is at most 0.1 (docs/reference/metrics.md), and that of the eyes' angles at most 0.1 rad.
+/// of shapes and of the gaze the logit of the probability that the sum is right: that nothing hides the
+/// region and the mean absolute error of its shapes is at most 0.1 (docs/reference/metrics.md), that of the
+/// eyes' angles at most 0.1 rad.
 inline constexpr std::size_t kGazeJudgement = face::kShapeRegionCount;
 inline constexpr std::size_t kJudgements = kGazeJudgement + 1;
 inline constexpr std::size_t kMemoryOutputs = kAnswerOutputs + kJudgements;

@@ -18,8 +18,9 @@ namespace mien::train {
 /// Windows for one step of training, as plain arrays.
 struct Batch {
   std::size_t windows = 0;
-  std::vector<float> condition;     ///< windows x frames x condition.
-  std::vector<float> clean;         ///< windows x frames x outputs, in [-1, 1].
+  std::vector<float> condition;  ///< windows x frames x condition.
+  /// windows x frames x outputs, in [-1, 1]; of a judgement (Recipe::Judgement) whether it can be right.
+  std::vector<float> clean;
   std::vector<std::int64_t> level;  ///< Noise level of each window.
   std::vector<std::int64_t> held;   ///< First frames of each window that are given clean; mostly 0.
 };

@@ -63,10 +63,20 @@ torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor&
 
 namespace {
 
+/// Those outputs, or what is asked of them, that are no judgements.
+torch::Tensor answers_of(const Recipe& recipe, const torch::Tensor& outputs) {
+  return outputs.narrow(2, 0, outputs.size(2) - static_cast<std::int64_t>(recipe.judgements.size()));
+}
+/// The others.
+torch::Tensor judgements_of(const Recipe& recipe, const torch::Tensor& outputs) {
+  const auto count = static_cast<std::int64_t>(recipe.judgements.size());
+  return outputs.narrow(2, outputs.size(2) - count, count);
+}
+
 torch::Tensor judgement_loss(const Recipe& recipe, const torch::Tensor& predicted,
-                             const torch::Tensor& clean) {
-  const auto first = predicted.size(2) - static_cast<std::int64_t>(recipe.judgements.size());
-  const torch::Tensor error = difference_of(predicted.narrow(2, 0, first).detach().clamp(-1, 1), clean).abs();
+                             const torch::Tensor& asked) {
+  const torch::Tensor clean = answers_of(recipe, asked);
+  const torch::Tensor error = difference_of(answers_of(recipe, predicted).detach().clamp(-1, 1), clean).abs();
   const torch::Tensor known = clean.isnan().logical_not().to(torch::kFloat);
   std::vector<torch::Tensor> right;
   for (const Recipe::Judgement& judgement : recipe.judgements) {
@@ -76,16 +86,13 @@ torch::Tensor judgement_loss(const Recipe& recipe, const torch::Tensor& predicte
                         .logical_and(error.index_select(2, which).sum(2) <= count * judgement.most_error)
                         .to(torch::kFloat));
   }
-  return torch::binary_cross_entropy_with_logits(predicted.narrow(2, first, predicted.size(2) - first),
-                                                 torch::stack(right, 2));
+  return torch::binary_cross_entropy_with_logits(judgements_of(recipe, predicted),
+                                                 torch::stack(right, 2) * judgements_of(recipe, asked));
 }
 
-torch::Tensor answers_of(const Recipe& recipe, const torch::Tensor& predicted) {
-  return predicted.narrow(2, 0, predicted.size(2) - static_cast<std::int64_t>(recipe.judgements.size()));
-}
-
-torch::Tensor answer_loss(const Recipe& recipe, const torch::Tensor& answers, const DeviceBatch& batch) {
-  const torch::Tensor difference = difference_of(answers, batch.clean);
+torch::Tensor answer_loss(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
+  const torch::Tensor difference =
+      difference_of(answers_of(recipe, predicted), answers_of(recipe, batch.clean));
   const torch::Tensor error = error_of(recipe.loss, difference);
   if (recipe.difference_weight > 0) {
     torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
@@ -103,7 +110,7 @@ torch::Tensor answer_loss(const Recipe& recipe, const torch::Tensor& answers, co
 }  // namespace
 
 torch::Tensor loss_of(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
-  const torch::Tensor loss = answer_loss(recipe, answers_of(recipe, predicted), batch);
+  const torch::Tensor loss = answer_loss(recipe, predicted, batch);
   if (recipe.judgements.empty()) return loss;
   return loss + kJudgementWeight * judgement_loss(recipe, predicted, batch.clean);
 }
@@ -115,7 +122,8 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
   if (recipe.architecture.kind != model::NetworkKind::window) {
     const torch::Tensor predicted =
         answer_at_once(recipe, parameters, all.condition, {.dropout = 0, .bf16 = recipe.bf16});
-    const torch::Tensor error = difference_of(answers_of(recipe, predicted).clamp(-1, 1), all.clean);
+    const torch::Tensor error =
+        difference_of(answers_of(recipe, predicted).clamp(-1, 1), answers_of(recipe, all.clean));
     // Half the distance in [-1, 1] is the distance of weights.
     return {.loss = error.abs().mean().item<double>(), .mse = error.square().mean().item<double>() / 4};
   }

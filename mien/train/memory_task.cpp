@@ -46,6 +46,9 @@ constexpr double kLatest = 0.6;
 /// there; then of each view.
 constexpr double kHidden = 0.6, kHalfHidden = 0.6, kViewHidden = 0.85;
 
+/// Of each view of half a face, hidden by more than this share, that half cannot be seen.
+constexpr double kBlind = 0.5;
+
 /// What a donning is shown as.
 struct Way {
   bool mirrored = false;
@@ -76,6 +79,7 @@ Way draw_way(std::size_t number, std::size_t rest, std::size_t frames, Random& r
 /// What the network finds in a donning, and what it should be taken for.
 struct Found {
   std::vector<float> features, wanted;
+  std::vector<std::array<bool, 2>> visible;
 };
 Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& donning,
            const FilmPlaces& places, const Way& way, const model::ViewsNetwork& network,
@@ -87,17 +91,21 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
   std::vector<float> views(kViews * pixels);
   for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
     std::array<bool, kViews> present{};
+    std::array<double, 2> least_hidden = {1, 1};
+    const study::FilmTruth truth = film.truth(frame);
     for (std::size_t v = 0; v < kViews; ++v) {
       const FilmPlace& place = places[way.mirrored ? v ^ 1U : v];
       if (!place.is_there) continue;
       present[v] = true;
+      double hidden = 0;
       const std::span<const std::uint8_t> view = film.view(frame, place.camera);
       shown.assign(view.begin(), view.end());
       if (way.spoilt) {
         show_as(way.looks[v], shown, side, scratch);
-        if (way.obstacles[v]) show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
+        if (way.obstacles[v]) hidden = show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
         spoil_view(shown, side, random);
       }
+      least_hidden[v / 2] = std::min(least_hidden[v / 2], hidden);
       auto stretched = headset::NetworkView::create(place.view);
       stretched->make({.width = side, .height = side, .pixels = shown},
                       std::span(views).subspan(v * pixels, pixels));
@@ -105,7 +113,9 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
     const std::size_t begin = found.features.size();
     found.features.resize(begin + kViews * count);
     network.find(views, present, memory, std::span(found.features).subspan(begin));
-    const auto wanted = answer_of(film.truth(frame));
+    found.visible.push_back({truth.visible[0] > 0 && least_hidden[0] <= kBlind,
+                             truth.visible[1] > 0 && least_hidden[1] <= kBlind});
+    const auto wanted = answer_of(truth);
     const auto asked = way.mirrored ? mirrored_answer(wanted) : wanted;
     found.wanted.insert(found.wanted.end(), asked.begin(), asked.end());
   }
@@ -180,6 +190,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
         Found of = find(film, donning, places, shown, network, memory, random);
         s.features = std::move(of.features);
         s.wanted = std::move(of.wanted);
+        s.visible = std::move(of.visible);
         s.rest.features.assign(kViews * count, 0.0F);
         for (std::size_t frame = 0; frame < s.rest_end; ++frame)
           for (std::size_t i = 0; i < kViews * count; ++i)
@@ -204,6 +215,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
       hash.add_value(s.rate_hz);
       hash.add(std::as_bytes(std::span(s.features)));
       hash.add(std::as_bytes(std::span(s.wanted)));
+      hash.add(std::as_bytes(std::span(s.visible)));
     }
     return hash.hex();
   };
@@ -251,8 +263,14 @@ void MemoryTask::wanted_at(const Sequence& sequence, double frame, std::span<flo
                        sequence.wanted[second * kAnswerOutputs + i], part);
 }
 
+bool MemoryTask::is_visible(const Sequence& sequence, double frame, std::size_t judgement) {
+  const std::size_t half =
+      judgement == headset::kGazeJudgement ? 0 : study::half_of(static_cast<face::ShapeRegion>(judgement));
+  return sequence.visible[static_cast<std::size_t>(std::round(frame))][half];
+}
+
 void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random* random,
-                        Batch& batch) const {
+                        model::ViewsNetwork::Workspace& memory, Batch& batch) const {
   const std::size_t window = recipe_.architecture.window, each = recipe_.architecture.condition;
   static const headset::RestFeatures kNothing;
   bool told = sequence.rest_end > 0;
@@ -284,7 +302,6 @@ void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random
   }
   headset::MomentFeatures moment;
   moment.features.resize(kViews * views_.architecture.features);
-  model::ViewsNetwork::Workspace memory(network_);
   for (std::size_t tick = first_tick; tick < first_tick + window; ++tick) {
     const double frame = std::min(static_cast<double>(tick) * sequence.rate_hz / kFrameRateHz,
                                   static_cast<double>(sequence.frames - 1));
@@ -293,8 +310,10 @@ void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random
     batch.condition.resize(begin + each);
     headset::read_moment(network_, moment, told ? sequence.rest : kNothing, memory,
                          std::span(batch.condition).subspan(begin));
-    batch.clean.resize(wanted + kAnswerOutputs);
+    batch.clean.resize(wanted + headset::kMemoryOutputs);
     wanted_at(sequence, frame, std::span(batch.clean).subspan(wanted));
+    for (std::size_t j = 0; j < headset::kJudgements; ++j)
+      batch.clean[wanted + kAnswerOutputs + j] = is_visible(sequence, frame, j) ? 1 : 0;
   }
   batch.level.push_back(0);
   batch.held.push_back(0);
@@ -303,18 +322,20 @@ void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random
 
 Batch MemoryTask::random_batch(std::size_t count, Random random) const {
   Batch batch;
+  model::ViewsNetwork::Workspace memory(network_);
   while (batch.windows < count) {
     const Sequence& s = training_[random.below(training_.size())];
-    append(s, random.below(ticks_of(s) - recipe_.architecture.window + 1), &random, batch);
+    append(s, random.below(ticks_of(s) - recipe_.architecture.window + 1), &random, memory, batch);
   }
   return batch;
 }
 
 Batch MemoryTask::validation_batch(Random) const {
   Batch batch;
+  model::ViewsNetwork::Workspace memory(network_);
   const std::size_t count = std::min(recipe_.windows, validation_.size());
   for (std::size_t i = 0; i < count; ++i)
-    append(validation_[i * validation_.size() / count], 0, nullptr, batch);
+    append(validation_[i * validation_.size() / count], 0, nullptr, memory, batch);
   return batch;
 }
 
@@ -407,7 +428,8 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
         judged.push_back({.fits = s.film % 2 == 0,
                           .judgement = j,
                           .logit = outputs[kAnswerOutputs + j],
-                          .hit = count > 0 && sum <= count * double{headset::right_output_error(j)}});
+                          .hit = is_visible(s, frame, j) && count > 0 &&
+                                 sum <= count * double{headset::right_output_error(j)}});
       }
     }
     for (std::size_t f = 3; f < answered.size(); ++f)

@@ -56,6 +56,8 @@ class MemoryTask final : public Task {
     std::vector<float> features;  ///< frames x kViews x features.
     headset::RestFeatures rest;
     std::vector<float> wanted;  ///< frames x kAnswerOutputs; NaN: nobody can know it.
+    /// Of each frame, whether upper and lower face can be seen.
+    std::vector<std::array<bool, 2>> visible;
   };
   /// What arrives of a view in a window.
   struct Delivery;
@@ -64,11 +66,14 @@ class MemoryTask final : public Task {
       : recipe_(std::move(recipe)), views_(std::move(views)), network_(std::move(network)) {}
   [[nodiscard]] static std::size_t frames_of(const std::vector<Sequence>& sequences);
   [[nodiscard]] std::size_t ticks_of(const Sequence& sequence) const;
-  void append(const Sequence& sequence, std::size_t first_tick, Random* random, Batch& batch) const;
+  void append(const Sequence& sequence, std::size_t first_tick, Random* random,
+              model::ViewsNetwork::Workspace& memory, Batch& batch) const;
   /// The moment at a tick, of views that are there as `delivery` says (null: all are).
   void moment_at(const Sequence& sequence, double frame, std::span<const Delivery> delivery,
                  headset::MomentFeatures& moment) const;
   static void wanted_at(const Sequence& sequence, double frame, std::span<float> out);
+  /// Whether what a judgement is about can be seen.
+  [[nodiscard]] static bool is_visible(const Sequence& sequence, double frame, std::size_t judgement);
 
   Recipe recipe_;
   headset::ViewsFile views_;

@@ -40,7 +40,8 @@ struct Recipe {
 
   /// Filled in by tasks whose network judges itself: its last outputs, one each, are the logits of whether
   /// the mean absolute error of these others is at most `most_error`, counting those that are known; where
-  /// none is, it is wrong.
+  /// none is, it is wrong, and where what it judges cannot be seen, which a number more a judgement tells
+  /// behind each frame's answers in Batch::clean (1: it can be).
   struct Judgement {
     std::vector<std::int64_t> outputs;
     double most_error = 0;

@@ -49,8 +49,9 @@ ViewObstacle draw_obstacle(std::size_t frames, Random& random) {
   return obstacle;
 }
 
-void show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<std::uint8_t> view, int side) {
-  if (frame < obstacle.begin || frame >= obstacle.end) return;
+double show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<std::uint8_t> view,
+                     int side) {
+  if (frame < obstacle.begin || frame >= obstacle.end) return 0;
   const auto since = static_cast<double>(frame - obstacle.begin);
   const auto middle_x = static_cast<float>(obstacle.x + since * obstacle.dx),
              middle_y = static_cast<float>(obstacle.y + since * obstacle.dy);
@@ -59,6 +60,7 @@ void show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<st
   const auto along = static_cast<float>(obstacle.long_axis), across = static_cast<float>(obstacle.short_axis);
   const auto sharpness = static_cast<float>(obstacle.short_axis / obstacle.edge);
   const auto gain = static_cast<float>(obstacle.gain);
+  double hidden = 0;
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column) {
       const float u = (static_cast<float>(column) + 0.5F) / static_cast<float>(side),
@@ -67,12 +69,14 @@ void show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<st
       const float inside = 1 - std::hypot((c * x + s * y) / along, (c * y - s * x) / across);
       const float cover = std::clamp(0.5F + inside * sharpness, 0.0F, 1.0F);
       if (cover <= 0) continue;
+      if (!obstacle.is_glare) hidden += double{cover};
       std::uint8_t& pixel = view[static_cast<std::size_t>(row * side + column)];
       const float shown = texture_at(obstacle, u, v), was = pixel;
       const float is =
           obstacle.is_glare ? was * (1 + cover * (gain - 1)) + cover * shown : std::lerp(was, shown, cover);
       pixel = static_cast<std::uint8_t>(std::clamp(is + 0.5F, 0.0F, 255.0F));
     }
+  return hidden / (side * side);
 }
 
 }  // namespace mien::train

@@ -27,7 +27,8 @@ struct ViewObstacle {
 
 /// One that is there for part of `frames`.
 [[nodiscard]] ViewObstacle draw_obstacle(std::size_t frames, Random& random);
-/// Changes `view` (side x side, grey) where the obstacle is in that frame.
-void show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<std::uint8_t> view, int side);
+/// Changes `view` (side x side, grey) where the obstacle is in that frame. Returns the share of it that is
+/// hidden, which glare does not do.
+double show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<std::uint8_t> view, int side);
 
 }  // namespace mien::train

@@ -101,13 +101,13 @@ TEST(MemoryTask, BatchesFollowTheirStream) {
   const Batch one = (*task)->random_batch(4, Random(1)), two = (*task)->random_batch(4, Random(1));
   EXPECT_EQ(one.condition, two.condition);
   EXPECT_EQ(one.windows, 4u);
-  EXPECT_EQ(one.clean.size(), 4 * 32 * headset::kAnswerOutputs);
+  EXPECT_EQ(one.clean.size(), 4 * 32 * headset::kMemoryOutputs);
   EXPECT_EQ(one.condition.size(), 4 * 32 * headset::moment_condition(16));
   EXPECT_NE(one.condition, (*task)->random_batch(4, Random(2)).condition);
   // Half of what is trained on is mirrored, so the other lid moves too; in validation it does not.
   const auto most = [](const Batch& batch, std::size_t output) {
     float largest = -1;
-    for (std::size_t at = output; at < batch.clean.size(); at += headset::kAnswerOutputs)
+    for (std::size_t at = output; at < batch.clean.size(); at += headset::kMemoryOutputs)
       largest = std::max(largest, batch.clean[at]);
     return largest;
   };
@@ -168,8 +168,11 @@ TEST(Loss, AJudgementIsAskedWhetherTheAnswerIsRight) {
   const auto predicted = [](float first, float second) {
     return torch::tensor({0.05F, 0.0F, first, 0.5F, 0.0F, second}).view({1, 2, 3});
   };
+  const auto asked = [](float first, float second) {
+    return torch::tensor({0.0F, 0.0F, first, 0.0F, 0.0F, second}).view({1, 2, 3});
+  };
   const DeviceBatch batch{.condition = {},
-                          .clean = torch::zeros({1, 2, 2}),
+                          .clean = asked(1, 1),
                           .level = torch::zeros({1}, torch::kLong),
                           .held = torch::zeros({1}, torch::kLong)};
   const double well = loss_of(recipe, predicted(3, -3), batch).item<double>(),
@@ -177,9 +180,15 @@ TEST(Loss, AJudgementIsAskedWhetherTheAnswerIsRight) {
   EXPECT_LT(well, badly);
   // What nobody knows cannot be right.
   DeviceBatch unknown = batch;
-  unknown.clean = torch::full({1, 2, 2}, std::nanf(""));
+  unknown.clean = asked(1, 1);
+  unknown.clean.narrow(2, 0, 2).fill_(std::nanf(""));
   EXPECT_LT(loss_of(recipe, predicted(-3, -3), unknown).item<double>(),
             loss_of(recipe, predicted(3, 3), unknown).item<double>());
+  // Nor can what nobody sees.
+  DeviceBatch hidden = batch;
+  hidden.clean = asked(0, 0);
+  EXPECT_LT(loss_of(recipe, predicted(-3, -3), hidden).item<double>(),
+            loss_of(recipe, predicted(3, -3), hidden).item<double>());
 }
 
 }  // namespace

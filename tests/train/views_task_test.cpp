@@ -200,6 +200,11 @@ TEST(ViewObstacle, StandsBeforeTheViewForAWhileOnly) {
     }
     const auto during = shown(obstacle, obstacle.begin);
     EXPECT_EQ(during, shown(draw_obstacle(100, again), obstacle.begin));
+    std::vector<std::uint8_t> seen = view;
+    const double hidden = show_obstacle(obstacle, obstacle.begin, seen, kSide);
+    EXPECT_EQ(hidden > 0, !obstacle.is_glare);
+    EXPECT_LE(hidden, 1);
+    EXPECT_EQ(show_obstacle(obstacle, obstacle.end, seen, kSide), 0);
     if (during != view) ++changed;
     if (obstacle.is_glare) {
       ++glares;

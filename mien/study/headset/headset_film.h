@@ -12,6 +12,7 @@
 #include "mien/core/error.h"
 #include "mien/core/mapped_file.h"
 #include "mien/face/profile.h"
+#include "mien/face/shape_region.h"
 
 namespace mien::study {
 
@@ -28,6 +29,11 @@ struct FilmTruth {
   float time_s = 0;                    ///< Since the headset was put on: 0 in each donning's first frame.
 };
 static_assert(sizeof(FilmTruth) == 66 * sizeof(float));
+
+/// Where FilmTruth::visible tells of a region. Gaze, openness and pupils are of the upper face.
+[[nodiscard]] constexpr std::size_t half_of(face::ShapeRegion region) {
+  return region == face::ShapeRegion::eyes || region == face::ShapeRegion::brows ? 0 : 1;
+}
 
 /// A wearer's film: what the network sees of every camera, and the truth, frame by frame, in a file that is
 /// mapped, since films of hundreds of wearers are larger than memory.

@@ -113,9 +113,10 @@ void judge(const Answered& one, const face::BlendshapeWeights& truth, WearerPart
   const auto within = regions_within(one.frame.weights, truth);
   for (std::size_t r = 0; r < within.size(); ++r) {
     const auto region = static_cast<face::ShapeRegion>(r);
-    const std::size_t half = region == face::ShapeRegion::brows || region == face::ShapeRegion::eyes ? 0 : 1;
-    part.reliability[half].add(one.frame.region_confidence[r], within[r]);
-    part.roc[half].add(one.frame.region_confidence[r], within[r]);
+    const std::size_t half = half_of(region);
+    const bool right = one.truth.visible[half] > 0 && within[r];
+    part.reliability[half].add(one.frame.region_confidence[r], right);
+    part.roc[half].add(one.frame.region_confidence[r], right);
   }
   double error = 0, count = 0;
   for (std::size_t e = 0; e < 2; ++e) {
@@ -124,7 +125,8 @@ void judge(const Answered& one, const face::BlendshapeWeights& truth, WearerPart
              std::abs(double{one.frame.eyes_rad[e].y()} - double{one.truth.gaze_rad[2 * e + 1]});
     count += 2;
   }
-  const bool right = count > 0 && error <= count * double{headset::kRightGaze_rad};
+  const bool right =
+      one.truth.visible[0] > 0 && count > 0 && error <= count * double{headset::kRightGaze_rad};
   part.reliability[2].add(one.frame.eyes_confidence, right);
   part.roc[2].add(one.frame.eyes_confidence, right);
 }

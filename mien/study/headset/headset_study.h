@@ -59,7 +59,7 @@ struct HeadsetScore {
   double closed_f1 = 0;  ///< Frames whose eye is open less than a quarter of its rest.
   double gaze_median_deg = 0, gaze_p90_deg = 0;  ///< Of open eyes.
   /// Of the regions of the upper face (brows, eyes), of the lower face (cheeks, mouth, jaw), and of the eyes'
-  /// directions: whether the mean absolute error is at most 0.1 (of angles, rad).
+  /// directions: whether nothing hides it and the mean absolute error is at most 0.1 (of angles, rad).
   std::array<Reliability, 3> reliability;
   std::array<RocArea, 3> roc;
 };
