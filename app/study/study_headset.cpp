@@ -25,6 +25,7 @@ struct StudyHeadsetOptions {
   study::HeadsetStudyRequest request;
   study::ContactSheetRequest sheet;
   std::string out, rig, model, motion, face;
+  std::string precision{model::precision_name(headset::kHeadsetPrecision)};
   int wearers = 0;  // 0: not told.
   bool json = false;
 };
@@ -83,7 +84,8 @@ Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   MIEN_TRY_ASSIGN(const std::filesystem::path model_path,
                   path_or(options.model, "models/headset.safetensors"));
   MIEN_TRY_ASSIGN(const headset::ViewsFile views, headset::read_views_file(model_path));
-  MIEN_TRY_ASSIGN(const auto model, headset::HeadsetModel::create(views));
+  MIEN_TRY_ASSIGN(const auto model, headset::HeadsetModel::create(
+                                        views, model::precision_from_name(options.precision).value()));
   study::HeadsetStudyRequest request = options.request;
   if (options.wearers > 0) request.wearers = options.wearers;
   if (!options.motion.empty()) {
@@ -118,6 +120,9 @@ void add_study_headset(Commands& commands, Command study) {
   command.add_option("--sheet", options->out, "Write a PNG of wearers and expressions instead");
   command.add_option("--rig", options->rig, "Rig file (default: rigs/headset.toml)");
   command.add_option("--model", options->model, "Model (default: models/headset.safetensors)");
+  command.add_option("--precision", options->precision, "What its layers multiply in: fp32, bf16 or int8")
+      .one_of({"fp32", "bf16", "int8"})
+      .show_default();
   command
       .add_option("--wearers", options->wearers,
                   "Virtual wearers (default: 30); of a sheet, a row each (default: 6)")

@@ -13,7 +13,7 @@ namespace mien::headset {
 namespace {
 
 /// To be raised with every change of how a picture becomes numbers.
-constexpr std::uint32_t kMethodVersion = 1;
+constexpr std::uint32_t kMethodVersion = 2;
 
 using Bound = std::pair<sensor::DeviceKey, std::uint16_t>;
 

@@ -3,15 +3,24 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace mien::headset {
 
 /// How often each of the levels 0 to 255 was met. What it gives is a share of 255, 0 to 1, and 0 of none.
 class GreyLevels {
  public:
-  void add(std::uint8_t level) {
-    ++times_[level];
-    ++count_;
+  /// Neighbours are mostly of one level, and a count must be written before it is read again: so those in
+  /// turn are counted in tables of their own.
+  void add(std::span<const std::uint8_t> levels) {
+    std::array<std::array<std::uint32_t, 256>, 4> tables{};
+    std::size_t i = 0;
+    for (; i + tables.size() <= levels.size(); i += tables.size())
+      for (std::size_t table = 0; table < tables.size(); ++table) ++tables[table][levels[i + table]];
+    for (; i < levels.size(); ++i) ++tables[0][levels[i]];
+    for (std::size_t level = 0; level < times_.size(); ++level)
+      for (const auto& table : tables) times_[level] += table[level];
+    count_ += levels.size();
   }
   [[nodiscard]] float mean() const {
     std::uint64_t sum = 0;

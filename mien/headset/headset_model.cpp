@@ -9,16 +9,19 @@
 
 namespace mien::headset {
 
-Result<std::shared_ptr<const HeadsetModel>> HeadsetModel::create(const ViewsFile& file) {
-  MIEN_TRY_ASSIGN(model::ViewsNetwork network, model::ViewsNetwork::create(file.architecture, file.network));
+Result<std::shared_ptr<const HeadsetModel>> HeadsetModel::create(const ViewsFile& file,
+                                                                 model::Precision precision) {
+  MIEN_TRY_ASSIGN(model::ViewsNetwork network,
+                  model::ViewsNetwork::create(file.architecture, file.network, precision));
   const std::string architecture = model::format_architecture(file.architecture);
   Sha256 hash;
   hash.add(std::as_bytes(std::span(architecture)));
+  hash.add(std::as_bytes(std::span(model::precision_name(precision))));
   for (const model::Tensor& tensor : file.network) hash.add(std::as_bytes(std::span(tensor.values)));
   const auto made = std::shared_ptr<HeadsetModel>(new HeadsetModel(std::move(network)));
   if (file.memory) {
     MIEN_TRY_ASSIGN(made->memory_,
-                    model::CausalNetwork::create(file.memory->architecture, file.memory->network));
+                    model::CausalNetwork::create(file.memory->architecture, file.memory->network, precision));
     made->judgements_ = file.memory->judgements;
     const std::string of_memory = model::format_architecture(file.memory->architecture);
     hash.add(std::as_bytes(std::span(of_memory)));

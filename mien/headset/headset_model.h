@@ -7,16 +7,22 @@
 #include "mien/core/error.h"
 #include "mien/headset/views_file.h"
 #include "mien/model/causal_network.h"
+#include "mien/model/precision.h"
 #include "mien/model/views_network.h"
 
 namespace mien::headset {
+
+/// What a session's networks multiply in: a third of fp32's time, a quarter of the memory that each frame
+/// reads, and the same bits on all CPUs. What it costs: docs/experiments/headset.md#precision.
+inline constexpr model::Precision kHeadsetPrecision = model::Precision::int8;
 
 /// A network of pictures as a session uses it, by which its tracker and the reduction of its pictures are
 /// made. Immutable: any number may share one.
 class HeadsetModel {
  public:
   /// Errors: the network's (mismatch, out_of_range).
-  [[nodiscard]] static Result<std::shared_ptr<const HeadsetModel>> create(const ViewsFile& file);
+  [[nodiscard]] static Result<std::shared_ptr<const HeadsetModel>> create(
+      const ViewsFile& file, model::Precision precision = kHeadsetPrecision);
 
   [[nodiscard]] const model::ViewsNetwork& network() const { return network_; }
   /// What answers from frame to frame; null: each moment is answered by network() alone.

@@ -25,7 +25,8 @@ struct NetworkViewSettings {
   bool operator==(const NetworkViewSettings&) const = default;
 };
 
-/// Width and height of the smallest picture in which no pixel of the view has less than one of its own.
+/// Width and height of the smallest picture of which a view is made, nine tenths of a pixel for each of its
+/// own.
 [[nodiscard]] std::pair<int, int> least_size(const NetworkViewSettings& settings);
 
 /// Makes the square view of a network out of pictures: cut out, turned, mirrored, each pixel the mean of what
@@ -73,6 +74,7 @@ class NetworkView {
   std::vector<Cover> columns_, rows_;
   std::vector<float> row_;  // One of the view's, as wide as the picture.
   std::vector<float> view_;
+  std::vector<std::uint8_t> steps_;  // Its levels, for the histogram.
 };
 
 }  // namespace mien::headset

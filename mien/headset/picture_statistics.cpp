@@ -83,7 +83,7 @@ PictureStatistics statistics_of(const GreyPicture& picture) {
   PictureStatistics statistics;
   if (picture.pixels.empty()) return statistics;
   GreyLevels levels;
-  for (const std::uint8_t level : picture.pixels) levels.add(level);
+  levels.add(picture.pixels);
   statistics.mean = levels.mean();
   statistics.saturated = levels.share(kSaturatedLevel, 255);
   statistics.black = levels.share(0, kBlackLevel);

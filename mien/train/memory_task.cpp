@@ -13,6 +13,7 @@
 #include "mien/core/sha256.h"
 #include "mien/core/time.h"
 #include "mien/headset/answer.h"
+#include "mien/headset/headset_model.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/views_network.h"
 #include "mien/study/logistic_fit.h"
@@ -164,7 +165,8 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
                                    headset::kOpennessOutput, headset::kOpennessOutput + 1})
     recipe.quick_outputs.push_back(static_cast<std::int64_t>(output));
   MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, views.architecture.side));
-  MIEN_TRY_ASSIGN(model::ViewsNetwork looks, model::ViewsNetwork::create(views.architecture, views.network));
+  MIEN_TRY_ASSIGN(model::ViewsNetwork looks,
+                  model::ViewsNetwork::create(views.architecture, views.network, headset::kHeadsetPrecision));
   auto task =
       std::unique_ptr<MemoryTask>(new MemoryTask(std::move(recipe), std::move(views), std::move(looks)));
   const model::ViewsNetwork& network = task->network_;
