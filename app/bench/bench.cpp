@@ -29,8 +29,6 @@
 #include "app/live/running_session.h"
 #include "mien/core/files.h"
 #include "mien/live/latency.h"
-#include "mien/model/linear.h"
-#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 namespace {
@@ -165,7 +163,7 @@ Result<void> run_bench_live(const BenchOptions& options) {
         {"missed", summary->missed},
         {"received", received.load()},
         {"packets", performed->packets},
-        {"kernels", model::kernel_name(tracker::kLivePrecision)},
+        {"kernels", summary->kernels},
         {"hash", summary->hash}};
   };
   const Result<Json> measured = [&]() -> Result<Json> {
@@ -192,7 +190,7 @@ Result<void> run_bench_live(const BenchOptions& options) {
   line("a thread that only sends datagrams on", (*measured)["network"]);
   fmt::print("{} frames, {} missed, {} received; kernels {}, hash {}\n",
              (*measured)["frames"].get<std::uint64_t>(), (*measured)["missed"].get<std::uint64_t>(),
-             received.load(), model::kernel_name(tracker::kLivePrecision),
+             received.load(), (*measured)["kernels"].get<std::string>(),
              (*measured)["hash"].get<std::string>());
   return {};
 }

@@ -23,6 +23,7 @@
 #include "app/json_output.h"
 #include "mien/core/random.h"
 #include "mien/core/sha256.h"
+#include "mien/headset/headset_model.h"
 #include "mien/model/backbone.h"
 #include "mien/model/peak.h"
 #include "mien/onnx/export_model.h"
@@ -139,8 +140,13 @@ struct EncoderFigures {
   PictureFigures pictures;   ///< Of the simulator.
   CameraFrameFigures whole;  ///< Pictures to weights.
 
-  /// How much longer those of others take than features of four views and the frame made of them.
-  [[nodiscard]] double vs_rivals() const { return peers->rivals_s / (whole.encode_s + whole.frame_s); }
+  /// That of sessions.
+  [[nodiscard]] const MeasuredEncoder& of_session() const {
+    return *std::ranges::find(precisions, headset::kHeadsetPrecision, &MeasuredEncoder::precision);
+  }
+  /// How much longer those of others take than the encoder of four views and the frame made of them: networks
+  /// beside networks, of pictures that are decoded and cut out.
+  [[nodiscard]] double vs_rivals() const { return peers->rivals_s / (of_session().hot_s + whole.frame_s); }
 };
 
 Spread measure_each(Encoder& encoder) {
@@ -264,6 +270,9 @@ Json as_json(const HeadsetBench& options, const Headset& headset, const EncoderF
                  {"flop", f.flop},
                  {"onnxruntime_ms", f.peers ? Json(1e3 * f.peers->same_s) : Json(nullptr)},
                  {"precisions", precisions}}},
+               {"precision", model::precision_name(f.of_session().precision)},
+               {"vs_onnxruntime", f.peers ? Json(f.peers->same_s / f.of_session().hot_s) : Json(nullptr)},
+               {"hash", f.of_session().hash},
                {"p50_ms", 1e3 * f.whole.whole.p50_s},
                {"p99_ms", 1e3 * f.whole.whole.p99_s},
                {"decode_ms", 1e3 * f.whole.decode_s},
@@ -296,8 +305,9 @@ void print_headset(const Headset& headset, const EncoderFigures& f) {
   if (f.peers)
     fmt::print(
         "ONNX Runtime, fp32, one thread: {:.3f} ms; networks of others' sizes for two eyes and a mouth "
-        "{:.2f} ms, {:.1f} times as long as all networks here\n",
-        1e3 * f.peers->same_s, 1e3 * f.peers->rivals_s, f.vs_rivals());
+        "{:.2f} ms, {:.1f} times as long as a session's, in {}\n",
+        1e3 * f.peers->same_s, 1e3 * f.peers->rivals_s, f.vs_rivals(),
+        model::precision_name(f.of_session().precision));
   else
     fmt::print("ONNX Runtime: {}\n", f.why_not);
   fmt::print(

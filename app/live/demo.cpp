@@ -26,13 +26,11 @@
 #include "mien/face/livelink_csv.h"
 #include "mien/measure/evaluation_report.h"
 #include "mien/modalities/modalities.h"
-#include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/render/lettering.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
 #include "mien/study/solve.h"
-#include "mien/tracker/causal_tracker.h"
 #include "mien/virtual/perform_take.h"
 
 namespace mien::app {
@@ -202,7 +200,7 @@ Result<void> run_demo(DemoOptions options) {
                 {"take", live_path.string()},
                 {"frames", captured.summary.frames},
                 {"missed", captured.summary.missed},
-                {"kernels", model::kernel_name(tracker::kLivePrecision)},
+                {"kernels", captured.summary.kernels},
                 {"hash", captured.summary.hash},
                 {"same_bits", same_bits},
                 {"latency_ms", {{"p50", p50_ms}, {"p99", p99_ms}}},

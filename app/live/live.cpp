@@ -11,9 +11,7 @@
 #include "app/live/live_session.h"
 #include "app/one_line.h"
 #include "mien/modalities/modalities.h"
-#include "mien/model/linear.h"
 #include "mien/session/replay.h"
-#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 namespace {
@@ -39,7 +37,7 @@ Result<void> run_replay(LiveOptions options) {
     return session->frames() % 64 != 0 || progress(done / static_cast<double>(ticks.size()), "replaying");
   }));
   progress(1, "replayed");
-  const std::string hash = session->hash();
+  const std::string hash = session->hash(), kernels = modalities::live_kernels(take.rig());
   MIEN_TRY_ASSIGN(const std::string live_hash, take.note("live.hash"));
   session::Report report;
   session->report(ticks.back().fired, report);
@@ -49,12 +47,12 @@ Result<void> run_replay(LiveOptions options) {
                 {"calibrated_frames", calibrated},
                 {"calibration", report.calibration.state},
                 {"prompt", report.calibration.prompt},
-                {"kernels", model::kernel_name(tracker::kLivePrecision)},
+                {"kernels", kernels},
                 {"hash", hash},
                 {"live_hash", live_hash}});
   } else {
-    fmt::print("{}: {} frames, kernels {}, hash {}\n", options.replay.string(), session->frames(),
-               model::kernel_name(tracker::kLivePrecision), hash);
+    fmt::print("{}: {} frames, kernels {}, hash {}\n", options.replay.string(), session->frames(), kernels,
+               hash);
     if (live_hash == hash) {
       fmt::print("The same bits as the session that recorded it.\n");
     } else if (!live_hash.empty()) {

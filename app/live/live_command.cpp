@@ -13,8 +13,6 @@
 #include "app/live/page_address.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/unheard.h"
-#include "mien/model/linear.h"
-#include "mien/tracker/causal_tracker.h"
 
 namespace mien::app {
 namespace {
@@ -66,7 +64,7 @@ Json summary_json(const live::EngineSummary& summary) {
                      {"doubled", link.health.doubled}});
   return {{"frames", summary.frames},
           {"missed", summary.missed},
-          {"kernels", model::kernel_name(tracker::kLivePrecision)},
+          {"kernels", summary.kernels},
           {"hash", summary.hash},
           {"latency_ms",
            {{"p50", ms(summary.latency.percentile(0.5))},
@@ -284,7 +282,7 @@ Result<void> print_closing(const live::EngineSummary& summary, bool json) {
     for (const live::CameraStatus& camera : summary.cameras) fmt::print("{}\n", camera_text(camera));
     fmt::print("The session's log took {}\n", log_text(summary.log));
     if (summary.take) fmt::print("Wrote {}\n", summary.take->string());
-    fmt::print("kernels {}, hash {}\n", model::kernel_name(tracker::kLivePrecision), summary.hash);
+    fmt::print("kernels {}, hash {}\n", summary.kernels, summary.hash);
   }
   if (!summary.recording_error.empty())
     return fail(ErrorCode::io, summary.recording_error, summary.take ? summary.take->string() : "recording");

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <exception>
 #include <filesystem>
+#include <future>
 #include <memory>
+#include <utility>
 
 #include "app/command.h"
 #include "app/json_output.h"
@@ -24,6 +27,7 @@ struct PerformOptions {
   virt::PerformRequest request;
   NetworkOptions network;
   bool ahead = false;
+  std::string cameras;
   std::string failure;
   std::string key;
   std::string motion;
@@ -54,66 +58,131 @@ Result<void> run_take(const PerformOptions& options) {
   return {};
 }
 
+Json network_json(const std::string& to, const NetworkSummary& summary) {
+  return {{"to", to},
+          {"duration_s", summary.performed_s},
+          {"rounds", summary.rounds},
+          {"nodes", summary.nodes},
+          {"answered", summary.answered},
+          {"packets", summary.packets},
+          {"refused", summary.refused},
+          {"latest_ms", summary.latest_ms},
+          {"stopped", summary.stopped}};
+}
+
+void print_network(const std::string& to, const NetworkSummary& summary) {
+  fmt::print("{}: {:.1f} s{}, {} packets, {} refused{}; the latest went out {:.1f} ms late\n", to,
+             summary.performed_s, summary.stopped ? " (stopped)" : "", summary.packets, summary.refused,
+             summary.listening == 0
+                 ? std::string()
+                 : fmt::format(", {} of {} nodes answered", summary.answered, summary.listening),
+             summary.latest_ms);
+}
+
+Result<void> check_listened(const std::string& to, const NetworkSummary& summary) {
+  if (summary.stopped || !summary.nobody_listened()) return {};
+  return fail(ErrorCode::io, "nobody listened there: every packet was refused", to,
+              "start mien live first, and see that it listens on this port");
+}
+
 /// Performs to a receiver.
 Result<void> run_network(const PerformOptions& options) {
   MIEN_TRY_ASSIGN(const NetworkSummary summary, perform_to_network(options.request, options.network));
   clear_progress();
   if (options.json)
-    print_json({{"to", options.network.to},
-                {"duration_s", summary.performed_s},
-                {"rounds", summary.rounds},
-                {"nodes", summary.nodes},
-                {"answered", summary.answered},
-                {"packets", summary.packets},
-                {"refused", summary.refused},
-                {"latest_ms", summary.latest_ms},
-                {"stopped", summary.stopped}});
+    print_json(network_json(options.network.to, summary));
   else
-    fmt::print("{}: {:.1f} s{}, {} packets, {} refused{}; the latest went out {:.1f} ms late\n",
-               options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.packets,
-               summary.refused,
-               summary.listening == 0
-                   ? std::string()
-                   : fmt::format(", {} of {} nodes answered", summary.answered, summary.listening),
-               summary.latest_ms);
-  if (!summary.stopped && summary.nobody_listened())
-    return fail(ErrorCode::io, "nobody listened there: every packet was refused", options.network.to,
-                "start mien live first, and see that it listens on this port");
-  return {};
+    print_network(options.network.to, summary);
+  return check_listened(options.network.to, summary);
+}
+
+Json cameras_json(const std::string& to, const CameraSummary& summary) {
+  return {{"to", to},
+          {"duration_s", summary.performed_s},
+          {"rounds", summary.rounds},
+          {"cameras", summary.cameras},
+          {"watched", summary.watched},
+          {"pictures", summary.pictures},
+          {"skipped", summary.skipped},
+          {"dropped", summary.dropped},
+          {"latest_ms", summary.latest_ms},
+          {"stopped", summary.stopped}};
+}
+
+void print_cameras(const std::string& to, const CameraSummary& summary) {
+  fmt::print(
+      "{}: {:.1f} s{}, {} pictures of {} cameras, {} asked for at the beginning, {} moments skipped, {} "
+      "clients too slow; the latest went out {:.1f} ms late\n",
+      to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.pictures, summary.cameras,
+      summary.watched, summary.skipped, summary.dropped, summary.latest_ms);
+}
+
+CameraOptions camera_options(const PerformOptions& options, const std::string& to) {
+  return {.to = to,
+          .wait_s = options.network.wait_s,
+          .loop = options.network.loop,
+          .ahead = options.ahead,
+          .start = nullptr};
 }
 
 /// Performs before cameras.
 Result<void> run_cameras(const PerformOptions& options) {
   MIEN_TRY_ASSIGN(const CameraSummary summary,
-                  perform_to_cameras(options.request, {.to = options.network.to,
-                                                       .wait_s = options.network.wait_s,
-                                                       .loop = options.network.loop,
-                                                       .ahead = options.ahead}));
+                  perform_to_cameras(options.request, camera_options(options, options.network.to)));
   clear_progress();
   if (options.json)
-    print_json({{"to", options.network.to},
-                {"duration_s", summary.performed_s},
-                {"rounds", summary.rounds},
-                {"cameras", summary.cameras},
-                {"watched", summary.watched},
-                {"pictures", summary.pictures},
-                {"skipped", summary.skipped},
-                {"dropped", summary.dropped},
-                {"latest_ms", summary.latest_ms},
-                {"stopped", summary.stopped}});
+    print_json(cameras_json(options.network.to, summary));
   else
-    fmt::print(
-        "{}: {:.1f} s{}, {} pictures of {} cameras, {} asked for at the beginning, {} moments skipped, {} "
-        "clients too slow; the latest went out {:.1f} ms late\n",
-        options.network.to, summary.performed_s, summary.stopped ? " (stopped)" : "", summary.pictures,
-        summary.cameras, summary.watched, summary.skipped, summary.dropped, summary.latest_ms);
+    print_cameras(options.network.to, summary);
   return {};
+}
+
+/// Performs to a receiver and before cameras at once.
+Result<void> run_both(const PerformOptions& options) {
+  SharedStart start;
+  const auto boards_send = [&]() -> Result<NetworkSummary> {
+    NetworkOptions network = options.network;
+    network.title.clear();  // The cameras show how far it is.
+    network.start = &start;
+    try {
+      auto sent = perform_to_network(options.request, network);
+      if (!sent || sent->stopped) start.stop();
+      return sent;
+    } catch (const std::exception& error) {
+      start.stop();
+      return fail(ErrorCode::internal, error.what(), options.network.to);
+    }
+  };
+  std::future<Result<NetworkSummary>> boards = std::async(std::launch::async, boards_send);
+  // Before the boards are waited for, however this ends.
+  const std::unique_ptr<SharedStart, void (*)(SharedStart*)> ends(&start,
+                                                                  [](SharedStart* at) { at->stop(); });
+  CameraOptions camera = camera_options(options, options.cameras);
+  camera.start = &start;
+  const Result<CameraSummary> offered = perform_to_cameras(options.request, camera);
+  if (!offered || offered->stopped) start.stop();
+  const Result<NetworkSummary> sent = boards.get();
+  clear_progress();
+  if (!sent) return std::unexpected(sent.error());
+  if (!offered) return std::unexpected(offered.error());
+  if (options.json) {
+    Json both = network_json(options.network.to, *sent);
+    both["cameras"] = cameras_json(options.cameras, *offered);
+    print_json(both);
+  } else {
+    print_network(options.network.to, *sent);
+    print_cameras(options.cameras, *offered);
+  }
+  return check_listened(options.network.to, *sent);
 }
 
 /// Checks where the performance is to go, before long work.
 Result<void> check_network(PerformOptions& options) {
   const bool cameras = is_camera_address(options.network.to);
-  if (options.ahead && !cameras)
+  if (!options.cameras.empty() && (cameras || !is_camera_address(options.cameras)))
+    return fail(ErrorCode::bad_usage, "cameras beside boards have an address of their own",
+                "--cameras " + options.cameras, "write --to udp://HOST:PORT --cameras http://HOST:PORT");
+  if (options.ahead && !cameras && options.cameras.empty())
     return fail(ErrorCode::bad_usage, "only pictures are rendered ahead", "--ahead",
                 "offer them: --to http://HOST:PORT");
   if (cameras) {
@@ -199,6 +268,7 @@ Result<void> run_perform(PerformOptions options) {
   }
   MIEN_TRY(tell_of_silence(request));
   if (!to_network) return run_take(options);
+  if (!options.cameras.empty()) return run_both(options);
   return is_camera_address(options.network.to) ? run_cameras(options) : run_network(options);
 }
 
@@ -226,6 +296,11 @@ void add_perform_command(Commands& commands) {
               "where a headset's cameras can be asked for their pictures, one a port from this one on: "
               "http://HOST:PORT, an address of this machine")
           .excludes(take);
+  command
+      .add_option("--cameras", options->cameras,
+                  "Of a performer with boards and cameras (rigs/imu_headset.toml): where the cameras can be "
+                  "asked while the boards send --to udp://, as above")
+      .needs(to);
   command
       .add_option(
           "--wait", options->network.wait_s,

@@ -42,6 +42,8 @@ constexpr double kLongestAheadS = 60;
 /// Pictures are made so far ahead, so that no hiccup of the machine makes one late.
 constexpr double kMadeAheadS = 0.5;
 constexpr Duration kLookAgain = std::chrono::milliseconds(10);
+/// So much later boards look up, at most, when the performance begins.
+constexpr Duration kBoardsLookUp = std::chrono::milliseconds(50);
 constexpr std::string_view kScheme = "http://";
 
 std::chrono::steady_clock::duration clock_duration(double seconds) {
@@ -75,11 +77,12 @@ struct Shot {
 class Film {
  public:
   Film(const virt::Stage& stage, const virt::WornHeadset& headset, virt::HeadsetBoards boards,
-       const std::optional<performer::Encore>& encore)
+       const std::optional<performer::Encore>& encore, bool beside_boards)
       : stage_(stage),
         headset_(headset),
         boards_(std::move(boards)),
         encore_(encore),
+        beside_boards_(beside_boards),
         curve_(stage.motion.motion),
         end_s_(curve_.duration_s() + (encore ? 0 : virt::kDeviceMarginS)) {}
 
@@ -98,15 +101,26 @@ class Film {
       return static_cast<std::size_t>(first - shots_->begin());
     };
     waiting_ = std::max<std::size_t>(1, first_from(0));
-    if (encore_) again_ = first_from(encore_->begin_s);
+    if (!encore_) return true;
+    again_ = first_from(encore_->begin_s);
+    // Boards repeat themselves to the microsecond: the round's last shot is left out where its first one
+    // would follow at once.
+    const double round_s = encore_->end_s - encore_->begin_s;
+    while (beside_boards_ && again_ + 1 < shots_->size() &&
+           (*shots_)[again_].begin_s + round_s - shots_->back().begin_s < 0.5 / boards_.rate_hz())
+      shots_->pop_back();
     return true;
   }
 
   [[nodiscard]] DeviceTime time_of(const virt::BoardPicture& picture) const {
     return boards_.clock(picture.camera).device(picture.read_s);
   }
-  /// The wait is over.
-  void begin() { begin_s_ = shots_ ? shift_s_ : boards_.shot_s(); }
+  /// The wait is over: the performance begins, not before `at_least_s`, which pictures rendered ahead keep by
+  /// themselves. Returns when.
+  double begin(double at_least_s) {
+    begin_s_ = shots_ ? shift_s_ : std::max(at_least_s, boards_.shot_s());
+    return *begin_s_;
+  }
   /// How long the performance has been on; none before it begins.
   [[nodiscard]] std::optional<double> performed_s(double true_s) const {
     return begin_s_ && true_s >= *begin_s_ ? std::optional(true_s - *begin_s_) : std::nullopt;
@@ -134,8 +148,12 @@ class Film {
       picture.arrival_s += shift_s_;
     }
     // Whole shots, so that their pace goes on where they come again.
-    if (!begin_s_ && next_ == waiting_) come_again(0);
-    if (encore_ && next_ == shots_->size() && again_ < next_) come_again(again_);
+    const auto whole_s = [this](std::size_t from) {
+      return static_cast<double>(next_ - from) / boards_.rate_hz();
+    };
+    if (!begin_s_ && next_ == waiting_) come_again(0, whole_s(0));
+    if (encore_ && next_ == shots_->size() && again_ < next_)
+      come_again(again_, beside_boards_ ? encore_->end_s - encore_->begin_s : whole_s(again_));
     return shot;
   }
   /// Leaves out what is not rendered yet and should have been shot before this time.
@@ -156,8 +174,8 @@ class Film {
         shot.pictures));
     return shot;
   }
-  void come_again(std::size_t from) {
-    shift_s_ += static_cast<double>(next_ - from) / boards_.rate_hz();
+  void come_again(std::size_t from, double later_s) {
+    shift_s_ += later_s;
     next_ = from;
   }
 
@@ -165,6 +183,7 @@ class Film {
   const virt::WornHeadset& headset_;
   virt::HeadsetBoards boards_;
   const std::optional<performer::Encore>& encore_;
+  bool beside_boards_;
   face::MotionCurve curve_;
   double end_s_;
   std::optional<double> begin_s_;           // Of the performance.
@@ -268,9 +287,9 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   MIEN_TRY(parse_first_camera(options.to, 1));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
   const virt::WornHeadset* headset = virt::headset_of(stage);
-  if (headset == nullptr && !sensor::sensors_of(stage.rig, "camera").empty())
-    return fail(ErrorCode::bad_usage, "no virtual performer has cameras and other sensors on a network",
-                request.rig.string(), "perform them into a take: --take FILE.mien");
+  if (headset != nullptr && options.start == nullptr && sensor::kinds_of(stage.rig).size() > 1)
+    return fail(ErrorCode::bad_usage, "the rig has boards beside its cameras, for which nobody sends",
+                request.rig.string(), "send, too: --to udp://HOST:PORT --cameras " + options.to);
   if (headset == nullptr)
     return fail(ErrorCode::bad_usage, "only cameras are asked for pictures, and the rig is of other sensors",
                 request.rig.string(), "use rigs/headset.toml, or send to udp://HOST:PORT");
@@ -291,11 +310,15 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   Cameras cameras;
   MIEN_TRY(cameras.open(address, summary.cameras, rate_hz));
 
-  Film film(stage, *headset, std::move(boards), encore);
+  Film film(stage, *headset, std::move(boards), encore, options.start != nullptr);
   if (options.ahead) {
-    MIEN_TRY_ASSIGN(const bool rendered, film.render_all(terminal_progress("perform")));
+    const Progress shown = terminal_progress("perform");
+    MIEN_TRY_ASSIGN(const bool rendered, film.render_all([&](double share, std::string_view what) {
+      return shown(share, what) && !(options.start != nullptr && options.start->stopped());
+    }));
     summary.stopped = !rendered;
   }
+  if (options.start != nullptr) options.start->set_cameras_on();
   if (options.wait_s > 0 && !summary.stopped) {
     clear_progress();
     fmt::print(stderr, "mien: {}: waiting {:.0f} s until all {} cameras are asked for (--wait)\n", options.to,
@@ -307,8 +330,10 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   while (!summary.stopped && (film.next_s() || cameras.left() > 0)) {
     const double now_s = std::chrono::duration<double>(Cameras::Clock::now() - on).count();
     if (!begun) summary.watched = cameras.watched();
-    if (!begun && (summary.watched == summary.cameras || now_s >= options.wait_s)) {
-      film.begin();
+    const bool others_ready = options.start == nullptr || options.start->boards_ready();
+    if (!begun && others_ready && (summary.watched == summary.cameras || now_s >= options.wait_s)) {
+      const double begin_s = film.begin(now_s + virt::kDeviceMarginS + to_seconds(kBoardsLookUp));
+      if (options.start != nullptr) options.start->begin(on + clock_duration(begin_s));
       begun = true;
     }
     if (const auto performed_s = film.performed_s(now_s)) {
@@ -322,6 +347,7 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
     } else {
       summary.stopped = !progress(0, "waiting");
     }
+    if (options.start != nullptr && options.start->stopped()) summary.stopped = true;
     const std::uint64_t skipped = film.skip_until(now_s);
     if (begun) summary.skipped += skipped;
     const auto next_s = film.next_s();

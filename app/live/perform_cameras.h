@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "app/live/shared_start.h"
 #include "mien/core/error.h"
 #include "mien/virtual/stage.h"
 
@@ -19,6 +20,8 @@ struct CameraOptions {
   bool loop = false;   ///< Again and again, until it is stopped.
   /// Rendered first, then at the rig's size and rate. Else as it is rendered, smaller and slower.
   bool ahead = false;
+  /// Where the performer has boards, too, which somebody else sends for: it begins when these are ready.
+  SharedStart* start = nullptr;
 };
 
 /// What was offered.
@@ -36,7 +39,8 @@ struct CameraSummary {
 
 /// Performs in real time before the cameras of a headset, each of which is a server of its own. Neither that
 /// nobody asks nor a stop by Ctrl-C is an error. Errors: those of the stage and of HeadsetBoards; bad_usage
-/// (no such address, a rig with other sensors or none of cameras, too long to be rendered ahead);
+/// (no such address, a rig with no cameras, or with other sensors that nobody sends for, too long to be
+/// rendered ahead);
 /// not_found (no such host); io (a port that is taken).
 [[nodiscard]] Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request,
                                                        const CameraOptions& options);

@@ -17,6 +17,8 @@
 
 #include "app/command.h"
 #include "mien/core/host_port.h"
+#include "mien/sensor/rig_part.h"
+#include "mien/virtual/headset/worn_headset.h"
 
 namespace mien::app {
 namespace {
@@ -57,6 +59,7 @@ class Broadcast {
   void refused();
   Result<void> send_due();
   Result<bool> wait_for_an_answer(const Progress& progress);
+  Result<std::optional<HostTime>> agree_on_start(const Progress& progress);
   Result<void> simulate_ahead(HostTime at);
   void sleep_until(HostTime time);
 
@@ -108,7 +111,7 @@ void Broadcast::listen(std::size_t node) {
 }
 
 void Broadcast::refused() {
-  if (summary_.refused++ > 0 || options_.title.empty()) return;
+  if (summary_.refused++ > 0 || (options_.title.empty() && options_.start == nullptr)) return;
   clear_progress();
   fmt::print(stderr,
              "mien: {}: nobody listens there; performing all the same (the calibration comes once, at the "
@@ -152,24 +155,38 @@ void Broadcast::sleep_until(HostTime time) {
 /// False when its user would not wait.
 Result<bool> Broadcast::wait_for_an_answer(const Progress& progress) {
   const Duration patience = from_seconds(options_.wait_s);
-  std::optional<HostTime> first_answer;
+  std::optional<HostTime> since, first_answer;  // Of the wait: while pictures are rendered nobody is late.
   bool said = false;
   for (;;) {
     MIEN_TRY(send_due());
     const HostTime at = now();
     const std::size_t count = answered();
+    if (!since && (options_.start == nullptr || options_.start->cameras_on())) since = at;
     if (count > 0 && !first_answer) first_answer = at;
-    if (count == summary_.listening || at.time_since_epoch() >= patience ||
-        (first_answer && at - *first_answer >= kOthersAnswer))
+    if (since && (count == summary_.listening || at - *since >= patience ||
+                  (first_answer && at - *first_answer >= kOthersAnswer)))
       return true;
-    if (!said && at.time_since_epoch() > std::chrono::milliseconds(200)) {
+    if (!said && since && at - *since > std::chrono::milliseconds(200)) {
       said = true;
       clear_progress();
       fmt::print(stderr, "mien: {}: waiting {:.0f} s for an answer (--wait)\n", options_.to, options_.wait_s);
     }
-    if (!progress(0, "waiting")) return false;
-    sleep_until(std::min(at + kLookUp, HostTime(patience)));
+    if (!progress(0, "waiting") || (options_.start != nullptr && options_.start->stopped())) return false;
+    sleep_until(since ? std::min(at + kLookUp, *since + patience) : at + kLookUp);
   }
+}
+
+/// None: stopped.
+Result<std::optional<HostTime>> Broadcast::agree_on_start(const Progress& progress) {
+  // Devices are on a little before the performance begins.
+  if (options_.start == nullptr) return now() + from_seconds(virt::kDeviceMarginS);
+  options_.start->set_boards_ready();
+  while (!options_.start->begun()) {
+    MIEN_TRY(send_due());
+    if (options_.start->stopped() || !progress(0, "waiting")) return std::nullopt;
+    sleep_until(now() + kLookUp);
+  }
+  return HostTime(*options_.start->begun() - opened_);
 }
 
 Result<void> Broadcast::simulate_ahead(HostTime at) {
@@ -189,13 +206,12 @@ Result<NetworkSummary> Broadcast::run() {
   };
   Progress progress = shown(options_.title);
   MIEN_TRY_ASSIGN(const bool waited, wait_for_an_answer(progress));
-  summary_.stopped = !waited;
-  // Devices are on a little before the performance begins.
   if (waited) {
     while (nodes_.simulated_s() < kAheadS) MIEN_TRY(nodes_.simulate());
-    start_ = now() + from_seconds(virt::kDeviceMarginS);
-    nodes_.begin(*start_);
+    MIEN_TRY_ASSIGN(start_, agree_on_start(progress));
   }
+  if (start_) nodes_.begin(*start_);
+  summary_.stopped = !start_;
   while (!summary_.stopped && !nodes_.finished()) {
     const HostTime at = now();
     MIEN_TRY(simulate_ahead(at));
@@ -214,6 +230,7 @@ Result<NetworkSummary> Broadcast::run() {
         std::min(0.999, share), summary_.listening == 0
                                     ? fmt::format("{} nodes", nodes_.size())
                                     : fmt::format("{} of {} nodes answered", answered(), summary_.listening));
+    if (options_.start != nullptr && options_.start->stopped()) summary_.stopped = true;
 
     HostTime next = at + kLookUp;
     for (std::size_t n = 0; n < nodes_.size(); ++n) next = std::min(next, nodes_[n].due());
@@ -253,6 +270,10 @@ Result<NetworkSummary> perform_to_network(const virt::StageRequest& request, con
 
 Result<NetworkSummary> perform_to_network(virt::Stage stage, const NetworkOptions& options) {
   MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
+  if (options.start == nullptr && virt::headset_of(stage) != nullptr &&
+      sensor::kinds_of(stage.rig).size() > 1)
+    return fail(ErrorCode::bad_usage, "the rig's cameras are asked for their pictures, which nobody offers",
+                stage.rig.name, "offer them, too: --cameras http://HOST:PORT");
   MIEN_TRY_ASSIGN(const std::unique_ptr<virt::NodeGroup> nodes,
                   virt::NodeGroup::create(std::move(stage), target.language, options.loop));
   if (options.key) {

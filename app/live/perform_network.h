@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "app/live/shared_start.h"
 #include "mien/core/error.h"
 #include "mien/sensor/seal.h"
 #include "mien/virtual/node_group.h"
@@ -28,9 +29,12 @@ struct NetworkOptions {
   std::string to;                 ///< As parse_target() takes it.
   double wait_s = 10;             ///< The performance begins unanswered after this.
   bool loop = false;              ///< Again and again, until it is stopped.
-  std::string title = "perform";  ///< Stands before the progress; empty: it says nothing.
+  std::string title = "perform";  ///< Stands before the progress; empty: it shows none, and says nothing.
   /// Asked often, where there is one: true ends the performance, and that is no stop by its user.
   std::function<bool(std::size_t round)> enough;
+  /// Where the performer wears cameras, too, which somebody else offers and whose progress is shown: they say
+  /// when it begins.
+  SharedStart* start = nullptr;
   std::optional<sensor::SealKey> key;  ///< The nodes are paired by it; for our own packets.
   /// Told of each datagram as it leaves, where there is one.
   std::function<void(std::span<const std::byte>)> sent;
@@ -57,8 +61,8 @@ struct NetworkSummary {
 
 /// Performs in real time, each node through a socket of its own. A receiver that is not there yet is waited
 /// for, and told of once; neither that nobody listened nor a stop by Ctrl-C is an error. Errors: those of the
-/// stage and the simulation; bad_usage (a target that is none, the profile *lab*); not_found (no such host);
-/// io.
+/// stage and the simulation; bad_usage (a target that is none, the profile *lab*, cameras that nobody
+/// offers); not_found (no such host); io.
 [[nodiscard]] Result<NetworkSummary> perform_to_network(const virt::StageRequest& request,
                                                         const NetworkOptions& options);
 /// The same of a stage that is set.

@@ -84,6 +84,7 @@ int OpenModel::steps() const {
 }
 
 std::string OpenModel::kernels() const {
+  if (!kernels_.empty()) return kernels_;
   return model::kernel_name(std::holds_alternative<model::ModelFile>(model_) ? tracker::kLivePrecision
                                                                              : model::Precision::fp32);
 }
@@ -186,7 +187,7 @@ Result<OpenModel> ModelOption::open(const sensor::Rig& rig) {
     if (window)
       return fail(ErrorCode::bad_usage, "there is no window model of this rig's sensors", path,
                   "leave --window out");
-    return OpenModel(std::move(file));
+    return OpenModel(std::move(file), modalities::live_kernels(rig));
   }
   if (window) {
     MIEN_TRY_ASSIGN(path, path_or(path, "models/default.safetensors"));

@@ -26,8 +26,9 @@ class OpenModel {
   /// `adapt`: it is personalised on each take that has the prompts for it.
   OpenModel(std::filesystem::path path, model::ModelFile causal, bool adapt)
       : model_(std::move(causal)), path_(std::move(path)), adapt_(adapt) {}
-  /// Of sensors whose tracker alone reads it.
-  explicit OpenModel(std::filesystem::path tracked) : path_(std::move(tracked)) {}
+  /// Of sensors whose tracker alone reads it, and multiplies with these kernels.
+  OpenModel(std::filesystem::path tracked, std::string kernels)
+      : path_(std::move(tracked)), kernels_(std::move(kernels)) {}
 
   /// The training set's; the neutral face where the file keeps none.
   [[nodiscard]] face::BlendshapeWeights mean_pose() const;
@@ -57,6 +58,7 @@ class OpenModel {
   /// A causal network's tracker belongs to one take's rig, so it is made when there is one.
   std::variant<std::monostate, tracker::WindowSolver, model::ModelFile> model_;
   std::filesystem::path path_;  ///< Of a model that goes frame by frame.
+  std::string kernels_;         ///< Of that; else the model's kind tells.
   model::SamplerSettings settings_;
   bool adapt_ = false;
 };

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "app/json_output.h"
@@ -21,7 +22,7 @@ namespace {
 
 struct StudyHandOptions {
   study::HandStudyRequest request;
-  std::string rig, model, sheet;
+  std::string rig, model, sheet, film;
   bool json = false;
 };
 
@@ -37,12 +38,31 @@ Result<study::HandScene> read_scene(const StudyHandOptions& options) {
   return scene;
 }
 
+/// Empty where it is not installed: then there are no headings.
+std::string heading_font() {
+  return std::filesystem::exists(render::kFontFile) ? std::string(render::kFontFile) : std::string();
+}
+
 Result<void> write_sheet(const StudyHandOptions& options, const study::HandPerson& person) {
-  std::string font;
-  if (std::filesystem::exists(render::kFontFile)) font = render::kFontFile;
-  MIEN_TRY_ASSIGN(const render::Image sheet,
-                  study::hand_sheet(person, options.request.hand_s, builtin_face::make_builtin(), font));
+  MIEN_TRY_ASSIGN(const render::Image sheet, study::hand_sheet(person, options.request.hand_s,
+                                                               builtin_face::make_builtin(), heading_font()));
   return render::write_png(options.sheet, sheet);
+}
+
+/// Every second moment, with what is said.
+Result<void> write_film(const StudyHandOptions& options, const study::HandPerson& person) {
+  const face::Face face = builtin_face::make_builtin();
+  MIEN_TRY_ASSIGN(study::HandPainter painter, study::HandPainter::create(face, heading_font()));
+  std::optional<FilmWriter> film;
+  for (std::size_t i = 0; i < person.moments.size(); i += 2) {
+    const render::Image frame = painter.across(person.moments[i]);
+    if (!film) {
+      MIEN_TRY_ASSIGN(
+          film, FilmWriter::start(options.film, frame.width, frame.height, kFrameRateHz / 2, person.sound));
+    }
+    MIEN_TRY(film->add_frame(frame));
+  }
+  return film->finish();
 }
 
 Json row_json(const study::HandPerson& person, const study::HandRow& row, bool audio) {
@@ -59,11 +79,13 @@ Json row_json(const study::HandPerson& person, const study::HandRow& row, bool a
 
 Result<void> run_study_hand(const StudyHandOptions& options) {
   if (!options.sheet.empty()) MIEN_TRY(check_output(options.sheet, {".png"}));
+  if (!options.film.empty()) MIEN_TRY(check_output(options.film, {".mp4"}));
   MIEN_TRY_ASSIGN(const study::HandScene scene, read_scene(options));
   MIEN_TRY_ASSIGN(const auto people,
                   study::study_hand(options.request, scene, speaker_by_helper(), terminal_progress("hand")));
   clear_progress();
   if (!options.sheet.empty()) MIEN_TRY(write_sheet(options, people.front()));
+  if (!options.film.empty()) MIEN_TRY(write_film(options, people.front()));
   if (options.json) {
     Json rows = Json::array();
     for (const study::HandPerson& person : people)
@@ -112,6 +134,8 @@ void add_study_hand(Commands& commands, Command study) {
       .show_default();
   command.add_option("--sheet", options->sheet,
                      "A PNG of the first one's moments: what a camera sees, the face, and what is shown");
+  command.add_option("--film", options->film,
+                     "An MP4 of the first one, with sound: the same pictures, moving");
   add_seed_option(command, options->request.seed, "Of the first one");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -43,6 +46,22 @@ Result<void> write_sheet(const StudyHeadsetOptions& options, const sensor::Rig& 
   return {};
 }
 
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json();
+}
+std::string or_dash(const std::optional<double>& value) {
+  return value ? fmt::format("{:.3f}", *value) : "-";
+}
+
+constexpr std::array kParts = {"upper", "lower", "gaze"};
+
+Json confidence_json(const study::HeadsetScore& score) {
+  Json json;
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    json[kParts[i]] = {{"ece", score.reliability[i].expected_error()}, {"auc", score.roc[i].area()}};
+  return json;
+}
+
 Json score_json(const study::HeadsetScore& score) {
   Json row = {{"condition", std::string(study::condition_name(score.condition))},
               {"mse", score.mse},
@@ -52,29 +71,50 @@ Json score_json(const study::HeadsetScore& score) {
               {"mouth_mse", score.mouth_mse},
               {"pve_mm", score.pve_mm},
               {"jitter_ratio", score.jitter_ratio},
-              {"blink_f1", score.blink_f1 ? Json(*score.blink_f1) : Json()},
-              {"closed_f1", score.closed_f1},
+              {"blink_f1", or_null(score.blink_f1)},
+              {"closed_f1", or_null(score.closed_f1)},
+              {"wink_f1", or_null(score.wink_f1)},
+              {"lip_gap_f1", or_null(score.lips_f1)},
               {"gaze_deg", {{"median", score.gaze_median_deg}, {"p90", score.gaze_p90_deg}}}};
-  constexpr std::array kParts = {"upper", "lower", "gaze"};
-  for (std::size_t i = 0; i < kParts.size(); ++i)
-    row["confidence"][kParts[i]] = {{"ece", score.reliability[i].expected_error()},
-                                    {"auc", score.roc[i].area()}};
+  row["confidence"] = confidence_json(score);
   return row;
 }
 
+/// The confidence of frames as worn and of those in which something hides the face, as one.
+study::HeadsetScore worn_and_hidden(const std::vector<study::HeadsetScore>& scores) {
+  const auto of = [&](study::HeadsetCondition condition) -> const study::HeadsetScore& {
+    return *std::ranges::find(scores, condition, &study::HeadsetScore::condition);
+  };
+  study::HeadsetScore both = of(study::HeadsetCondition::as_worn);
+  const study::HeadsetScore& hidden = of(study::HeadsetCondition::hidden);
+  for (std::size_t i = 0; i < kParts.size(); ++i) {
+    both.reliability[i].add(hidden.reliability[i]);
+    both.roc[i].add(hidden.roc[i]);
+  }
+  return both;
+}
+
 void print_scores(const std::vector<study::HeadsetScore>& scores) {
-  fmt::print("{:<20} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>12} {:>17} {:>17}\n", "", "MSE", "/ mean",
-             "/ worn", "PVE mm", "jitter", "blink", "closed", "gaze deg", "ECE", "AUC");
+  fmt::print("{:<20} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>12} {:>17} {:>17}\n", "", "MSE",
+             "/ mean", "/ worn", "PVE mm", "jitter", "blink", "closed", "wink", "lips", "gaze deg", "ECE",
+             "AUC");
   for (const study::HeadsetScore& score : scores)
     fmt::print(
-        "{:<20} {:>8.5f} {:>7.3f} {:>7.3f} {:>7.3f} {:>6.2f} {:>6} {:>6.3f} {:>5.2f} {:>6.2f} {:>5.3f} "
+        "{:<20} {:>8.5f} {:>7.3f} {:>7.3f} {:>7.3f} {:>6.2f} {:>6} {:>6} {:>6} {:>6} {:>5.2f} "
+        "{:>6.2f} {:>5.3f} "
         "{:>5.3f} "
         "{:>5.3f} {:>5.3f} {:>5.3f} {:>5.3f}\n",
         study::condition_name(score.condition), score.mse, score.mse / score.mean_pose_mse,
-        score.mse / scores.front().mse, score.pve_mm, score.jitter_ratio,
-        score.blink_f1 ? fmt::format("{:.3f}", *score.blink_f1) : "-", score.closed_f1, score.gaze_median_deg,
+        score.mse / scores.front().mse, score.pve_mm, score.jitter_ratio, or_dash(score.blink_f1),
+        or_dash(score.closed_f1), or_dash(score.wink_f1), or_dash(score.lips_f1), score.gaze_median_deg,
         score.gaze_p90_deg, score.reliability[0].expected_error(), score.reliability[1].expected_error(),
         score.reliability[2].expected_error(), score.roc[0].area(), score.roc[1].area(), score.roc[2].area());
+  const study::HeadsetScore both = worn_and_hidden(scores);
+  fmt::print("confidence, as worn and hidden together:");
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    fmt::print("{} {} ECE {:.3f}, AUC {:.3f}", i == 0 ? "" : ";", kParts[i],
+               both.reliability[i].expected_error(), both.roc[i].area());
+  fmt::print("\n");
 }
 
 Result<void> run_study_headset(const StudyHeadsetOptions& options) {
@@ -104,6 +144,7 @@ Result<void> run_study_headset(const StudyHeadsetOptions& options) {
   }
   Json out = {{"wearers", request.wearers}, {"seconds", request.seconds}, {"seed", request.seed}};
   for (const study::HeadsetScore& score : scores) out["conditions"].push_back(score_json(score));
+  out["confidence_worn_and_hidden"] = confidence_json(worn_and_hidden(scores));
   fmt::print("{}\n", out.dump(2));
   return {};
 }

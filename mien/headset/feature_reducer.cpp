@@ -1,7 +1,7 @@
 #include "mien/headset/feature_reducer.h"
 
 #include <algorithm>
-#include <tuple>
+#include <utility>
 
 #include "mien/core/sha256.h"
 #include "mien/headset/feature_record.h"
@@ -36,19 +36,18 @@ Result<FeatureReducer> FeatureReducer::create(const sensor::Rig& rig,
   for (HeadsetCamera& camera : cameras) {
     const auto device = std::ranges::find(bound, camera.sensor, &Bound::second);
     if (device != bound.end()) made.bound_.push_back(*device);
-    MIEN_TRY_ASSIGN(NetworkView view, NetworkView::create(camera.view));
-    Camera& added = made.cameras_.emplace_back(Camera{.camera = std::move(camera), .view = std::move(view)});
-    MIEN_TRY(look_anew(added));
+    MIEN_TRY_ASSIGN(Camera added, looking_as(std::move(camera)));
+    made.cameras_.push_back(std::move(added));
   }
   made.hash_anew();
   return made;
 }
 
-Result<void> FeatureReducer::look_anew(Camera& camera) {
-  const NetworkViewSettings& see = camera.camera.view;
-  MIEN_TRY_ASSIGN(camera.view, NetworkView::create(see));
-  std::tie(camera.least_width, camera.least_height) = least_size(see);
-  return {};
+Result<FeatureReducer::Camera> FeatureReducer::looking_as(HeadsetCamera camera) {
+  MIEN_TRY_ASSIGN(NetworkView view, NetworkView::create(camera.view));
+  const auto [width, height] = least_size(camera.view);
+  return Camera{
+      .camera = std::move(camera), .view = std::move(view), .least_width = width, .least_height = height};
 }
 
 void FeatureReducer::hash_anew() {
@@ -73,9 +72,9 @@ void FeatureReducer::hash_anew() {
 void FeatureReducer::change_view(std::uint16_t sensor, const sensor::PictureView& view) {
   for (Camera& camera : cameras_) {
     if (camera.camera.sensor != sensor) continue;
-    const NetworkViewSettings before = camera.camera.view;
-    camera.camera.view = network_view_of(view, static_cast<std::size_t>(before.side));
-    if (!look_anew(camera)) camera.camera.view = before;
+    HeadsetCamera changed = camera.camera;
+    changed.view = network_view_of(view, static_cast<std::size_t>(changed.view.side));
+    if (auto looking = looking_as(std::move(changed))) camera = *std::move(looking);
   }
   hash_anew();
 }

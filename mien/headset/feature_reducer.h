@@ -47,12 +47,12 @@ class FeatureReducer final : public sensor::Reducer {
   struct Camera {
     HeadsetCamera camera;
     NetworkView view;
-    int least_width = 0;  // Of a picture in which no pixel of the view has less than one of its own.
+    int least_width = 0;  // Of a picture: least_size().
     int least_height = 0;
   };
   FeatureReducer(std::shared_ptr<const HeadsetModel> model, PictureDecoder decoder);
-  /// What its view is now becomes what is made of its pictures. Errors: NetworkView::create's.
-  [[nodiscard]] static Result<void> look_anew(Camera& camera);
+  /// A camera that looks as its settings say. Errors: NetworkView::create's.
+  [[nodiscard]] static Result<Camera> looking_as(HeadsetCamera camera);
   void hash_anew();
 
   std::shared_ptr<const HeadsetModel> model_;

@@ -23,6 +23,7 @@ Result<std::shared_ptr<const HeadsetModel>> HeadsetModel::create(const ViewsFile
     MIEN_TRY_ASSIGN(made->memory_,
                     model::CausalNetwork::create(file.memory->architecture, file.memory->network, precision));
     made->judgements_ = file.memory->judgements;
+    made->mirrored_eye_ = file.memory->mirrored_eye;
     const std::string of_memory = model::format_architecture(file.memory->architecture);
     hash.add(std::as_bytes(std::span(of_memory)));
     for (const model::Tensor& tensor : file.memory->network)

@@ -12,8 +12,8 @@
 
 namespace mien::headset {
 
-/// What a session's networks multiply in: a third of fp32's time, a quarter of the memory that each frame
-/// reads, and the same bits on all CPUs. What it costs: docs/experiments/headset.md#precision.
+/// What a session's networks multiply in: half of fp32's time and a quarter of the memory that each frame
+/// reads. What it costs: docs/experiments/headset.md#precision.
 inline constexpr model::Precision kHeadsetPrecision = model::Precision::int8;
 
 /// A network of pictures as a session uses it, by which its tracker and the reduction of its pictures are
@@ -29,6 +29,7 @@ class HeadsetModel {
   [[nodiscard]] const model::CausalNetwork* memory() const { return memory_ ? &*memory_ : nullptr; }
   /// The probability that a judgement's logit of the memory's outputs stands for.
   [[nodiscard]] float probability(std::size_t judgement, float logit) const;
+  [[nodiscard]] const MirroredEye& mirrored_eye() const { return mirrored_eye_; }
   /// SHA-256 of everything that its answers depend on: 64 lower-case hexadecimal digits.
   [[nodiscard]] const std::string& hash() const { return hash_; }
 
@@ -38,6 +39,7 @@ class HeadsetModel {
   model::ViewsNetwork network_;
   std::optional<model::CausalNetwork> memory_;
   std::array<model::LogisticMap, kJudgements> judgements_;
+  MirroredEye mirrored_eye_;
   std::string hash_;
 };
 

@@ -1,6 +1,7 @@
 #include "mien/headset/headset_tracker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -282,7 +283,35 @@ NeutralFace HeadsetTracker::make_neutral() {
   for (int frame = 0; frame < (state ? kSettles : 1); ++frame)
     ask(at_rest, made.rest, state ? &*state : nullptr);
   made.correct_by(decode_answer(std::span(outputs_).first<kAnswerOutputs>()));
+  judge_mirrored(made);
   return made;
+}
+
+void HeadsetTracker::judge_mirrored(NeutralFace& neutral) const {
+  const std::size_t count = model_->network().architecture().features;
+  if (model_->mirrored_eye().weight.size() != count) return;
+  std::array<std::optional<float>, 2> log_odds;
+  for (const std::size_t eye : {kLeftEye, kRightEye})
+    if (neutral.rest.present[eye])
+      log_odds[eye] =
+          model_->mirrored_eye().logit(std::span(neutral.rest.features).subspan(eye * count, count));
+  const bool both =
+      log_odds[kLeftEye].value_or(0) > kSurelyMirrored && log_odds[kRightEye].value_or(0) > kSurelyMirrored;
+  for (const Channel& channel : channels_) {
+    const std::size_t place = channel.camera.place;
+    if (place > kRightEye || !log_odds[place]) continue;
+    const float mirrored = *log_odds[place];
+    neutral.scores.push_back(
+        {.name = "unmirrored " + channel.camera.name,
+         .value = 1 / (1 + std::exp(double{mirrored})),
+         .unit = "",
+         .pass = mirrored <= kSurelyMirrored,
+         .sentence =
+             "how likely its view stands as the network wants it; where it does not, " +
+             std::string(both ? "the two eye cameras are probably swapped: bind each to the other's device"
+                              : "change the camera's mirror") +
+             ", then calibrate again"});
+  }
 }
 
 bool HeadsetTracker::is_complete(const Present& present) const {

@@ -119,6 +119,8 @@ class HeadsetTracker final : public tracker::Tracker {
   [[nodiscard]] NeutralFace make_neutral();
   /// All cameras that ever gave a picture do so now, and there is one.
   [[nodiscard]] bool is_complete(const Present& present) const;
+  /// Adds a score for each eye camera: whether it shows an eye as it should, or mirrored.
+  void judge_mirrored(NeutralFace& neutral) const;
   void write(const Answer& answer, face::OutputFrame& out);
 
   std::shared_ptr<const HeadsetModel> model_;

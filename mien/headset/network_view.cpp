@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kMaxSide = 512;
 constexpr float kNoContrast = 0.5F;
-/// Pixels of a picture that one of the view has at least, either way. Lower: a picture that is decoded at half
-/// its size does more often, for half the time; the view is softer.
+/// Pixels of a picture that one of the view has at least, either way. Lower: a picture that is decoded at
+/// half its size does more often, for half the time; the view is softer.
 constexpr double kLeastPixels = 0.9;
 
 /// Where in the view the first pixel of what was cut out stands, and the ones to its right and below it.
@@ -40,7 +40,9 @@ std::uint8_t step_of(float share) {
 }  // namespace
 
 std::pair<int, int> least_size(const NetworkViewSettings& settings) {
-  const auto pixels = [&](double share) { return static_cast<int>(std::ceil(kLeastPixels * settings.side / share)); };
+  const auto pixels = [&](double share) {
+    return static_cast<int>(std::ceil(kLeastPixels * settings.side / share));
+  };
   return {pixels(settings.right - settings.left), pixels(settings.bottom - settings.top)};
 }
 
@@ -108,15 +110,14 @@ void NetworkView::average(const GreyPicture& picture) {
           picture.pixels.data() + static_cast<std::size_t>(rows.first + i) * static_cast<std::size_t>(width_);
       for (std::size_t x = left; x < right; ++x) row_[x] += share * static_cast<float>(pixels[x]);
     }
-    for (std::ptrdiff_t x = 0; x < side; ++x) {
-      const Cover& columns = columns_[static_cast<std::size_t>(x)];
+    std::ptrdiff_t place = layout.origin + y * layout.down;
+    for (const Cover& columns : columns_) {
       const float* const pixels = row_.data() + columns.first;
       float middle = 0;
       for (int i = 1; i + 1 < columns.count; ++i) middle += pixels[i];
       const float ends = columns.first_share * pixels[0] + columns.last_share * pixels[columns.count - 1];
-      const float mean = ends + columns.middle_share * middle;
-      const std::ptrdiff_t place = layout.origin + x * layout.right + y * layout.down;
-      view_[static_cast<std::size_t>(place)] = std::clamp(mean, 0.0F, 1.0F);
+      view_[static_cast<std::size_t>(place)] = std::clamp(ends + columns.middle_share * middle, 0.0F, 1.0F);
+      place += layout.right;
     }
   }
 }
@@ -128,8 +129,12 @@ void NetworkView::see(const GreyPicture& picture) {
   levels.add(steps_);
   const float dark = levels.percentile(2);
   const float contrast = levels.percentile(98) - dark;
-  for (float& pixel : view_)
-    pixel = contrast < kLeastContrast ? kNoContrast : std::clamp((pixel - dark) / contrast, 0.0F, 1.0F);
+  if (contrast < kLeastContrast) {
+    std::ranges::fill(view_, kNoContrast);
+    return;
+  }
+  const float stretch = 1 / contrast;
+  for (float& pixel : view_) pixel = std::clamp((pixel - dark) * stretch, 0.0F, 1.0F);
 }
 
 void NetworkView::make(const GreyPicture& picture, std::span<float> view) {

@@ -15,10 +15,11 @@ namespace mien::headset {
 namespace {
 
 constexpr std::string_view kFormat = "mien-headset";
-constexpr std::string_view kVersion = "3";
+constexpr std::string_view kVersion = "4";
 constexpr const char* kMean = "mean_answer";
 constexpr std::string_view kMemoryPrefix = "memory.";
 constexpr const char* kJudgementMaps = "judgements";  // Offset and slope of each.
+constexpr const char* kMirroredEye = "mirrored_eye";  // MirroredEye's weights, or none; its bias.
 
 Result<void> check_memory(const ViewsMemory& memory, std::size_t features, const std::string& where) {
   if (const auto ok = model::check(memory.architecture); !ok)
@@ -32,6 +33,12 @@ Result<void> check_memory(const ViewsMemory& memory, std::size_t features, const
                std::abs(map.slope) <= model::LogisticMap::kLargest;
       }))
     return fail(ErrorCode::out_of_range, "its confidence is beyond its range", where);
+  const MirroredEye& mirrored = memory.mirrored_eye;
+  if (!mirrored.weight.empty() && mirrored.weight.size() != features)
+    return fail(ErrorCode::mismatch, "its mirrored eye is of another network of pictures", where);
+  if (!std::isfinite(mirrored.bias) ||
+      !std::ranges::all_of(mirrored.weight, [](float value) { return std::isfinite(value); }))
+    return fail(ErrorCode::out_of_range, "its mirrored eye is beyond its range", where);
   if (const auto ok = model::check_tensors(a, memory.network); !ok)
     return fail(ErrorCode::mismatch, ok.error().what, where);
   return {};
@@ -61,6 +68,11 @@ Result<ViewsMemory> take_memory(model::TensorFile& from, const std::string& wher
                 where);
   for (std::size_t j = 0; j < kJudgements; ++j)
     memory.judgements[j] = {.offset = maps[2 * j], .slope = maps[2 * j + 1]};
+  MIEN_TRY_ASSIGN(memory.mirrored_eye.weight, take_tensor(kMirroredEye, from, where));
+  if (memory.mirrored_eye.weight.empty())
+    return fail(ErrorCode::mismatch, fmt::format("tensor {} is empty", kMirroredEye), where);
+  memory.mirrored_eye.bias = memory.mirrored_eye.weight.back();
+  memory.mirrored_eye.weight.pop_back();
   return memory;
 }
 
@@ -140,6 +152,9 @@ Result<std::vector<std::byte>> format_views_file(const ViewsFile& file) {
       maps.push_back(map.slope);
     }
     to.tensors.push_back({.name = kJudgementMaps, .shape = {kJudgements, 2}, .values = std::move(maps)});
+    std::vector<float> mirrored = file.memory->mirrored_eye.weight;
+    mirrored.push_back(file.memory->mirrored_eye.bias);
+    to.tensors.push_back({.name = kMirroredEye, .shape = {mirrored.size()}, .values = mirrored});
   }
   return model::write_safetensors(to);
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/headset/mirrored_eye.h"
 #include "mien/headset/moment_features.h"
 #include "mien/model/architecture.h"
 #include "mien/model/confidence.h"
@@ -24,8 +25,9 @@ struct ViewsMemory {
   std::vector<model::Tensor> network;
   /// Of each judgement, from its logit to a probability; fitted on wearers that nothing else learnt from.
   std::array<model::LogisticMap, kJudgements> judgements;
-  std::string recipe;   ///< Text of its own training recipe (TOML).
-  std::string results;  ///< Measurements of it, JSON; may be empty.
+  MirroredEye mirrored_eye;  ///< Learnt beside it.
+  std::string recipe;        ///< Text of its own training recipe (TOML).
+  std::string results;       ///< Measurements of it, JSON; may be empty.
 };
 
 /// A trained network of pictures with its provenance: one safetensors file (docs/method/headset.md). Its

@@ -23,9 +23,8 @@
 #include "mien/live/take_listing.h"
 #include "mien/live/tracker_loop.h"
 #include "mien/live/unheard.h"
-#include "mien/model/linear.h"
+#include "mien/modalities/modalities.h"
 #include "mien/session/command.h"
-#include "mien/tracker/causal_tracker.h"
 
 namespace mien::live {
 namespace {
@@ -343,7 +342,7 @@ Result<void> Engine::State::start_recording(const std::filesystem::path& path, b
 }
 
 std::vector<take::Note> Engine::State::notes() const {
-  return {{"live.model", settings.model}, {"live.kernels", model::kernel_name(tracker::kLivePrecision)}};
+  return {{"live.model", settings.model}, {"live.kernels", modalities::live_kernels(session->rig())}};
 }
 
 void Engine::State::on_message(std::uint64_t client, std::string_view text) {
@@ -556,6 +555,7 @@ Result<EngineSummary> Engine::run(const std::atomic<bool>& stop, const EngineLis
   s.wake.release();
 
   EngineSummary out;
+  out.kernels = modalities::live_kernels(s.session->rig());
   out.frames = s.session->frames();
   out.missed = s.loop.missed();
   out.hash = s.session->hash();

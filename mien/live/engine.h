@@ -68,6 +68,7 @@ struct EngineSettings {
 struct EngineSummary {
   std::uint64_t frames = 0;
   std::uint64_t missed = 0;  ///< Frames that no sink was offered.
+  std::string kernels;       ///< modalities::live_kernels().
   std::string hash;
   Latencies latency;  ///< From the arrival of the entry that fired a frame to its packets sent.
   std::uint64_t datagrams = 0;

@@ -1,6 +1,7 @@
 #include "mien/modalities/modalities.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sodium.h>
 
 #include <algorithm>
@@ -28,6 +29,7 @@
 #include "mien/imu/packets/slimevr.h"
 #include "mien/imu/packets/slimevr_protocol.h"
 #include "mien/mocap/marker_protocol.h"
+#include "mien/model/linear.h"
 #include "mien/model/model_file.h"
 #include "mien/phone/weights_protocol.h"
 #include "mien/phone/weights_tracker.h"
@@ -190,6 +192,7 @@ struct Modality {
   Result<void> (*add_languages)(std::uint64_t session, std::vector<Language>& languages);
   /// Where another kind's model is named, this one's is the default, or what has its name in the folder.
   bool model_beside = false;
+  model::Precision precision = model::Precision::fp32;  ///< Of its networks.
 };
 
 constexpr std::array kImuPorts = {imu::kNodePort, imu::slimevr::kPort};
@@ -227,7 +230,8 @@ constexpr std::array kModalities = {
              .window_models = false,
              .ports = kCameraPorts,
              .make_tracker = make_camera_tracker,
-             .add_languages = add_camera_languages},
+             .add_languages = add_camera_languages,
+             .precision = headset::kHeadsetPrecision},
     Modality{.kind = "eyewear",
              .default_model = "models/eyewear.safetensors",
              .window_models = false,
@@ -239,7 +243,8 @@ constexpr std::array kModalities = {
              .window_models = true,
              .ports = kImuPorts,
              .make_tracker = make_imu_tracker,
-             .add_languages = add_imu_languages},
+             .add_languages = add_imu_languages,
+             .precision = tracker::kLivePrecision},
 };
 
 /// The row of a kind; null for one that is unknown.
@@ -336,6 +341,17 @@ Result<std::filesystem::path> live_model(const sensor::Rig& rig, const std::stri
 bool has_window_models(const sensor::Rig& rig) {
   const auto modalities = modalities_of(rig);
   return modalities && modalities->size() == 1 && modalities->front()->window_models;
+}
+
+std::string live_kernels(const sensor::Rig& rig) {
+  std::vector<std::string> names;
+  for (const std::string& kind : sensor::kinds_of(rig)) {
+    const Modality* const modality = find_modality(kind);
+    if (modality == nullptr || modality->default_model.empty()) continue;
+    std::string name = model::kernel_name(modality->precision);
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  }
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
 }
 
 Result<std::unique_ptr<tracker::Tracker>> make_tracker(const sensor::Rig& rig,

@@ -33,6 +33,10 @@ using Protocols = std::vector<std::unique_ptr<sensor::Protocol>>;
 /// model solves their takes, frame by frame.
 [[nodiscard]] bool has_window_models(const sensor::Rig& rig);
 
+/// What the networks of a rig's sensors multiply with in a session on this CPU (model::kernel_name()); of
+/// several kinds each name once. "none" where no kind needs a network.
+[[nodiscard]] std::string live_kernels(const sensor::Rig& rig);
+
 /// The tracker for a rig's sensors, with the live model of live_model(); for sensors of several kinds one
 /// that merges those of each (shaping::CombinedTracker), by these settings: a take whose session changed its
 /// own is solved otherwise than it was shown, while a replay obeys the changes. Errors: unsupported (sensors

@@ -4,7 +4,9 @@
 #include <torch/csrc/autograd/custom_function.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mien::train {
 namespace {
@@ -109,8 +111,8 @@ class NormaliseAndRectify : public torch::autograd::Function<NormaliseAndRectify
 
 torch::Tensor normalise_and_rectify(const torch::Tensor& x, const torch::Tensor& shift,
                                     ChannelStatistics* statistics) {
-  const auto options = torch::TensorOptions().dtype(torch::kFloat).device(x.device());
-  ChannelStatistics found{torch::zeros({x.size(1)}, options), torch::zeros({x.size(1)}, options)};
+  ChannelStatistics found{torch::zeros({x.size(1)}, shift.options().requires_grad(false)),
+                          torch::zeros({x.size(1)}, shift.options().requires_grad(false))};
   torch::Tensor out;
   if (x.device().is_cpu() && x.scalar_type() == torch::kFloat) {
     out = NormaliseAndRectify::apply(x, shift, found.mean, found.variance);
@@ -121,7 +123,7 @@ torch::Tensor normalise_and_rectify(const torch::Tensor& x, const torch::Tensor&
     const auto values = static_cast<double>(x.numel() / x.size(1));
     found.variance.mul_((values - 1) / values);
   }
-  if (statistics != nullptr) *statistics = std::move(found);
+  if (statistics != nullptr) *statistics = {found.mean.to(torch::kFloat), found.variance.to(torch::kFloat)};
   return out;
 }
 

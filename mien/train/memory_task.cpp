@@ -14,6 +14,7 @@
 #include "mien/core/time.h"
 #include "mien/headset/answer.h"
 #include "mien/headset/headset_model.h"
+#include "mien/headset/mirrored_eye.h"
 #include "mien/model/causal_network.h"
 #include "mien/model/views_network.h"
 #include "mien/study/logistic_fit.h"
@@ -123,6 +124,20 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
   return found;
 }
 
+/// What is found of a donning's rest, in the mean.
+headset::RestFeatures rest_of(std::span<const float> features, std::size_t rest_end, const FilmPlaces& places,
+                              const Way& way) {
+  headset::RestFeatures rest;
+  const std::size_t each = rest_end > 0 ? features.size() / rest_end : 0;
+  rest.features.assign(each, 0.0F);
+  for (std::size_t frame = 0; frame < rest_end; ++frame)
+    for (std::size_t i = 0; i < each; ++i)
+      rest.features[i] += features[frame * each + i] / static_cast<float>(rest_end);
+  for (std::size_t v = 0; v < kViews; ++v)
+    rest.present[v] = rest_end > 0 && places[way.mirrored ? v ^ 1U : v].is_there;
+  return rest;
+}
+
 }  // namespace
 
 /// What arrives of a view: which of the film's frames, and how much later than the first could.
@@ -165,6 +180,8 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
                                    headset::kOpennessOutput, headset::kOpennessOutput + 1})
     recipe.quick_outputs.push_back(static_cast<std::int64_t>(output));
   MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, views.architecture.side));
+  FilmPlaces turned_places = places;
+  for (std::size_t eye = 0; eye < 2; ++eye) turned_places[eye].view.mirror = !turned_places[eye].view.mirror;
   MIEN_TRY_ASSIGN(model::ViewsNetwork looks,
                   model::ViewsNetwork::create(views.architecture, views.network, headset::kHeadsetPrecision));
   auto task =
@@ -193,12 +210,11 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
         s.features = std::move(of.features);
         s.wanted = std::move(of.wanted);
         s.visible = std::move(of.visible);
-        s.rest.features.assign(kViews * count, 0.0F);
-        for (std::size_t frame = 0; frame < s.rest_end; ++frame)
-          for (std::size_t i = 0; i < kViews * count; ++i)
-            s.rest.features[i] += s.features[frame * kViews * count + i] / static_cast<float>(s.rest_end);
-        for (std::size_t v = 0; v < kViews; ++v)
-          s.rest.present[v] = s.rest_end > 0 && places[shown.mirrored ? v ^ 1U : v].is_there;
+        s.rest = rest_of(std::span(s.features).first(s.rest_end * kViews * count), s.rest_end, places, shown);
+        Random once_more = random.fork("mirrored eyes");
+        const Found turned = find(film, {donning.begin, donning.rest_end, donning.rest_end}, turned_places,
+                                  shown, network, memory, once_more);
+        s.mirrored_rest = rest_of(turned.features, s.rest_end, places, shown);
         found[index].push_back(std::move(s));
       }
     return {};
@@ -263,6 +279,19 @@ void MemoryTask::wanted_at(const Sequence& sequence, double frame, std::span<flo
   for (std::size_t i = 0; i < kAnswerOutputs; ++i)
     out[i] = std::lerp(sequence.wanted[first * kAnswerOutputs + i],
                        sequence.wanted[second * kAnswerOutputs + i], part);
+}
+
+std::vector<std::vector<float>> MemoryTask::eyes_at_rest(const std::vector<Sequence>& sequences,
+                                                         bool mirrored, std::size_t features) {
+  std::vector<std::vector<float>> eyes;
+  for (const Sequence& s : sequences)
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const headset::RestFeatures& rest = mirrored ? s.mirrored_rest : s.rest;
+      if (!rest.present[eye]) continue;
+      const auto of = std::span(rest.features).subspan(eye * features, features);
+      eyes.emplace_back(of.begin(), of.end());
+    }
+  return eyes;
 }
 
 bool MemoryTask::is_visible(const Sequence& sequence, double frame, std::size_t judgement) {
@@ -443,6 +472,20 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
         true_rough += third(truth);
       }
   }
+  // Of wearers without a rest nothing is known.
+  const std::size_t features = views_.architecture.features;
+  if (auto fitted = headset::fit_mirrored_eye(eyes_at_rest(training_, false, features),
+                                              eyes_at_rest(training_, true, features)))
+    made.mirrored_eye = *std::move(fitted);
+  study::RocArea mirrored;
+  std::array<double, 2> eyes{}, said{};  // Of eyes as they are and mirrored; of those that are said to be.
+  for (const bool is : {false, true})
+    for (const std::vector<float>& eye : eyes_at_rest(validation_, is, features)) {
+      const float log_odds = made.mirrored_eye.logit(eye);
+      mirrored.add(1 / (1 + std::exp(-log_odds)), is);
+      ++eyes[is ? 1 : 0];
+      said[is ? 1 : 0] += log_odds > headset::kSurelyMirrored ? 1 : 0;
+    }
   std::array<study::LogisticFit, headset::kJudgements> fits;
   for (const Judged& one : judged)
     if (one.fits) fits[one.judgement].add(one.logit, one.hit);
@@ -467,6 +510,10 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
                           {"gaze_p90_deg", gaze_deg.empty() ? 0.0 : quantile_of_sorted(gaze_deg, 0.9)},
                           {"closed_f1", 2 * hits / std::max(1.0, shut + told)},
                           {"jitter_ratio", rough / std::max(1e-9, true_rough)},
+                          {"mirrored_eye",
+                           {{"auc", mirrored.area()},
+                            {"false_alarms", said[0] / std::max(1.0, eyes[0])},
+                            {"found", said[1] / std::max(1.0, eyes[1])}}},
                           {"judgements", judgements}}}}
       .dump();
 }

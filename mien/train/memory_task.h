@@ -41,7 +41,8 @@ class MemoryTask final : public Task {
   /// "headset": over validation, frame by frame after the rest: squared error of the weights beside the mean
   /// answer's and that of the network of pictures alone, the gaze's median error and its 90th percentile, how
   /// well closed lids are told, how restless the answer is (third differences over the truth's), and of the
-  /// judgements, fitted on half of the wearers, calibration error and area under the ROC on the other half.
+  /// judgements, fitted on half of the wearers, calibration error and area under the ROC on the other half;
+  /// and how well eyes that are shown mirrored are told.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
                                            const Progress& progress) override;
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,
@@ -53,9 +54,9 @@ class MemoryTask final : public Task {
     std::size_t film = 0;  ///< Whose it is.
     std::size_t frames = 0, rest_end = 0;
     double rate_hz = 0;
-    std::vector<float> features;  ///< frames x kViews x features.
-    headset::RestFeatures rest;
-    std::vector<float> wanted;  ///< frames x kAnswerOutputs; NaN: nobody can know it.
+    std::vector<float> features;                ///< frames x kViews x features.
+    headset::RestFeatures rest, mirrored_rest;  ///< The second of eyes that are shown mirrored.
+    std::vector<float> wanted;                  ///< frames x kAnswerOutputs; NaN: nobody can know it.
     /// Of each frame, whether upper and lower face can be seen.
     std::vector<std::array<bool, 2>> visible;
   };
@@ -66,6 +67,9 @@ class MemoryTask final : public Task {
       : recipe_(std::move(recipe)), views_(std::move(views)), network_(std::move(network)) {}
   [[nodiscard]] static std::size_t frames_of(const std::vector<Sequence>& sequences);
   [[nodiscard]] std::size_t ticks_of(const Sequence& sequence) const;
+  /// What is found in the eyes at rest, as they are or mirrored.
+  [[nodiscard]] static std::vector<std::vector<float>> eyes_at_rest(const std::vector<Sequence>& sequences,
+                                                                    bool mirrored, std::size_t features);
   void append(const Sequence& sequence, std::size_t first_tick, Random* random,
               model::ViewsNetwork::Workspace& memory, Batch& batch) const;
   /// The moment at a tick, of views that are there as `delivery` says (null: all are).

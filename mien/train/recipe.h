@@ -40,8 +40,8 @@ struct Recipe {
 
   /// Filled in by tasks whose network judges itself: its last outputs, one each, are the logits of whether
   /// the mean absolute error of these others is at most `most_error`, counting those that are known; where
-  /// none is, it is wrong, and where what it judges cannot be seen, which a number more a judgement tells
-  /// behind each frame's answers in Batch::clean (1: it can be).
+  /// none is, it is wrong. Batch::clean holds, behind a frame's answers, one number a judgement: 1 where what
+  /// it judges can be seen; elsewhere it is wrong, too.
   struct Judgement {
     std::vector<std::int64_t> outputs;
     double most_error = 0;

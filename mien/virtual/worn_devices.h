@@ -71,6 +71,9 @@ class WornDevices {
   /// a rig with nothing but these devices.
   [[nodiscard]] virtual std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const = 0;
+  /// Whether they send nothing by themselves and wait to be asked, as cameras do: they are offered on the
+  /// network otherwise than by on_network(), which then fails.
+  [[nodiscard]] virtual bool are_asked() const { return false; }
   /// The same devices on the network: the same stage gives the same samples as send(). The stage outlives
   /// them. Errors: bad_usage (a language that their boards do not have; a rig whose boards cannot be).
   [[nodiscard]] virtual Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,

@@ -95,6 +95,7 @@ Result<std::unique_ptr<NodeDevices>> WornTogether::on_network(const Stage& stage
                                                               NodeLanguage language) const {
   std::vector<std::unique_ptr<NodeDevices>> all;
   for (const Part& part : parts_) {
+    if (part.worn->are_asked()) continue;
     MIEN_TRY_ASSIGN(all.emplace_back(), part.worn->on_network(stage, motion, language));
   }
   return std::make_unique<TogetherOnNetwork>(std::move(all));

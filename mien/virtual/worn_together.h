@@ -20,11 +20,14 @@ class WornTogether final : public WornDevices {
   /// `parts`: at least one; the whole rig's reference is among the sensors of the first.
   explicit WornTogether(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+
   /// All that any of them needs.
   [[nodiscard]] performer::PrologueNeeds prologue(const Stage& stage) const override;
   [[nodiscard]] Result<Sent> send(const Stage& stage, const Progress& progress) const override;
   [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const override;
+  /// Those that send by themselves.
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,
                                                                 NodeLanguage language) const override;

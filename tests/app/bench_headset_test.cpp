@@ -18,6 +18,9 @@ TEST(BenchHeadset, GivesTheFieldsThatScriptsRelyOn) {
   EXPECT_GT(json["pictures_per_s"].get<double>(), 0);
   EXPECT_GT(json["vs_single_rays"].get<double>(), 0);
   EXPECT_EQ(json.at("vs_rivals").is_null(), json.contains("onnxruntime"));
+  EXPECT_EQ(json["precision"], "int8");
+  EXPECT_EQ(json["hash"].get<std::string>().size(), 64U);
+  EXPECT_EQ(json["vs_onnxruntime"].is_null(), json.contains("onnxruntime"));
   const auto& encoder = json["encoder"];
   EXPECT_EQ(encoder["views"], 4);
   EXPECT_EQ(encoder["size"], 96);

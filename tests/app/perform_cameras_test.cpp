@@ -25,9 +25,9 @@ namespace {
 using mien::test::run_until;
 using ::testing::HasSubstr;
 
-/// The shipped headset with small and few pictures, of which none is lost.
-std::string small_rig() {
-  std::string rig = read_text(project_path("rigs/headset.toml")).value();
+/// A shipped rig, its cameras with small and few pictures, of which none is lost.
+std::string small_rig(const std::string& name = "headset.toml") {
+  std::string rig = read_text(project_path("rigs/" + name)).value();
   for (const auto& [from, to] : {std::pair<std::string, std::string>{"size = [240, 240]", "size = [64, 48]"},
                                  {"rate_hz = 60.0", "rate_hz = 20.0"},
                                  {"lost = 0.002", "lost = 0"}})
@@ -164,6 +164,42 @@ TEST_F(PerformCameras, RendersWhileItPerforms) {
   ASSERT_TRUE(picture);
   EXPECT_EQ(picture->width, 96) << "small, but in the rig's proportion";
   EXPECT_EQ(picture->height, 72);
+}
+
+TEST_F(PerformCameras, BoardsSendMeanwhile) {
+  write(rig, small_rig("imu_headset.toml"));
+  boost::asio::ip::udp::socket receiver(network, {boost::asio::ip::address_v4::loopback(), 0});
+  const std::string boards = "udp://127.0.0.1:" + std::to_string(receiver.local_endpoint().port());
+  const auto performed = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = {"perform", "--rig", rig, "--voice", "babble", "--seconds", "1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all);
+  };
+  const Outcome outcome = performed(
+      {"--prologue", "none", "--to", boards, "--cameras", address, "--ahead", "--wait", "0.3", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto summary = nlohmann::json::parse(outcome.out);
+  EXPECT_GE(summary.at("packets"), 100);
+  EXPECT_GE(summary.at("nodes"), 5);
+  EXPECT_EQ(summary.at("stopped"), false);
+  EXPECT_EQ(summary.at("cameras").at("cameras"), 4);
+  EXPECT_GE(summary.at("cameras").at("pictures"), 4 * 20);
+  // One performance, as long for both.
+  EXPECT_NEAR(summary.at("duration_s").get<double>(), summary.at("cameras").at("duration_s").get<double>(),
+              0.6);
+  EXPECT_GT(receiver.available(), 0U);
+
+  EXPECT_THAT(performed({"--to", boards}).err, HasSubstr("--cameras http://HOST:PORT"));
+  EXPECT_THAT(performed({"--to", address}).err, HasSubstr("--to udp://HOST:PORT --cameras"));
+  EXPECT_THAT(performed({"--to", address, "--cameras", address}).err, HasSubstr("an address of their own"));
+  EXPECT_THAT(performed({"--to", boards, "--cameras", boards}).err, HasSubstr("an address of their own"));
+  // Where one of the two cannot be, the other does not go on alone.
+  EXPECT_THAT(
+      performed({"--to", "udp://no.such.host.invalid:5005", "--cameras", address, "--wait", "60"}).err,
+      HasSubstr("no.such.host.invalid"));
+  const auto taken = live::PictureServer::open(network, {.port = port});
+  ASSERT_TRUE(taken);
+  EXPECT_THAT(performed({"--to", boards, "--cameras", address}).err, HasSubstr("no camera can be there"));
 }
 
 TEST_F(PerformCameras, RefusesWhatCannotBe) {

@@ -72,6 +72,38 @@ TEST(HeadsetTracker, AMemoryJudgesItsAnswers) {
   EXPECT_NEAR(sure.frame.confidence[kBlinkR], 0.8808, 1e-3);
 }
 
+TEST(HeadsetTracker, SaysThatEyesAreShownMirrored) {
+  const auto scored = [](float log_odds, std::optional<std::size_t> away) {
+    ViewsFile file = small_file_with_memory();
+    file.memory->mirrored_eye = {.weight = std::vector<float>(8, 0.0F), .bias = log_odds};
+    Worn worn(HeadsetModel::create(file).value());
+    if (away) worn.sends[*away] = false;
+    worn.run(0.2);
+    worn.tracker->guide(Step::neutral, worn.now(), worn.now() + std::chrono::seconds(3));
+    worn.run(3.1);
+    EXPECT_EQ(worn.events.size(), 1U);
+    EXPECT_TRUE(worn.tracker->calibration_state().hint.empty()) << "nothing has failed";
+    std::vector<sensor::Score> scores = worn.tracker->scores();
+    std::erase_if(scores, [](const sensor::Score& score) { return !score.name.starts_with("unmirrored "); });
+    return scores;
+  };
+  for (const sensor::Score& score : scored(2.5F, {})) {
+    EXPECT_TRUE(score.pass);
+    EXPECT_NEAR(score.value, 0.0759, 1e-3);
+  }
+  const auto both = scored(3.5F, {}), left = scored(3.5F, 1), right = scored(3.5F, 0);
+  ASSERT_EQ(both.size(), 2U);
+  for (const sensor::Score& score : both) {
+    EXPECT_FALSE(score.pass);
+    EXPECT_NE(score.sentence.find("probably swapped"), std::string::npos) << score.sentence;
+  }
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].name, "unmirrored eye_L");
+  EXPECT_NE(left[0].sentence.find("change the camera's mirror"), std::string::npos);
+  ASSERT_EQ(right.size(), 1U);
+  EXPECT_EQ(right[0].name, "unmirrored eye_R");
+}
+
 TEST(HeadsetTracker, AMemoryForgetsWhatWasBeforeALossOfAllCameras) {
   Worn one(small_model_with_memory()), two(small_model_with_memory());
   one.run(1);

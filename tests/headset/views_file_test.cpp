@@ -16,6 +16,7 @@ ViewsFile small() {
   file.memory = test::small_memory();
   file.memory->recipe = "seed = 2";
   file.memory->judgements[1] = {.offset = 0.25F, .slope = -2};
+  file.memory->mirrored_eye = {.weight = std::vector<float>(file.architecture.features, 0.5F), .bias = -3};
   return file;
 }
 
@@ -35,6 +36,8 @@ TEST(ViewsFile, ReadsWhatItWrites) {
   ASSERT_TRUE(back->memory);
   EXPECT_TRUE(back->memory->architecture == file.memory->architecture);
   EXPECT_EQ(back->memory->judgements, file.memory->judgements);
+  EXPECT_EQ(back->memory->mirrored_eye.weight, file.memory->mirrored_eye.weight);
+  EXPECT_EQ(back->memory->mirrored_eye.bias, -3);
   EXPECT_EQ(back->memory->recipe, "seed = 2");
   for (std::size_t i = 0; i < file.memory->network.size(); ++i)
     EXPECT_EQ(back->memory->network[i].values, file.memory->network[i].values);
@@ -55,6 +58,9 @@ TEST(ViewsFile, RefusesWhatDoesNotBelong) {
   EXPECT_TRUE(refused([](ViewsFile& f) { f.network.pop_back(); }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->network.pop_back(); }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->judgements[0].slope = 1e30F; }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->mirrored_eye.weight.pop_back(); }));
+  EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->mirrored_eye.bias = NAN; }));
+  EXPECT_FALSE(refused([](ViewsFile& f) { f.memory->mirrored_eye = {}; }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->architecture.condition = 7; }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.memory->architecture = f.architecture; }));
   EXPECT_TRUE(refused([](ViewsFile& f) { f.architecture.outputs = 53; }));

@@ -6,8 +6,11 @@
 
 #include "mien/core/bytes.h"
 #include "mien/eyewear/packet.h"
+#include "mien/headset/headset_model.h"
 #include "mien/imu/packets/node_message.h"
+#include "mien/model/linear.h"
 #include "mien/speech/sound_block.h"
+#include "mien/tracker/causal_tracker.h"
 #include "tests/project_path.h"
 
 namespace mien::modalities::modalities_test {
@@ -32,6 +35,19 @@ TEST(Registry, ARigOfSeveralKindsTakesAFolderOfModels) {
       << missing.error().message();
 }
 
+TEST(Registry, NamesWhatEachKindMultipliesWith) {
+  const auto kernels = [](const char* rig) {
+    return live_kernels(sensor::read_rig(project_path(std::string("rigs/") + rig)).value());
+  };
+  const std::string imus = model::kernel_name(tracker::kLivePrecision),
+                    cameras = model::kernel_name(headset::kHeadsetPrecision);
+  EXPECT_EQ(kernels("default.toml"), imus);
+  EXPECT_EQ(kernels("headset.toml"), cameras);
+  const std::string both = kernels("imu_headset.toml");
+  EXPECT_NE(both.find(imus), std::string::npos) << both;
+  EXPECT_NE(both.find(cameras), std::string::npos) << both;
+}
+
 TEST(Registry, GazeNeedsNoModel) {
   sensor::Rig rig = sensor::read_rig(project_path("rigs/default.toml")).value();
   rig.sensors.push_back({.name = "eyes", .kind = "gaze", .role = "face", .device = "02:4D:49:47:5A:00"});
@@ -49,6 +65,7 @@ TEST(Registry, GazeNeedsNoModel) {
   const auto alone = make_tracker(rig, "");
   ASSERT_TRUE(alone) << alone.error().message();
   EXPECT_EQ((*alone)->modality(), "gaze");
+  EXPECT_EQ(live_kernels(rig), "none");
   EXPECT_TRUE(make_session(rig, ""));
 }
 

@@ -45,6 +45,18 @@ TEST(BatchNorm, AnswersAndLearnsAsItsDefinition) {
   }
 }
 
+TEST(BatchNorm, GivesTheSameStatisticsInOtherPrecisions) {
+  torch::manual_seed(4);
+  const torch::Tensor data = torch::randn({6, 3, 5, 5}) * 2 + 1.5, shift = torch::randn({3});
+  ChannelStatistics fp32, bf16;
+  const torch::Tensor exact = normalise_and_rectify(data, shift, &fp32);
+  const torch::Tensor rough =
+      normalise_and_rectify(data.to(torch::kBFloat16), shift.to(torch::kBFloat16), &bf16);
+  EXPECT_LT((fp32.mean - bf16.mean).abs().max().item<double>(), 0.02);
+  EXPECT_LT((fp32.variance - bf16.variance).abs().max().item<double>(), 0.03);
+  EXPECT_LT((exact - rough.to(torch::kFloat)).abs().max().item<double>(), 0.05);
+}
+
 TEST(BatchNorm, TakesEvenChannelsAndViewsThatAreNotContiguous) {
   const torch::Tensor even = torch::full({3, 2, 4, 4}, 7.0F).requires_grad_();
   const torch::Tensor shift = torch::tensor({0.5F, -0.5F}).requires_grad_();

@@ -82,11 +82,15 @@ TEST(MemoryTask, LearnsAToyAndToJudgeItself) {
   ASSERT_TRUE(report) << report.error().message();
   const auto results = nlohmann::json::parse(report->results)["headset"];
   EXPECT_LT(results["mse"].get<double>(), 0.5 * results["mean_pose_mse"].get<double>()) << results;
+  EXPECT_GT(results["mirrored_eye"]["auc"].get<double>(), 0.9);
+  EXPECT_GT(results["mirrored_eye"]["found"].get<double>(),
+            results["mirrored_eye"]["false_alarms"].get<double>());
 
   const auto file = headset::read_views_file(folder / "toy.safetensors");
   ASSERT_TRUE(file) << file.error().message();
   ASSERT_TRUE(file->memory);
   EXPECT_EQ(file->memory->architecture.condition, headset::moment_condition(16));
+  EXPECT_EQ(file->memory->mirrored_eye.weight.size(), 16U);
   const auto model = headset::HeadsetModel::create(*file);
   ASSERT_TRUE(model) << model.error().message();
   ASSERT_NE((*model)->memory(), nullptr);

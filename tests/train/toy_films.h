@@ -18,7 +18,8 @@ namespace mien::train::test {
 inline constexpr std::size_t kFilmSide = 32;
 
 /// Films in which a bright bar stands at a height that the jaw tells in the mouths' views, and that the left
-/// lid tells in the left eye's. The first `rest` frames are at rest, frames 1/60 s apart.
+/// lid tells in the left eye's; with a rest each view is brighter on one side, right ones on the other. The
+/// first `rest` frames are at rest, frames 1/60 s apart.
 inline study::HeadsetFilms toy_films(const std::filesystem::path& folder, int rest = 0) {
   study::HeadsetFilms films;
   for (int f = 0; f < 4; ++f) {
@@ -43,9 +44,11 @@ inline study::HeadsetFilms toy_films(const std::filesystem::path& folder, int re
         std::vector<std::uint8_t>& view = frame.views.emplace_back();
         for (std::size_t y = 0; y < kFilmSide; ++y)
           for (std::size_t x = 0; x < kFilmSide; ++x) {
+            const std::size_t inwards = v % 2 == 0 ? x : kFilmSide - 1 - x;
             const double off = std::abs(static_cast<double>(y) - 4 - 22 * double{height});
-            view.push_back(
-                static_cast<std::uint8_t>(40 + 160 * std::exp(-0.1 * off * off) + 20 * random.uniform()));
+            view.push_back(static_cast<std::uint8_t>(40 + 160 * std::exp(-0.1 * off * off) +
+                                                     20 * random.uniform() +
+                                                     (rest > 0 ? 0.8 : 0) * static_cast<double>(inwards)));
           }
       }
     }

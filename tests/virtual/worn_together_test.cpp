@@ -7,6 +7,7 @@
 
 #include "mien/core/files.h"
 #include "mien/headset/picture_packet.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/virtual/headset/worn_headset.h"
 #include "mien/virtual/node_group.h"
 #include "mien/virtual/stage.h"
@@ -126,10 +127,15 @@ TEST_F(WornTogetherTest, WhatNobodyCanWearIsSaid) {
   EXPECT_THAT(refused(rig).message(), HasSubstr("lab"));
 }
 
-TEST_F(WornTogetherTest, CamerasAreOnNoNetworkOfDatagrams) {
-  const auto group = NodeGroup::create(staged(small("imu_headset.toml")), NodeLanguage::mien, false);
-  ASSERT_FALSE(group);
-  EXPECT_THAT(group.error().message(), HasSubstr("into a take"));
+TEST_F(WornTogetherTest, BoardsSendAndCamerasAreAsked) {
+  const Stage stage = staged(small("imu_headset.toml"));
+  const auto imus = sensor::sensors_of(stage.rig, "imu").size();
+  const auto* headset = headset_of(stage);
+  ASSERT_NE(headset, nullptr);
+  EXPECT_EQ(headset->boards(stage)->cameras(), stage.rig.sensors.size() - imus);
+  const auto group = NodeGroup::create(stage, NodeLanguage::mien, false);
+  ASSERT_TRUE(group) << group.error().message();
+  EXPECT_EQ((*group)->size(), imus);
 }
 
 }  // namespace

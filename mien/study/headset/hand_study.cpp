@@ -88,6 +88,16 @@ face::Motion part_of(const face::Motion& motion, std::size_t first, std::size_t 
   return part;
 }
 
+/// What is heard of it from `from_s` on; silence where nothing is left.
+Sound sound_of(const SpokenPassage& passage, double from_s, double duration_s) {
+  const auto samples = [](double s) { return static_cast<std::ptrdiff_t>(std::lround(s * speech::kRateHz)); };
+  Sound sound{.rate_hz = static_cast<std::uint32_t>(speech::kRateHz), .samples = {}};
+  const auto end = static_cast<std::ptrdiff_t>(passage.sound.size()), first = samples(from_s);
+  for (std::ptrdiff_t i = first; i < first + samples(duration_s); ++i)
+    sound.samples.push_back(i >= 0 && i < end ? passage.sound[static_cast<std::size_t>(i)] : 0);
+  return sound;
+}
+
 /// What the hand moves of what claims to be sensed.
 void measure_change(const Unsensed& hand, const std::vector<OutputFrame>& shown,
                     const std::vector<OutputFrame>& steady, HandRow& row) {
@@ -153,6 +163,11 @@ Result<void> look_at_person(const HandStudyRequest& request, const HandScene& sc
     measure_change(hand, shown, steady, row);
     (audio ? heard : held) = std::move(shown);
   }
+  out.sound =
+      sound_of(passage,
+               to_seconds(DeviceTime(frame_offset(static_cast<std::int64_t>(hand.lost - kShownBefore))) -
+                          spoken.begin),
+               static_cast<double>(film.size() - hand.lost + kShownBefore) / kFrameRateHz);
   std::size_t mouth = 0;
   while (mouth + 1 < scene.rig.sensors.size() && scene.rig.sensors[mouth].site != "mouth") ++mouth;
   for (std::size_t f = hand.lost - kShownBefore; f < film.size(); ++f) {

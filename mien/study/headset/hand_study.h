@@ -8,6 +8,7 @@
 
 #include "mien/core/error.h"
 #include "mien/core/progress.h"
+#include "mien/core/wav.h"
 #include "mien/face/output_frame.h"
 #include "mien/headset/headset_model.h"
 #include "mien/sensor/rig.h"
@@ -51,6 +52,7 @@ struct HandPerson {
   std::string voice;
   HandRow held, heard;              ///< Without a microphone, with one.
   std::vector<HandMoment> moments;  ///< Every frame from half a second before the hand to the end.
+  Sound sound;                      ///< What is said meanwhile, from the first moment on.
 };
 
 /// Wearers, voices and hands that nothing learnt from. A second of neutral, two and a half of speech, the

@@ -10,6 +10,7 @@
 #include "mien/core/quantile.h"
 #include "mien/headset/answer.h"
 #include "mien/headset/headset_tracker.h"
+#include "mien/measure/eyes_and_lips.h"
 #include "mien/measure/metrics.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/study/headset/headset_dataset.h"
@@ -78,13 +79,41 @@ Result<std::vector<Answered>> play(const SeenFilm& take, const SeenFilm* neutral
   return answered;
 }
 
+/// How often something is, is said to be, and both.
+struct Tally {
+  double is = 0, told = 0, hits = 0;
+  void add(bool truth, bool says, bool same) {
+    is += truth ? 1 : 0;
+    told += says ? 1 : 0;
+    hits += truth && says && same ? 1 : 0;
+  }
+  void add(bool truth, bool says) { add(truth, says, true); }
+  void add(const Tally& other) {
+    is += other.is;
+    told += other.told;
+    hits += other.hits;
+  }
+  /// None where it neither is nor is said to be.
+  [[nodiscard]] std::optional<double> f1() const {
+    return is + told > 0 ? std::optional(2 * hits / (is + told)) : std::nullopt;
+  }
+};
+
+/// Which eye winks, by its lid's weight: 0 left, 1 right; none where both do the same.
+std::optional<std::size_t> winking(const face::BlendshapeWeights& weights) {
+  const bool left = weights[face::shape("eyeBlink_L")] >= 0.5F,
+             right = weights[face::shape("eyeBlink_R")] >= 0.5F;
+  if (left == right) return {};
+  return left ? 0 : 1;
+}
+
 /// What one wearer adds to a score.
 struct WearerPart {
   double squares = 0, mean_squares = 0, count = 0;
   std::array<double, 3> region_squares{}, region_count{};
   double pve_mm = 0, jitter = 0;
   std::vector<face::BlendshapeWeights> truth, estimate;
-  double hits = 0, told = 0, shut = 0;
+  Tally shut, winks, lips;
   std::vector<double> gaze_deg;
   std::array<Reliability, 3> reliability;
   std::array<RocArea, 3> roc;
@@ -132,6 +161,7 @@ void judge(const Answered& one, const face::BlendshapeWeights& truth, WearerPart
 }
 
 WearerPart part_of(const std::vector<Answered>& answered, const measure::Meter& meter,
+                   const std::optional<measure::EyesAndLipsMeter>& gaps,
                    const std::vector<float>& mean_answer) {
   WearerPart part;
   for (const Answered& one : answered) {
@@ -155,13 +185,14 @@ WearerPart part_of(const std::vector<Answered>& answered, const measure::Meter& 
         part.gaze_deg.push_back(
             kDegPerRad * std::hypot(double{one.frame.eyes_rad[e].x() - one.truth.gaze_rad[2 * e]},
                                     double{one.frame.eyes_rad[e].y() - one.truth.gaze_rad[2 * e + 1]}));
-      // What a frame says of lids is their weight: a shut eye has eyeBlink near 1.
-      const std::size_t blink = e == 0 ? face::shape("eyeBlink_L") : face::shape("eyeBlink_R");
-      const bool is = one.truth.openness[e]<kClosed, says = one.frame.weights[blink]> 1 - kClosed;
-      part.shut += is ? 1 : 0;
-      part.told += says ? 1 : 0;
-      part.hits += is && says ? 1 : 0;
+      if (gaps)
+        part.shut.add(one.truth.openness[e] < kClosed, gaps->openness(one.frame.weights)[e] < kClosed);
     }
+    const auto winks = winking(truth), says_winks = winking(one.frame.weights);
+    part.winks.add(winks.has_value(), says_winks.has_value(), winks == says_winks);
+    if (gaps)
+      part.lips.add(gaps->lip_gap_mm(truth) < measure::EyesAndLipsMeter::kClosedLips_mm,
+                    gaps->lip_gap_mm(one.frame.weights) < measure::EyesAndLipsMeter::kClosedLips_mm);
     judge(one, truth, part);
   }
   const measure::Stretch stretch{.truth = part.truth, .estimate = part.estimate};
@@ -173,7 +204,8 @@ WearerPart part_of(const std::vector<Answered>& answered, const measure::Meter& 
 
 HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>& parts) {
   HeadsetScore score{.condition = condition};
-  double squares = 0, mean_squares = 0, count = 0, hits = 0, told = 0, shut = 0;
+  double squares = 0, mean_squares = 0, count = 0;
+  Tally shut, winks, lips;
   std::array<double, 3> region{}, region_count{};
   std::vector<measure::Stretch> stretches;
   std::vector<double> gaze_deg;
@@ -181,9 +213,9 @@ HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>&
     squares += part.squares;
     mean_squares += part.mean_squares;
     count += part.count;
-    hits += part.hits;
-    told += part.told;
-    shut += part.shut;
+    shut.add(part.shut);
+    winks.add(part.winks);
+    lips.add(part.lips);
     for (std::size_t r = 0; r < region.size(); ++r) {
       region[r] += part.region_squares[r];
       region_count[r] += part.region_count[r];
@@ -201,7 +233,9 @@ HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>&
   score.right_eye_mse = region[1] / region_count[1];
   score.mouth_mse = region[2] / region_count[2];
   score.blink_f1 = measure::blink_f1(stretches);
-  score.closed_f1 = 2 * hits / std::max(1.0, shut + told);
+  score.closed_f1 = shut.f1();
+  score.wink_f1 = winks.f1();
+  score.lips_f1 = lips.f1();
   std::ranges::sort(gaze_deg);
   if (!gaze_deg.empty()) {
     score.gaze_median_deg = quantile_of_sorted(gaze_deg, 0.5);
@@ -275,6 +309,8 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
                             rig, *model));
 
     const measure::Meter meter(wearer.face);
+    std::optional<measure::EyesAndLipsMeter> gaps;
+    if (wearer.face.has_landmarks) gaps.emplace(wearer.face);
     std::vector<std::vector<bool>> lost(rig.sensors.size());
     Random random = root.fork("lost");
     for (auto& of : lost) {
@@ -295,7 +331,7 @@ Result<std::vector<HeadsetScore>> study_headset(const HeadsetStudyRequest& reque
                          const Arrives& arrives, const SeenFilm* looked_at = nullptr) -> Result<void> {
       MIEN_TRY_ASSIGN(const std::vector<Answered> answered,
                       play(of, neutral, rig, model, arrives, looked_at));
-      parts[w][static_cast<std::size_t>(condition)] = part_of(answered, meter, mean_answer);
+      parts[w][static_cast<std::size_t>(condition)] = part_of(answered, meter, gaps, mean_answer);
       return {};
     };
     using enum HeadsetCondition;

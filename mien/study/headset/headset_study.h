@@ -56,7 +56,13 @@ struct HeadsetScore {
   double pve_mm = 0;
   double jitter_ratio = 0;  ///< Third difference of the landmarks over the truth's.
   std::optional<double> blink_f1;
-  double closed_f1 = 0;  ///< Frames whose eye is open less than a quarter of its rest.
+  /// Frames whose eye is open less than a quarter of its rest. None of a face without landmarks.
+  std::optional<double> closed_f1;
+  /// Frames in which one eye alone has eyeBlink at 0.5 or more: which one. None where nobody winks.
+  std::optional<double> wink_f1;
+  /// Frames whose lips are less than EyesAndLipsMeter::kClosedLips_mm apart. None of a face without
+  /// landmarks.
+  std::optional<double> lips_f1;
   double gaze_median_deg = 0, gaze_p90_deg = 0;  ///< Of open eyes.
   /// Of the regions of the upper face (brows, eyes), of the lower face (cheeks, mouth, jaw), and of the eyes'
   /// directions: whether nothing hides it and the mean absolute error is at most 0.1 (of angles, rad).

@@ -9,9 +9,9 @@
 #include "mien/builtin_face/skin_marks.h"
 #include "mien/core/bytes.h"
 #include "mien/headset/picture_packet.h"
-#include "mien/sensor/rig_part.h"
 #include "mien/virtual/node.h"
 #include "mien/virtual/reception.h"
+#include "mien/virtual/worn_together.h"
 
 namespace mien::virt {
 namespace {
@@ -104,13 +104,10 @@ std::vector<take::CalibrationVersion> WornHeadset::calibrations(const Stage&, co
   return {};
 }
 
-Result<std::unique_ptr<NodeDevices>> WornHeadset::on_network(const Stage& stage, const PlayedMotion&,
+Result<std::unique_ptr<NodeDevices>> WornHeadset::on_network(const Stage&, const PlayedMotion&,
                                                              NodeLanguage) const {
-  if (sensor::kinds_of(stage.rig).size() > 1)
-    return fail(ErrorCode::bad_usage, "no virtual performer has cameras and other sensors on a network",
-                stage.rig.name, "perform them into a take: --take FILE.mien");
   return fail(ErrorCode::bad_usage, "cameras send nothing of themselves, they are asked", rig_.name,
-              "offer their pictures: --to http://HOST:PORT");
+              "offer their pictures, and nothing else: --to http://HOST:PORT");
 }
 
 Result<std::shared_ptr<const WornDevices>> wear_headset(const StageRequest& request, face::Face face,
@@ -141,7 +138,13 @@ Result<std::shared_ptr<const WornDevices>> wear_headset(const StageRequest& requ
 }
 
 const WornHeadset* headset_of(const Stage& stage) {
-  return dynamic_cast<const WornHeadset*>(stage.worn.get());
+  const auto headset_in = [](const std::shared_ptr<const WornDevices>& worn) {
+    return dynamic_cast<const WornHeadset*>(worn.get());
+  };
+  if (const auto* const together = dynamic_cast<const WornTogether*>(stage.worn.get()))
+    for (const WornTogether::Part& part : together->parts())
+      if (const WornHeadset* const headset = headset_in(part.worn)) return headset;
+  return headset_in(stage.worn);
 }
 
 }  // namespace mien::virt

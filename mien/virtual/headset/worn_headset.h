@@ -37,6 +37,7 @@ class WornHeadset final : public WornDevices {
   /// None: what is neutral is known by a model's features of it, and no model belongs to a performer.
   [[nodiscard]] std::vector<take::CalibrationVersion> calibrations(
       const Stage& stage, const VirtualSession& session) const override;
+  [[nodiscard]] bool are_asked() const override { return true; }
   /// Errors: bad_usage, always: cameras send nothing, they are asked.
   [[nodiscard]] Result<std::unique_ptr<NodeDevices>> on_network(const Stage& stage,
                                                                 const PlayedMotion& motion,
@@ -62,7 +63,7 @@ class WornHeadset final : public WornDevices {
                                                                       face::Face face, const Random& root,
                                                                       const Stage& stage);
 
-/// The stage's headset, where its rig has nothing else; else null. Valid as long as the stage's `worn`.
+/// The stage's headset; null where its rig has no cameras. Valid as long as the stage's `worn`.
 [[nodiscard]] const WornHeadset* headset_of(const Stage& stage);
 
 }  // namespace mien::virt

@@ -65,6 +65,18 @@ TEST(HandStudy, MeasuresWhatTheHandDoesWithSoundAndWithout) {
   EXPECT_EQ(sheet->width, 6 * 152);
   EXPECT_EQ(sheet->height, 4 * 152);
   EXPECT_FALSE(hand_sheet({}, 0.5, builtin_face::make_builtin(), ""));
+
+  const face::Face face = builtin_face::make_builtin();
+  auto painter = HandPainter::create(face, "");
+  ASSERT_TRUE(painter) << painter.error().message();
+  const render::Image first = painter->across(person.moments[29]),
+                      second = painter->across(person.moments[30]);
+  EXPECT_EQ(first.width, 4 * 152);
+  EXPECT_EQ(first.height, 152);
+  EXPECT_NE(first.rgb, second.rgb);
+  // As long as the moments, and somebody speaks.
+  EXPECT_NEAR(person.sound.duration_s(), static_cast<double>(person.moments.size()) / 60, 1e-3);
+  EXPECT_GT(std::ranges::max(person.sound.samples), 0.01F);
 }
 
 TEST(HandStudy, RefusesNobodyAndOtherSensors) {

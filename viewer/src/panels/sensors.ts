@@ -203,7 +203,7 @@ class Detail {
       ["Device", link.device || "none"],
       ["Heard from", link.source || "–"],
       ["Clock known to", link.uncertaintyMs === null ? "–" : `±${milliseconds(link.uncertaintyMs)}`],
-      ["Heading known to", link.headingSigmaDeg === null ? "–" : `±${fixed(link.headingSigmaDeg, 1)}°`],
+      ...headingFact(link, camera),
       ["Lost", String(link.lost)],
       ["Late", String(link.late)],
       ["Doubled", String(link.doubled)],
@@ -301,6 +301,12 @@ class UnboundRow {
     const says = one.announces ? `, says it is ${sensorLabel(one.announces)}` : "";
     setText(this.about, `${one.protocol || "unknown protocol"}, heard ${milliseconds(one.ageMs)} ago${says}`);
   }
+}
+
+/** A camera's heading is the headset's own. */
+function headingFact(link: Link, camera: boolean): [string, string][] {
+  if (camera) return [];
+  return [["Heading known to", link.headingSigmaDeg === null ? "–" : `±${fixed(link.headingSigmaDeg, 1)}°`]];
 }
 
 function capital(text: string): string {
