@@ -26,7 +26,8 @@ constexpr float kSeenByOne = 0.6F;
 constexpr float kGuessed = 0.2F;
 
 /// Wider than for IMUs: pictures tell each moment anew and tremble less, so little delay is worth more.
-constexpr tracker::JitterSettings kJitter{.cutoff_hz = 1.5, .beta = 12, .low_pass_hz = 16};
+/// Chosen on wearers whom no page reports (docs/experiments/headset.md#jitter).
+constexpr tracker::JitterSettings kJitter{.cutoff_hz = 1, .beta = 4, .low_pass_hz = 12};
 
 /// Frames in which a face that holds still is shown to a network with a memory: longer than it remembers.
 constexpr int kSettles = 60;

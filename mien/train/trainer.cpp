@@ -176,6 +176,11 @@ class Training {
   Result<void> start() {
     if (options_.from.empty()) {
       weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, recipe_.near_first, *device_);
+      // What is added to an answer begins at nothing: the last layer's weight and bias.
+      if (recipe_.added_to) {
+        const at::NoGradGuard no_gradients;
+        for (auto last = weights_.end() - 2; last != weights_.end(); ++last) last->zero_();
+      }
     } else {
       weights_ = from_tensors(begin_with_, *device_);
       for (torch::Tensor& weight : weights_) weight.requires_grad_();
