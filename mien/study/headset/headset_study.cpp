@@ -234,7 +234,7 @@ HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>&
   score.mouth_mse = region[2] / region_count[2];
   score.blink_f1 = measure::blink_f1(stretches);
   score.closed_f1 = shut.f1();
-  score.wink_f1 = winks.f1();
+  if (winks.is > 0) score.wink_f1 = winks.f1();
   score.lips_f1 = lips.f1();
   std::ranges::sort(gaze_deg);
   if (!gaze_deg.empty()) {
