@@ -13,7 +13,7 @@
 namespace mien::headset {
 
 /// What a session's networks multiply in: half of fp32's time and a quarter of the memory that each frame
-/// reads. What it costs: docs/experiments/headset.md#precision.
+/// reads. What it costs: docs/experiments/headset.md, "Precision".
 inline constexpr model::Precision kHeadsetPrecision = model::Precision::int8;
 
 /// A network of pictures as a session uses it, by which its tracker and the reduction of its pictures are
