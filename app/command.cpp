@@ -147,20 +147,27 @@ Progress terminal_progress(std::string title) {
     std::string title;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     std::chrono::steady_clock::time_point last = start;  // Work that fails at once says only why.
+    double begun = 0, fraction = 0;  // Of this stage, at its first report; at the last one.
   };
   auto shown = std::make_shared<Shown>();
   shown->title = std::move(title);
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
   return [shown, terminal](double fraction, std::string_view what) {
     const auto now = std::chrono::steady_clock::now();
+    if (fraction < shown->fraction || shown->fraction >= 1) {  // Another stage begins.
+      shown->start = now;
+      shown->begun = fraction;
+    }
+    shown->fraction = fraction;
     const double since_s = std::chrono::duration<double>(now - shown->last).count();
     const bool end = fraction >= 1.0;
     if (end || since_s > (terminal ? 0.2 : 10.0)) {
       shown->last = now;
       const double spent_s = std::chrono::duration<double>(now - shown->start).count();
-      const std::string left = end               ? "took " + clock_text(spent_s)
-                               : fraction > 0.01 ? clock_text(spent_s * (1 - fraction) / fraction) + " left"
-                                                 : "";
+      const double done = fraction - shown->begun;
+      const std::string left = end           ? "took " + clock_text(spent_s)
+                               : done > 0.01 ? clock_text(spent_s * (1 - fraction) / done) + " left"
+                                             : "";
       if (terminal) line_is_open = !end;
       if (terminal)
         fmt::print(stderr, "\r\x1b[K{}: {:3.0f} %  {}  {}{}", shown->title, 100 * fraction, what, left,

@@ -60,7 +60,8 @@ class Commands {
 [[nodiscard]] std::vector<std::string> command_names(const Command& command);
 
 /// Shows progress and time left on stderr when it is a terminal, else a line every few seconds; Ctrl-C
-/// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it.
+/// (or SIGTERM, or the terminal going away) asks the work to stop. `title` stands before it. A share of the
+/// work below the last one begins another stage, whose time is counted anew.
 [[nodiscard]] Progress terminal_progress(std::string title);
 
 /// Set when Ctrl-C (or SIGTERM, or the terminal going away) asked to stop; for work that has no end of its

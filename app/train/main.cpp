@@ -32,9 +32,6 @@ struct TrainArguments {
   bool json = false;
 };
 
-/// Data generation is shown as this share of the whole.
-constexpr double kDataShare = 0.1;
-
 Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
   MIEN_TRY_ASSIGN(const train::Recipe recipe, train::parse_recipe(text, arguments.recipe));
@@ -47,7 +44,6 @@ Result<void> run_train(const TrainArguments& arguments) {
 
   std::filesystem::path films = arguments.films;
   if (films.empty()) films = std::filesystem::path(arguments.out).replace_extension(".films");
-  const Progress shown = app::terminal_progress("training");
   MIEN_TRY_ASSIGN(const std::unique_ptr<train::Task> task,
                   train::make_task(recipe,
                                    {.where = arguments.recipe,
@@ -57,13 +53,9 @@ Result<void> run_train(const TrainArguments& arguments) {
                                     .speaker = app::speaker_by_helper(),
                                     .films = films,
                                     .views = arguments.views},
-                                   [&](double part, std::string_view what) {
-                                     return shown(kDataShare * part * 0.999, what);
-                                   }));
+                                   app::terminal_progress("data")));
   MIEN_TRY_ASSIGN(const train::TrainReport report,
-                  train::train(*task, options, [&](double part, std::string_view what) {
-                    return shown(kDataShare + (1 - kDataShare) * part, what);
-                  }));
+                  train::train(*task, options, app::terminal_progress("training")));
   if (!report.replaced)
     fmt::print(stderr, "mien-train: {} is better and stays; the new model is {}\n", options.out.string(),
                report.model.string());

@@ -25,7 +25,7 @@ struct GazeMap {
   }
   /// The answer's directions so, held to 1.1 rad.
   void correct(Answer& answer) const;
-  /// The map that leaves ahead where it is found: of this one the gains alone.
+  /// Of this one the gains alone: an offset is of the neutral and the seat in which it was learnt.
   [[nodiscard]] GazeMap gains() const;
   bool operator==(const GazeMap&) const = default;
 };

@@ -27,7 +27,7 @@ constexpr float kGuessed = 0.2F;
 
 /// Wider than for IMUs: pictures tell each moment anew and tremble less, so little delay is worth more.
 /// Chosen on wearers whom no page reports (docs/experiments/headset.md#jitter).
-constexpr tracker::JitterSettings kJitter{.cutoff_hz = 1, .beta = 4, .low_pass_hz = 12};
+constexpr tracker::JitterSettings kJitter{.cutoff_hz = 1, .beta = 2, .low_pass_hz = 12};
 
 /// Frames in which a face that holds still is shown to a network with a memory: longer than it remembers.
 constexpr int kSettles = 60;
@@ -165,6 +165,7 @@ void HeadsetTracker::change_view(std::uint16_t sensor, const sensor::PictureView
 
 void HeadsetTracker::forget_moments() {
   if (state_) state_->reset();
+  confidence_gain_.reset();
   jitter_filter_.reset();
 }
 
@@ -209,6 +210,7 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
   if (result.sensors_present > 0) {
     // A hold is judged by what is seen without the neutral before it.
     ask(moment_, in_force_ && !hold_ ? in_force_->neutral.rest : kUnknown, state_ ? &*state_ : nullptr);
+    judge();
     answer = decode_answer(std::span(outputs_).first<kAnswerOutputs>());
   } else {
     forget_moments();
@@ -219,7 +221,10 @@ tracker::TickResult HeadsetTracker::tick(DeviceTime frame, const sensor::TimeLin
   lead_gaze(frame, answer, result);
   if (result.sensors_present == 0) return result;
   if (corrects && in_force_->gaze) in_force_->gaze->correct(answer);
-  if (state_) jitter_filter_.apply(answer.weights);
+  if (state_) {
+    confidence_gain_.apply(judged_.regions, answer);
+    jitter_filter_.apply(answer.weights);
+  }
   write(answer, out);
   result.explained = out.confidence;  // Nobody measured more; the merge must know who sees what.
   return result;
@@ -229,11 +234,7 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
   const Present& present = moment_.present;
   out.weights = answer.weights;
   out.tongue_out = answer.tongue_out;
-  if (model_->memory() != nullptr) {
-    const std::span<const float> logits = std::span(outputs_).subspan(kAnswerOutputs);
-    for (std::size_t r = 0; r < face::kShapeRegionCount; ++r)
-      out.region_confidence[r] = model_->probability(r, logits[r]);
-  }
+  out.region_confidence = judged_.regions;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     out.confidence[k] = confidence_of(k, present);
     // Where the eyes look is told by their directions, which the lids follow (shaping::Lids).
@@ -246,8 +247,7 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
   std::array<float, 2> seen{};
   for (std::size_t e = 0; e < seen.size(); ++e)
     if (present[e])
-      seen[e] =
-          gaze_confidence() * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
+      seen[e] = judged_.gaze * std::clamp((answer.openness[e] - kClosed) / (kOpen - kClosed), 0.0F, 1.0F);
   const bool sees = seen[0] > 0 || seen[1] > 0;
   if (sees) {
     last_eyes_rad_.emplace();
@@ -262,9 +262,13 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
   out.eyes_provenance = sees ? Provenance::measured : Provenance::held;
 }
 
-float HeadsetTracker::gaze_confidence() const {
-  if (model_->memory() == nullptr) return kSeen;
-  return model_->probability(kGazeJudgement, outputs_[kAnswerOutputs + kGazeJudgement]);
+void HeadsetTracker::judge() {
+  judged_ = {.regions = {}, .gaze = kSeen};
+  if (model_->memory() == nullptr) return;
+  const std::span<const float> logits = std::span(outputs_).subspan(kAnswerOutputs);
+  for (std::size_t r = 0; r < judged_.regions.size(); ++r)
+    judged_.regions[r] = model_->probability(r, logits[r]);
+  judged_.gaze = model_->probability(kGazeJudgement, logits[kGazeJudgement]);
 }
 
 NeutralFace HeadsetTracker::make_neutral() {
@@ -367,7 +371,7 @@ void HeadsetTracker::lead_gaze(DeviceTime frame, const Answer& answer, tracker::
   }
   if (!gaze_learner_.asks() || !in_force_ || hold_ || result.sensors_present == 0) return;
   GazeLearner::Found found;
-  if (gaze_confidence() >= kLeastGazeConfidence)
+  if (judged_.gaze >= kLeastGazeConfidence)
     for (std::size_t e = 0; e < found.size(); ++e)
       if (moment_.present[e] && answer.openness[e] >= kOpen)
         found[e] = Eigen::Vector2f(answer.gaze_rad[2 * e], answer.gaze_rad[2 * e + 1]);

@@ -10,6 +10,7 @@
 
 #include "mien/core/error.h"
 #include "mien/headset/answer.h"
+#include "mien/headset/confidence_gain.h"
 #include "mien/headset/feature_record.h"
 #include "mien/headset/feature_reducer.h"
 #include "mien/headset/gaze_learner.h"
@@ -30,7 +31,8 @@ namespace mien::headset {
 /// model's memory, or moment by moment where it has none. Pictures that come as such it reduces itself, to
 /// the same bits. A camera whose newest picture is older than kPresent, or stands still (FrozenPictures), is
 /// missing: the network knows a token for that. Frames without any camera are forgotten, and so is what was
-/// before them. A memory's weights pass the filter that all causal networks' do (tracker::JitterFilter).
+/// before them. A memory's weights follow what is found as far as it is sure of it (ConfidenceGain), and pass
+/// the filter that all causal networks' do (tracker::JitterFilter).
 ///
 /// It answers without a calibration too. Confidence of regions and of the eyes' directions is the memory's
 /// judgement (HeadsetModel::probability); a shape has its region's, less where the camera that sees its side
@@ -39,7 +41,7 @@ namespace mien::headset {
 /// predicted. Eye directions are those last seen while both lids are closed. No head.
 ///
 /// What targets taught of the eyes' directions (GazeLearner) belongs to the neutral that they were read
-/// against. A later neutral keeps its gains, and finds anew where ahead is.
+/// against. A later neutral keeps its gains, and drops its offset.
 ///
 /// No allocation in add and tick, but where a calibration is made.
 class HeadsetTracker final : public tracker::Tracker {
@@ -111,8 +113,6 @@ class HeadsetTracker final : public tracker::Tracker {
   void lead(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
   /// A step of what targets teach, with the answer that the neutral corrected; the event that it ends with.
   void lead_gaze(DeviceTime frame, const Answer& answer, tracker::TickResult& result);
-  /// How sure the network is of the eyes' directions.
-  [[nodiscard]] float gaze_confidence() const;
   /// Guidance goes on until then at least; what was in force before it is kept.
   void guide_until(DeviceTime end);
   /// Of what was gathered in a hold.
@@ -121,6 +121,8 @@ class HeadsetTracker final : public tracker::Tracker {
   [[nodiscard]] bool is_complete(const Present& present) const;
   /// Adds a score for each eye camera: whether it shows an eye as it should, or mirrored.
   void judge_mirrored(NeutralFace& neutral) const;
+  /// How sure the network is of what it has just been asked, into judged_.
+  void judge();
   void write(const Answer& answer, face::OutputFrame& out);
 
   std::shared_ptr<const HeadsetModel> model_;
@@ -130,9 +132,17 @@ class HeadsetTracker final : public tracker::Tracker {
   std::vector<std::byte> reduced_;  // Of a picture that came as such.
   MomentFeatures moment_;
   std::optional<model::CausalNetwork::State> state_;
-  tracker::JitterFilter jitter_filter_;  // Behind a memory.
-  std::vector<float> condition_;         // What the network reads of the moment.
+  // Behind a memory.
+  ConfidenceGain confidence_gain_;
+  tracker::JitterFilter jitter_filter_;
+  std::vector<float> condition_;  // What the network reads of the moment.
   std::array<float, kMemoryOutputs> outputs_{};
+  /// How sure a memory is of the frame: of each region, and of the eyes' directions; without one kSeen of the
+  /// latter.
+  struct Judged {
+    ConfidenceGain::Confidence regions{};
+    float gaze = 0;
+  } judged_;
 
   std::optional<WearerCalibration> in_force_, before_;
   NeutralMaker maker_;

@@ -1,6 +1,7 @@
 #include "mien/headset/moment_features.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mien::headset {
 
@@ -32,7 +33,16 @@ void read_moment(const model::ViewsNetwork& network, const MomentFeatures& momen
 
 void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs) {
   const std::span<const float> answer = condition.last(kAnswerOutputs);
-  for (std::size_t i = 0; i < answer.size(); ++i) outputs[i] += answer[i];
+  std::array<float, kJudgements> wrong{};
+  for (std::size_t j = 0; j < wrong.size(); ++j) wrong[j] = 1 / (1 + std::exp(outputs[kAnswerOutputs + j]));
+  for (std::size_t i = 0; i < answer.size(); ++i)
+    outputs[i] = answer[i] + wrong[judgement_of(i)] * outputs[i];
+}
+
+std::size_t judgement_of(std::size_t output) {
+  if (output < face::kShapeCount) return static_cast<std::size_t>(face::kShapeRegions[output]);
+  if (output == kTongueOutput) return static_cast<std::size_t>(face::ShapeRegion::jaw);
+  return output < kOpennessOutput ? kGazeJudgement : static_cast<std::size_t>(face::ShapeRegion::eyes);
 }
 
 const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs() {

@@ -49,16 +49,20 @@ void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, 
 void read_moment(const model::ViewsNetwork& network, const MomentFeatures& moment, const RestFeatures& rest,
                  model::ViewsNetwork::Workspace& workspace, std::span<float> condition);
 
-/// What a memory answers: what it adds to the moment's kAnswerOutputs (headset/answer.h), then of each region
-/// of shapes and of the gaze the logit of the probability that the sum is right: that nothing hides the
-/// region and the mean absolute error of its shapes is at most 0.1 (docs/reference/metrics.md), that of the
-/// eyes' angles at most 0.1 rad.
+/// What a memory answers: what it would add to the moment's kAnswerOutputs (headset/answer.h), then of each
+/// region of shapes and of the gaze the logit of the probability that the answer is right: that nothing hides
+/// the region and the mean absolute error of its shapes is at most 0.1 (docs/reference/metrics.md), that of
+/// the eyes' angles at most 0.1 rad. It adds as much of it as it doubts: nothing where that is surely right.
 inline constexpr std::size_t kGazeJudgement = face::kShapeRegionCount;
 inline constexpr std::size_t kJudgements = kGazeJudgement + 1;
 inline constexpr std::size_t kMemoryOutputs = kAnswerOutputs + kJudgements;
 inline constexpr float kRightWeight = 0.1F, kRightGaze_rad = 0.1F;
-/// Makes answers of a memory's outputs: adds those of the moment's condition.
+/// Makes answers of a memory's outputs: each is the moment's of the condition, and what is added to it times
+/// the probability that its judgement gives to being wrong.
 void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs);
+/// The judgement that doubts an output: its shape's region's; of the tongue the jaw's, of lids' gaps and
+/// pupils the eyes'.
+[[nodiscard]] std::size_t judgement_of(std::size_t output);
 /// The answer's outputs that a judgement is about: the region's shapes.
 [[nodiscard]] const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs();
 /// The error of such an output that is right, in the outputs' range.

@@ -26,7 +26,13 @@ constexpr double kRestless = 0.04;
 constexpr double kNotAtRest = 0.5;
 
 float beyond_rest(float weight, float at_rest) {
-  return std::clamp((weight - at_rest) / (1 - at_rest), 0.0F, 1.0F);
+  const float unusual = std::max(0.0F, at_rest - NeutralFace::kUsualAtRest);
+  return std::clamp((weight - unusual) / (1 - unusual), 0.0F, 1.0F);
+}
+
+float unusual_gaze(float at_rest_rad) {
+  const float usual_rad = std::clamp(at_rest_rad, -NeutralFace::kUsualGaze_rad, NeutralFace::kUsualGaze_rad);
+  return at_rest_rad - usual_rad;
 }
 
 /// An array of so many numbers within a range.
@@ -70,7 +76,7 @@ void NeutralFace::correct(Answer& answer) const {
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
     answer.weights[k] = beyond_rest(answer.weights[k], weights[k]);
   answer.tongue_out = beyond_rest(answer.tongue_out, tongue_out);
-  for (std::size_t i = 0; i < gaze_rad.size(); ++i) answer.gaze_rad[i] -= gaze_rad[i];
+  for (std::size_t i = 0; i < gaze_rad.size(); ++i) answer.gaze_rad[i] -= unusual_gaze(gaze_rad[i]);
   for (std::size_t e = 0; e < openness.size(); ++e)
     answer.openness[e] = std::min(answer.openness[e] / openness[e], kMostOpenness);
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,12 +15,18 @@
 namespace mien::headset {
 
 /// A wearer who looks ahead with a relaxed face: what a network finds there, which it reads later views
-/// against, and what it still answers of that itself, which is taken off.
+/// against, and what it still answers of that itself, of which is taken off what is unusual.
 struct NeutralFace {
   /// What a weight can be at rest at most. Where the network takes a face at rest for more, what it says is
   /// hardly worth a stretch: raising would let a tenth of a shape look like half of it.
   static constexpr float kMostAtRest = 0.6F;
   static constexpr float kLeastOpenness = 0.3F;
+  /// Up to this much an answer of a face at rest is left as it is. A network leans towards its mean there,
+  /// and not where the face moves: what is taken off at rest would be missing in motion. Raising: the face at
+  /// rest shows more of what is not there; lowering: a moving one less of what is. Chosen on wearers whom no
+  /// page reports (docs/experiments/headset.md, "What is taken off at rest").
+  static constexpr float kUsualAtRest = 0.1F;
+  static constexpr float kUsualGaze_rad = 3 * std::numbers::pi_v<float> / 180;
 
   std::vector<std::string> cameras;     ///< Of the rig, by name.
   face::BlendshapeWeights weights;      ///< 0 to kMostAtRest.
@@ -31,8 +38,8 @@ struct NeutralFace {
   std::vector<sensor::Score> scores;
   bool operator==(const NeutralFace&) const = default;
 
-  /// The answer as the wearer means it: of each weight the way from rest to 1, gaze less its own at rest,
-  /// openness as a share of that at rest, to 1.5.
+  /// The answer as the wearer means it: of each weight the way to 1 from what is unusual of it at rest, gaze
+  /// less what is unusual of it there, openness as a share of that at rest, to 1.5.
   void correct(Answer& answer) const;
   /// What it corrects by: the answer of the face at rest, each held to what it can be.
   void correct_by(const Answer& at_rest);

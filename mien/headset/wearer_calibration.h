@@ -12,7 +12,7 @@ namespace mien::headset {
 
 /// What is known of one wearer: the face at rest, and where it was learnt what to make of the eyes'
 /// directions that are found beside it. It corrects in that order: the map reads directions that the
-/// neutral's own were taken off.
+/// neutral corrected.
 struct WearerCalibration {
   NeutralFace neutral;
   std::optional<GazeMap> gaze;

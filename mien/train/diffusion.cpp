@@ -52,9 +52,16 @@ torch::Tensor NoiseMixer::mix(const DeviceBatch& batch, const torch::Tensor& noi
 torch::Tensor answer_at_once(const Recipe& recipe, const Parameters& parameters,
                              const torch::Tensor& condition, const Pass& pass) {
   const torch::Tensor outputs = predict_at_once(recipe.architecture, parameters, condition, pass);
-  if (!recipe.added_to) return outputs;
+  if (!recipe.addition) return outputs;
   const auto judged = static_cast<std::int64_t>(recipe.judgements.size()), answers = outputs.size(2) - judged;
-  return outputs + torch::constant_pad_nd(condition.narrow(2, *recipe.added_to, answers), {0, judged});
+  const torch::Tensor judgements = outputs.narrow(2, answers, judged);
+  // The judgements learn whether the answer is right, not to make it so.
+  const torch::Tensor wrong =
+      torch::sigmoid(judgements.detach().neg())
+          .index_select(2, torch::tensor(recipe.addition->doubted_by).to(outputs.device()));
+  return torch::cat(
+      {condition.narrow(2, recipe.addition->to, answers) + wrong * outputs.narrow(2, 0, answers), judgements},
+      2);
 }
 
 torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor& clean) {
@@ -93,7 +100,12 @@ torch::Tensor judgement_loss(const Recipe& recipe, const torch::Tensor& predicte
 torch::Tensor answer_loss(const Recipe& recipe, const torch::Tensor& predicted, const DeviceBatch& batch) {
   const torch::Tensor difference =
       difference_of(answers_of(recipe, predicted), answers_of(recipe, batch.clean));
-  const torch::Tensor error = error_of(recipe.loss, difference);
+  torch::Tensor error = error_of(recipe.loss, difference);
+  if (recipe.gaze_weight != 1 && !recipe.gaze_outputs.empty()) {
+    const torch::Tensor weights = torch::ones({error.size(2)}, error.options());
+    weights.index_fill_(0, torch::tensor(recipe.gaze_outputs).to(error.device()), recipe.gaze_weight);
+    error = error * weights;
+  }
   if (recipe.difference_weight > 0) {
     torch::Tensor change = difference.slice(1, 1) - difference.slice(1, 0, -1);
     if (!recipe.quick_outputs.empty())

@@ -42,6 +42,11 @@ std::array<float, kAnswerOutputs> answer_of(const study::FilmTruth& truth) {
   return wanted;
 }
 
+std::vector<std::int64_t> gaze_outputs() {
+  constexpr auto kFirst = static_cast<std::int64_t>(headset::kGazeOutput);
+  return {kFirst, kFirst + 1, kFirst + 2, kFirst + 3};
+}
+
 std::array<float, kAnswerOutputs> mirrored_answer(const std::array<float, kAnswerOutputs>& answer) {
   std::array<float, kAnswerOutputs> mirrored{};
   for (std::size_t i = 0; i < kAnswerOutputs; ++i) {

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/headset/answer.h"
@@ -31,7 +33,9 @@ using FilmPlaces = std::array<FilmPlace, model::kViews>;
 
 /// What a network should answer, in its outputs' range; NaN: gaze and pupil of an eye that is shut.
 [[nodiscard]] std::array<float, headset::kAnswerOutputs> answer_of(const study::FilmTruth& truth);
-/// The same of the mirrored face.
+/// Where the eyes' directions stand.
+[[nodiscard]] std::vector<std::int64_t> gaze_outputs();
+/// answer_of() of the mirrored face.
 [[nodiscard]] std::array<float, headset::kAnswerOutputs> mirrored_answer(
     const std::array<float, headset::kAnswerOutputs>& answer);
 

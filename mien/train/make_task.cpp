@@ -100,7 +100,12 @@ Result<std::unique_ptr<Task>> make_task(Recipe recipe, const TaskSource& source,
                 "rig " + source.rig.name,
                 fmt::format("use a rig of the kind {}",
                             fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
-  return modality->make(std::move(recipe), source, progress);
+  const bool weighs_gaze = recipe.gaze_weight != 1;
+  MIEN_TRY_ASSIGN(std::unique_ptr<Task> task, modality->make(std::move(recipe), source, progress));
+  if (weighs_gaze && task->recipe().gaze_outputs.empty())
+    return fail(ErrorCode::bad_usage, "what is learnt here tells no directions of eyes", source.where,
+                "leave optimiser.gaze_weight away");
+  return task;
 }
 
 }  // namespace mien::train

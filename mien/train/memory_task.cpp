@@ -48,6 +48,10 @@ constexpr double kLatest = 0.6;
 /// there; then of each view.
 constexpr double kHidden = 0.6, kHalfHidden = 0.6, kViewHidden = 0.85;
 
+/// A validation frame of what is seen counts as so many where judgements become probabilities: half of the
+/// donnings are hidden for a while, so that much is learnt of it, but hardly a seventh of a session's.
+constexpr int kSeenCounts = 4;
+
 /// Of each view of half a face, hidden by more than this share, that half cannot be seen.
 constexpr double kBlind = 0.5;
 
@@ -168,7 +172,11 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
   const std::size_t count = views.architecture.features;
   recipe.architecture.condition = headset::moment_condition(count);
   recipe.architecture.outputs = headset::kMemoryOutputs;
-  recipe.added_to = static_cast<std::int64_t>(headset::moment_answer(count));
+  recipe.gaze_outputs = gaze_outputs();
+  Recipe::Addition& addition = recipe.addition.emplace();
+  addition.to = static_cast<std::int64_t>(headset::moment_answer(count));
+  for (std::size_t output = 0; output < kAnswerOutputs; ++output)
+    addition.doubted_by.push_back(static_cast<std::int64_t>(headset::judgement_of(output)));
   MIEN_TRY(model::check(recipe.architecture));
   for (std::size_t j = 0; j < headset::kJudgements; ++j) {
     Recipe::Judgement& judgement = recipe.judgements.emplace_back();
@@ -399,10 +407,11 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
   std::array<float, headset::kMemoryOutputs> outputs{};
   std::array<float, kAnswerOutputs> wanted{};
   struct Judged {
-    bool fits = false;  // Of a wearer that the maps are fitted on.
+    std::size_t half = 0;  // Every second wearer.
     std::size_t judgement = 0;
     float logit = 0;
     bool hit = false;
+    int counts = 1;
   };
   std::vector<Judged> judged;
   double squares = 0, mean_squares = 0, moment_squares = 0, weights = 0, hits = 0, told = 0, shut = 0,
@@ -456,11 +465,13 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
           sum += std::abs(std::clamp(double{outputs[i]}, -1.0, 1.0) - double{wanted[i]});
           ++count;
         }
-        judged.push_back({.fits = s.film % 2 == 0,
-                          .judgement = j,
-                          .logit = outputs[kAnswerOutputs + j],
-                          .hit = is_visible(s, frame, j) && count > 0 &&
-                                 sum <= count * double{headset::right_output_error(j)}});
+        const bool visible = is_visible(s, frame, j);
+        judged.push_back(
+            {.half = s.film % 2,
+             .judgement = j,
+             .logit = outputs[kAnswerOutputs + j],
+             .hit = visible && count > 0 && sum <= count * double{headset::right_output_error(j)},
+             .counts = visible ? kSeenCounts : 1});
       }
     }
     for (std::size_t f = 3; f < answered.size(); ++f)
@@ -486,21 +497,32 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
       ++eyes[is ? 1 : 0];
       said[is ? 1 : 0] += log_odds > headset::kSurelyMirrored ? 1 : 0;
     }
-  std::array<study::LogisticFit, headset::kJudgements> fits;
+  // The model's by all wearers; each half is judged by what the other half alone would have made.
+  std::array<study::LogisticFit, headset::kJudgements> all;
+  std::array<std::array<study::LogisticFit, headset::kJudgements>, 2> halves;
   for (const Judged& one : judged)
-    if (one.fits) fits[one.judgement].add(one.logit, one.hit);
-  for (std::size_t j = 0; j < fits.size(); ++j) made.judgements[j] = fits[j].solve();
+    for (int n = 0; n < one.counts; ++n) {
+      all[one.judgement].add(one.logit, one.hit);
+      halves[one.half][one.judgement].add(one.logit, one.hit);
+    }
+  std::array<std::array<model::LogisticMap, headset::kJudgements>, 2> others;
+  for (std::size_t j = 0; j < headset::kJudgements; ++j) {
+    made.judgements[j] = all[j].solve();
+    for (std::size_t half = 0; half < 2; ++half) others[half][j] = halves[1 - half][j].solve();
+  }
   std::array<study::Reliability, headset::kJudgements> reliability;
   std::array<study::RocArea, headset::kJudgements> roc;
   for (const Judged& one : judged) {
-    if (one.fits) continue;
-    const float p = made.judgements[one.judgement].at(one.logit);
-    reliability[one.judgement].add(p, one.hit);
+    const float p = others[one.half][one.judgement].at(one.logit);
+    for (int n = 0; n < one.counts; ++n) reliability[one.judgement].add(p, one.hit);
     roc[one.judgement].add(p, one.hit);
   }
   nlohmann::json judgements = nlohmann::json::array();
+  // Where all wearers are of one half nothing judges them.
+  const bool apart = halves[0][0].frames() > 0 && halves[1][0].frames() > 0;
   for (std::size_t j = 0; j < headset::kJudgements; ++j)
-    judgements.push_back({{"ece", reliability[j].expected_error()}, {"auc", roc[j].area()}});
+    judgements.push_back({{"ece", apart ? nlohmann::json(reliability[j].expected_error()) : nlohmann::json()},
+                          {"auc", apart ? nlohmann::json(roc[j].area()) : nlohmann::json()}});
   std::ranges::sort(gaze_deg);
   return nlohmann::json{{"headset",
                          {{"mse", squares / std::max(1.0, weights)},

@@ -41,8 +41,8 @@ class MemoryTask final : public Task {
   /// "headset": over validation, frame by frame after the rest: squared error of the weights beside the mean
   /// answer's and that of the network of pictures alone, the gaze's median error and its 90th percentile, how
   /// well closed lids are told, how restless the answer is (third differences over the truth's), and of the
-  /// judgements, fitted on half of the wearers, calibration error and area under the ROC on the other half;
-  /// and how well eyes that are shown mirrored are told.
+  /// judgements calibration error and area under the ROC of each half of the wearers with what was fitted on
+  /// the other (the model's own are fitted on all); and how well eyes that are shown mirrored are told.
   [[nodiscard]] Result<std::string> assess(std::span<const model::Tensor> network,
                                            const Progress& progress) override;
   [[nodiscard]] Result<void> write(const std::filesystem::path& path,

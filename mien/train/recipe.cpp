@@ -158,6 +158,9 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   if (const auto loss = o.choice("loss", {"l1", "l2", "points"}))
     r.loss = *loss == "l1" ? LossKind::l1 : *loss == "l2" ? LossKind::l2 : LossKind::points;
   if (causal) o.number("difference_weight", r.difference_weight, 0, 1e6);
+  if (r.architecture.kind == model::NetworkKind::views) o.flag("muon", r.muon);
+  if (causal || r.architecture.kind == model::NetworkKind::views)
+    o.number("gaze_weight", r.gaze_weight, 0, 1e6);
   MIEN_TRY(o.finish());
 
   Section s(noise, "noise.", where);

@@ -47,9 +47,16 @@ struct Recipe {
     double most_error = 0;
   };
   std::vector<Judgement> judgements;
-  /// Filled in by tasks whose network adds to what it reads: where in its condition stand as many numbers as
-  /// are asked for, which its first outputs are added to.
-  std::optional<std::int64_t> added_to;
+  /// Filled in by tasks whose network adds to what it reads as much as it doubts that: where in its condition
+  /// stand as many numbers as are asked for, which its first outputs are added to, and of each the judgement
+  /// by whose probability of being wrong it is multiplied first.
+  struct Addition {
+    std::int64_t to = 0;
+    std::vector<std::int64_t> doubted_by;
+  };
+  std::optional<Addition> addition;
+  /// Filled in by tasks: answers whose error counts `gaze_weight` times.
+  std::vector<std::int64_t> gaze_outputs;
   /// Filled in by tasks: answers that difference_weight leaves out, since they change as fast as lids do.
   std::vector<std::int64_t> quick_outputs;
 
@@ -58,6 +65,8 @@ struct Recipe {
 
   // [optimiser]
   double learning_rate = 2e-4;
+  /// Networks of views: their backbones' matrices are stepped by Muon, all else by Adam.
+  bool muon = false;
   std::size_t batch = 64;           ///< Windows a step.
   std::size_t warm_up_steps = 200;  ///< The rate rises from zero over these.
   bool cosine_decay = true;         ///< The rate falls to a hundredth along a half cosine over the budget.
@@ -69,6 +78,9 @@ struct Recipe {
   /// Causal networks: weight of the error of the change from frame to frame, which keeps an answer as calm as
   /// the truth is. Changes are small, so weights of 1 to 100 make sense.
   double difference_weight = 0;
+  /// Headsets' networks: weight of the error of the eyes' directions, whose numbers are small beside weights.
+  /// Raising: gaze is learnt sooner, all else later. Scores of validation count every answer once.
+  double gaze_weight = 1;
 
   // [noise]
   model::ScheduleSettings schedule;

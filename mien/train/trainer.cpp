@@ -177,7 +177,7 @@ class Training {
     if (options_.from.empty()) {
       weights_ = fresh_parameters(recipe_.architecture, recipe_.seed, recipe_.near_first, *device_);
       // What is added to an answer begins at nothing: the last layer's weight and bias.
-      if (recipe_.added_to) {
+      if (recipe_.addition) {
         const at::NoGradGuard no_gradients;
         for (auto last = weights_.end() - 2; last != weights_.end(); ++last) last->zero_();
       }
@@ -187,7 +187,7 @@ class Training {
     }
     // A standing network's normalisation is folded into its weights, and stays as it was.
     batch_norm_ = recipe_.architecture.kind == model::NetworkKind::views && options_.from.empty();
-    adam_.emplace(weights_);
+    adam_.emplace(weights_, recipe_.muon ? matrices_of_backbones(recipe_.architecture) : std::vector<bool>());
     average_.emplace(weights_);
     state_.run = run_;
     state_.curve = kCurveHead;

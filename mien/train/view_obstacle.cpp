@@ -13,6 +13,8 @@ constexpr double kLatest = 0.7, kShortest = 0.15, kLongest = 0.6;
 constexpr double kLeastAxis = 0.3, kMostAxis = 1.0, kMostEdge = 0.15;
 constexpr double kMostWay = 0.01;  ///< One sigma, a frame.
 constexpr double kMostContrast = 90;
+/// From this level on glare shows nothing of what it falls on.
+constexpr std::uint8_t kSaturated = 250;
 
 /// Between the texture's knots; u and v in [0, 1].
 float texture_at(const ViewObstacle& obstacle, float u, float v) {
@@ -69,12 +71,12 @@ double show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<
       const float inside = 1 - std::hypot((c * x + s * y) / along, (c * y - s * x) / across);
       const float cover = std::clamp(0.5F + inside * sharpness, 0.0F, 1.0F);
       if (cover <= 0) continue;
-      if (!obstacle.is_glare) hidden += double{cover};
       std::uint8_t& pixel = view[static_cast<std::size_t>(row * side + column)];
       const float shown = texture_at(obstacle, u, v), was = pixel;
       const float is =
           obstacle.is_glare ? was * (1 + cover * (gain - 1)) + cover * shown : std::lerp(was, shown, cover);
       pixel = static_cast<std::uint8_t>(std::clamp(is + 0.5F, 0.0F, 255.0F));
+      if (!obstacle.is_glare || pixel >= kSaturated) hidden += double{cover};
     }
   return hidden / (side * side);
 }

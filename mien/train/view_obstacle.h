@@ -16,7 +16,7 @@ struct ViewObstacle {
   static constexpr std::size_t kGrid = 6;  ///< Knots of the texture, either way.
 
   std::size_t begin = 0, end = 0;  ///< Frames [begin, end) in which it is there.
-  bool is_glare = false;           ///< Light that is added, instead of something that hides.
+  bool is_glare = false;           ///< Light that is added; it hides where it saturates.
   // An ellipse; lengths are shares of the view's side, from its left upper corner.
   double x = 0.5, y = 0.5, dx = 0, dy = 0;  ///< Middle at `begin`, and its way a frame.
   double long_axis = 1, short_axis = 1, turn_rad = 0;
@@ -28,7 +28,7 @@ struct ViewObstacle {
 /// One that is there for part of `frames`.
 [[nodiscard]] ViewObstacle draw_obstacle(std::size_t frames, Random& random);
 /// Changes `view` (side x side, grey) where the obstacle is in that frame. Returns the share of it that is
-/// hidden, which glare does not do.
+/// hidden, by glare where it saturates.
 double show_obstacle(const ViewObstacle& obstacle, std::size_t frame, std::span<std::uint8_t> view, int side);
 
 }  // namespace mien::train

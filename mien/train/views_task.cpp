@@ -107,6 +107,7 @@ Result<std::unique_ptr<ViewsTask>> ViewsTask::create(Recipe recipe, study::Heads
     return fail(ErrorCode::bad_usage, "a headset's network is one of pictures", "[network] architecture",
                 "write architecture = \"views\"");
   recipe.architecture.outputs = kAnswerOutputs;
+  recipe.gaze_outputs = gaze_outputs();
   MIEN_TRY(model::check(recipe.architecture));
   MIEN_TRY_ASSIGN(const FilmPlaces places, film_places(films, rig, recipe.architecture.side));
   auto task = std::unique_ptr<ViewsTask>(new ViewsTask(std::move(recipe), std::move(films)));

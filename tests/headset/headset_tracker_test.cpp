@@ -38,7 +38,8 @@ TEST(HeadsetTracker, AnswersWhatItsNetworkDoesWithoutACalibrationToo) {
   EXPECT_TRUE(worn.tracker->calibration().empty());
 }
 
-/// A model that answers and judges the same whatever it reads; half of the jaw is what its memory adds.
+/// A model that answers and judges the same whatever it reads; half of the jaw is what its memory would
+/// add.
 std::shared_ptr<const HeadsetModel> constant_memory(const Answer& answer, float logit) {
   Answer half = answer;
   half.weights[kJaw] = 0.5F * answer.weights[kJaw];
@@ -60,7 +61,8 @@ TEST(HeadsetTracker, AMemoryJudgesItsAnswers) {
   Worn sure(constant_memory(telling_answer(), 2)), unsure(constant_memory(telling_answer(), -2));
   sure.run(0.2);
   unsure.run(0.2);
-  EXPECT_NEAR(sure.frame.weights[kJaw], 0.5, 1e-5);
+  EXPECT_NEAR(sure.frame.weights[kJaw], 0.25 + 0.1192 * 0.25, 1e-3) << "as much as it doubts";
+  EXPECT_NEAR(unsure.frame.weights[kJaw], 0.25 + 0.8808 * 0.25, 1e-3);
   for (const float confidence : sure.frame.region_confidence) EXPECT_NEAR(confidence, 0.8808, 1e-3);
   for (const float confidence : unsure.frame.region_confidence) EXPECT_NEAR(confidence, 0.1192, 1e-3);
   EXPECT_NEAR(sure.frame.confidence[kJaw], 0.8808, 1e-3);
@@ -255,7 +257,7 @@ TEST(HeadsetTracker, AClosedEyeKeepsItsDirectionAndIsNotSureOfIt) {
   EXPECT_LT(squints.frame.eyes_confidence, open.frame.eyes_confidence);
 }
 
-TEST(HeadsetTracker, AGuidedNeutralIsTakenOff) {
+TEST(HeadsetTracker, WhatIsUnusualInAGuidedNeutralIsTakenOff) {
   Worn worn(HeadsetModel::create(constant_file(telling_answer())).value());
   worn.run(0.5);
   const tracker::Guidance wanted = worn.tracker->guidance();
@@ -270,8 +272,8 @@ TEST(HeadsetTracker, AGuidedNeutralIsTakenOff) {
   EXPECT_EQ(worn.events[0].kind, tracker::CalibrationEvent::Kind::calibrated);
   EXPECT_EQ(worn.events[0].modality, "camera");
   EXPECT_EQ(worn.tracker->calibration_state().phase, Phase::done);
-  EXPECT_NEAR(worn.frame.weights[kJaw], 0, 1e-5);
-  EXPECT_NEAR(worn.frame.eyes_rad[0].norm(), 0, 1e-5);
+  EXPECT_NEAR(worn.frame.weights[kJaw], 0.1 / 0.6, 1e-5) << "half less what is usual";
+  EXPECT_NEAR(worn.frame.eyes_rad[0].x(), NeutralFace::kUsualGaze_rad, 1e-5);
   EXPECT_TRUE(sensor::all_pass(worn.tracker->scores()));
 
   // Another session of the same wearer.

@@ -50,15 +50,28 @@ TEST(MomentFeatures, AreReadWithAgesWhatIsThereAndTheMomentsAnswer) {
   EXPECT_EQ(std::vector<float>(out.begin() + 73, out.end()), answer);
 }
 
-TEST(MomentFeatures, AMemoryAddsToTheMomentsAnswer) {
+TEST(MomentFeatures, AMemoryAddsToTheMomentsAnswerAsMuchAsItDoubts) {
   std::vector<float> condition(moment_condition(2), 9.0F);
   std::array<float, kMemoryOutputs> outputs{};
   for (std::size_t i = 0; i < kAnswerOutputs; ++i) condition[moment_answer(2) + i] = static_cast<float>(i);
   outputs.fill(0.5F);
+  // Brows are surely right, the gaze surely wrong, of all else nothing is known.
+  constexpr auto kBrows = static_cast<std::size_t>(face::ShapeRegion::brows);
+  for (std::size_t j = 0; j < kJudgements; ++j)
+    outputs[kAnswerOutputs + j] = j == kBrows ? 100.0F : j == kGazeJudgement ? -100.0F : 0.0F;
   add_moment_answer(condition, outputs);
-  EXPECT_EQ(outputs[0], 0.5F);
-  EXPECT_EQ(outputs[kAnswerOutputs - 1], static_cast<float>(kAnswerOutputs - 1) + 0.5F);
-  EXPECT_EQ(outputs[kAnswerOutputs], 0.5F) << "a judgement is the memory's alone";
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i) {
+    const std::size_t judgement = judgement_of(i);
+    const float share = judgement == kBrows ? 0.0F : judgement == kGazeJudgement ? 1.0F : 0.5F;
+    EXPECT_FLOAT_EQ(outputs[i], static_cast<float>(i) + share * 0.5F) << i;
+  }
+  EXPECT_EQ(outputs[kAnswerOutputs + kBrows], 100.0F) << "a judgement is the memory's alone";
+}
+
+TEST(Judgements, DoubtTheOutputsThatTheyAreAbout) {
+  for (std::size_t j = 0; j < kJudgements; ++j)
+    for (const std::size_t output : judged_outputs()[j]) EXPECT_EQ(judgement_of(output), j);
+  for (std::size_t i = 0; i < kAnswerOutputs; ++i) EXPECT_LT(judgement_of(i), kJudgements);
 }
 
 TEST(Judgements, AreOfEveryShapeOnceAndOfTheGaze) {

@@ -12,7 +12,7 @@ const std::size_t kJaw = face::shape("jawOpen"), kSmile = face::shape("mouthSmil
 Answer resting(float jaw = 0.2F) {
   Answer answer;
   answer.weights[kJaw] = jaw;
-  answer.gaze_rad = {0.1F, -0.05F, 0.02F, 0};
+  answer.gaze_rad = {0.1F, -0.05F, 0.02F, -0.1F};
   answer.openness = {0.8F, 1.0F};
   return answer;
 }
@@ -53,12 +53,15 @@ TEST(NeutralFace, CorrectsByWhatIsAnsweredOfTheFaceAtRest) {
   EXPECT_LT(neutral.gaze_rad[1], 2) << "held to what it can be";
 }
 
-TEST(NeutralFace, TakesFromAnAnswerWhatTheWearerHasAtRest) {
-  const NeutralFace neutral = made_of({resting(), resting()});
-  Answer answer = resting();
+TEST(NeutralFace, TakesFromAnAnswerWhatIsUnusualAtRest) {
+  constexpr float kUnusual = 0.3F - NeutralFace::kUsualAtRest, kGaze_rad = 0.1F - NeutralFace::kUsualGaze_rad;
+  const NeutralFace neutral = made_of({resting(0.3F), resting(0.3F)});
+  Answer answer = resting(0.3F);
   neutral.correct(answer);
-  EXPECT_FLOAT_EQ(answer.weights[kJaw], 0);
-  EXPECT_NEAR(answer.gaze_rad[0], 0, 1e-6);
+  EXPECT_FLOAT_EQ(answer.weights[kJaw], NeutralFace::kUsualAtRest / (1 - kUnusual));
+  EXPECT_NEAR(answer.gaze_rad[0], NeutralFace::kUsualGaze_rad, 1e-6);
+  EXPECT_NEAR(answer.gaze_rad[1], -0.05F, 1e-6) << "a usual one stays";
+  EXPECT_NEAR(answer.gaze_rad[3], -NeutralFace::kUsualGaze_rad, 1e-6);
   EXPECT_NEAR(answer.openness[0], 1, 1e-6);
   answer = resting(1);
   answer.weights[kSmile] = 0.5F;
@@ -67,12 +70,19 @@ TEST(NeutralFace, TakesFromAnAnswerWhatTheWearerHasAtRest) {
   neutral.correct(answer);
   EXPECT_FLOAT_EQ(answer.weights[kJaw], 1) << "the end of the way stays";
   EXPECT_FLOAT_EQ(answer.weights[kSmile], 0.5F);
-  EXPECT_NEAR(answer.gaze_rad[0], 0.2, 1e-6);
+  EXPECT_NEAR(answer.gaze_rad[0], 0.3F - kGaze_rad, 1e-6);
   EXPECT_EQ(answer.openness[0], 0);
   EXPECT_NEAR(answer.openness[1], 1.4, 1e-6);
-  answer = resting(0.1F);
+  answer = resting(0.5F * kUnusual);
   neutral.correct(answer);
-  EXPECT_EQ(answer.weights[kJaw], 0) << "less than at rest is nothing";
+  EXPECT_EQ(answer.weights[kJaw], 0) << "less than that is nothing";
+}
+
+TEST(NeutralFace, LeavesAnAnswerThatIsUsualAtRest) {
+  const NeutralFace neutral = made_of({resting(NeutralFace::kUsualAtRest)});
+  Answer answer = resting(0.5F);
+  neutral.correct(answer);
+  EXPECT_FLOAT_EQ(answer.weights[kJaw], 0.5F);
 }
 
 TEST(NeutralFace, IsJudged) {

@@ -166,7 +166,7 @@ TEST(TrackerGaze, ALaterNeutralKeepsTheGainsThatTargetsTaught) {
   worn.run(3.1);
   const auto later = parse_wearer_calibration(worn.tracker->calibration(), "calibration");
   ASSERT_TRUE(later && later->gaze);
-  EXPECT_EQ(*later->gaze, taught->gaze->gains()) << "ahead is where the neutral looked";
+  EXPECT_EQ(*later->gaze, taught->gaze->gains()) << "its offset was of the neutral before";
 }
 
 TEST(TrackerGaze, ATargetThatIsNotLookedAtIsLeftOutAndTooFewChangeNothing) {

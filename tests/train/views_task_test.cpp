@@ -184,7 +184,7 @@ TEST(ViewsTask, RefusesFilmsOfAnotherSize) {
 
 TEST(ViewObstacle, StandsBeforeTheViewForAWhileOnly) {
   const std::vector<std::uint8_t> view(kSide * kSide, 100);
-  std::size_t changed = 0, glares = 0;
+  std::size_t changed = 0, glares = 0, blinding = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     Random random(seed), again(seed);
     const ViewObstacle obstacle = draw_obstacle(100, random);
@@ -202,17 +202,21 @@ TEST(ViewObstacle, StandsBeforeTheViewForAWhileOnly) {
     EXPECT_EQ(during, shown(draw_obstacle(100, again), obstacle.begin));
     std::vector<std::uint8_t> seen = view;
     const double hidden = show_obstacle(obstacle, obstacle.begin, seen, kSide);
-    EXPECT_EQ(hidden > 0, !obstacle.is_glare);
+    const bool saturates = std::ranges::any_of(seen, [](std::uint8_t pixel) { return pixel >= 250; });
+    EXPECT_EQ(hidden > 0, !obstacle.is_glare || saturates);
     EXPECT_LE(hidden, 1);
     EXPECT_EQ(show_obstacle(obstacle, obstacle.end, seen, kSide), 0);
     if (during != view) ++changed;
     if (obstacle.is_glare) {
       ++glares;
+      blinding += hidden > 0.5 ? 1 : 0;
       EXPECT_TRUE(std::ranges::all_of(during, [](std::uint8_t pixel) { return pixel >= 100; }));
     }
   }
   EXPECT_EQ(changed, 40u);
   EXPECT_GT(glares, 3u);
+  EXPECT_GT(blinding, 0u);
+  EXPECT_LT(blinding, glares);
   EXPECT_LT(glares, 25u);
 }
 
