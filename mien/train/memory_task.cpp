@@ -173,7 +173,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
   recipe.architecture.condition = headset::moment_condition(count);
   recipe.architecture.outputs = headset::kMemoryOutputs;
   recipe.gaze_outputs = gaze_outputs();
-  Recipe::Addition& addition = recipe.addition.emplace();
+  Addition& addition = recipe.addition.emplace();
   addition.to = static_cast<std::int64_t>(headset::moment_answer(count));
   for (std::size_t output = 0; output < kAnswerOutputs; ++output)
     addition.doubted_by.push_back(static_cast<std::int64_t>(headset::judgement_of(output)));

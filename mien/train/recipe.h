@@ -25,6 +25,13 @@ enum class LossKind {
   points,  ///< Mean distance of points, three outputs each.
 };
 
+/// Where in a network's condition stand as many numbers as are asked for, which its first outputs are added
+/// to, and of each the judgement by whose probability of being wrong it is multiplied first.
+struct Addition {
+  std::int64_t to = 0;
+  std::vector<std::int64_t> doubted_by;
+};
+
 /// How a model is made, from data to budget: a TOML file (docs/guide/training.md lists its keys). Defaults
 /// are the light network's; a recipe names what differs.
 struct Recipe {
@@ -47,13 +54,7 @@ struct Recipe {
     double most_error = 0;
   };
   std::vector<Judgement> judgements;
-  /// Filled in by tasks whose network adds to what it reads as much as it doubts that: where in its condition
-  /// stand as many numbers as are asked for, which its first outputs are added to, and of each the judgement
-  /// by whose probability of being wrong it is multiplied first.
-  struct Addition {
-    std::int64_t to = 0;
-    std::vector<std::int64_t> doubted_by;
-  };
+  /// Filled in by tasks whose network adds to what it reads as much as it doubts that.
   std::optional<Addition> addition;
   /// Filled in by tasks: answers whose error counts `gaze_weight` times.
   std::vector<std::int64_t> gaze_outputs;

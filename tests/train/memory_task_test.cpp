@@ -173,7 +173,7 @@ TEST(Loss, AMemoryAddsAsMuchAsItDoubts) {
     Recipe recipe = recipe_of(1);
     recipe.difference_weight = 0;
     recipe.judgements = {{.outputs = {0}, .most_error = 0.1}};
-    recipe.addition = Recipe::Addition{.to = 1, .doubted_by = {0}};
+    recipe.addition = Addition{.to = 1, .doubted_by = {0}};
     recipe.architecture = {.kind = model::NetworkKind::causal};
     recipe.architecture.condition = recipe.architecture.d_model = 2;
     recipe.architecture.layers = 0;
