@@ -79,12 +79,13 @@ MadeTask make_headset_task(Recipe recipe, const TaskSource& source, const Progre
 struct Modality {
   std::string_view kind;  ///< As rigs name it.
   MadeTask (*make)(Recipe recipe, const TaskSource& source, const Progress& progress);
+  bool tells_gaze = false;  ///< Its answers have the eyes' directions.
 };
 constexpr std::array kModalities = {
     Modality{"imu", make_blendshape_task},
     Modality{"eyewear", make_marker_task},
     Modality{"speech", make_speech_task},
-    Modality{"camera", make_headset_task},
+    Modality{"camera", make_headset_task, true},
 };
 
 }  // namespace
@@ -100,12 +101,10 @@ Result<std::unique_ptr<Task>> make_task(Recipe recipe, const TaskSource& source,
                 "rig " + source.rig.name,
                 fmt::format("use a rig of the kind {}",
                             fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
-  const bool weighs_gaze = recipe.gaze_weight != 1;
-  MIEN_TRY_ASSIGN(std::unique_ptr<Task> task, modality->make(std::move(recipe), source, progress));
-  if (weighs_gaze && task->recipe().gaze_outputs.empty())
+  if (recipe.gaze_weight != 1 && !modality->tells_gaze)
     return fail(ErrorCode::bad_usage, "what is learnt here tells no directions of eyes", source.where,
                 "leave optimiser.gaze_weight away");
-  return task;
+  return modality->make(std::move(recipe), source, progress);
 }
 
 }  // namespace mien::train
