@@ -121,7 +121,7 @@ torch::Tensor normalise_and_rectify(const torch::Tensor& x, const torch::Tensor&
     out = torch::relu(torch::batch_norm(x, torch::ones_like(shift), shift, found.mean, found.variance, true,
                                         1, kBatchNormEpsilon, false));
     const auto values = static_cast<double>(x.numel() / x.size(1));
-    found.variance.mul_((values - 1) / values);
+    found.variance = found.variance * ((values - 1) / values);  // Going back needs the one it was given.
   }
   if (statistics != nullptr) *statistics = {found.mean.to(torch::kFloat), found.variance.to(torch::kFloat)};
   return out;

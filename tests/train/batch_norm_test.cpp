@@ -57,6 +57,20 @@ TEST(BatchNorm, GivesTheSameStatisticsInOtherPrecisions) {
   EXPECT_LT((exact - rough.to(torch::kFloat)).abs().max().item<double>(), 0.05);
 }
 
+TEST(BatchNorm, LearnsTheSameWhereLibtorchNormalises) {
+  torch::manual_seed(5);
+  const torch::Tensor data = torch::randn({4, 3, 6, 5}) * 2 + 1.5, of_out = torch::randn_like(data);
+  torch::Tensor ours = data.clone().requires_grad_(), theirs = data.to(torch::kDouble).requires_grad_();
+  const torch::Tensor shift = torch::randn({3});
+  ChannelStatistics of_ours, of_theirs;
+  (normalise_and_rectify(ours, shift, &of_ours) * of_out).sum().backward();
+  (normalise_and_rectify(theirs, shift.to(torch::kDouble), &of_theirs) * of_out.to(torch::kDouble))
+      .sum()
+      .backward();
+  EXPECT_LT((ours.grad() - theirs.grad()).abs().max().item<double>(), 1e-4);
+  EXPECT_LT((of_ours.variance - of_theirs.variance).abs().max().item<double>(), 1e-4);
+}
+
 TEST(BatchNorm, TakesEvenChannelsAndViewsThatAreNotContiguous) {
   const torch::Tensor even = torch::full({3, 2, 4, 4}, 7.0F).requires_grad_();
   const torch::Tensor shift = torch::tensor({0.5F, -0.5F}).requires_grad_();
