@@ -40,13 +40,59 @@ double third_difference(std::span<const Vec3f> track_mm, std::size_t points) {
   return count == 0 ? 0 : sum / static_cast<double>(count) * 60.0 * 60.0 * 60.0;
 }
 
-std::vector<std::size_t> upward_crossings(std::span<const face::BlendshapeWeights> weights,
-                                          std::size_t shape) {
-  std::vector<std::size_t> frames;
+constexpr float kShut = 0.5F;
+
+using Weights = std::span<const face::BlendshapeWeights>;
+using Frames = std::vector<std::size_t>;
+
+/// Frames in which the shape's weight crosses kShut upwards.
+Frames blinks(Weights weights, std::size_t shape) {
+  Frames frames;
   for (std::size_t f = 1; f < weights.size(); ++f)
-    if (weights[f - 1][shape] < 0.5F && weights[f][shape] >= 0.5F) frames.push_back(f);
+    if (weights[f - 1][shape] < kShut && weights[f][shape] >= kShut) frames.push_back(f);
   return frames;
 }
+
+/// Those during which the other shape's stays below it, and `around` frames before and after.
+Frames winks(Weights weights, std::size_t shape, std::size_t other, std::size_t around) {
+  Frames frames = blinks(weights, shape);
+  std::erase_if(frames, [&](std::size_t frame) {
+    std::size_t end = frame;
+    while (end < weights.size() && weights[end][shape] >= kShut) ++end;
+    const std::size_t from = frame - std::min(frame, around), to = std::min(weights.size(), end + around);
+    return std::ranges::any_of(weights.subspan(from, to - from),
+                               [&](const auto& both) { return both[other] >= kShut; });
+  });
+  return frames;
+}
+
+/// F1 of what happens in single frames, each matched to one of the other side within a tolerance.
+class EventF1 {
+ public:
+  explicit EventF1(int tolerance) : tolerance_(tolerance) {}
+  /// Both ascend: matching each to the first free partner in reach is the largest one-to-one matching.
+  void add(const Frames& truth, const Frames& estimate) {
+    events_ += truth.size() + estimate.size();
+    for (std::size_t t = 0, e = 0; t < truth.size() && e < estimate.size();) {
+      const auto apart = static_cast<std::int64_t>(truth[t]) - static_cast<std::int64_t>(estimate[e]);
+      const bool same = std::abs(apart) <= tolerance_;
+      hits_ += same ? 1 : 0;
+      t += same || apart < 0 ? 1 : 0;
+      e += same || apart > 0 ? 1 : 0;
+    }
+  }
+  /// None where neither side has any.
+  [[nodiscard]] std::optional<double> value() const {
+    if (events_ == 0) return std::nullopt;
+    return 2.0 * static_cast<double>(hits_) / static_cast<double>(events_);
+  }
+
+ private:
+  int tolerance_;
+  std::size_t hits_ = 0, events_ = 0;
+};
+
+constexpr std::array<std::size_t, 2> kLids = {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")};
 
 }  // namespace
 
@@ -56,31 +102,21 @@ bool counts_in_mse_observed(std::size_t shape) {
 }
 
 std::optional<double> blink_f1(std::span<const Stretch> stretches, int tolerance) {
-  std::size_t hits = 0;
-  std::size_t truths = 0;
-  std::size_t estimates = 0;
+  EventF1 f1(tolerance);
   for (const Stretch& stretch : stretches)
-    for (const std::size_t eye : {face::shape("eyeBlink_L"), face::shape("eyeBlink_R")}) {
-      const auto truth = upward_crossings(stretch.truth, eye);
-      const auto estimate = upward_crossings(stretch.estimate, eye);
-      truths += truth.size();
-      estimates += estimate.size();
-      // Both ascend: matching each to the first free partner in reach is the largest one-to-one matching.
-      for (std::size_t t = 0, e = 0; t < truth.size() && e < estimate.size();) {
-        const auto apart = static_cast<std::int64_t>(truth[t]) - static_cast<std::int64_t>(estimate[e]);
-        if (std::abs(apart) <= tolerance) {
-          ++hits;
-          ++t;
-          ++e;
-        } else if (apart < 0) {
-          ++t;
-        } else {
-          ++e;
-        }
-      }
+    for (const std::size_t lid : kLids) f1.add(blinks(stretch.truth, lid), blinks(stretch.estimate, lid));
+  return f1.value();
+}
+
+std::optional<double> wink_f1(std::span<const Stretch> stretches, int tolerance) {
+  EventF1 f1(tolerance);
+  const auto around = static_cast<std::size_t>(std::max(0, tolerance));
+  for (const Stretch& stretch : stretches)
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const auto of = [&](Weights weights) { return winks(weights, kLids[eye], kLids[1 - eye], around); };
+      f1.add(of(stretch.truth), of(stretch.estimate));
     }
-  if (truths + estimates == 0) return std::nullopt;
-  return 2.0 * static_cast<double>(hits) / static_cast<double>(truths + estimates);
+  return f1.value();
 }
 
 Meter::Meter(const face::Face& face) : eyes_and_lips_(face) {

@@ -77,4 +77,8 @@ class Meter {
 /// eyes of all stretches pooled. Absent when neither side has one.
 [[nodiscard]] std::optional<double> blink_f1(std::span<const Stretch> stretches, int tolerance = 2);
 
+/// The same of winks: blinks of one eye during which, and `tolerance` frames around, the other one's weight
+/// stays below 0.5.
+[[nodiscard]] std::optional<double> wink_f1(std::span<const Stretch> stretches, int tolerance = 2);
+
 }  // namespace mien::measure

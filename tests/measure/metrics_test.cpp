@@ -142,6 +142,27 @@ TEST(BlinkF1, MatchesOneToOneWithinTwoFrames) {
   EXPECT_EQ(*blink_f1({&same, 1}), 1.0);
 }
 
+TEST(WinkF1, TellsWinksFromBlinks) {
+  Track truth = blinks(200, {20, 100}), estimate = truth;
+  const auto shut = [](Track& track, std::size_t shape, std::size_t from, std::size_t to) {
+    for (std::size_t f = from; f < to; ++f) track[f][shape] = 0.9F;
+  };
+  const std::size_t left = shape("eyeBlink_L"), right = shape("eyeBlink_R");
+  shut(truth, left, 60, 70);
+  shut(truth, right, 150, 160);
+  shut(estimate, left, 61, 69);
+  const Stretch one_missed{truth, estimate};
+  EXPECT_NEAR(*wink_f1({&one_missed, 1}), 2.0 * 1 / (2 + 1), 1e-9);
+  shut(estimate, left, 150, 160);
+  shut(estimate, right, 150, 160);
+  EXPECT_NEAR(*wink_f1({&one_missed, 1}), 2.0 * 1 / (2 + 1), 1e-9) << "that is a blink";
+  shut(estimate, right, 98, 100);
+  EXPECT_NEAR(*wink_f1({&one_missed, 1}), 2.0 * 1 / (2 + 1), 1e-9) << "a lid that is early does not wink";
+  const Track blinking = blinks(200, {20});
+  const Stretch none{blinking, blinking};
+  EXPECT_FALSE(wink_f1({&none, 1}));
+}
+
 TEST(BlinkF1, IsAbsentOnlyWhereNobodyBlinks) {
   const Track open = blinks(200, {});
   const Track blinking = blinks(200, {20});

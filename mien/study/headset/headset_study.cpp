@@ -82,12 +82,11 @@ Result<std::vector<Answered>> play(const SeenFilm& take, const SeenFilm* neutral
 /// How often something is, is said to be, and both.
 struct Tally {
   double is = 0, told = 0, hits = 0;
-  void add(bool truth, bool says, bool same) {
+  void add(bool truth, bool says) {
     is += truth ? 1 : 0;
     told += says ? 1 : 0;
-    hits += truth && says && same ? 1 : 0;
+    hits += truth && says ? 1 : 0;
   }
-  void add(bool truth, bool says) { add(truth, says, true); }
   void add(const Tally& other) {
     is += other.is;
     told += other.told;
@@ -99,21 +98,13 @@ struct Tally {
   }
 };
 
-/// Which eye winks, by its lid's weight: 0 left, 1 right; none where both do the same.
-std::optional<std::size_t> winking(const face::BlendshapeWeights& weights) {
-  const bool left = weights[face::shape("eyeBlink_L")] >= 0.5F,
-             right = weights[face::shape("eyeBlink_R")] >= 0.5F;
-  if (left == right) return {};
-  return left ? 0 : 1;
-}
-
 /// What one wearer adds to a score.
 struct WearerPart {
   double squares = 0, mean_squares = 0, count = 0;
   std::array<double, 3> region_squares{}, region_count{};
   double pve_mm = 0, jitter = 0;
   std::vector<face::BlendshapeWeights> truth, estimate;
-  Tally shut, winks, lips;
+  Tally shut, lips;
   std::vector<double> gaze_deg;
   std::array<Reliability, 3> reliability;
   std::array<RocArea, 3> roc;
@@ -188,8 +179,6 @@ WearerPart part_of(const std::vector<Answered>& answered, const measure::Meter& 
       if (gaps)
         part.shut.add(one.truth.openness[e] < kClosed, gaps->openness(one.frame.weights)[e] < kClosed);
     }
-    const auto winks = winking(truth), says_winks = winking(one.frame.weights);
-    part.winks.add(winks.has_value(), says_winks.has_value(), winks == says_winks);
     if (gaps)
       part.lips.add(gaps->lip_gap_mm(truth) < measure::EyesAndLipsMeter::kClosedLips_mm,
                     gaps->lip_gap_mm(one.frame.weights) < measure::EyesAndLipsMeter::kClosedLips_mm);
@@ -205,7 +194,7 @@ WearerPart part_of(const std::vector<Answered>& answered, const measure::Meter& 
 HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>& parts) {
   HeadsetScore score{.condition = condition};
   double squares = 0, mean_squares = 0, count = 0;
-  Tally shut, winks, lips;
+  Tally shut, lips;
   std::array<double, 3> region{}, region_count{};
   std::vector<measure::Stretch> stretches;
   std::vector<double> gaze_deg;
@@ -214,7 +203,6 @@ HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>&
     mean_squares += part.mean_squares;
     count += part.count;
     shut.add(part.shut);
-    winks.add(part.winks);
     lips.add(part.lips);
     for (std::size_t r = 0; r < region.size(); ++r) {
       region[r] += part.region_squares[r];
@@ -233,8 +221,8 @@ HeadsetScore score_of(HeadsetCondition condition, const std::vector<WearerPart>&
   score.right_eye_mse = region[1] / region_count[1];
   score.mouth_mse = region[2] / region_count[2];
   score.blink_f1 = measure::blink_f1(stretches);
+  score.wink_f1 = measure::wink_f1(stretches);
   score.closed_f1 = shut.f1();
-  if (winks.is > 0) score.wink_f1 = winks.f1();
   score.lips_f1 = lips.f1();
   std::ranges::sort(gaze_deg);
   if (!gaze_deg.empty()) {

@@ -58,7 +58,7 @@ struct HeadsetScore {
   std::optional<double> blink_f1;
   /// Frames whose eye is open less than a quarter of its rest. None of a face without landmarks.
   std::optional<double> closed_f1;
-  /// Frames in which one eye alone has eyeBlink at 0.5 or more: which one. None where nobody winks.
+  /// measure::wink_f1: winks told from blinks. None where nobody winks, nor is said to.
   std::optional<double> wink_f1;
   /// Frames whose lips are less than EyesAndLipsMeter::kClosedLips_mm apart. None of a face without
   /// landmarks.
