@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/core/logistic.h"
+
 namespace mien::headset {
 namespace {
 
@@ -25,7 +27,7 @@ void ConfidenceGain::apply(const Confidence& confidence, Answer& answer) {
     now.gain[r] = 1;
     if (!last_ || passes(static_cast<face::ShapeRegion>(r))) continue;
     const float falls = std::min(0.0F, now.log_odds[r] - last_->log_odds[r]);
-    const float ahead = 1 / (1 + std::exp(-now.log_odds[r] - settings_.lead_frames * falls));
+    const float ahead = logistic(now.log_odds[r] + settings_.lead_frames * falls);
     const float ramp = (ahead - settings_.unsure) / (settings_.sure - settings_.unsure);
     const float most = last_->gain[r] + settings_.growth * std::max(last_->gain[r], kLeastGrowing);
     now.gain[r] = std::min(std::lerp(settings_.least, 1.0F, std::clamp(ramp, 0.0F, 1.0F)), most);

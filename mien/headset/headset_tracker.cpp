@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "mien/core/logistic.h"
 #include "mien/tracker/provenance.h"
 
 namespace mien::headset {
@@ -308,7 +309,7 @@ void HeadsetTracker::judge_mirrored(NeutralFace& neutral) const {
     const float mirrored = *log_odds[place];
     neutral.scores.push_back(
         {.name = "unmirrored " + channel.camera.name,
-         .value = 1 / (1 + std::exp(double{mirrored})),
+         .value = logistic(-double{mirrored}),
          .unit = "",
          .pass = mirrored <= kSurelyMirrored,
          .sentence =

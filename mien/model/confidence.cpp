@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/core/logistic.h"
+
 namespace mien::model {
 namespace {
 
@@ -27,7 +29,7 @@ bool is_sound(const LogisticMap& map) {
 }  // namespace
 
 float LogisticMap::at(float score) const {
-  return 1 / (1 + std::exp(-(offset + slope * score)));
+  return logistic(offset + slope * score);
 }
 
 Result<void> check(const ConfidenceTable& table, std::size_t shapes, const std::string& where) {

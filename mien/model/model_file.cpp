@@ -162,7 +162,7 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
     return fail(
         ErrorCode::unsupported,
         fmt::format("the model's version is \"{}\", not {}", excerpt(file.metadata["version"]), kVersion),
-        where, "update the program");
+        where, "update the program, or train the model anew");
   ModelFile m;
   MIEN_TRY_ASSIGN(m.architecture, parse_architecture(file.metadata["architecture"], where));
   try {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/core/logistic.h"
+
 namespace mien::study {
 namespace {
 
@@ -18,13 +20,13 @@ double softplus(double x) {
 
 }  // namespace
 
-void LogisticFit::add(float score, bool hit) {
+void LogisticFit::add(float score, bool hit, double times) {
   const float held = std::clamp(score, -kLimit, kLimit);
   const auto place = static_cast<std::size_t>((held + kLimit) / (2 * kLimit) * static_cast<float>(kBins));
   Bin& bin = bins_[std::min(place, kBins - 1)];
-  bin.frames += 1;
-  bin.hits += hit ? 1 : 0;
-  bin.score += held;
+  bin.frames += times;
+  bin.hits += hit ? times : 0;
+  bin.score += times * double{held};
 }
 
 void LogisticFit::add(const LogisticFit& other) {
@@ -60,7 +62,7 @@ model::LogisticMap LogisticFit::solve() const {
     for (const Bin& bin : bins_) {
       if (bin.frames == 0) continue;
       const double x = bin.score / bin.frames;
-      const double p = 1 / (1 + std::exp(-(offset + slope * x)));
+      const double p = logistic(offset + slope * x);
       const double missed = bin.hits - bin.frames * p, weight = bin.frames * p * (1 - p);
       g0 += missed;
       g1 += missed * x;

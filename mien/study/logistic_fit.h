@@ -13,8 +13,8 @@ class LogisticFit {
  public:
   LogisticFit() : bins_(kBins) {}
 
-  /// `hit`: whether it came true. A score beyond kLimit counts as kLimit.
-  void add(float score, bool hit);
+  /// `hit`: whether it came true; counted so many times. A score beyond kLimit counts as kLimit.
+  void add(float score, bool hit, double times = 1);
   void add(const LogisticFit& other);
   [[nodiscard]] double frames() const;
 

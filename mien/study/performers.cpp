@@ -35,10 +35,13 @@ Result<void> for_each_performer(std::size_t count, unsigned threads, const Progr
     std::vector<std::jthread> workers;
     if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
     for (unsigned i = 0; i < threads; ++i) workers.emplace_back(work);
-    while (done < count && !stop) {
+    std::size_t finished = 0;
+    while (finished < count && !stop) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      if (!progress(static_cast<double>(done) / static_cast<double>(count),
-                    fmt::format("{} of {} performers", done.load(), count)))
+      finished = done;
+      if (!progress(static_cast<double>(finished) / static_cast<double>(count),
+                    fmt::format("{} of {} performers", finished, count)) &&
+          finished < count)
         stop = true;
     }
   }

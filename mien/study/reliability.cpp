@@ -5,12 +5,12 @@
 
 namespace mien::study {
 
-void Reliability::add(float confidence, bool within) {
+void Reliability::add(float confidence, bool within, double times) {
   const auto bin = static_cast<std::size_t>(confidence * kBins);
   Bin& into = bins_[std::min(bin, kBins - 1)];
-  into.frames += 1;
-  into.confidence += confidence;
-  into.within += within ? 1 : 0;
+  into.frames += times;
+  into.confidence += times * double{confidence};
+  into.within += within ? times : 0;
 }
 
 void Reliability::add(const Reliability& other) {

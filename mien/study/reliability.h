@@ -14,8 +14,8 @@ class Reliability {
     double frames = 0, confidence = 0, within = 0;  ///< Sums.
   };
 
-  /// `within`: whether it came true. `confidence` 0 to 1.
-  void add(float confidence, bool within);
+  /// `within`: whether it came true, counted so many times. `confidence` 0 to 1.
+  void add(float confidence, bool within, double times = 1);
   void add(const Reliability& other);
   /// Expected calibration error: the mean distance between confidence and what came true, over bins of a
   /// tenth, each by its frames. 0 for no frames.
