@@ -10,6 +10,7 @@
 #include "mien/core/rotation.h"
 #include "mien/face/face.h"
 #include "mien/virtual/headset/obstacles.h"
+#include "mien/virtual/headset/watched_parts.h"
 
 namespace mien::virt {
 
@@ -27,6 +28,8 @@ constexpr double kPoor_m = 8e-3, kPoor_rad = 8 * kRadPerDeg;
 /// How far a cup is tipped against the lips.
 constexpr double kDrinking_rad = 60 * kRadPerDeg;
 constexpr std::array<double, 2> kGrease = {0.6, 0.9};
+/// A view of which more is hidden does not see its half of the face.
+constexpr double kBlind = 0.5;
 /// Sun is so many times as bright as the lamps at the cheek; in the dark a lamp gives this share.
 constexpr float kSun = 25, kDark = 0.004F;
 /// Where no lamp reaches a place, the light of the lamps at the cheek is taken from here.
@@ -69,6 +72,7 @@ std::optional<HeadsetFailure> failure_named(std::string_view name) {
 /// The thing that hides the face, in its own frame, and how it comes there.
 struct HeadsetSimulator::Obstacle {
   std::vector<Vec3f> vertices_m;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
   Vec3f at_m = Vec3f::Zero();  // Frame H.
   Vec3 turn_rad = Vec3::Zero();
   std::array<double, 4> phase{};     // Of its unrest, turns.
@@ -114,7 +118,9 @@ HeadsetSimulator::HeadsetSimulator(const HeadsetWearer& wearer, const HeadsetFau
     places_m.push_back(camera.position_m);
     views_.push_back(
         {size, lens, CameraSensor(faults, size, distance_m, lens.pixel, usual, random.fork("camera", c)),
-         std::vector<float>(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height))});
+         std::vector<float>(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height)),
+         failure == HeadsetFailure::none ? std::vector<std::uint32_t>()
+                                         : watched_vertices(wearer.face, camera.of_mouth, lens)});
   }
 
   Random fails = random.fork("failure");
@@ -124,6 +130,7 @@ HeadsetSimulator::HeadsetSimulator(const HeadsetWearer& wearer, const HeadsetFau
   const auto hide_by = [&](virt::Obstacle mesh, const Vec3f& at_m, double turned_deg) {
     obstacle_ = std::make_unique<Obstacle>();
     obstacle_->vertices_m = std::move(mesh.vertices_m);
+    obstacle_->triangles = mesh.thing.triangles;
     obstacle_->at_m = at_m;
     obstacle_->turn_rad = fails.normal_vector(kRadPerDeg * turned_deg);
     for (double& phase : obstacle_->phase) phase = fails.uniform();
@@ -299,6 +306,20 @@ std::array<float, 2> HeadsetSimulator::lid_gaps(std::span<const Vec3f> vertices_
   return {gap(42), gap(36)};
 }
 
+std::array<bool, 2> HeadsetSimulator::seen_halves(std::span<const render::Lens> lenses,
+                                                  std::span<const std::span<std::uint8_t>> pictures) const {
+  if (failure_ == HeadsetFailure::smear) return {false, false};
+  Mesh thing;
+  if (obstacle_) thing = {std::span(things_m_).last(obstacle_->vertices_m.size()), obstacle_->triangles};
+  std::array<double, 2> least_hidden = {1, 1};
+  for (std::size_t c = 0; c < views_.size(); ++c) {
+    if (failure_ == HeadsetFailure::covered && c == covered_) continue;
+    double& half = least_hidden[wearer_->cameras[c].of_mouth ? 1 : 0];
+    half = std::min(half, hidden_share(views_[c].watched, first_m_, thing, lenses[c], pictures[c]));
+  }
+  return {least_hidden[0] <= kBlind, least_hidden[1] <= kBlind};
+}
+
 HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, const HeadsetPose& last,
                                      std::span<const std::span<std::uint8_t>> out) {
   wait_until(time_s);
@@ -358,25 +379,7 @@ HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, co
     view.sensor.expose(time_s, view.radiance, out[c]);
   }
 
-  if (fails_) switch (failure_) {
-      case HeadsetFailure::hand:
-      case HeadsetFailure::cup:
-      case HeadsetFailure::mask:
-      case HeadsetFailure::moustache:
-        truth.is_visible[1] = false;
-        break;
-      case HeadsetFailure::poor_seat:
-      case HeadsetFailure::smear:
-      case HeadsetFailure::sun:
-      case HeadsetFailure::dark:
-        truth.is_visible = {false, false};
-        break;
-      case HeadsetFailure::covered:
-        truth.is_visible[wearer_->cameras[covered_].of_mouth ? 1 : 0] = false;
-        break;
-      case HeadsetFailure::none:
-        break;
-    }
+  if (fails_) truth.is_visible = seen_halves(lenses, out);
   return truth;
 }
 

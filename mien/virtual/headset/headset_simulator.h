@@ -18,7 +18,7 @@
 
 namespace mien::virt {
 
-/// What keeps a headset from seeing a face, on request. Each has its truth: which regions cannot be seen.
+/// What keeps a headset from seeing a face, on request. What cannot be seen then is part of the truth.
 enum class HeadsetFailure : std::uint8_t {
   none,
   hand,  ///< Before the mouth.
@@ -51,7 +51,9 @@ struct HeadsetTruth {
   std::array<Eigen::Vector2f, 2> gaze_rad;  ///< Yaw to the performer's left, pitch upwards; left, right eye.
   std::array<float, 2> openness{};          ///< Gap between the lids, 1 as in the neutral, 0 closed.
   std::array<float, 2> pupil_mm{};          ///< Diameter.
-  std::array<bool, 2> is_visible{true, true};  ///< Of the upper and of the lower face: by the failure.
+  /// Of the upper and of the lower face: false while a failure hides more than half of what each of its views
+  /// is there for (hidden_share), or blurs it by grease.
+  std::array<bool, 2> is_visible{true, true};
 };
 
 /// A headset's cameras before a moving face. The same wearer, random stream and calls give the same pictures.
@@ -88,11 +90,14 @@ class HeadsetSimulator {
     render::Lens lens;  // Before it is seated.
     CameraSensor sensor;
     std::vector<float> radiance;
+    std::vector<std::uint32_t> watched;  // Vertices of the face.
   };
   struct Seated;
   void wait_until(double time_s);
   [[nodiscard]] HeadsetSeat seat_with(const face::BlendshapeWeights& weights) const;
   void place_obstacles(double time_s);
+  [[nodiscard]] std::array<bool, 2> seen_halves(std::span<const render::Lens> lenses,
+                                                std::span<const std::span<std::uint8_t>> pictures) const;
   [[nodiscard]] std::array<float, 2> lid_gaps(std::span<const Vec3f> vertices_m) const;
 
   const HeadsetWearer* wearer_;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mien/face/face.h"
+#include "mien/render/lens.h"
+
+namespace mien::virt {
+
+/// What of a face a camera is there for: skin that its region's shapes move, the lids' or the mouth's, spread
+/// evenly over what its view shows where the headset was fitted.
+[[nodiscard]] std::vector<std::uint32_t> watched_vertices(const face::Face& face, bool of_mouth,
+                                                          const render::Lens& lens);
+
+/// A thing before the face: triangles of places in frame H.
+struct Mesh {
+  std::span<const Vec3f> vertices_m;
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+};
+
+/// The share of `watched` that a picture (grey, as large as the lens's) does not show, 0 to 1: out of the
+/// view, behind `thing`, or so bright or dark that it is white or black. What the face itself covers counts
+/// as shown. `face_m`: the face's vertices. Cost: watched vertices times triangles.
+[[nodiscard]] double hidden_share(std::span<const std::uint32_t> watched, std::span<const Vec3f> face_m,
+                                  const Mesh& thing, const render::Lens& lens,
+                                  std::span<const std::uint8_t> picture);
+
+}  // namespace mien::virt
