@@ -28,6 +28,21 @@ constexpr double kPosesShare = 0.4;
 /// A pose is held so long, and another one reached in so long, seconds.
 constexpr double kHeldLeast_s = 0.15, kHeldMost_s = 0.5, kReached_s = 0.12;
 
+/// Both eyes look the same way, up to a little.
+void look_anywhere(face::MotionFrame& pose, Random& random) {
+  const double yaw = random.normal(0, 0.28), pitch = random.normal(0, 0.2);
+  const auto look = [&](std::string_view more, std::string_view less, double rad) {
+    const double weight = std::clamp(rad / face::kEyeTurnRadPerUnit, -0.9, 0.9);
+    pose.weights[face::shape_index(more)] = static_cast<float>(std::max(0.0, weight));
+    pose.weights[face::shape_index(less)] = static_cast<float>(std::max(0.0, -weight));
+  };
+  const double inwards = random.uniform(0, 0.06);
+  look("eyeLookOut_L", "eyeLookIn_L", yaw - inwards);
+  look("eyeLookIn_R", "eyeLookOut_R", yaw + inwards);
+  look("eyeLookUp_L", "eyeLookDown_L", pitch);
+  look("eyeLookUp_R", "eyeLookDown_R", pitch);
+}
+
 /// Few shapes at once, most of them on both sides; the eyes anywhere.
 face::MotionFrame random_pose(Random& random) {
   face::MotionFrame pose;
@@ -45,18 +60,34 @@ face::MotionFrame random_pose(Random& random) {
   // Lips that meet over an open jaw need the jaw.
   pose.weights[face::shape("mouthClose")] =
       std::min(pose.weights[face::shape("mouthClose")], pose.weights[face::shape("jawOpen")]);
-  // Both eyes look the same way, up to a little.
-  const double yaw = random.normal(0, 0.28), pitch = random.normal(0, 0.2);
-  const auto look = [&](std::string_view more, std::string_view less, double rad) {
-    const double weight = std::clamp(rad / face::kEyeTurnRadPerUnit, -0.9, 0.9);
-    pose.weights[face::shape_index(more)] = static_cast<float>(std::max(0.0, weight));
-    pose.weights[face::shape_index(less)] = static_cast<float>(std::max(0.0, -weight));
+  look_anywhere(pose, random);
+  return pose;
+}
+
+/// The pose after `before`.
+face::MotionFrame next_pose(const face::MotionFrame& before, const PoseShares& shares, Random& random) {
+  if (shares == PoseShares{}) return random_pose(random);
+  const double which = random.uniform();
+  if (which < shares.eyes_alone) {
+    face::MotionFrame pose = random.chance(0.5) ? before : face::MotionFrame();
+    look_anywhere(pose, random);
+    return pose;
+  }
+  face::MotionFrame pose = random_pose(random);
+  const auto at_least = [&](std::size_t k, double least) {
+    pose.weights[k] = std::max(pose.weights[k], static_cast<float>(random.uniform(least, 1)));
   };
-  const double inwards = random.uniform(0, 0.06);
-  look("eyeLookOut_L", "eyeLookIn_L", yaw - inwards);
-  look("eyeLookIn_R", "eyeLookOut_R", yaw + inwards);
-  look("eyeLookUp_L", "eyeLookDown_L", pitch);
-  look("eyeLookUp_R", "eyeLookDown_R", pitch);
+  if (which < shares.eyes_alone + shares.winks) {
+    const bool left = random.chance(0.5);
+    at_least(left ? face::shape("eyeBlink_L") : face::shape("eyeBlink_R"), 0.7);
+    pose.weights[left ? face::shape("eyeBlink_R") : face::shape("eyeBlink_L")] = 0;
+    if (random.chance(0.5)) at_least(left ? face::shape("eyeSquint_L") : face::shape("eyeSquint_R"), 0.2);
+    if (random.chance(0.5)) at_least(left ? face::shape("cheekSquint_L") : face::shape("cheekSquint_R"), 0.2);
+  } else if (which < shares.eyes_alone + shares.winks + shares.closed_lips) {
+    const auto gape = static_cast<float>(random.uniform(0.1, 0.6));
+    pose.weights[face::shape("jawOpen")] = pose.weights[face::shape("mouthClose")] = gape;
+    pose.tongue_out = 0;
+  }
   return pose;
 }
 
@@ -117,9 +148,9 @@ Result<std::vector<FilmFrame>> film_person(const HeadsetDataRecipe& recipe, cons
       request.failure = failures[chance.below(failures.size())];
       draw_times(chance, request);
     }
-    std::vector<FilmFrame> part =
-        film_wearer(wearer, faults, headset_motion(recipe.frames / request.rate_hz, donning.fork("motion")),
-                    request, donning.fork("headset"));
+    std::vector<FilmFrame> part = film_wearer(
+        wearer, faults, headset_motion(recipe.frames / request.rate_hz, donning.fork("motion"), recipe.poses),
+        request, donning.fork("headset"));
     std::ranges::move(part, std::back_inserter(frames));
   }
   return frames;
@@ -136,7 +167,7 @@ std::vector<HeadsetFailure> test_failures() {
   return {HeadsetFailure::cup, HeadsetFailure::mask, HeadsetFailure::sun};
 }
 
-face::Motion headset_motion(double seconds, const Random& random) {
+face::Motion headset_motion(double seconds, const Random& random, const PoseShares& poses) {
   const double poses_s = kPosesShare * seconds;
   Random style = random.fork("style"), script = random.fork("script"), drawn = random.fork("poses");
   face::Motion motion = performer::perform(performer::random_script(std::max(0.1, seconds - poses_s), script),
@@ -147,7 +178,7 @@ face::Motion headset_motion(double seconds, const Random& random) {
   for (double t = begin_s + 1 / kFrameRateHz; t < begin_s + poses_s; t += 1 / kFrameRateHz) {
     if (t >= left_s) {
       from = to;
-      to = random_pose(drawn);
+      to = next_pose(from, poses, drawn);
       reached_s = t + kReached_s;
       left_s = reached_s + drawn.uniform(kHeldLeast_s, kHeldMost_s);
     }
@@ -218,6 +249,10 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
                                                     {"frames", {&frames, 1, 100'000}},
                                                     {"neutral_frames", {&neutral, 0, 1000}},
                                                     {"side", {&side, 16, 256}}};
+  const std::map<std::string_view, double*> shares = {{"failing", &recipe.failing},
+                                                      {"eyes_alone", &recipe.poses.eyes_alone},
+                                                      {"winks", &recipe.poses.winks},
+                                                      {"closed_lips", &recipe.poses.closed_lips}};
   for (const auto& [name, node] : table) {
     const std::string_view key = name.str();
     const auto out_of_range = [&](double least, double most) {
@@ -230,11 +265,11 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
       if (*value < limits.least || *value > limits.most)
         return out_of_range(static_cast<double>(limits.least), static_cast<double>(limits.most));
       *limits.value = *value;
-    } else if (key == "failing") {
+    } else if (const auto into = shares.find(key); into != shares.end()) {
       const auto share = node.is_number() ? node.value<double>() : std::nullopt;
-      if (!share) return fail(ErrorCode::malformed, "failing must be a number", where);
+      if (!share) return fail(ErrorCode::malformed, fmt::format("{} must be a number", key), where);
       if (!(*share >= 0 && *share <= 1)) return out_of_range(0, 1);
-      recipe.failing = *share;
+      *into->second = *share;
     } else if (key == "rates_hz") {
       const toml::array* const rates = node.as_array();
       if (rates == nullptr || rates->empty() ||
@@ -248,6 +283,8 @@ Result<HeadsetDataRecipe> parse_headset_data_recipe(std::string_view text, const
       return fail(ErrorCode::malformed, fmt::format("[data] has no key {}", excerpt(key)), where);
     }
   }
+  if (recipe.poses.eyes_alone + recipe.poses.winks + recipe.poses.closed_lips > 1)
+    return fail(ErrorCode::out_of_range, "eyes_alone, winks and closed_lips are more than all poses", where);
   recipe.seed = static_cast<std::uint64_t>(seed);
   recipe.wearers = static_cast<int>(wearers);
   recipe.validation_wearers = static_cast<int>(validation);
@@ -267,9 +304,10 @@ Result<HeadsetFilms> make_headset_films(const HeadsetDataRecipe& recipe, const s
   const std::size_t all = training + static_cast<std::size_t>(recipe.validation_wearers);
   // A wearer's film does not depend on how many there are.
   Sha256 hashing;
-  const std::string what = fmt::format("film 2 {} {} {} {} {} {} {}\n{}", recipe.seed, recipe.donnings,
-                                       recipe.frames, recipe.neutral_frames, fmt::join(recipe.rates_hz, ","),
-                                       recipe.failing, recipe.side, sensor::write_rig(rig));
+  const std::string what = fmt::format(
+      "film 4 {} {} {} {} {} {} {} {} {} {}\n{}", recipe.seed, recipe.donnings, recipe.frames,
+      recipe.neutral_frames, fmt::join(recipe.rates_hz, ","), recipe.failing, recipe.side,
+      recipe.poses.eyes_alone, recipe.poses.winks, recipe.poses.closed_lips, sensor::write_rig(rig));
   hashing.add(std::as_bytes(std::span(what)));
   const std::string hash = hashing.hex();
   std::error_code code;

@@ -20,6 +20,15 @@
 
 namespace mien::study {
 
+/// Of the poses in a headset_motion(), shares of those that drawing shapes alone would hardly give; none of
+/// them, as wearers of studies move. Raising one: that is learnt better, of all else less is seen.
+struct PoseShares {
+  double eyes_alone = 0;   ///< The eyes look elsewhere; half of them from a face at rest.
+  double winks = 0;        ///< One lid is shut.
+  double closed_lips = 0;  ///< The jaw opens behind lips that stay together.
+  bool operator==(const PoseShares&) const = default;
+};
+
 /// Films to learn from: the [data] table of a recipe for a headset's network of pictures.
 struct HeadsetDataRecipe {
   std::uint64_t seed = 1;
@@ -32,7 +41,8 @@ struct HeadsetDataRecipe {
   /// the rig's; lowering: more of a wearer, of cameras that are slower.
   std::vector<double> rates_hz = {30, 60};
   double failing = 0.15;  ///< Share of donnings in which something hides the face, most of them for a while.
-  int side = 96;          ///< Pixels of a view either way.
+  PoseShares poses;
+  int side = 96;  ///< Pixels of a view either way.
   bool operator==(const HeadsetDataRecipe&) const = default;
 };
 
@@ -66,8 +76,8 @@ struct HeadsetTakeRequest {
 [[nodiscard]] Result<std::vector<headset::HeadsetCamera>> film_cameras(const sensor::Rig& rig,
                                                                        std::size_t side);
 
-/// What a wearer does for training: a random script, and poses of single shapes and few, quickly changing.
-[[nodiscard]] face::Motion headset_motion(double seconds, const Random& random);
+/// What a wearer does: a random script, and poses of single shapes and few, quickly changing.
+[[nodiscard]] face::Motion headset_motion(double seconds, const Random& random, const PoseShares& poses = {});
 
 /// Films of training and validation, a file a wearer.
 struct HeadsetFilms {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "mien/core/files.h"
@@ -106,10 +107,50 @@ TEST(HeadsetDataRecipe, IsReadAndRefused) {
   EXPECT_EQ(recipe->side, 64);
   EXPECT_EQ(recipe->frames, 50);
   EXPECT_EQ(recipe->rates_hz, (std::vector<double>{15, 29.97}));
-  for (const char* wrong :
-       {"wearers = 0", "wearers = 1.5", "side = 1000", "failing = 2", "frames = \"many\"", "rates_hz = 30",
-        "rates_hz = []", "rates_hz = [30, 0]", "rates_hz = [\"a\"]", "people = 3"})
+  for (const char* wrong : {"wearers = 0", "wearers = 1.5", "side = 1000", "failing = 2", "winks = -1",
+                            "closed_lips = true", "frames = \"many\"", "rates_hz = 30", "rates_hz = []",
+                            "rates_hz = [30, 0]", "rates_hz = [\"a\"]", "people = 3"})
     EXPECT_FALSE(parse_headset_data_recipe(wrong, "r")) << wrong;
+}
+
+TEST(HeadsetDataRecipe, PosesHaveShares) {
+  const auto recipe = parse_headset_data_recipe("eyes_alone = 0.5\nwinks = 0.25\nclosed_lips = 0", "r");
+  ASSERT_TRUE(recipe) << recipe.error().message();
+  EXPECT_EQ(recipe->poses, (PoseShares{.eyes_alone = 0.5, .winks = 0.25}));
+  EXPECT_EQ(parse_headset_data_recipe("eyes_alone = 0.6\nwinks = 0.5", "r").error().code,
+            ErrorCode::out_of_range);
+}
+
+/// Frames of a motion in which what is asked holds.
+template <class Holds>
+double share_of(const PoseShares& shares, const Holds& holds) {
+  const face::Motion motion = headset_motion(60, Random(4), shares);
+  return static_cast<double>(std::ranges::count_if(motion.frames, holds)) /
+         static_cast<double>(motion.frames.size());
+}
+
+TEST(HeadsetMotion, ShowsMoreOfWhatHasAShare) {
+  const auto winks = [](const face::MotionFrame& frame) {
+    return std::abs(frame.weights[face::shape("eyeBlink_L")] - frame.weights[face::shape("eyeBlink_R")]) >
+           0.6F;
+  };
+  EXPECT_GT(share_of({.winks = 1}, winks), 0.2);
+  EXPECT_LT(share_of({}, winks), 0.05);
+  const auto closed_lips = [](const face::MotionFrame& frame) {
+    return frame.weights[face::shape("mouthClose")] > 0.1F;
+  };
+  EXPECT_GT(share_of({.closed_lips = 1}, closed_lips), 0.2);
+  EXPECT_LT(share_of({}, closed_lips), 0.1);
+  const auto looks_alone = [](const face::MotionFrame& frame) {
+    float face = frame.tongue_out, look = 0;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+      float& most = face::kShapeNames[k].starts_with("eyeLook") ? look : face;
+      most = std::max(most, frame.weights[k]);
+    }
+    return look > 0.2F && face < 0.02F;
+  };
+  EXPECT_GT(share_of({.eyes_alone = 1}, looks_alone), 0.15);
+  EXPECT_LT(share_of({}, looks_alone), 0.05);
 }
 
 TEST(HeadsetDataRecipe, TestsFailOtherwiseThanTraining) {
