@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mien/core/logistic.h"
+
 namespace mien::headset {
 
 void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out) {
@@ -32,11 +34,23 @@ void read_moment(const model::ViewsNetwork& network, const MomentFeatures& momen
 }
 
 void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs) {
-  const std::span<const float> answer = condition.last(kAnswerOutputs);
-  std::array<float, kJudgements> wrong{};
-  for (std::size_t j = 0; j < wrong.size(); ++j) wrong[j] = 1 / (1 + std::exp(outputs[kAnswerOutputs + j]));
+  const std::span<const float> answer = condition.last(kAnswerOutputs),
+                               ages = condition.last(kAnswerOutputs + 2 * model::kViews + 1);
+  std::array<float, kJudgements> added{};
+  for (std::size_t j = 0; j < added.size(); ++j) {
+    const std::size_t view = views_of(j);
+    const float age = 0.5F * (ages[view] + ages[view + 1]);
+    added[j] = 1 - logistic(outputs[kAnswerOutputs + j]) * (1 - age);
+  }
   for (std::size_t i = 0; i < answer.size(); ++i)
-    outputs[i] = answer[i] + wrong[judgement_of(i)] * outputs[i];
+    outputs[i] = answer[i] + added[judgement_of(i)] * outputs[i];
+}
+
+std::size_t views_of(std::size_t judgement) {
+  constexpr std::size_t kEyes = 0, kMouth = 2;
+  if (judgement == kGazeJudgement) return kEyes;
+  const auto region = static_cast<face::ShapeRegion>(judgement);
+  return region == face::ShapeRegion::brows || region == face::ShapeRegion::eyes ? kEyes : kMouth;
 }
 
 std::size_t judgement_of(std::size_t output) {

@@ -25,14 +25,15 @@ constexpr double kRestless = 0.04;
 /// A weight that is taken for more at rest was no rest, or is not understood.
 constexpr double kNotAtRest = 0.5;
 
-float beyond_rest(float weight, float at_rest) {
-  const float unusual = std::max(0.0F, at_rest - NeutralFace::kUsualAtRest);
-  return std::clamp((weight - unusual) / (1 - unusual), 0.0F, 1.0F);
+/// Of what is answered at rest, what is taken off: all beyond the usual, and that by `near_rest` (0 to 1).
+float taken_off(float at_rest, float usual, float near_rest) {
+  const float most_usual = std::clamp(at_rest, -usual, usual);
+  return at_rest - most_usual + near_rest * most_usual;
 }
 
-float unusual_gaze(float at_rest_rad) {
-  const float usual_rad = std::clamp(at_rest_rad, -NeutralFace::kUsualGaze_rad, NeutralFace::kUsualGaze_rad);
-  return at_rest_rad - usual_rad;
+float beyond_rest(float weight, float at_rest, float near_rest) {
+  const float off = taken_off(at_rest, NeutralFace::kUsualAtRest, near_rest);
+  return std::clamp((weight - off) / (1 - off), 0.0F, 1.0F);
 }
 
 /// An array of so many numbers within a range.
@@ -73,10 +74,17 @@ Result<void> read_rest(const json& root, NeutralFace& neutral, const std::string
 }  // namespace
 
 void NeutralFace::correct(Answer& answer) const {
+  float square = 0;
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) {
+    const float away = answer.weights[k] - weights[k];
+    square += away * away / float{face::kShapeCount};
+  }
+  const float near_rest = std::exp(-square / (kNearRest * kNearRest));
   for (std::size_t k = 0; k < face::kShapeCount; ++k)
-    answer.weights[k] = beyond_rest(answer.weights[k], weights[k]);
-  answer.tongue_out = beyond_rest(answer.tongue_out, tongue_out);
-  for (std::size_t i = 0; i < gaze_rad.size(); ++i) answer.gaze_rad[i] -= unusual_gaze(gaze_rad[i]);
+    answer.weights[k] = beyond_rest(answer.weights[k], weights[k], near_rest);
+  answer.tongue_out = beyond_rest(answer.tongue_out, tongue_out, near_rest);
+  for (std::size_t i = 0; i < gaze_rad.size(); ++i)
+    answer.gaze_rad[i] -= taken_off(gaze_rad[i], kUsualGaze_rad, near_rest);
   for (std::size_t e = 0; e < openness.size(); ++e)
     answer.openness[e] = std::min(answer.openness[e] / openness[e], kMostOpenness);
 }

@@ -21,12 +21,16 @@ struct NeutralFace {
   /// hardly worth a stretch: raising would let a tenth of a shape look like half of it.
   static constexpr float kMostAtRest = 0.6F;
   static constexpr float kLeastOpenness = 0.3F;
-  /// Up to this much an answer of a face at rest is left as it is. A network leans towards its mean there,
-  /// and not where the face moves: what is taken off at rest would be missing in motion. Raising: the face at
-  /// rest shows more of what is not there; lowering: a moving one less of what is. Chosen on wearers whom no
-  /// page reports (docs/experiments/headset.md, "What is taken off at rest").
+  /// Up to this much of an answer of a face at rest is usual, and taken off only near rest. A network leans
+  /// towards its mean there, and not where the face moves: what is taken off at rest would be missing in
+  /// motion. Raising: a face shows more of what is not there; lowering: a moving one less of what is. Chosen
+  /// on wearers whom no page reports (docs/experiments/headset.md, "What is taken off at rest").
   static constexpr float kUsualAtRest = 0.1F;
   static constexpr float kUsualGaze_rad = 3 * std::numbers::pi_v<float> / 180;
+  /// How near to rest that is: the root mean square of the weights' distance from those at rest, at which 1/e
+  /// of the usual part is taken off; with the distance that falls as a normal density does. Raising: small
+  /// expressions lose what the face at rest is taken for; lowering: a face at rest shows it once it trembles.
+  static constexpr float kNearRest = 0.05F;
 
   std::vector<std::string> cameras;     ///< Of the rig, by name.
   face::BlendshapeWeights weights;      ///< 0 to kMostAtRest.
@@ -38,8 +42,8 @@ struct NeutralFace {
   std::vector<sensor::Score> scores;
   bool operator==(const NeutralFace&) const = default;
 
-  /// The answer as the wearer means it: of each weight the way to 1 from what is unusual of it at rest, gaze
-  /// less what is unusual of it there, openness as a share of that at rest, to 1.5.
+  /// The answer as the wearer means it: of each weight the way to 1 from what of it is unusual at rest, and
+  /// near rest from all that it is there; gaze less the same; openness as a share of that at rest, to 1.5.
   void correct(Answer& answer) const;
   /// What it corrects by: the answer of the face at rest, each held to what it can be.
   void correct_by(const Answer& at_rest);

@@ -15,7 +15,7 @@ namespace mien::headset {
 namespace {
 
 constexpr std::string_view kFormat = "mien-headset";
-constexpr std::string_view kVersion = "5";
+constexpr std::string_view kVersion = "6";
 constexpr const char* kMean = "mean_answer";
 constexpr std::string_view kMemoryPrefix = "memory.";
 constexpr const char* kJudgementMaps = "judgements";  // Offset and slope of each.
@@ -105,7 +105,7 @@ Result<ViewsFile> parse_views_file(std::span<const std::byte> bytes, std::string
   if (metadata["version"] != kVersion)
     return fail(ErrorCode::unsupported,
                 fmt::format("the model's version is \"{}\", not {}", excerpt(metadata["version"]), kVersion),
-                where, "update the program");
+                where, "update the program, or train the model anew");
   ViewsFile file;
   MIEN_TRY_ASSIGN(file.architecture, model::parse_architecture(metadata["architecture"], where));
   file.rig = metadata["rig"];

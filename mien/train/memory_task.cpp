@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "mien/core/logistic.h"
 #include "mien/core/quantile.h"
 #include "mien/core/sha256.h"
 #include "mien/core/time.h"
@@ -50,7 +51,7 @@ constexpr double kHidden = 0.6, kHalfHidden = 0.6, kViewHidden = 0.85;
 
 /// A validation frame of what is seen counts as so many where judgements become probabilities: half of the
 /// donnings are hidden for a while, so that much is learnt of it, but hardly a seventh of a session's.
-constexpr int kSeenCounts = 4;
+constexpr double kSeenCounts = 4;
 
 /// Of each view of half a face, hidden by more than this share, that half cannot be seen.
 constexpr double kBlind = 0.5;
@@ -175,8 +176,13 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
   recipe.gaze_outputs = gaze_outputs();
   Addition& addition = recipe.addition.emplace();
   addition.to = static_cast<std::int64_t>(headset::moment_answer(count));
-  for (std::size_t output = 0; output < kAnswerOutputs; ++output)
-    addition.doubted_by.push_back(static_cast<std::int64_t>(headset::judgement_of(output)));
+  for (std::size_t output = 0; output < kAnswerOutputs; ++output) {
+    const std::size_t judgement = headset::judgement_of(output);
+    addition.doubted_by.push_back(static_cast<std::int64_t>(judgement));
+    for (std::size_t i = 0; i < addition.aged_by.size(); ++i)
+      addition.aged_by[i].push_back(
+          static_cast<std::int64_t>(headset::moment_ages(count) + headset::views_of(judgement) + i));
+  }
   MIEN_TRY(model::check(recipe.architecture));
   for (std::size_t j = 0; j < headset::kJudgements; ++j) {
     Recipe::Judgement& judgement = recipe.judgements.emplace_back();
@@ -411,7 +417,7 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
     std::size_t judgement = 0;
     float logit = 0;
     bool hit = false;
-    int counts = 1;
+    double counts = 1;
   };
   std::vector<Judged> judged;
   double squares = 0, mean_squares = 0, moment_squares = 0, weights = 0, hits = 0, told = 0, shut = 0,
@@ -493,33 +499,29 @@ Result<std::string> MemoryTask::assess(std::span<const model::Tensor> network, c
   for (const bool is : {false, true})
     for (const std::vector<float>& eye : eyes_at_rest(validation_, is, features)) {
       const float log_odds = made.mirrored_eye.logit(eye);
-      mirrored.add(1 / (1 + std::exp(-log_odds)), is);
+      mirrored.add(logistic(log_odds), is);
       ++eyes[is ? 1 : 0];
       said[is ? 1 : 0] += log_odds > headset::kSurelyMirrored ? 1 : 0;
     }
   // The model's by all wearers; each half is judged by what the other half alone would have made.
-  std::array<study::LogisticFit, headset::kJudgements> all;
   std::array<std::array<study::LogisticFit, headset::kJudgements>, 2> halves;
-  for (const Judged& one : judged)
-    for (int n = 0; n < one.counts; ++n) {
-      all[one.judgement].add(one.logit, one.hit);
-      halves[one.half][one.judgement].add(one.logit, one.hit);
-    }
+  for (const Judged& one : judged) halves[one.half][one.judgement].add(one.logit, one.hit, one.counts);
+  // Where all wearers are of one half nothing judges them.
+  const bool apart = halves[0][0].frames() > 0 && halves[1][0].frames() > 0;
   std::array<std::array<model::LogisticMap, headset::kJudgements>, 2> others;
   for (std::size_t j = 0; j < headset::kJudgements; ++j) {
-    made.judgements[j] = all[j].solve();
     for (std::size_t half = 0; half < 2; ++half) others[half][j] = halves[1 - half][j].solve();
+    halves[0][j].add(halves[1][j]);
+    made.judgements[j] = halves[0][j].solve();
   }
   std::array<study::Reliability, headset::kJudgements> reliability;
   std::array<study::RocArea, headset::kJudgements> roc;
   for (const Judged& one : judged) {
     const float p = others[one.half][one.judgement].at(one.logit);
-    for (int n = 0; n < one.counts; ++n) reliability[one.judgement].add(p, one.hit);
+    reliability[one.judgement].add(p, one.hit, one.counts);
     roc[one.judgement].add(p, one.hit);
   }
   nlohmann::json judgements = nlohmann::json::array();
-  // Where all wearers are of one half nothing judges them.
-  const bool apart = halves[0][0].frames() > 0 && halves[1][0].frames() > 0;
   for (std::size_t j = 0; j < headset::kJudgements; ++j)
     judgements.push_back({{"ece", apart ? nlohmann::json(reliability[j].expected_error()) : nlohmann::json()},
                           {"auc", apart ? nlohmann::json(roc[j].area()) : nlohmann::json()}});

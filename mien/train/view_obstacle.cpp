@@ -11,8 +11,12 @@ constexpr double kGlare = 0.3;
 /// Shares of the donning: when it comes, and for how long.
 constexpr double kLatest = 0.7, kShortest = 0.15, kLongest = 0.6;
 constexpr double kLeastAxis = 0.3, kMostAxis = 1.0, kMostEdge = 0.15;
+/// So often it is so wide that its edge is all but straight, as a mask's or a sleeve's.
+constexpr double kWide = 0.3, kWideAxis = 3;
 constexpr double kMostWay = 0.01;  ///< One sigma, a frame.
 constexpr double kMostContrast = 90;
+/// So often its texture is a shade, which rises so much over the view's side at most, and little else.
+constexpr double kShaded = 0.5, kMostRise = 120, kShadedContrast = 0.15;
 /// From this level on glare shows nothing of what it falls on.
 constexpr std::uint8_t kSaturated = 250;
 
@@ -42,12 +46,30 @@ ViewObstacle draw_obstacle(std::size_t frames, Random& random) {
   obstacle.long_axis = random.uniform(kLeastAxis, kMostAxis);
   obstacle.short_axis = random.uniform(kLeastAxis, obstacle.long_axis);
   obstacle.turn_rad = random.uniform(0, std::numbers::pi);
+  if (random.chance(kWide)) {
+    const double away_rad = random.uniform(0, 2 * std::numbers::pi);
+    obstacle.x += kWideAxis * std::cos(away_rad);
+    obstacle.y += kWideAxis * std::sin(away_rad);
+    obstacle.long_axis = obstacle.short_axis = kWideAxis;
+  }
   obstacle.edge = random.uniform(0.01, kMostEdge);
   obstacle.gain = random.uniform(1, 4);
-  const double level = random.uniform(0, 255), contrast = random.uniform(0, kMostContrast);
-  for (auto& row : obstacle.texture)
-    for (float& knot : row)
-      knot = static_cast<float>(std::clamp(level + random.normal(0, contrast), 0.0, 255.0));
+  // As many as half are darker than a quarter of the range, where what is not lit is too.
+  const double bright = random.uniform(), level = 255 * bright * bright,
+               most = random.uniform(0, kMostContrast);
+  const bool shaded = random.chance(kShaded);
+  const double contrast = shaded ? kShadedContrast * most : most;
+  const double rise = shaded ? random.uniform(0, kMostRise) : 0.0,
+               rises_rad = random.uniform(0, 2 * std::numbers::pi);
+  constexpr double kMiddle = 0.5 * (ViewObstacle::kGrid - 1);
+  for (std::size_t y = 0; y < ViewObstacle::kGrid; ++y)
+    for (std::size_t x = 0; x < ViewObstacle::kGrid; ++x) {
+      const double along = (std::cos(rises_rad) * (static_cast<double>(x) - kMiddle) +
+                            std::sin(rises_rad) * (static_cast<double>(y) - kMiddle)) /
+                           (ViewObstacle::kGrid - 1);
+      obstacle.texture[y][x] =
+          static_cast<float>(std::clamp(level + rise * along + random.normal(0, contrast), 0.0, 255.0));
+    }
   return obstacle;
 }
 

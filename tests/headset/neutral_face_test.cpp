@@ -17,6 +17,14 @@ Answer resting(float jaw = 0.2F) {
   return answer;
 }
 
+/// Far from rest.
+Answer moving(float jaw) {
+  Answer answer = resting(jaw);
+  for (const std::string_view shape : {"mouthSmile_L", "mouthSmile_R", "browInnerUp_L", "browInnerUp_R"})
+    answer.weights[face::shape_index(shape)] = 1;
+  return answer;
+}
+
 constexpr std::size_t kFeatures = 3;
 /// Of all views but the right half of the mouth's.
 MomentFeatures seen(float value) {
@@ -53,36 +61,49 @@ TEST(NeutralFace, CorrectsByWhatIsAnsweredOfTheFaceAtRest) {
   EXPECT_LT(neutral.gaze_rad[1], 2) << "held to what it can be";
 }
 
-TEST(NeutralFace, TakesFromAnAnswerWhatIsUnusualAtRest) {
-  constexpr float kUnusual = 0.3F - NeutralFace::kUsualAtRest, kGaze_rad = 0.1F - NeutralFace::kUsualGaze_rad;
+TEST(NeutralFace, TakesAllOffAtRest) {
   const NeutralFace neutral = made_of({resting(0.3F), resting(0.3F)});
   Answer answer = resting(0.3F);
   neutral.correct(answer);
-  EXPECT_FLOAT_EQ(answer.weights[kJaw], NeutralFace::kUsualAtRest / (1 - kUnusual));
-  EXPECT_NEAR(answer.gaze_rad[0], NeutralFace::kUsualGaze_rad, 1e-6);
-  EXPECT_NEAR(answer.gaze_rad[1], -0.05F, 1e-6) << "a usual one stays";
-  EXPECT_NEAR(answer.gaze_rad[3], -NeutralFace::kUsualGaze_rad, 1e-6);
+  EXPECT_NEAR(answer.weights[kJaw], 0, 1e-6);
+  for (const float angle_rad : answer.gaze_rad) EXPECT_NEAR(angle_rad, 0, 1e-6);
   EXPECT_NEAR(answer.openness[0], 1, 1e-6);
-  answer = resting(1);
-  answer.weights[kSmile] = 0.5F;
+}
+
+TEST(NeutralFace, TakesFromAMovingFaceWhatIsUnusualAtRest) {
+  constexpr float kUnusual = 0.3F - NeutralFace::kUsualAtRest, kGaze_rad = 0.1F - NeutralFace::kUsualGaze_rad;
+  const NeutralFace neutral = made_of({resting(0.3F), resting(0.3F)});
+  Answer answer = moving(0.3F);
+  neutral.correct(answer);
+  EXPECT_NEAR(answer.weights[kJaw], NeutralFace::kUsualAtRest / (1 - kUnusual), 1e-5);
+  EXPECT_NEAR(answer.weights[kSmile], 1, 1e-5);
+  EXPECT_NEAR(answer.gaze_rad[0], NeutralFace::kUsualGaze_rad, 1e-5);
+  EXPECT_NEAR(answer.gaze_rad[1], -0.05F, 1e-5) << "a usual one stays";
+  EXPECT_NEAR(answer.gaze_rad[3], -NeutralFace::kUsualGaze_rad, 1e-5);
+  answer = moving(1);
   answer.openness = {0, 1.4F};
   answer.gaze_rad[0] = 0.3F;
   neutral.correct(answer);
   EXPECT_FLOAT_EQ(answer.weights[kJaw], 1) << "the end of the way stays";
-  EXPECT_FLOAT_EQ(answer.weights[kSmile], 0.5F);
-  EXPECT_NEAR(answer.gaze_rad[0], 0.3F - kGaze_rad, 1e-6);
+  EXPECT_NEAR(answer.gaze_rad[0], 0.3F - kGaze_rad, 1e-5);
   EXPECT_EQ(answer.openness[0], 0);
   EXPECT_NEAR(answer.openness[1], 1.4, 1e-6);
-  answer = resting(0.5F * kUnusual);
+  answer = moving(0.5F * kUnusual);
   neutral.correct(answer);
   EXPECT_EQ(answer.weights[kJaw], 0) << "less than that is nothing";
 }
 
-TEST(NeutralFace, LeavesAnAnswerThatIsUsualAtRest) {
+TEST(NeutralFace, LeavesTheUsualTheMoreTheFartherTheFaceIsFromRest) {
   const NeutralFace neutral = made_of({resting(NeutralFace::kUsualAtRest)});
-  Answer answer = resting(0.5F);
-  neutral.correct(answer);
-  EXPECT_FLOAT_EQ(answer.weights[kJaw], 0.5F);
+  float before = 0;
+  for (const float smile : {0.0F, 0.1F, 0.2F, 0.3F, 0.5F, 1.0F}) {
+    Answer answer = resting(NeutralFace::kUsualAtRest);
+    answer.weights[kSmile] = smile;
+    neutral.correct(answer);
+    EXPECT_GE(answer.weights[kJaw], before);
+    before = answer.weights[kJaw];
+  }
+  EXPECT_NEAR(before, NeutralFace::kUsualAtRest, 0.01);
 }
 
 TEST(NeutralFace, IsJudged) {
