@@ -256,7 +256,8 @@ void HeadsetTracker::write(const Answer& answer, face::OutputFrame& out) {
       const std::size_t from = seen[e] > 0 ? e : 1 - e;
       (*last_eyes_rad_)[e] = {answer.gaze_rad[2 * from], answer.gaze_rad[2 * from + 1]};
     }
-    out.eyes_confidence = (seen[0] + seen[1]) / 2;
+    // The better eye tells for both.
+    out.eyes_confidence = std::max(seen[0], seen[1]);
   }
   if (!last_eyes_rad_) return;
   out.eyes_rad = *last_eyes_rad_;
@@ -278,7 +279,8 @@ NeutralFace HeadsetTracker::make_neutral() {
   NeutralFace made = maker_.make(std::move(names));
   made.network = model_->hash();
   // What it still answers of the face at rest itself, told that it is at rest.
-  MomentFeatures at_rest{.features = made.rest.features, .present = made.rest.present, .age_s = {}};
+  MomentFeatures at_rest{
+      .features = made.rest.features, .present = made.rest.present, .age_s = maker_.mean_age_s()};
   const std::size_t count = model_->network().architecture().features;
   for (std::size_t place = 0; place < model::kViews; ++place)
     if (!at_rest.present[place])

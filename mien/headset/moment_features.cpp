@@ -34,11 +34,11 @@ void read_moment(const model::ViewsNetwork& network, const MomentFeatures& momen
 }
 
 void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs) {
-  const std::span<const float> answer = condition.last(kAnswerOutputs),
-                               ages = condition.last(kAnswerOutputs + 2 * model::kViews + 1);
+  // All that does not grow with the features stands behind them, the ages first.
+  const std::span<const float> ages = condition.last(moment_condition(0)), answer = ages.last(kAnswerOutputs);
   std::array<float, kJudgements> added{};
   for (std::size_t j = 0; j < added.size(); ++j) {
-    const std::size_t view = views_of(j);
+    const std::size_t view = 2 * half_of_face(j);
     const float age = 0.5F * (ages[view] + ages[view + 1]);
     added[j] = 1 - logistic(outputs[kAnswerOutputs + j]) * (1 - age);
   }
@@ -46,11 +46,10 @@ void add_moment_answer(std::span<const float> condition, std::span<float, kMemor
     outputs[i] = answer[i] + added[judgement_of(i)] * outputs[i];
 }
 
-std::size_t views_of(std::size_t judgement) {
-  constexpr std::size_t kEyes = 0, kMouth = 2;
-  if (judgement == kGazeJudgement) return kEyes;
+std::size_t half_of_face(std::size_t judgement) {
+  if (judgement == kGazeJudgement) return 0;
   const auto region = static_cast<face::ShapeRegion>(judgement);
-  return region == face::ShapeRegion::brows || region == face::ShapeRegion::eyes ? kEyes : kMouth;
+  return region == face::ShapeRegion::brows || region == face::ShapeRegion::eyes ? 0 : 1;
 }
 
 std::size_t judgement_of(std::size_t output) {

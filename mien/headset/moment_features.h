@@ -41,7 +41,7 @@ void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, 
 }
 /// Where it has the network of pictures' answer to the moment, which is its end.
 [[nodiscard]] constexpr std::size_t moment_answer(std::size_t features) {
-  return 2 * model::kViews * (features + 1) + 1;
+  return moment_ages(features) + 2 * model::kViews + 1;
 }
 /// Numbers of a moment that a memory reads, in their order: the features, what they are from rest, of each
 /// view its age (1: kOldest_s or missing) and whether it is there, whether the face at rest is known, and
@@ -69,8 +69,9 @@ void add_moment_answer(std::span<const float> condition, std::span<float, kMemor
 /// The judgement that doubts an output: its shape's region's; of the tongue the jaw's, of lids' gaps and
 /// pupils the eyes'.
 [[nodiscard]] std::size_t judgement_of(std::size_t output);
-/// The first of the two views that tell of it: those of the eyes, or of the mouth.
-[[nodiscard]] std::size_t views_of(std::size_t judgement);
+/// The half of the face that it is of: 0 the upper one with the eyes, which the first two views look at; 1
+/// the lower one, which the last two do.
+[[nodiscard]] std::size_t half_of_face(std::size_t judgement);
 /// The answer's outputs that a judgement is about: the region's shapes.
 [[nodiscard]] const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs();
 /// The error of such an output that is right, in the outputs' range.

@@ -142,6 +142,7 @@ void NeutralMaker::begin() {
   frames_ = 0;
   std::ranges::fill(features_, 0.0);
   seen_ = {};
+  ages_s_ = {};
   sum_ = squares_ = {};
 }
 
@@ -150,6 +151,7 @@ void NeutralMaker::add(const MomentFeatures& moment, const Answer& answer) {
   for (std::size_t v = 0; v < model::kViews; ++v) {
     if (!moment.present[v]) continue;
     ++seen_[v];
+    ages_s_[v] += double{moment.age_s[v]};
     for (std::size_t i = v * each; i < (v + 1) * each; ++i) features_[i] += double{moment.features[i]};
   }
   const auto add_to = [this](std::size_t place, float value) {
@@ -161,6 +163,13 @@ void NeutralMaker::add(const MomentFeatures& moment, const Answer& answer) {
   for (std::size_t i = 0; i < answer.gaze_rad.size(); ++i) add_to(kGazeOutput + i, answer.gaze_rad[i]);
   for (std::size_t e = 0; e < answer.openness.size(); ++e) add_to(kOpennessOutput + e, answer.openness[e]);
   ++frames_;
+}
+
+std::array<float, model::kViews> NeutralMaker::mean_age_s() const {
+  std::array<float, model::kViews> ages_s{};
+  for (std::size_t v = 0; v < model::kViews; ++v)
+    ages_s[v] = static_cast<float>(ages_s_[v] / std::max(1.0, static_cast<double>(seen_[v])));
+  return ages_s;
 }
 
 NeutralFace NeutralMaker::make(std::vector<std::string> cameras) const {

@@ -15,7 +15,8 @@
 namespace mien::headset {
 
 /// A wearer who looks ahead with a relaxed face: what a network finds there, which it reads later views
-/// against, and what it still answers of that itself, of which is taken off what is unusual.
+/// against, and what it still answers of that itself: all of it is taken off near rest, elsewhere what of it
+/// is unusual.
 struct NeutralFace {
   /// What a weight can be at rest at most. Where the network takes a face at rest for more, what it says is
   /// hardly worth a stretch: raising would let a tenth of a shape look like half of it.
@@ -63,6 +64,8 @@ class NeutralMaker {
   void add(const MomentFeatures& moment, const Answer& answer);
   /// How many were added.
   [[nodiscard]] std::size_t frames() const { return frames_; }
+  /// Of each view how old it was in the mean; 0 of one that was never there.
+  [[nodiscard]] std::array<float, model::kViews> mean_age_s() const;
   /// Their mean, judged. There are some. Corrects by the mean answer.
   [[nodiscard]] NeutralFace make(std::vector<std::string> cameras) const;
 
@@ -70,6 +73,7 @@ class NeutralMaker {
   std::size_t frames_ = 0;
   std::vector<double> features_;                   ///< Sums, as MomentFeatures has them.
   std::array<std::size_t, model::kViews> seen_{};  ///< Frames that have each view.
+  std::array<double, model::kViews> ages_s_{};     ///< Sums over these.
   std::array<double, kAnswerOutputs> sum_{};
   std::array<double, kAnswerOutputs> squares_{};
 };

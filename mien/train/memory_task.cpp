@@ -181,7 +181,7 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
     addition.doubted_by.push_back(static_cast<std::int64_t>(judgement));
     for (std::size_t i = 0; i < addition.aged_by.size(); ++i)
       addition.aged_by[i].push_back(
-          static_cast<std::int64_t>(headset::moment_ages(count) + headset::views_of(judgement) + i));
+          static_cast<std::int64_t>(headset::moment_ages(count) + 2 * headset::half_of_face(judgement) + i));
   }
   MIEN_TRY(model::check(recipe.architecture));
   for (std::size_t j = 0; j < headset::kJudgements; ++j) {
@@ -309,9 +309,7 @@ std::vector<std::vector<float>> MemoryTask::eyes_at_rest(const std::vector<Seque
 }
 
 bool MemoryTask::is_visible(const Sequence& sequence, double frame, std::size_t judgement) {
-  const std::size_t half =
-      judgement == headset::kGazeJudgement ? 0 : study::half_of(static_cast<face::ShapeRegion>(judgement));
-  return sequence.visible[static_cast<std::size_t>(std::round(frame))][half];
+  return sequence.visible[static_cast<std::size_t>(std::round(frame))][headset::half_of_face(judgement)];
 }
 
 void MemoryTask::append(const Sequence& sequence, std::size_t first_tick, Random* random,

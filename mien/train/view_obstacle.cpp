@@ -54,7 +54,8 @@ ViewObstacle draw_obstacle(std::size_t frames, Random& random) {
   }
   obstacle.edge = random.uniform(0.01, kMostEdge);
   obstacle.gain = random.uniform(1, 4);
-  // As many as half are darker than a quarter of the range, where what is not lit is too.
+  // As many as half are darker than a quarter of the range, where what is not lit is too; and so much glare
+  // is a veil rather than white.
   const double bright = random.uniform(), level = 255 * bright * bright,
                most = random.uniform(0, kMostContrast);
   const bool shaded = random.chance(kShaded);

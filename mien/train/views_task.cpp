@@ -33,17 +33,11 @@ constexpr double kMissing = 0.05, kMirrored = 0.5;
 constexpr double kNotTold = 1.0 / 6;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Which half of the face an output is of.
-std::size_t half_of_output(std::size_t output) {
-  if (output > headset::kTongueOutput) return 0;  // Gaze, openness, pupils.
-  return output == headset::kTongueOutput ? 1 : study::half_of(face::kShapeRegions[output]);
-}
-
 /// What the network should answer; what cannot be seen is unknown.
 std::array<float, kAnswerOutputs> wanted_of(const study::FilmTruth& truth) {
   std::array<float, kAnswerOutputs> wanted = answer_of(truth);
   for (std::size_t i = 0; i < kAnswerOutputs; ++i)
-    if (truth.visible[half_of_output(i)] == 0) wanted[i] = kUnknown;
+    if (truth.visible[headset::half_of_face(headset::judgement_of(i))] == 0) wanted[i] = kUnknown;
   return wanted;
 }
 

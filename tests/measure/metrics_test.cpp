@@ -156,7 +156,10 @@ TEST(WinkF1, TellsWinksFromBlinks) {
   shut(estimate, left, 150, 160);
   shut(estimate, right, 150, 160);
   EXPECT_NEAR(*wink_f1({&one_missed, 1}), 2.0 * 1 / (2 + 1), 1e-9) << "that is a blink";
-  shut(estimate, right, 98, 100);
+  shut(truth, right, 126, 129);
+  shut(truth, left, 130, 134);
+  shut(estimate, right, 126, 129);
+  shut(estimate, left, 130, 134);
   EXPECT_NEAR(*wink_f1({&one_missed, 1}), 2.0 * 1 / (2 + 1), 1e-9) << "a lid that is early does not wink";
   const Track blinking = blinks(200, {20});
   const Stretch none{blinking, blinking};

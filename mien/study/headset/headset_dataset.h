@@ -23,9 +23,9 @@ namespace mien::study {
 /// Of the poses in a headset_motion(), shares of those that drawing shapes alone would hardly give; none of
 /// them, as wearers of studies move. Raising one: that is learnt better, of all else less is seen.
 struct PoseShares {
-  double eyes_alone = 0;   ///< The eyes look elsewhere; half of them from a face at rest.
+  double eyes_alone = 0;   ///< The eyes look elsewhere; the face stays, or in half of them comes to rest.
   double winks = 0;        ///< One lid is shut.
-  double closed_lips = 0;  ///< The jaw opens behind lips that stay together.
+  double closed_lips = 0;  ///< The jaw opens, with as much mouthClose.
   bool operator==(const PoseShares&) const = default;
 };
 

@@ -12,7 +12,6 @@
 #include "mien/core/error.h"
 #include "mien/core/mapped_file.h"
 #include "mien/face/profile.h"
-#include "mien/face/shape_region.h"
 
 namespace mien::study {
 
@@ -24,16 +23,11 @@ struct FilmTruth {
       gaze_rad{};  ///< Left eye's yaw to the performer's left and pitch upwards, right eye's.
   std::array<float, 2> openness{};  ///< Gap between the lids, left and right: 1 as in the neutral, 0 closed.
   std::array<float, 2> pupil_mm{};  ///< Diameters.
-  std::array<float, 2> visible{1, 1};  ///< Of the upper and the lower face: 0 where a failure hides it.
+  std::array<float, 2> visible{1, 1};  ///< headset::half_of_face: 0 where a failure hides it.
   float neutral = 0;                   ///< 1 while the face rests for the neutral.
   float time_s = 0;                    ///< Since the headset was put on: 0 in each donning's first frame.
 };
 static_assert(sizeof(FilmTruth) == 66 * sizeof(float));
-
-/// Where FilmTruth::visible tells of a region. Gaze, openness and pupils are of the upper face.
-[[nodiscard]] constexpr std::size_t half_of(face::ShapeRegion region) {
-  return region == face::ShapeRegion::eyes || region == face::ShapeRegion::brows ? 0 : 1;
-}
 
 /// A wearer's film: what the network sees of every camera, and the truth, frame by frame, in a file that is
 /// mapped, since films of hundreds of wearers are larger than memory.

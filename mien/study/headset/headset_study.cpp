@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mien/core/quantile.h"
+#include "mien/face/shape_region.h"
 #include "mien/headset/answer.h"
 #include "mien/headset/headset_tracker.h"
 #include "mien/measure/eyes_and_lips.h"
@@ -132,8 +133,7 @@ std::optional<std::size_t> part_of_face(std::size_t k) {
 void judge(const Answered& one, const face::BlendshapeWeights& truth, WearerPart& part) {
   const auto within = regions_within(one.frame.weights, truth);
   for (std::size_t r = 0; r < within.size(); ++r) {
-    const auto region = static_cast<face::ShapeRegion>(r);
-    const std::size_t half = half_of(region);
+    const std::size_t half = headset::half_of_face(r);
     const bool right = one.truth.visible[half] > 0 && within[r];
     part.reliability[half].add(one.frame.region_confidence[r], right);
     part.roc[half].add(one.frame.region_confidence[r], right);

@@ -102,6 +102,11 @@ bool HeadsetBoards::takes_part(const Camera& camera) const {
   return std::floor(before + camera.share) > std::floor(before);
 }
 
+std::optional<std::array<bool, 2>> HeadsetBoards::seen_in_failure() const {
+  if (failing_shots_ == 0) return std::nullopt;
+  return std::array{2 * seen_shots_[0] > failing_shots_, 2 * seen_shots_[1] > failing_shots_};
+}
+
 void HeadsetBoards::skip() {
   for (Camera& camera : cameras_) camera.sequence += takes_part(camera) ? 1 : 0;
   ++shot_;
@@ -117,7 +122,10 @@ Result<void> HeadsetBoards::shoot(const std::function<HeadsetMoment(double true_
   std::vector<std::span<std::uint8_t>> views(pixels_.begin(), pixels_.end());
   simulator_->fail(first.fails);
   const HeadsetTruth truth = simulator_->shoot(begin_s, first.pose, at(begin_s + rolling_s).pose, views);
-  if (first.fails) seen_in_failure_ = truth.is_visible;
+  if (first.fails) {
+    ++failing_shots_;
+    for (std::size_t half = 0; half < 2; ++half) seen_shots_[half] += truth.is_visible[half] ? 1 : 0;
+  }
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     Camera& camera = cameras_[c];
     if (!takes_part(camera)) continue;

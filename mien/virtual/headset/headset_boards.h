@@ -75,8 +75,9 @@ class HeadsetBoards {
                                    std::vector<BoardPicture>& out);
   /// Leaves the next shot out: its pictures never come.
   void skip();
-  /// Whether upper and lower face can be seen while the failure happens, as the newest failing shot had it.
-  [[nodiscard]] std::optional<std::array<bool, 2>> seen_in_failure() const { return seen_in_failure_; }
+  /// Whether upper and lower face could be seen in most of the shots in which the failure happened; none
+  /// where it did in none.
+  [[nodiscard]] std::optional<std::array<bool, 2>> seen_in_failure() const;
 
  private:
   struct Camera {
@@ -103,7 +104,8 @@ class HeadsetBoards {
   int quality_ = 0;
   double rate_hz_ = 0;
   std::int64_t shot_ = 0;
-  std::optional<std::array<bool, 2>> seen_in_failure_;
+  std::size_t failing_shots_ = 0;
+  std::array<std::size_t, 2> seen_shots_{};  // Of these, by half of the face.
 };
 
 }  // namespace mien::virt

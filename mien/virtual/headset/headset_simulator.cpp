@@ -308,16 +308,20 @@ std::array<float, 2> HeadsetSimulator::lid_gaps(std::span<const Vec3f> vertices_
 
 std::array<bool, 2> HeadsetSimulator::seen_halves(std::span<const render::Lens> lenses,
                                                   std::span<const std::span<std::uint8_t>> pictures) const {
+  if (failure_ == HeadsetFailure::none) return {true, true};
   if (failure_ == HeadsetFailure::smear) return {false, false};
-  Mesh thing;
+  HidingMesh thing;
   if (obstacle_) thing = {std::span(things_m_).last(obstacle_->vertices_m.size()), obstacle_->triangles};
-  std::array<double, 2> least_hidden = {1, 1};
+  std::array<std::optional<double>, 2> least_hidden;  // None: no view is there for it.
   for (std::size_t c = 0; c < views_.size(); ++c) {
-    if (failure_ == HeadsetFailure::covered && c == covered_) continue;
-    double& half = least_hidden[wearer_->cameras[c].of_mouth ? 1 : 0];
-    half = std::min(half, hidden_share(views_[c].watched, first_m_, thing, lenses[c], pictures[c]));
+    if (views_[c].watched.empty()) continue;
+    const bool is_covered = failure_ == HeadsetFailure::covered && c == covered_;
+    const double hidden =
+        is_covered ? 1 : hidden_share(views_[c].watched, first_m_, thing, lenses[c], pictures[c]);
+    std::optional<double>& half = least_hidden[wearer_->cameras[c].of_mouth ? 1 : 0];
+    half = std::min(half.value_or(1), hidden);
   }
-  return {least_hidden[0] <= kBlind, least_hidden[1] <= kBlind};
+  return {least_hidden[0].value_or(0) <= kBlind, least_hidden[1].value_or(0) <= kBlind};
 }
 
 HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, const HeadsetPose& last,

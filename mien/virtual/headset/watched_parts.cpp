@@ -1,6 +1,7 @@
 #include "mien/virtual/headset/watched_parts.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <optional>
 
@@ -41,7 +42,7 @@ bool crosses(const Vec3f& from, const Vec3f& to, const Vec3f& a, const Vec3f& b,
   return t > 0 && t < 1;
 }
 
-bool hides(const Mesh& thing, const Vec3f& from_m, const Vec3f& to_m) {
+bool hides(const HidingMesh& thing, const Vec3f& from_m, const Vec3f& to_m) {
   return std::ranges::any_of(thing.triangles, [&](const std::array<std::uint32_t, 3>& t) {
     return crosses(from_m, to_m, thing.vertices_m[t[0]], thing.vertices_m[t[1]], thing.vertices_m[t[2]]);
   });
@@ -70,8 +71,10 @@ std::vector<std::uint32_t> watched_vertices(const face::Face& face, bool of_mout
   return watched;
 }
 
-double hidden_share(std::span<const std::uint32_t> watched, std::span<const Vec3f> face_m, const Mesh& thing,
-                    const render::Lens& lens, std::span<const std::uint8_t> picture) {
+double hidden_share(std::span<const std::uint32_t> watched, std::span<const Vec3f> face_m,
+                    const HidingMesh& thing, const render::Lens& lens,
+                    std::span<const std::uint8_t> picture) {
+  assert(picture.size() == static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height));
   if (watched.empty()) return 0;
   const auto hidden = std::ranges::count_if(watched, [&](std::uint32_t v) {
     const auto pixel = pixel_of(lens, face_m[v]);

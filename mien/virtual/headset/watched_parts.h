@@ -16,7 +16,7 @@ namespace mien::virt {
                                                           const render::Lens& lens);
 
 /// A thing before the face: triangles of places in frame H.
-struct Mesh {
+struct HidingMesh {
   std::span<const Vec3f> vertices_m;
   std::span<const std::array<std::uint32_t, 3>> triangles;
 };
@@ -25,7 +25,7 @@ struct Mesh {
 /// view, behind `thing`, or so bright or dark that it is white or black. What the face itself covers counts
 /// as shown. `face_m`: the face's vertices. Cost: watched vertices times triangles.
 [[nodiscard]] double hidden_share(std::span<const std::uint32_t> watched, std::span<const Vec3f> face_m,
-                                  const Mesh& thing, const render::Lens& lens,
+                                  const HidingMesh& thing, const render::Lens& lens,
                                   std::span<const std::uint8_t> picture);
 
 }  // namespace mien::virt

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "mien/builtin_face/builtin_face.h"
@@ -28,7 +31,7 @@ struct Square {
   std::vector<Vec3f> points_m;
   std::vector<std::uint32_t> watched;
   std::vector<std::uint8_t> picture = std::vector<std::uint8_t>(64 * 64, 100);
-  [[nodiscard]] double hidden(const Mesh& thing = {}) const {
+  [[nodiscard]] double hidden(const HidingMesh& thing = {}) const {
     return hidden_share(watched, points_m, thing, lens(), picture);
   }
 };

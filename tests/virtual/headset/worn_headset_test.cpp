@@ -218,14 +218,14 @@ TEST_F(WornHeadsetTest, ATakeHoldsPicturesAndTruth) {
 
 TEST_F(WornHeadsetTest, AFailureHappensWhenItIsToAndStandsInTheTake) {
   with_rig(small());
-  request_.headset_failure = parse_timed_failure("cup@0.4-0.7").value();
+  request_.headset_failure = parse_timed_failure("mask@0.4-0.7").value();
   const Stage stage = set_stage(request_).value();
   const VirtualSession session = play(stage).value();
   const auto event = std::ranges::find(session.events, "headset_failure", &take::Event::kind);
   ASSERT_NE(event, session.events.end());
   EXPECT_NEAR(to_seconds(event->end - event->begin), 0.3, 1e-3);
   EXPECT_NEAR(to_seconds(event->begin - session.motion_start), 0.4, 1e-3);
-  EXPECT_EQ(event->json, R"({"name": "cup", "sees_upper": true, "sees_lower": false})");
+  EXPECT_EQ(event->json, R"({"name": "mask", "sees_upper": true, "sees_lower": false})");
 
   const auto* headset = headset_of(stage);
   ASSERT_NE(headset, nullptr);
@@ -238,7 +238,7 @@ TEST_F(WornHeadsetTest, AFailureHappensWhenItIsToAndStandsInTheTake) {
 
 TEST_F(WornHeadsetTest, AWholeFailureIsThereFromTheBeginning) {
   request_.motion = test::talking(16);
-  request_.headset_failure = parse_timed_failure("dark").value();
+  request_.headset_failure = parse_timed_failure("smear").value();
   const VirtualSession session = play(set_stage(with_rig(small())).value()).value();
   const auto event = std::ranges::find(session.events, "headset_failure", &take::Event::kind);
   ASSERT_NE(event, session.events.end());
