@@ -34,16 +34,11 @@ void read_moment(const model::ViewsNetwork& network, const MomentFeatures& momen
 }
 
 void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs) {
-  // All that does not grow with the features stands behind them, the ages first.
-  const std::span<const float> ages = condition.last(moment_condition(0)), answer = ages.last(kAnswerOutputs);
-  std::array<float, kJudgements> added{};
-  for (std::size_t j = 0; j < added.size(); ++j) {
-    const std::size_t view = 2 * half_of_face(j);
-    const float age = 0.5F * (ages[view] + ages[view + 1]);
-    added[j] = 1 - logistic(outputs[kAnswerOutputs + j]) * (1 - age);
-  }
+  const std::span<const float> answer = condition.last(kAnswerOutputs);
+  std::array<float, kJudgements> wrong{};
+  for (std::size_t j = 0; j < wrong.size(); ++j) wrong[j] = logistic(-outputs[kAnswerOutputs + j]);
   for (std::size_t i = 0; i < answer.size(); ++i)
-    outputs[i] = answer[i] + added[judgement_of(i)] * outputs[i];
+    outputs[i] = answer[i] + wrong[judgement_of(i)] * outputs[i];
 }
 
 std::size_t half_of_face(std::size_t judgement) {

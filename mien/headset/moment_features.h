@@ -35,13 +35,9 @@ struct MomentFeatures {
 /// Features less those at rest; 0 where either is not known. `out`: as many numbers.
 void features_from_rest(const MomentFeatures& moment, const RestFeatures& rest, std::span<float> out);
 
-/// Where a memory's condition has each view's age.
-[[nodiscard]] constexpr std::size_t moment_ages(std::size_t features) {
-  return 2 * model::kViews * features;
-}
-/// Where it has the network of pictures' answer to the moment, which is its end.
+/// Where a memory's condition has the network of pictures' answer to the moment, which is its end.
 [[nodiscard]] constexpr std::size_t moment_answer(std::size_t features) {
-  return moment_ages(features) + 2 * model::kViews + 1;
+  return 2 * model::kViews * (features + 1) + 1;
 }
 /// Numbers of a moment that a memory reads, in their order: the features, what they are from rest, of each
 /// view its age (1: kOldest_s or missing) and whether it is there, whether the face at rest is known, and
@@ -56,21 +52,18 @@ void read_moment(const model::ViewsNetwork& network, const MomentFeatures& momen
 /// What a memory answers: what it would add to the moment's kAnswerOutputs (headset/answer.h), then of each
 /// region of shapes and of the gaze the logit of the probability that the answer is right: that nothing hides
 /// the region and the mean absolute error of its shapes is at most 0.1 (docs/reference/metrics.md), that of
-/// the eyes' angles at most 0.1 rad. It adds as much of it as it doubts, or as old as the views of that half
-/// of the face are: nothing where they are new and the answer surely right.
+/// the eyes' angles at most 0.1 rad. It adds as much of it as it doubts: nothing where that is surely right.
 inline constexpr std::size_t kGazeJudgement = face::kShapeRegionCount;
 inline constexpr std::size_t kJudgements = kGazeJudgement + 1;
 inline constexpr std::size_t kMemoryOutputs = kAnswerOutputs + kJudgements;
 inline constexpr float kRightWeight = 0.1F, kRightGaze_rad = 0.1F;
 /// Makes answers of a memory's outputs: each is the moment's of the condition, and what is added to it times
-/// 1 - p (1 - a): p is the probability that its judgement gives to being right, a the mean age of the two
-/// views of its half of the face, as the condition has it.
+/// the probability that its judgement gives to being wrong.
 void add_moment_answer(std::span<const float> condition, std::span<float, kMemoryOutputs> outputs);
 /// The judgement that doubts an output: its shape's region's; of the tongue the jaw's, of lids' gaps and
 /// pupils the eyes'.
 [[nodiscard]] std::size_t judgement_of(std::size_t output);
-/// The half of the face that it is of: 0 the upper one with the eyes, which the first two views look at; 1
-/// the lower one, which the last two do.
+/// The half of the face that it is of: 0 the upper one, with the eyes; 1 the lower one.
 [[nodiscard]] std::size_t half_of_face(std::size_t judgement);
 /// The answer's outputs that a judgement is about: the region's shapes.
 [[nodiscard]] const std::array<std::vector<std::size_t>, kJudgements>& judged_outputs();

@@ -15,7 +15,7 @@ namespace mien::headset {
 namespace {
 
 constexpr std::string_view kFormat = "mien-headset";
-constexpr std::string_view kVersion = "6";
+constexpr std::string_view kVersion = "5";
 constexpr const char* kMean = "mean_answer";
 constexpr std::string_view kMemoryPrefix = "memory.";
 constexpr const char* kJudgementMaps = "judgements";  // Offset and slope of each.

@@ -273,14 +273,13 @@ Result<std::vector<std::byte>> onnx_of(const headset::ViewsFile& model, const Ex
   add_causal_network(
       graph, memory.architecture, memory.network, "condition",
       {.name = "answer",
-       .says = fmt::format(
-           "To be added to the moment's answer, which has {}, each times 1 - p (1 - a): p is the "
-           "sigmoid of its region's logit (the tongue's is the jaw's, of directions the gaze's, of "
-           "lids' gaps and pupils the eyes'), a the mean age of the eyes' views for brows, eyes and "
-           "gaze, of the mouth's for all else; then six "
-           "logits, of brows, eyes, cheeks, mouth, jaw and gaze, to be made probabilities by the "
-           "maps in metadata `judgements` (offset, slope).",
-           kHeadsetAnswer),
+       .says =
+           fmt::format("To be added to the moment's answer, which has {}, each times 1 - the sigmoid of its "
+                       "region's logit (the tongue's is the jaw's, of directions the gaze's, of lids' gaps "
+                       "and pupils the eyes'); then six "
+                       "logits, of brows, eyes, cheeks, mouth, jaw and gaze, to be made probabilities by the "
+                       "maps in metadata `judgements` (offset, slope).",
+                       kHeadsetAnswer),
        .factor = 1},
       request.steps);
   Json maps = Json::array();

@@ -55,17 +55,13 @@ torch::Tensor answer_at_once(const Recipe& recipe, const Parameters& parameters,
   if (!recipe.addition) return outputs;
   const auto judged = static_cast<std::int64_t>(recipe.judgements.size()), answers = outputs.size(2) - judged;
   const torch::Tensor judgements = outputs.narrow(2, answers, judged);
-  const auto select = [](const torch::Tensor& from, const std::vector<std::int64_t>& which) {
-    return from.index_select(2, torch::tensor(which).to(from.device()));
-  };
   // The judgements learn whether the answer is right, not to make it so.
-  const torch::Tensor right = select(torch::sigmoid(judgements.detach()), recipe.addition->doubted_by);
-  const auto& [one, other] = recipe.addition->aged_by;
-  const torch::Tensor age = 0.5 * (select(condition, one) + select(condition, other));
-  return torch::cat({condition.narrow(2, recipe.addition->to, answers) +
-                         (1 - right * (1 - age)) * outputs.narrow(2, 0, answers),
-                     judgements},
-                    2);
+  const torch::Tensor wrong =
+      torch::sigmoid(judgements.detach().neg())
+          .index_select(2, torch::tensor(recipe.addition->doubted_by).to(outputs.device()));
+  return torch::cat(
+      {condition.narrow(2, recipe.addition->to, answers) + wrong * outputs.narrow(2, 0, answers), judgements},
+      2);
 }
 
 torch::Tensor difference_of(const torch::Tensor& predicted, const torch::Tensor& clean) {

@@ -24,6 +24,7 @@
 #include "mien/train/film_answers.h"
 #include "mien/train/view_augmentation.h"
 #include "mien/train/view_obstacle.h"
+#include "mien/virtual/headset/watched_parts.h"
 
 namespace mien::train {
 namespace {
@@ -52,9 +53,6 @@ constexpr double kHidden = 0.6, kHalfHidden = 0.6, kViewHidden = 0.85;
 /// A validation frame of what is seen counts as so many where judgements become probabilities: half of the
 /// donnings are hidden for a while, so that much is learnt of it, but hardly a seventh of a session's.
 constexpr double kSeenCounts = 4;
-
-/// Of each view of half a face, hidden by more than this share, that half cannot be seen.
-constexpr double kBlind = 0.5;
 
 /// What a donning is shown as.
 struct Way {
@@ -98,21 +96,22 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
   std::vector<float> views(kViews * pixels);
   for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
     std::array<bool, kViews> present{};
-    std::array<double, 2> least_hidden = {1, 1};
+    std::array<double, 2> hidden{}, of_half{};  // Sums over the views of a half, and how many.
     const study::FilmTruth truth = film.truth(frame);
     for (std::size_t v = 0; v < kViews; ++v) {
       const FilmPlace& place = places[way.mirrored ? v ^ 1U : v];
       if (!place.is_there) continue;
       present[v] = true;
-      double hidden = 0;
+      double covered = 0;
       const std::span<const std::uint8_t> view = film.view(frame, place.camera);
       shown.assign(view.begin(), view.end());
       if (way.spoilt) {
         show_as(way.looks[v], shown, side, scratch);
-        if (way.obstacles[v]) hidden = show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
+        if (way.obstacles[v]) covered = show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
         spoil_view(shown, side, random);
       }
-      least_hidden[v / 2] = std::min(least_hidden[v / 2], hidden);
+      hidden[v / 2] += covered;
+      ++of_half[v / 2];
       auto stretched = headset::NetworkView::create(place.view);
       stretched->make({.width = side, .height = side, .pixels = shown},
                       std::span(views).subspan(v * pixels, pixels));
@@ -120,8 +119,8 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
     const std::size_t begin = found.features.size();
     found.features.resize(begin + kViews * count);
     network.find(views, present, memory, std::span(found.features).subspan(begin));
-    found.visible.push_back({truth.visible[0] > 0 && least_hidden[0] <= kBlind,
-                             truth.visible[1] > 0 && least_hidden[1] <= kBlind});
+    found.visible.push_back({truth.visible[0] > 0 && hidden[0] <= virt::kMostHidden * of_half[0],
+                             truth.visible[1] > 0 && hidden[1] <= virt::kMostHidden * of_half[1]});
     const auto wanted = answer_of(truth);
     const auto asked = way.mirrored ? mirrored_answer(wanted) : wanted;
     found.wanted.insert(found.wanted.end(), asked.begin(), asked.end());
@@ -176,13 +175,8 @@ Result<std::unique_ptr<MemoryTask>> MemoryTask::create(Recipe recipe, const stud
   recipe.gaze_outputs = gaze_outputs();
   Addition& addition = recipe.addition.emplace();
   addition.to = static_cast<std::int64_t>(headset::moment_answer(count));
-  for (std::size_t output = 0; output < kAnswerOutputs; ++output) {
-    const std::size_t judgement = headset::judgement_of(output);
-    addition.doubted_by.push_back(static_cast<std::int64_t>(judgement));
-    for (std::size_t i = 0; i < addition.aged_by.size(); ++i)
-      addition.aged_by[i].push_back(
-          static_cast<std::int64_t>(headset::moment_ages(count) + 2 * headset::half_of_face(judgement) + i));
-  }
+  for (std::size_t output = 0; output < kAnswerOutputs; ++output)
+    addition.doubted_by.push_back(static_cast<std::int64_t>(headset::judgement_of(output)));
   MIEN_TRY(model::check(recipe.architecture));
   for (std::size_t j = 0; j < headset::kJudgements; ++j) {
     Recipe::Judgement& judgement = recipe.judgements.emplace_back();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,12 +26,10 @@ enum class LossKind {
 };
 
 /// Where in a network's condition stand as many numbers as are asked for, which its first outputs are added
-/// to; and of each the judgement by whose probability p of being right, and the two numbers of the condition
-/// by whose mean a (0 to 1) it is multiplied first: by 1 - p (1 - a).
+/// to, and of each the judgement by whose probability of being wrong it is multiplied first.
 struct Addition {
   std::int64_t to = 0;
   std::vector<std::int64_t> doubted_by;
-  std::array<std::vector<std::int64_t>, 2> aged_by;
 };
 
 /// How a model is made, from data to budget: a TOML file (docs/guide/training.md lists its keys). Defaults

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -51,23 +50,8 @@ TEST(MomentFeatures, AreReadWithAgesWhatIsThereAndTheMomentsAnswer) {
   EXPECT_EQ(std::vector<float>(out.begin() + 73, out.end()), answer);
 }
 
-TEST(MomentFeatures, AMemoryAddsToTheMomentsAnswerAsMuchAsViewsAreOld) {
-  std::vector<float> condition(moment_condition(2), 0.0F);
-  const auto ages = condition.begin() + static_cast<std::ptrdiff_t>(moment_ages(2));
-  std::ranges::copy(std::array{0.0F, 0.5F, 1.0F, 1.0F}, ages);
-  std::array<float, kMemoryOutputs> outputs{};
-  outputs.fill(0.8F);
-  std::fill(outputs.begin() + kAnswerOutputs, outputs.end(), 100.0F);
-  add_moment_answer(condition, outputs);
-  EXPECT_FLOAT_EQ(outputs[face::shape("eyeBlink_L")], 0.25F * 0.8F) << "half of the eyes' views is half old";
-  EXPECT_FLOAT_EQ(outputs[kGazeOutput], 0.25F * 0.8F);
-  EXPECT_FLOAT_EQ(outputs[face::shape("jawOpen")], 0.8F);
-  EXPECT_FLOAT_EQ(outputs[face::shape("cheekPuff_L")], 0.8F);
-}
-
 TEST(MomentFeatures, AMemoryAddsToTheMomentsAnswerAsMuchAsItDoubts) {
   std::vector<float> condition(moment_condition(2), 9.0F);
-  std::fill_n(condition.begin() + static_cast<std::ptrdiff_t>(moment_ages(2)), model::kViews, 0.0F);
   std::array<float, kMemoryOutputs> outputs{};
   for (std::size_t i = 0; i < kAnswerOutputs; ++i) condition[moment_answer(2) + i] = static_cast<float>(i);
   outputs.fill(0.5F);

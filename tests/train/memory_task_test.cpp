@@ -167,30 +167,27 @@ TEST(Loss, GazeWeighsAsMuchAsIsAsked) {
   EXPECT_FLOAT_EQ(static_cast<float>(loss({0, 1})), static_cast<float>(10 * loss({1, 0})));
 }
 
-TEST(Loss, AMemoryAddsAsMuchAsItDoubtsOrViewsAreOld) {
+TEST(Loss, AMemoryAddsAsMuchAsItDoubts) {
   // One frame: an answer that is asked for as 1, of which the moment says 0.2 and the memory would add 0.8.
-  const auto error = [](float logit, float age) {
+  const auto error = [](float logit) {
     Recipe recipe = recipe_of(1);
     recipe.difference_weight = 0;
     recipe.judgements = {{.outputs = {0}, .most_error = 0.1}};
-    recipe.addition = Addition{.to = 2, .doubted_by = {0}, .aged_by = {{{0}, {1}}}};
+    recipe.addition = Addition{.to = 1, .doubted_by = {0}};
     recipe.architecture = {.kind = model::NetworkKind::causal};
-    recipe.architecture.condition = 3;
-    recipe.architecture.d_model = 2;
+    recipe.architecture.condition = recipe.architecture.d_model = 2;
     recipe.architecture.layers = 0;
     recipe.architecture.outputs = 2;
-    const Parameters nothing_but_biases = {torch::zeros({2, 3}), torch::zeros({2}), torch::zeros({2, 2}),
+    const Parameters nothing_but_biases = {torch::zeros({2, 2}), torch::zeros({2}), torch::zeros({2, 2}),
                                            torch::tensor({0.8F, logit})};
-    const torch::Tensor condition = torch::tensor({0.0F, 2 * age, 0.2F}).view({1, 1, 3});
+    const torch::Tensor condition = torch::tensor({9.0F, 0.2F}).view({1, 1, 2});
     const torch::Tensor answer = answer_at_once(recipe, nothing_but_biases, condition, {});
     EXPECT_FLOAT_EQ(answer[0][0][1].item<float>(), logit) << "a judgement is the memory's alone";
     return std::abs(1 - answer[0][0][0].item<float>());
   };
-  EXPECT_NEAR(error(-20, 0), 0, 1e-5);
-  EXPECT_NEAR(error(0, 0), 0.4, 1e-5);
-  EXPECT_NEAR(error(20, 0), 0.8, 1e-5);
-  EXPECT_NEAR(error(20, 0.5F), 0.4, 1e-5);
-  EXPECT_NEAR(error(20, 1), 0, 1e-5);
+  EXPECT_NEAR(error(-20), 0, 1e-5);
+  EXPECT_NEAR(error(0), 0.4, 1e-5);
+  EXPECT_NEAR(error(20), 0.8, 1e-5);
 }
 
 TEST(Loss, ChangesOfQuickAnswersAreNotAskedFor) {

@@ -305,7 +305,7 @@ Result<HeadsetFilms> make_headset_films(const HeadsetDataRecipe& recipe, const s
   // A wearer's film does not depend on how many there are.
   Sha256 hashing;
   const std::string what = fmt::format(
-      "film 4 {} {} {} {} {} {} {} {} {} {}\n{}", recipe.seed, recipe.donnings, recipe.frames,
+      "film 5 {} {} {} {} {} {} {} {} {} {}\n{}", recipe.seed, recipe.donnings, recipe.frames,
       recipe.neutral_frames, fmt::join(recipe.rates_hz, ","), recipe.failing, recipe.side,
       recipe.poses.eyes_alone, recipe.poses.winks, recipe.poses.closed_lips, sensor::write_rig(rig));
   hashing.add(std::as_bytes(std::span(what)));

@@ -28,8 +28,6 @@ constexpr double kPoor_m = 8e-3, kPoor_rad = 8 * kRadPerDeg;
 /// How far a cup is tipped against the lips.
 constexpr double kDrinking_rad = 60 * kRadPerDeg;
 constexpr std::array<double, 2> kGrease = {0.6, 0.9};
-/// A view of which more is hidden does not see its half of the face.
-constexpr double kBlind = 0.5;
 /// Sun is so many times as bright as the lamps at the cheek; in the dark a lamp gives this share.
 constexpr float kSun = 25, kDark = 0.004F;
 /// Where no lamp reaches a place, the light of the lamps at the cheek is taken from here.
@@ -312,16 +310,18 @@ std::array<bool, 2> HeadsetSimulator::seen_halves(std::span<const render::Lens> 
   if (failure_ == HeadsetFailure::smear) return {false, false};
   HidingMesh thing;
   if (obstacle_) thing = {std::span(things_m_).last(obstacle_->vertices_m.size()), obstacle_->triangles};
-  std::array<std::optional<double>, 2> least_hidden;  // None: no view is there for it.
+  std::array<double, 2> hidden{}, views{};  // Sums over the views of a half, and how many.
   for (std::size_t c = 0; c < views_.size(); ++c) {
     if (views_[c].watched.empty()) continue;
     const bool is_covered = failure_ == HeadsetFailure::covered && c == covered_;
-    const double hidden =
-        is_covered ? 1 : hidden_share(views_[c].watched, first_m_, thing, lenses[c], pictures[c]);
-    std::optional<double>& half = least_hidden[wearer_->cameras[c].of_mouth ? 1 : 0];
-    half = std::min(half.value_or(1), hidden);
+    // Exposure follows the dark, and not what is bright and dark at once.
+    const std::span<const std::uint8_t> picture =
+        failure_ == HeadsetFailure::sun ? pictures[c] : std::span<std::uint8_t>();
+    const std::size_t half = wearer_->cameras[c].of_mouth ? 1 : 0;
+    hidden[half] += is_covered ? 1 : hidden_share(views_[c].watched, first_m_, thing, lenses[c], picture);
+    ++views[half];
   }
-  return {least_hidden[0].value_or(0) <= kBlind, least_hidden[1].value_or(0) <= kBlind};
+  return {hidden[0] <= kMostHidden * views[0], hidden[1] <= kMostHidden * views[1]};
 }
 
 HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, const HeadsetPose& last,

@@ -51,8 +51,9 @@ struct HeadsetTruth {
   std::array<Eigen::Vector2f, 2> gaze_rad;  ///< Yaw to the performer's left, pitch upwards; left, right eye.
   std::array<float, 2> openness{};          ///< Gap between the lids, 1 as in the neutral, 0 closed.
   std::array<float, 2> pupil_mm{};          ///< Diameter.
-  /// Of the upper and of the lower face: false while a failure hides more than half of what each of its views
-  /// is there for (hidden_share), or blurs it by grease.
+  /// Of the upper and of the lower face: false while a failure hides more of it than kMostHidden, a mean over
+  /// its views (hidden_share), or blurs it by grease.
+
   std::array<bool, 2> is_visible{true, true};
 };
 

@@ -74,12 +74,13 @@ std::vector<std::uint32_t> watched_vertices(const face::Face& face, bool of_mout
 double hidden_share(std::span<const std::uint32_t> watched, std::span<const Vec3f> face_m,
                     const HidingMesh& thing, const render::Lens& lens,
                     std::span<const std::uint8_t> picture) {
-  assert(picture.size() == static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height));
+  assert(picture.empty() ||
+         picture.size() == static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height));
   if (watched.empty()) return 0;
   const auto hidden = std::ranges::count_if(watched, [&](std::uint32_t v) {
     const auto pixel = pixel_of(lens, face_m[v]);
-    return !pixel || picture[*pixel] >= kWhite || picture[*pixel] <= kBlack ||
-           hides(thing, lens.position_m, face_m[v]);
+    if (!pixel || hides(thing, lens.position_m, face_m[v])) return true;
+    return !picture.empty() && (picture[*pixel] >= kWhite || picture[*pixel] <= kBlack);
   });
   return static_cast<double>(hidden) / static_cast<double>(watched.size());
 }

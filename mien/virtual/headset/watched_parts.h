@@ -21,9 +21,12 @@ struct HidingMesh {
   std::span<const std::array<std::uint32_t, 3>> triangles;
 };
 
-/// The share of `watched` that a picture (grey, as large as the lens's) does not show, 0 to 1: out of the
-/// view, behind `thing`, or so bright or dark that it is white or black. What the face itself covers counts
-/// as shown. `face_m`: the face's vertices. Cost: watched vertices times triangles.
+/// A half of the face of which its views have more than this share hidden, in the mean, cannot be seen.
+inline constexpr double kMostHidden = 0.25;
+
+/// The share of `watched` that a view does not show, 0 to 1: out of it, behind `thing`, or so bright or
+/// dark that `picture` (grey, as large as the lens's; empty: nothing is) has it white or black. What the face
+/// itself covers counts as shown. `face_m`: the face's vertices. Cost: watched vertices times triangles.
 [[nodiscard]] double hidden_share(std::span<const std::uint32_t> watched, std::span<const Vec3f> face_m,
                                   const HidingMesh& thing, const render::Lens& lens,
                                   std::span<const std::uint8_t> picture);
