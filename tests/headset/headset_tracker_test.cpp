@@ -284,7 +284,9 @@ TEST(HeadsetTracker, AClosedEyeKeepsItsDirectionAndIsNotSureOfIt) {
   Answer closed = telling_answer();
   closed.openness = {0.05F, 0.05F};
   Answer half = telling_answer();
-  half.openness = {0.3F, 1};
+  half.openness = {0.3F, 0.3F};
+  Answer winking = telling_answer();
+  winking.openness = {0.05F, 1};
   Worn blinks(HeadsetModel::create(constant_file(closed)).value());
   blinks.run(0.2);
   EXPECT_EQ(blinks.frame.eyes_confidence, 0);
@@ -295,6 +297,9 @@ TEST(HeadsetTracker, AClosedEyeKeepsItsDirectionAndIsNotSureOfIt) {
   open.run(0.2);
   EXPECT_GT(squints.frame.eyes_confidence, 0);
   EXPECT_LT(squints.frame.eyes_confidence, open.frame.eyes_confidence);
+  Worn winks(HeadsetModel::create(constant_file(winking)).value());
+  winks.run(0.2);
+  EXPECT_EQ(winks.frame.eyes_confidence, open.frame.eyes_confidence) << "the open eye tells for both";
 }
 
 TEST(HeadsetTracker, WhatIsAnsweredOfAGuidedNeutralIsTakenOff) {
