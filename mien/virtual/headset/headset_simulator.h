@@ -53,7 +53,6 @@ struct HeadsetTruth {
   std::array<float, 2> pupil_mm{};          ///< Diameter.
   /// Of the upper and of the lower face: false while a failure hides more of it than kMostHidden, a mean over
   /// its views (hidden_share), or blurs it by grease.
-
   std::array<bool, 2> is_visible{true, true};
 };
 
