@@ -1,7 +1,6 @@
 #include "mien/headset/moment_features.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "mien/core/logistic.h"
 

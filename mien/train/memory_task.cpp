@@ -96,7 +96,7 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
   std::vector<float> views(kViews * pixels);
   for (std::size_t frame = donning.begin; frame < donning.end; ++frame) {
     std::array<bool, kViews> present{};
-    std::array<double, 2> hidden{}, of_half{};  // Sums over the views of a half, and how many.
+    virt::SeenHalves halves;
     const study::FilmTruth truth = film.truth(frame);
     for (std::size_t v = 0; v < kViews; ++v) {
       const FilmPlace& place = places[way.mirrored ? v ^ 1U : v];
@@ -110,8 +110,7 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
         if (way.obstacles[v]) covered = show_obstacle(*way.obstacles[v], frame - donning.begin, shown, side);
         spoil_view(shown, side, random);
       }
-      hidden[v / 2] += covered;
-      ++of_half[v / 2];
+      halves.add(v / 2, covered);
       auto stretched = headset::NetworkView::create(place.view);
       stretched->make({.width = side, .height = side, .pixels = shown},
                       std::span(views).subspan(v * pixels, pixels));
@@ -119,8 +118,8 @@ Found find(const study::HeadsetFilm& film, const study::HeadsetFilm::Donning& do
     const std::size_t begin = found.features.size();
     found.features.resize(begin + kViews * count);
     network.find(views, present, memory, std::span(found.features).subspan(begin));
-    found.visible.push_back({truth.visible[0] > 0 && hidden[0] <= virt::kMostHidden * of_half[0],
-                             truth.visible[1] > 0 && hidden[1] <= virt::kMostHidden * of_half[1]});
+    const auto [upper, lower] = halves.seen();
+    found.visible.push_back({truth.visible[0] > 0 && upper, truth.visible[1] > 0 && lower});
     const auto wanted = answer_of(truth);
     const auto asked = way.mirrored ? mirrored_answer(wanted) : wanted;
     found.wanted.insert(found.wanted.end(), asked.begin(), asked.end());

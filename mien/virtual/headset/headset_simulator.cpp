@@ -310,18 +310,17 @@ std::array<bool, 2> HeadsetSimulator::seen_halves(std::span<const render::Lens> 
   if (failure_ == HeadsetFailure::smear) return {false, false};
   HidingMesh thing;
   if (obstacle_) thing = {std::span(things_m_).last(obstacle_->vertices_m.size()), obstacle_->triangles};
-  std::array<double, 2> hidden{}, views{};  // Sums over the views of a half, and how many.
+  SeenHalves halves;
   for (std::size_t c = 0; c < views_.size(); ++c) {
     if (views_[c].watched.empty()) continue;
     const bool is_covered = failure_ == HeadsetFailure::covered && c == covered_;
     // Exposure follows the dark, and not what is bright and dark at once.
     const std::span<const std::uint8_t> picture =
         failure_ == HeadsetFailure::sun ? pictures[c] : std::span<std::uint8_t>();
-    const std::size_t half = wearer_->cameras[c].of_mouth ? 1 : 0;
-    hidden[half] += is_covered ? 1 : hidden_share(views_[c].watched, first_m_, thing, lenses[c], picture);
-    ++views[half];
+    halves.add(wearer_->cameras[c].of_mouth ? 1 : 0,
+               is_covered ? 1 : hidden_share(views_[c].watched, first_m_, thing, lenses[c], picture));
   }
-  return {hidden[0] <= kMostHidden * views[0], hidden[1] <= kMostHidden * views[1]};
+  return halves.seen();
 }
 
 HeadsetTruth HeadsetSimulator::shoot(double time_s, const HeadsetPose& first, const HeadsetPose& last,

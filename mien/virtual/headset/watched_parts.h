@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,6 +24,23 @@ struct HidingMesh {
 
 /// A half of the face of which its views have more than this share hidden, in the mean, cannot be seen.
 inline constexpr double kMostHidden = 0.25;
+
+/// Gathers what views hide of the two halves of a face, 0 the upper and 1 the lower one.
+class SeenHalves {
+ public:
+  /// A view of `half`, and the share of it that is hidden, 0 to 1.
+  void add(std::size_t half, double hidden) {
+    hidden_[half] += hidden;
+    ++views_[half];
+  }
+  /// By kMostHidden; a half that no view is there for counts as seen.
+  [[nodiscard]] std::array<bool, 2> seen() const {
+    return {hidden_[0] <= kMostHidden * views_[0], hidden_[1] <= kMostHidden * views_[1]};
+  }
+
+ private:
+  std::array<double, 2> hidden_{}, views_{};  // Sums, and of how many.
+};
 
 /// The share of `watched` that a view does not show, 0 to 1: out of it, behind `thing`, or so bright or
 /// dark that `picture` (grey, as large as the lens's; empty: nothing is) has it white or black. What the face
