@@ -9,12 +9,12 @@
 namespace mien::live {
 
 /// As Ring, of records of any length: one thread writes, one reads. A record that does not fit is refused
-/// whole. No lock, no allocation after construction.
+/// whole. Where nothing waits the next record stands at the front of its memory, so that a ring touches no
+/// more of that than ever waited at once. No lock, no allocation after construction.
 class ByteRing {
  public:
   /// When a ring's memory is taken from the machine: at once, so that no page is missing on the way of a
-  /// frame; or while records wait in it, for a large ring that a session hardly ever fills. Behind what was
-  /// released its pages go back.
+  /// frame; or as records first wait there, for a large ring that a session hardly ever fills.
   enum class Memory : std::uint8_t { at_once, when_used };
   /// `size` a power of two; a record may have up to a quarter of it.
   explicit ByteRing(std::size_t size, Memory memory = Memory::at_once);
@@ -28,18 +28,18 @@ class ByteRing {
   void release();
 
  private:
-  /// Gives the pages back that lie before `end`, a position as read_ is one. They may be written again once
-  /// read_ says so.
-  void give_back(std::size_t end);
+  /// Where the record at a position, as written_ and read_ are, stands in bytes_.
+  [[nodiscard]] std::size_t place_of(std::size_t at) const { return (at - origin_) & (size_ - 1); }
 
   static constexpr std::uint32_t kSkip = 0xFFFFFFFF;  // The rest of the ring is left out.
   std::unique_ptr<std::byte[]> bytes_;
   std::size_t size_;
-  Memory memory_;
   std::size_t claimed_ = 0;  // Bytes that publish() hands over.
+  /// The position at the front of bytes_. The writer moves it while nothing waits, when the reader, which
+  /// has released all, does not look at it before the next publish().
+  std::size_t origin_ = 0;
   alignas(64) std::atomic<std::size_t> written_ = 0;
   alignas(64) std::atomic<std::size_t> read_ = 0;
-  std::size_t given_back_ = 0;  // Up to this position; the reader's.
 };
 
 }  // namespace mien::live
