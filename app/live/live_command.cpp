@@ -246,6 +246,9 @@ void print_opening(std::FILE* out, const LiveSession& session) {
       fmt::print(out, "Asking {} for its pictures, {}'s\n", address, sensor);
     else
       fmt::print(out, "Pictures on {} are {}'s\n", address, sensor);
+  if (!session.cameras.empty() && !session.without_address.empty())
+    fmt::print(out, "No --listen is left for {}: missing cameras\n",
+               fmt::join(session.without_address, ", "));
   if (!session.pictures.empty()) fmt::print(out, "{}\n", session.pictures);
   if (network.sealed)
     fmt::print(out, "Only devices with the key are received{}\n",

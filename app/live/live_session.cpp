@@ -232,6 +232,8 @@ Result<LiveSession> open_live(LiveRequest request) {
   std::ranges::move(cameras.feeds, std::back_inserter(settings.feeds));
   settings.line_cameras = std::move(cameras.lines);
   out.cameras = std::move(cameras.all);
+  for (const std::uint16_t sensor : sensor::sensors_of(rig, "camera") | std::views::drop(out.cameras.size()))
+    out.without_address.push_back(rig.sensors[sensor].name);
   if (request.images) {
     if (sensor::sensors_of(rig, "camera").empty())
       return fail(ErrorCode::bad_usage, "this rig has no camera whose pictures could be kept", "--images",

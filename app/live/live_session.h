@@ -46,7 +46,8 @@ struct LiveSession {
   /// Cameras that are asked for pictures, and serial lines on which one may speak: each one's address, and
   /// the sensor whose pictures they are.
   std::vector<std::pair<std::string, std::string>> cameras;
-  std::string pictures;  ///< Where they are kept: what that will take; else empty.
+  std::vector<std::string> without_address;  ///< The rig's cameras that no address is left for.
+  std::string pictures;                      ///< Where they are kept: what that will take; else empty.
   std::unique_ptr<live::Engine> engine;
 };
 

@@ -31,7 +31,7 @@ struct NeutralFace {
   /// How near to rest that is: the root mean square of the weights' distance from those at rest, at which 1/e
   /// of the usual part is taken off; with the distance that falls as a normal density does. Raising: small
   /// expressions lose what the face at rest is taken for; lowering: a face at rest shows it once it trembles.
-  static constexpr float kNearRest = 0.1F;
+  static constexpr float kNearRest = 0.05F;
 
   std::vector<std::string> cameras;     ///< Of the rig, by name.
   face::BlendshapeWeights weights;      ///< 0 to kMostAtRest.

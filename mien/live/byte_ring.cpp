@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kHead = sizeof(std::uint32_t);
 
-/// Records begin at multiples of eight, so that what stands in them may be read in place.
+/// Records' lengths stand at multiples of eight.
 constexpr std::size_t rounded(std::size_t size) {
   return (size + kHead + 7) / 8 * 8;
 }

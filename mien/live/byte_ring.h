@@ -9,12 +9,13 @@
 namespace mien::live {
 
 /// As Ring, of records of any length: one thread writes, one reads. A record that does not fit is refused
-/// whole. Where nothing waits the next record stands at the front of its memory, so that a ring touches no
-/// more of that than ever waited at once. No lock, no allocation after construction.
+/// whole. A record that is claimed while nothing waits stands at the front of the ring's memory, so that one
+/// which is emptied now and then touches only what came in between. No lock, no allocation after
+/// construction.
 class ByteRing {
  public:
   /// When a ring's memory is taken from the machine: at once, so that no page is missing on the way of a
-  /// frame; or as records first wait there, for a large ring that a session hardly ever fills.
+  /// frame; or as records first come to stand there, for a large ring that a session hardly ever fills.
   enum class Memory : std::uint8_t { at_once, when_used };
   /// `size` a power of two; a record may have up to a quarter of it.
   explicit ByteRing(std::size_t size, Memory memory = Memory::at_once);
@@ -35,8 +36,9 @@ class ByteRing {
   std::unique_ptr<std::byte[]> bytes_;
   std::size_t size_;
   std::size_t claimed_ = 0;  // Bytes that publish() hands over.
-  /// The position at the front of bytes_. The writer moves it while nothing waits, when the reader, which
-  /// has released all, does not look at it before the next publish().
+  /// The position at the front of bytes_. The writer moves it while nothing waits; the reader looks at it
+  /// only between a record's publish() and its own release(), which order both. A skip is published together
+  /// with the record behind it, so front() never ends on one.
   std::size_t origin_ = 0;
   alignas(64) std::atomic<std::size_t> written_ = 0;
   alignas(64) std::atomic<std::size_t> read_ = 0;

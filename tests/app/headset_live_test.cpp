@@ -99,6 +99,7 @@ TEST_F(HeadsetProgram, CamerasBecomeATakeThatReplaysToTheSameBits) {
     const Outcome outcome = live(more);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("Asking " + left.address() + " for its pictures, eye_L's"));
+    EXPECT_THAT(outcome.err, HasSubstr("No --listen is left for mouth_L, mouth_R: missing cameras"));
     EXPECT_THAT(outcome.err, HasSubstr(right.address() + ": pictures come"));
     const std::string kept = "Pictures of the face are kept as they come: 1.9 to 3.9 GB an hour";
     EXPECT_EQ(outcome.err.find(kept) != std::string::npos, images) << outcome.err;

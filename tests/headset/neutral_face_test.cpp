@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace mien::headset::neutral_face_test {
@@ -103,6 +104,11 @@ TEST(NeutralFace, LeavesTheUsualTheMoreTheFartherTheFaceIsFromRest) {
     before = answer.weights[kJaw];
   }
   EXPECT_NEAR(before, NeutralFace::kUsualAtRest, 0.01);
+  // At that distance 1/e of it is off.
+  Answer near = moving(NeutralFace::kUsualAtRest,
+                       NeutralFace::kNearRest * std::sqrt(face::kShapeCount / (face::kShapeCount - 1.0F)));
+  neutral.correct(near);
+  EXPECT_NEAR(near.weights[kJaw], NeutralFace::kUsualAtRest * (1 - std::exp(-1.0F)), 0.01);
 }
 
 TEST(NeutralFace, IsJudged) {
