@@ -8,9 +8,7 @@
 #include <array>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -22,7 +20,6 @@
 #include "app/command.h"
 #include "app/private_folder.h"
 #include "mien/core/files.h"
-#include "mien/live/picture_server.h"
 #include "mien/modalities/modalities.h"
 #include "mien/sensor/rig.h"
 #include "mien/session/replay.h"
@@ -35,56 +32,9 @@ namespace asio = boost::asio;
 
 /// In which a session asks its cameras, and ends when it is asked to.
 constexpr auto kAnswers = std::chrono::seconds(20);
-constexpr double kCameraHz = 60;
 /// Of a session until it is judged: by then it has asked its cameras and its clocks have settled.
 constexpr double kBegins_s = 2;
 constexpr std::size_t kPicturesKept = 40;
-
-/// Cameras that do what they should, each with a clock of its own, on a thread of their own.
-class GoodCameras {
- public:
-  /// Errors: PictureServer::open's.
-  static Result<std::unique_ptr<GoodCameras>> open(const Pictures& pictures, std::size_t count) {
-    std::unique_ptr<GoodCameras> made(new GoodCameras(pictures));
-    for (std::size_t c = 0; c < count; ++c) {
-      MIEN_TRY_ASSIGN(made->servers_.emplace_back(), live::PictureServer::open(made->io_, {}));
-    }
-    made->show();
-    made->thread_ = std::jthread([&cameras = *made] { cameras.io_.run(); });
-    return made;
-  }
-  ~GoodCameras() { io_.stop(); }
-  [[nodiscard]] std::string address(std::size_t camera) const {
-    return fmt::format("http://127.0.0.1:{}/", servers_[camera]->port());
-  }
-  [[nodiscard]] bool are_all_watched() const {
-    return std::ranges::all_of(servers_, [](const auto& server) { return server->counts().clients > 0; });
-  }
-
- private:
-  explicit GoodCameras(const Pictures& pictures) : pictures_(pictures) {}
-  void show() {
-    const auto since = from_seconds(static_cast<double>(number_) / kCameraHz);
-    timer_.expires_at(begun_ + std::chrono::duration_cast<Clock::duration>(since));
-    timer_.async_wait([this, since](boost::system::error_code code) {
-      if (code) return;
-      for (std::size_t c = 0; c < servers_.size(); ++c)
-        servers_[c]->send(DeviceTime(std::chrono::floor<std::chrono::microseconds>(
-                              since + from_seconds(5.0 + 3.0 * static_cast<double>(c)))),
-                          pictures_[(number_ + 7 * c) % pictures_.size()]);
-      ++number_;
-      show();
-    });
-  }
-
-  const Pictures& pictures_;
-  asio::io_context io_{1};
-  asio::steady_timer timer_{io_};
-  Clock::time_point begun_ = Clock::now();
-  std::size_t number_ = 0;
-  std::vector<std::unique_ptr<live::PictureServer>> servers_;
-  std::jthread thread_;  // The last: it uses the others.
-};
 
 Result<Child> start_headset(const CameraScene& scene, const std::array<std::string, 3>& cameras,
                             const std::filesystem::path& take, std::uint16_t sink_port) {

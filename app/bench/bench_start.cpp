@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "app/bench/clock.h"
+#include "app/bench/good_cameras.h"
 #include "app/bench/loopback.h"
 #include "app/bench/times.h"
 #include "app/child_program.h"
@@ -32,6 +33,9 @@ namespace {
 namespace asio = boost::asio;
 namespace fs = std::filesystem;
 using asio::ip::udp;
+
+/// A headset's, and how many unlike pictures they show, again and again.
+constexpr std::size_t kCameras = 4, kPictures = 8;
 
 struct StartBench {
   int times = 10;
@@ -130,7 +134,14 @@ Result<void> run_start_bench(const StartBench& options) {
     return start_session(
         {program.string(), "live", "--listen", performer->address(), "--page", page, "--for", "1", "--json"});
   };
-  std::vector<Start> with_page, without_page;
+  MIEN_TRY_ASSIGN(const fs::path headset, find_resource("rigs/headset.toml"));
+  const Pictures pictures = made_up_pictures(kPictures);
+  MIEN_TRY_ASSIGN(const auto cameras, GoodCameras::open(pictures, kCameras));
+  std::vector<std::string> of_cameras = {program.string(), "live",  "--rig", headset.string(), "--page",
+                                         "127.0.0.1:0",    "--for", "1",     "--json"};
+  for (std::size_t c = 0; c < kCameras; ++c)
+    of_cameras.insert(of_cameras.end(), {"--listen", cameras->address(c)});
+  std::vector<Start> with_page, without_page, with_cameras;
   std::vector<double> nothing_s;
   const Progress progress = terminal_progress("bench start");
   // They take turns. The first of each is not counted: after it the program is in memory.
@@ -140,10 +151,12 @@ Result<void> run_start_bench(const StartBench& options) {
     const double loaded_s = seconds_since(from);
     MIEN_TRY_ASSIGN(const Start without, session("off"));
     MIEN_TRY_ASSIGN(const Start with, session("127.0.0.1:0"));
+    MIEN_TRY_ASSIGN(const Start watched, start_session(of_cameras));
     if (round > 0) {
       nothing_s.push_back(loaded_s);
       without_page.push_back(without);
       with_page.push_back(with);
+      with_cameras.push_back(watched);
     }
     if (!progress(static_cast<double>(round) / options.times, fmt::format("start {}", round)))
       return fail(ErrorCode::cancelled, "stopped", "bench start");
@@ -151,6 +164,7 @@ Result<void> run_start_bench(const StartBench& options) {
   clear_progress();
   const Json measured = {{"without_page", start_figures(without_page)},
                          {"with_page", start_figures(with_page)},
+                         {"with_cameras", start_figures(with_cameras)},
                          {"program_alone", times_ms(nothing_s)},
                          {"starts", options.times}};
   if (options.json) {
@@ -158,15 +172,16 @@ Result<void> run_start_bench(const StartBench& options) {
     return {};
   }
   const auto line = [&](const char* what, const Json& f) {
-    fmt::print("{:<36} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
+    fmt::print("{:<40} {:7.1f} {:7.1f}", what, f["median_ms"].get<double>(), f["worst_ms"].get<double>());
     fmt::print("{}\n", f.contains("peak_memory_mb")
                            ? fmt::format(" {:7.1f}", f["peak_memory_mb"].get<double>())
                            : "");
   };
-  fmt::print("{:<36} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst",
+  fmt::print("{:<40} {:>7} {:>7} {:>7}\n", fmt::format("{} starts of each", options.times), "ms", "worst",
              "MB");
   line("mien live, to its first frame", measured["with_page"]);
   line("the same with --page off", measured["without_page"]);
+  line("with four cameras instead, and the page", measured["with_cameras"]);
   line("mien --version, to its end", measured["program_alone"]);
   return {};
 }
@@ -178,7 +193,8 @@ void add_start_bench(Commands& commands, Command bench) {
   const Command start = commands.add_under(
       bench, "start",
       "How long `mien live` takes from its start to the first frame that it sends, and how much memory, as a "
-      "process of its own while a performer performs; beside it what loading the program takes",
+      "process of its own while a performer performs; the same of a headset, whose four cameras are asked; "
+      "beside them what loading the program takes",
       "mien bench start --times 20 --json", [options] { return run_start_bench(*options); });
   start.add_option("--times", options->times, "How often each is started").in_range(1, 1000).show_default();
   start.add_flag("--json", options->json, "Print one JSON object");

@@ -14,7 +14,6 @@
 
 #include "app/bench/damaged.h"
 #include "mien/core/bytes.h"
-#include "mien/render/jpeg.h"
 
 namespace mien::app {
 namespace {
@@ -23,8 +22,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using std::chrono::microseconds;
 
-constexpr int kPixels = 240;
-constexpr int kQuality = 80;
 constexpr microseconds kPicturePeriod(16'667);
 /// Of good pictures, before a camera turns hostile.
 constexpr std::uint64_t kGoodPictures = 60;
@@ -91,21 +88,6 @@ std::string hostile_picture(std::string_view jpeg, Random& random) {
 }
 
 }  // namespace
-
-Pictures made_up_pictures(std::size_t count) {
-  Pictures all;
-  std::vector<std::uint8_t> grey(static_cast<std::size_t>(kPixels * kPixels));
-  for (std::size_t n = 0; n < count; ++n) {
-    for (int y = 0; y < kPixels; ++y)
-      for (int x = 0; x < kPixels; ++x) {
-        const double distance = std::hypot(x - 70.0 - static_cast<double>(n), y - 120.0);
-        grey[static_cast<std::size_t>(y * kPixels + x)] =
-            static_cast<std::uint8_t>(128 + 90 * std::cos(distance / 6));
-      }
-    all.push_back(render::encode_jpeg(kPixels, kPixels, render::JpegPixels::grey, kQuality, grey).value());
-  }
-  return all;
-}
 
 CameraTalk camera_endless_part(const Pictures& pictures, Random) {
   return [&pictures, begun = false]() mutable -> CameraTurn {

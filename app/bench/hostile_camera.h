@@ -6,22 +6,16 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <thread>
-#include <vector>
 
+#include "app/bench/good_cameras.h"
 #include "mien/core/random.h"
 
 namespace mien::app {
-
-/// JPEGs as a camera of a headset takes them, each unlike the one before.
-using Pictures = std::vector<std::vector<std::byte>>;
-/// `count` pictures of 240 x 240 pixels.
-[[nodiscard]] Pictures made_up_pictures(std::size_t count);
 
 /// What a camera says next to one who asked it.
 struct CameraTurn {

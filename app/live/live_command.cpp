@@ -246,8 +246,9 @@ void print_opening(std::FILE* out, const LiveSession& session) {
       fmt::print(out, "Asking {} for its pictures, {}'s\n", address, sensor);
     else
       fmt::print(out, "Pictures on {} are {}'s\n", address, sensor);
-  if (!session.cameras.empty() && !session.without_address.empty())
-    fmt::print(out, "No --listen is left for {}: missing cameras\n",
+  if (!session.without_address.empty())
+    fmt::print(out, "No --listen {} for {}: missing cameras\n",
+               session.cameras.empty() ? "http://HOST/ is given" : "is left",
                fmt::join(session.without_address, ", "));
   if (!session.pictures.empty()) fmt::print(out, "{}\n", session.pictures);
   if (network.sealed)

@@ -4,41 +4,15 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
-#include <fstream>
 
 namespace mien {
 namespace fs = std::filesystem;
 namespace {
-
-template <class Container>
-Result<Container> read_all(const fs::path& path, std::size_t max_bytes) {
-  std::error_code code;
-  const fs::file_status status = fs::status(path, code);
-  if (status.type() == fs::file_type::not_found)
-    return fail(ErrorCode::not_found, "there is no such file", path.string());
-  if (status.type() == fs::file_type::none) return fail(ErrorCode::io, code.message(), path.string());
-  if (fs::is_directory(status))
-    return fail(ErrorCode::bad_usage, "this is a folder, not a file", path.string());
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorCode::io, std::strerror(errno), path.string());
-  // Read until the end rather than believe a size: the path may be a pipe, or grow.
-  Container content;
-  constexpr std::size_t kChunk = std::size_t{1} << 20U;
-  while (file) {
-    const std::size_t have = content.size();
-    content.resize(have + kChunk);
-    file.read(reinterpret_cast<char*>(content.data() + have), static_cast<std::streamsize>(kChunk));
-    content.resize(have + static_cast<std::size_t>(file.gcount()));
-    if (content.size() > max_bytes)
-      return fail(ErrorCode::out_of_range, fmt::format("the file is larger than {} bytes", max_bytes),
-                  path.string());
-  }
-  if (file.bad()) return fail(ErrorCode::io, "reading broke off", path.string());
-  return content;
-}
 
 /// A file descriptor, closed when it goes.
 class Descriptor {
@@ -54,6 +28,39 @@ class Descriptor {
  private:
   int number_;
 };
+
+template <class Container>
+Result<Container> read_all(const fs::path& path, std::size_t max_bytes) {
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (status.type() == fs::file_type::not_found)
+    return fail(ErrorCode::not_found, "there is no such file", path.string());
+  if (status.type() == fs::file_type::none) return fail(ErrorCode::io, code.message(), path.string());
+  if (fs::is_directory(status))
+    return fail(ErrorCode::bad_usage, "this is a folder, not a file", path.string());
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) return fail(ErrorCode::io, std::strerror(errno), path.string());
+  // A size spares growing, but is not believed: the path may be a pipe, or grow. One byte more, so that the
+  // end of the file is seen without.
+  constexpr std::size_t kChunk = std::size_t{1} << 16U;
+  const std::uintmax_t size = fs::is_regular_file(status) ? fs::file_size(path, code) : 0;
+  Container content;
+  content.resize(code || size == 0 || size > max_bytes ? kChunk : size + 1);
+  std::size_t have = 0;
+  for (;;) {
+    if (have == content.size()) content.resize(2 * have);
+    const ssize_t n = ::read(file.get(), content.data() + have, content.size() - have);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(ErrorCode::io, std::strerror(errno), path.string());
+    if (n == 0) break;
+    have += static_cast<std::size_t>(n);
+    if (have > max_bytes)
+      return fail(ErrorCode::out_of_range, fmt::format("the file is larger than {} bytes", max_bytes),
+                  path.string());
+  }
+  content.resize(have);
+  return content;
+}
 
 /// False, and errno says why, when not all of it could be written.
 bool write_all(int file, std::span<const std::byte> bytes) {

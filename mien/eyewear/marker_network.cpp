@@ -94,12 +94,7 @@ MarkedShapes parse_face(const std::string& text) {
   return out;
 }
 
-}  // namespace
-
-Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
-                                               std::string_view where_view) {
-  const std::string where(where_view);
-  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+Result<MarkerNetworkFile> marker_network_of(model::TensorFile from, const std::string& where) {
   auto& metadata = from.metadata;
   if (metadata["format"] != kFormat)
     return fail(ErrorCode::unsupported, "this safetensors file is not a model of smart eyewear", where);
@@ -132,9 +127,16 @@ Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes,
   return file;
 }
 
+}  // namespace
+
+Result<MarkerNetworkFile> parse_marker_network(std::span<const std::byte> bytes, std::string_view where) {
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+  return marker_network_of(std::move(from), std::string(where));
+}
+
 Result<MarkerNetworkFile> read_marker_network(const std::filesystem::path& path) {
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
-  return parse_marker_network(bytes, path.string());
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::read_safetensors(path));
+  return marker_network_of(std::move(from), path.string());
 }
 
 Result<std::vector<std::byte>> format_marker_network(const MarkerNetworkFile& file) {

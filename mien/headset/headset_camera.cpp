@@ -14,6 +14,11 @@ constexpr int kQuarterTurn_deg = 90;
 
 }  // namespace
 
+bool is_inside_every_head(const Vec3& place_m) {
+  static const Vec3 kMiddle_m(0, 0.03, 0), kHalfAxes_m(0.06, 0.08, 0.07);
+  return (place_m - kMiddle_m).cwiseQuotient(kHalfAxes_m).squaredNorm() < 1;
+}
+
 NetworkViewSettings network_view_of(const sensor::PictureView& view, std::size_t side) {
   const auto& [left, top, width, height] = view.crop;
   return {.side = static_cast<int>(side),
@@ -33,6 +38,9 @@ Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::
     if (!mount.camera)
       return fail(ErrorCode::mismatch, fmt::format("camera {} has no [sensor.camera]", mount.name), where,
                   "say what it looks at, as rigs/headset.toml does");
+    if (mount.position_m && is_inside_every_head(*mount.position_m))
+      return fail(ErrorCode::out_of_range, fmt::format("{} is inside the head", mount.name), where,
+                  "give it a position_m before the face, in metres, frame H");
     const sensor::CameraMount& camera = *mount.camera;
     const std::size_t place = (mount.site == "mouth" ? 2U : 0U) + (mount.side == 'R' ? 1U : 0U);
     const auto other = std::ranges::find(cameras, place, &HeadsetCamera::place);

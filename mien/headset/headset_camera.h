@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/core/rotation.h"
 #include "mien/core/time.h"
 #include "mien/headset/network_view.h"
 #include "mien/sensor/picture_view.h"
@@ -25,9 +26,13 @@ struct HeadsetCamera {
 /// What of its pictures the network sees of a camera, in a view of `side` pixels either way.
 [[nodiscard]] NetworkViewSettings network_view_of(const sensor::PictureView& view, std::size_t side);
 
+/// Whether a place (frame H) lies inside whatever head: within an ellipsoid that the built-in family's skins
+/// contain. One that does not may still be inside the head of somebody.
+[[nodiscard]] bool is_inside_every_head(const Vec3& place_m);
+
 /// The cameras of a rig, in its order, for a network whose views have `side` pixels either way. One before
 /// the middle of the face stands for the left. Errors: mismatch (no camera; one without a [sensor.camera];
-/// two for one place).
+/// two for one place); out_of_range (one inside every head).
 [[nodiscard]] Result<std::vector<HeadsetCamera>> headset_cameras(const sensor::Rig& rig, std::size_t side);
 
 }  // namespace mien::headset

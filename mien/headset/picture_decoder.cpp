@@ -8,6 +8,7 @@ namespace mien::headset {
 namespace {
 
 constexpr int kWhole = 8;
+constexpr std::size_t kMostPixels = static_cast<std::size_t>(kMaxPictureWidth) * kMaxPictureHeight;
 
 int scaled(int side, int eighths) {
   return (side * eighths + kWhole - 1) / kWhole;
@@ -20,7 +21,7 @@ void PictureDecoder::Close::operator()(void* decoder) const {
 }
 
 PictureDecoder::PictureDecoder(void* decoder)
-    : decoder_(decoder), pixels_(static_cast<std::size_t>(kMaxPictureWidth) * kMaxPictureHeight) {}
+    : decoder_(decoder), pixels_(std::make_unique_for_overwrite<std::uint8_t[]>(kMostPixels)) {}
 
 Result<PictureDecoder> PictureDecoder::create() {
   void* const decoder = tjInitDecompress();
@@ -41,11 +42,11 @@ std::expected<GreyPicture, PictureFault> PictureDecoder::decode(std::span<const 
   const GreyPicture made{
       .width = scaled(header->width, eighths),
       .height = scaled(header->height, eighths),
-      .pixels = std::span(pixels_).first(static_cast<std::size_t>(scaled(header->width, eighths)) *
-                                         static_cast<std::size_t>(scaled(header->height, eighths)))};
+      .pixels = std::span(pixels_.get(), static_cast<std::size_t>(scaled(header->width, eighths)) *
+                                             static_cast<std::size_t>(scaled(header->height, eighths)))};
   // It takes the scale that fits into this size, which is the one above. Its warnings are of broken data.
   const int status = tjDecompress2(decoder_.get(), reinterpret_cast<const unsigned char*>(jpeg.data()),
-                                   header->bytes, pixels_.data(), made.width, 0, made.height, TJPF_GRAY,
+                                   header->bytes, pixels_.get(), made.width, 0, made.height, TJPF_GRAY,
                                    TJFLAG_STOPONWARNING | TJFLAG_ACCURATEDCT);
   if (status != 0) return std::unexpected(PictureFault::damaged);
   return made;

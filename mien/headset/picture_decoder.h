@@ -5,7 +5,6 @@
 #include <expected>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "mien/core/error.h"
 #include "mien/headset/grey_picture.h"
@@ -34,7 +33,7 @@ class PictureDecoder {
   explicit PictureDecoder(void* decoder);
 
   std::unique_ptr<void, Close> decoder_;
-  std::vector<std::uint8_t> pixels_;
+  std::unique_ptr<std::uint8_t[]> pixels_;  // Of the largest picture; touched as far as one needs.
 };
 
 }  // namespace mien::headset

@@ -93,11 +93,7 @@ Result<void> check_file(const ViewsFile& file, const std::string& where) {
   return {};
 }
 
-}  // namespace
-
-Result<ViewsFile> parse_views_file(std::span<const std::byte> bytes, std::string_view where_view) {
-  const std::string where(where_view);
-  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+Result<ViewsFile> views_file_of(model::TensorFile from, const std::string& where) {
   auto& metadata = from.metadata;
   if (metadata["format"] != kFormat)
     return fail(ErrorCode::unsupported, "this safetensors file is not a model of a headset's pictures",
@@ -123,9 +119,16 @@ Result<ViewsFile> parse_views_file(std::span<const std::byte> bytes, std::string
   return file;
 }
 
+}  // namespace
+
+Result<ViewsFile> parse_views_file(std::span<const std::byte> bytes, std::string_view where) {
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+  return views_file_of(std::move(from), std::string(where));
+}
+
 Result<ViewsFile> read_views_file(const std::filesystem::path& path) {
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
-  return parse_views_file(bytes, path.string());
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::read_safetensors(path));
+  return views_file_of(std::move(from), path.string());
 }
 
 Result<std::vector<std::byte>> format_views_file(const ViewsFile& file) {

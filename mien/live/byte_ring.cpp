@@ -14,10 +14,8 @@ constexpr std::size_t rounded(std::size_t size) {
 
 }  // namespace
 
-ByteRing::ByteRing(std::size_t size, Memory memory)
-    : bytes_(memory == Memory::at_once ? std::make_unique<std::byte[]>(size)
-                                       : std::make_unique_for_overwrite<std::byte[]>(size)),
-      size_(size) {}
+ByteRing::ByteRing(std::size_t size)
+    : bytes_(std::make_unique_for_overwrite<std::byte[]>(size)), size_(size) {}
 
 std::span<std::byte> ByteRing::claim(std::size_t size) {
   const std::size_t whole = rounded(size);

@@ -10,15 +10,12 @@ namespace mien::live {
 
 /// As Ring, of records of any length: one thread writes, one reads. A record that does not fit is refused
 /// whole. A record that is claimed while nothing waits stands at the front of the ring's memory, so that one
-/// which is emptied now and then touches only what came in between. No lock, no allocation after
-/// construction.
+/// which is emptied now and then touches only what came in between: the machine is asked for the rest of a
+/// large ring only when it fills. No lock, no allocation after construction.
 class ByteRing {
  public:
-  /// When a ring's memory is taken from the machine: at once, so that no page is missing on the way of a
-  /// frame; or as records first come to stand there, for a large ring that a session hardly ever fills.
-  enum class Memory : std::uint8_t { at_once, when_used };
   /// `size` a power of two; a record may have up to a quarter of it.
-  explicit ByteRing(std::size_t size, Memory memory = Memory::at_once);
+  explicit ByteRing(std::size_t size);
 
   /// Room for a record of `size` bytes, or an empty span when there is none now; publish() hands it over.
   [[nodiscard]] std::span<std::byte> claim(std::size_t size);

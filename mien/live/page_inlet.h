@@ -20,7 +20,7 @@ class PageInlet {
   /// What may wait, bytes: two seconds of the highest rate.
   static constexpr std::size_t kQueueBytes = std::size_t{1} << 20U;
 
-  PageInlet() : ring_(kQueueBytes, ByteRing::Memory::when_used) {}
+  PageInlet() : ring_(kQueueBytes) {}
 
   // Network thread.
   /// From now on this client is listened to, and no other; 0: nobody.

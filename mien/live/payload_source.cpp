@@ -16,7 +16,7 @@ struct SourceHead {
 }  // namespace
 
 PayloadSource::PayloadSource(sensor::Peer peer, Clock clock, Signal& awake)
-    : peer_(peer), clock_(std::move(clock)), awake_(awake), ring_(kQueueBytes, ByteRing::Memory::when_used) {}
+    : peer_(peer), clock_(std::move(clock)), awake_(awake), ring_(kQueueBytes) {}
 
 bool PayloadSource::hand_over(std::span<const std::byte> datagram, std::span<const std::byte> payload) {
   const SourceHead head{clock_(), datagram.size()};

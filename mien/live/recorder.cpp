@@ -68,7 +68,7 @@ struct Recorder::Writing {
 
 Recorder::Recorder(const std::filesystem::path& folder, std::uint64_t log_limit)
     : ring_(kRingBytes),
-      payload_ring_(kPayloadQueueBytes, ByteRing::Memory::when_used),
+      payload_ring_(kPayloadQueueBytes),
       spool_(folder, log_limit),
       spool_error_(spool_.problem()) {
   state_.log = spool_.usage({});

@@ -144,17 +144,7 @@ void read_ridges(const TensorFile& file, ModelFile& m) {
   }
 }
 
-}  // namespace
-
-const RidgeBaseline* ModelFile::ridge_for(std::string_view profile) const {
-  for (const RidgeBaseline& candidate : ridge)
-    if (candidate.profile == profile) return &candidate;
-  return nullptr;
-}
-
-Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view where_view) {
-  const std::string where(where_view);
-  MIEN_TRY_ASSIGN(TensorFile file, parse_safetensors(bytes, where));
+Result<ModelFile> model_of(TensorFile file, const std::string& where) {
   if (const auto format = file.metadata.find("format");
       format == file.metadata.end() || format->second != "mien-model")
     return fail(ErrorCode::unsupported, "this safetensors file is not a model of blendshape weights", where);
@@ -201,9 +191,22 @@ Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view
   return m;
 }
 
+}  // namespace
+
+const RidgeBaseline* ModelFile::ridge_for(std::string_view profile) const {
+  for (const RidgeBaseline& candidate : ridge)
+    if (candidate.profile == profile) return &candidate;
+  return nullptr;
+}
+
+Result<ModelFile> parse_model(std::span<const std::byte> bytes, std::string_view where) {
+  MIEN_TRY_ASSIGN(TensorFile file, parse_safetensors(bytes, where));
+  return model_of(std::move(file), std::string(where));
+}
+
 Result<ModelFile> read_model(const std::filesystem::path& path) {
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
-  return parse_model(bytes, path.string());
+  MIEN_TRY_ASSIGN(TensorFile file, read_safetensors(path));
+  return model_of(std::move(file), path.string());
 }
 
 Result<std::vector<std::byte>> format_model(const ModelFile& m) {

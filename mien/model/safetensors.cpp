@@ -3,16 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <fstream>
+#include <istream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <spanstream>
+#include <system_error>
 #include <tuple>
 
 #include "mien/core/bytes.h"
 #include "mien/core/excerpt.h"
+#include "mien/core/files.h"
 
 namespace mien::model {
 namespace {
@@ -120,21 +126,41 @@ std::optional<std::uint64_t> element_count(const std::vector<std::uint64_t>& sha
   return count;
 }
 
-Result<Tensor> read_tensor(const Declared& declared, std::span<const std::byte> data,
-                           const std::string& where) {
+/// Fills `values` with little-endian numbers; false where the stream ends before.
+template <class T>
+bool read_numbers(std::istream& from, std::span<T> values) {
+  from.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+  if (!from) return false;
+  if constexpr (std::endian::native == std::endian::big)
+    for (T& value : values) {
+      auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(value);
+      std::ranges::reverse(bytes);
+      value = std::bit_cast<T>(bytes);
+    }
+  return true;
+}
+
+/// The tensor whose bytes come next.
+Result<Tensor> read_tensor(const Declared& declared, std::istream& from, const std::string& where) {
   Tensor tensor{.name = declared.name, .shape = {declared.shape.begin(), declared.shape.end()}, .values = {}};
-  ByteReader reader(data);
-  const bool wide = declared.type == "F32";
-  tensor.values.reserve(data.size() / (wide ? 4 : 2));
-  while (reader.left() > 0) {
-    const float value = wide ? reader.little<float>()
-                             : std::bit_cast<float>(std::uint32_t{reader.little<std::uint16_t>()} << 16U);
-    if (!std::isfinite(value))
-      return fail(ErrorCode::out_of_range,
-                  fmt::format("tensor \"{}\" holds a number that is not finite", excerpt(tensor.name)),
-                  where);
-    tensor.values.push_back(value);
+  const std::size_t bytes = declared.offsets[1] - declared.offsets[0];
+  bool whole = false;
+  if (declared.type == "F32") {
+    tensor.values.resize(bytes / sizeof(float));
+    whole = read_numbers(from, std::span(tensor.values));
+  } else {
+    std::vector<std::uint16_t> halves(bytes / sizeof(std::uint16_t));
+    whole = read_numbers(from, std::span(halves));
+    tensor.values.reserve(halves.size());
+    for (const std::uint16_t half : halves)
+      tensor.values.push_back(std::bit_cast<float>(std::uint32_t{half} << 16U));
   }
+  if (!whole)
+    return fail(ErrorCode::truncated, fmt::format("the file ends inside tensor \"{}\"", excerpt(tensor.name)),
+                where);
+  if (!std::ranges::all_of(tensor.values, [](float value) { return std::isfinite(value); }))
+    return fail(ErrorCode::out_of_range,
+                fmt::format("tensor \"{}\" holds a number that is not finite", excerpt(tensor.name)), where);
   return tensor;
 }
 
@@ -144,23 +170,26 @@ std::uint16_t to_bf16(float value) {
   return static_cast<std::uint16_t>((bits + 0x7FFFU + ((bits >> 16U) & 1U)) >> 16U);
 }
 
-}  // namespace
-
-Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::string_view where_view) {
-  const std::string where(where_view);
-  ByteReader reader(bytes);
-  const auto header_size = reader.little<std::uint64_t>();
-  if (!reader.ok())
+/// A file of `size` bytes, from its first on. Tensors are read to where they stay: a large file that is read
+/// from the disk is nowhere twice.
+Result<TensorFile> read_file_of(std::istream& from, std::uint64_t size, const std::string& where) {
+  std::uint64_t header_size = 0;
+  if (size < sizeof(header_size) || !read_numbers(from, std::span(&header_size, 1)))
     return fail(ErrorCode::truncated, "the file is shorter than a safetensors file can be", where);
   if (header_size > kMaxHeaderBytes)
     return fail(ErrorCode::malformed, "this is no safetensors file", where, "models are made by mien train");
-  const auto header = reader.take(header_size);
-  if (!reader.ok()) return fail(ErrorCode::truncated, "the file ends inside its header", where);
-  const auto data = bytes.last(reader.left());
+  std::string header;
+  if (header_size <= size - sizeof(header_size)) {
+    header.resize(header_size);
+    from.read(header.data(), static_cast<std::streamsize>(header_size));
+  }
+  if (header.size() != header_size || !from)
+    return fail(ErrorCode::truncated, "the file ends inside its header", where);
+  const std::uint64_t data_size = size - sizeof(header_size) - header_size;
 
   HeaderReader content;
-  const auto* text = reinterpret_cast<const char*>(header.data());
-  if (header.empty() || text[0] != '{' || !Json::sax_parse(text, text + header.size(), &content))
+  if (header.empty() || header[0] != '{' ||
+      !Json::sax_parse(header.data(), header.data() + header.size(), &content))
     return fail(
         ErrorCode::malformed,
         fmt::format("the header is wrong: {}", content.problem.empty() ? "it is not JSON" : content.problem),
@@ -175,12 +204,12 @@ Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::stri
     if (!declared.has_shape || declared.offsets.size() != 2)
       return fail(ErrorCode::malformed, name + " lacks its shape or its place", where);
     const std::uint64_t begin = declared.offsets[0], end = declared.offsets[1];
-    if (begin > end || end > data.size())
-      return fail(end > data.size() ? ErrorCode::truncated : ErrorCode::malformed,
-                  fmt::format("{} claims bytes {} to {} of {}", name, begin, end, data.size()), where);
+    if (begin > end || end > data_size)
+      return fail(end > data_size ? ErrorCode::truncated : ErrorCode::malformed,
+                  fmt::format("{} claims bytes {} to {} of {}", name, begin, end, data_size), where);
     const auto count = element_count(declared.shape);
     const std::uint64_t element = declared.type == "F32" ? 4 : 2;
-    if (!count || *count > data.size() || *count * element != end - begin)
+    if (!count || *count > data_size || *count * element != end - begin)
       return fail(ErrorCode::malformed, name + " has a shape that does not fit its bytes", where);
   }
   std::ranges::sort(content.declared, {}, [](const Declared& d) { return std::tie(d.offsets, d.name); });
@@ -192,20 +221,34 @@ Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::stri
                   where);
     covered = declared.offsets[1];
   }
-  if (covered != data.size())
-    return fail(ErrorCode::malformed, fmt::format("{} bytes belong to no tensor", data.size() - covered),
+  if (covered != data_size)
+    return fail(ErrorCode::malformed, fmt::format("{} bytes belong to no tensor", data_size - covered),
                 where);
 
   TensorFile file;
   file.metadata = std::move(content.metadata);
   for (const Declared& declared : content.declared) {
-    MIEN_TRY_ASSIGN(
-        Tensor tensor,
-        read_tensor(declared, data.subspan(declared.offsets[0], declared.offsets[1] - declared.offsets[0]),
-                    where));
+    MIEN_TRY_ASSIGN(Tensor tensor, read_tensor(declared, from, where));
     file.tensors.push_back(std::move(tensor));
   }
   return file;
+}
+
+}  // namespace
+
+Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::string_view where) {
+  std::ispanstream from(std::span(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  return read_file_of(from, bytes.size(), std::string(where));
+}
+
+Result<TensorFile> read_safetensors(const std::filesystem::path& path) {
+  std::error_code code;
+  const std::uintmax_t size = std::filesystem::file_size(path, code);
+  std::ifstream file(path, std::ios::binary);
+  if (!code && size <= kMaxFileBytes && file) return read_file_of(file, size, path.string());
+  // There is none, it is too large, or it has no size, as a pipe.
+  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
+  return parse_safetensors(bytes, path.string());
 }
 
 std::vector<std::byte> write_safetensors(const TensorFile& file, TensorType type) {

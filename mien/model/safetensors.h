@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
@@ -36,6 +37,8 @@ inline constexpr std::size_t kMaxHeaderBytes = 100'000'000;
 /// out_of_range. Nothing is allocated from a declared size before the bytes are known to be there. Source:
 /// github.com/huggingface/safetensors, section "Format".
 [[nodiscard]] Result<TensorFile> parse_safetensors(std::span<const std::byte> bytes, std::string_view where);
+/// The same from a file. Errors: and read_file's.
+[[nodiscard]] Result<TensorFile> read_safetensors(const std::filesystem::path& path);
 
 /// The bytes of a file that parse_safetensors reads back. The same input gives the same bytes. The data begin
 /// at a multiple of 64 bytes. bf16 rounds to nearest even.

@@ -54,12 +54,7 @@ Result<void> check_file(const SpeechNetworkFile& file, const std::string& where)
   return {};
 }
 
-}  // namespace
-
-Result<SpeechNetworkFile> parse_speech_network(std::span<const std::byte> bytes,
-                                               std::string_view where_view) {
-  const std::string where(where_view);
-  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+Result<SpeechNetworkFile> speech_network_of(model::TensorFile from, const std::string& where) {
   auto& metadata = from.metadata;
   if (metadata["format"] != kFormat)
     return fail(ErrorCode::unsupported, "this safetensors file is not a model of speech", where);
@@ -98,9 +93,16 @@ Result<SpeechNetworkFile> parse_speech_network(std::span<const std::byte> bytes,
   return file;
 }
 
+}  // namespace
+
+Result<SpeechNetworkFile> parse_speech_network(std::span<const std::byte> bytes, std::string_view where) {
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::parse_safetensors(bytes, where));
+  return speech_network_of(std::move(from), std::string(where));
+}
+
 Result<SpeechNetworkFile> read_speech_network(const std::filesystem::path& path) {
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
-  return parse_speech_network(bytes, path.string());
+  MIEN_TRY_ASSIGN(model::TensorFile from, model::read_safetensors(path));
+  return speech_network_of(std::move(from), path.string());
 }
 
 Result<std::vector<std::byte>> format_speech_network(const SpeechNetworkFile& file) {

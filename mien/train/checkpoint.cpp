@@ -46,8 +46,7 @@ Result<void> write_checkpoint(const std::filesystem::path& path, const Checkpoin
 Result<Checkpoint> read_checkpoint(const std::filesystem::path& path,
                                    const model::Architecture& architecture) {
   const std::string where = path.string();
-  MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
-  MIEN_TRY_ASSIGN(model::TensorFile file, model::parse_safetensors(bytes, where));
+  MIEN_TRY_ASSIGN(model::TensorFile file, model::read_safetensors(path));
   if (file.metadata["format"] != "mien-checkpoint")
     return fail(ErrorCode::malformed, "this is no checkpoint of a training run", where);
   Checkpoint c;

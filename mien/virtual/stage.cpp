@@ -156,6 +156,12 @@ Result<Stage> set_stage(const StageRequest& request) {
         ErrorCode::out_of_range,
         fmt::format("the performance is {:.0f} s long, more than {:.0f}", seconds, kLongestPerformanceS),
         request.script_name, "perform it in parts; a time code may jump");
+  if (const double from_s = request.headset_failure ? request.headset_failure->from_s.value_or(0) : 0;
+      from_s > 0 && from_s >= seconds)
+    return fail(
+        ErrorCode::out_of_range,
+        fmt::format("a headset's failure from {} s on, and the motion is over after {:.1f}", from_s, seconds),
+        request.script_name, "let it begin before that, or perform for longer");
   face::Motion motion = motion_of(request, root);
   if (motion.frames.empty())
     return fail(ErrorCode::bad_usage, "the motion has no frames", request.script_name);

@@ -68,7 +68,7 @@ struct FaultsText {
 /// not_found (no such devices); bad_usage (eyewear or cameras in the profile *lab*, or on skin unlike
 /// the face's; a headset's failure without one; a microphone, or a camera beside IMUs, that is the
 /// reference); unsupported (several kinds at once but for cameras beside IMUs, and microphones); out_of_range
-/// (too long).
+/// (too long; a failure that begins when it is over).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
 /// The whole performance on its stage, as a session with the rig receives it; `progress` hears of devices'.

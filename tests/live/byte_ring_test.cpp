@@ -81,7 +81,7 @@ std::size_t resident() {
 
 TEST(ByteRing, EmptiedNowAndThenItTouchesOnlyWhatCameInBetween) {
   constexpr std::size_t kSize = std::size_t{64} << 20, kRecord = 100'000;
-  ByteRing ring(kSize, ByteRing::Memory::when_used);
+  ByteRing ring(kSize);
   const std::size_t before = resident();
   for (std::size_t i = 0; i < 2 * kSize / kRecord; ++i) {
     const std::span<std::byte> room = ring.claim(kRecord);

@@ -14,7 +14,7 @@ const HEALTH: Readonly<Record<string, Health>> = {
   good: { label: "good", severity: "good", mark: "", sentence: "Heard in full and in time." },
   lossy: { label: "lossy", severity: "warn", mark: "!", sentence: "Packets go missing. Move the access point nearer, or change its channel." },
   late: { label: "late", severity: "warn", mark: "!", sentence: "Its packets come too late for their frame." },
-  lost: { label: "lost", severity: "bad", mark: "×", sentence: "Nothing is received any more. Check its battery and the radio." },
+  lost: { label: "lost", severity: "bad", mark: "×", sentence: "Nothing is received any more. Check its battery or cable, and the network." },
   frozen: { label: "frozen", severity: "bad", mark: "‖", sentence: "It still sends, but always the same reading. Switch it off and on." },
   saturated: { label: "saturated", severity: "warn", mark: "▲", sentence: "It moved faster than it can measure." },
   unchanged: { label: "unchanged", severity: "warn", mark: "=", sentence: "The board answers, but has nothing new to say." },

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mien/builtin_face/builtin_face.h"
+#include "mien/headset/headset_camera.h"
 #include "tests/project_path.h"
 
 namespace mien::virt::headset_simulator_test {
@@ -205,6 +206,22 @@ TEST(HeadsetWearer, ACameraInsideTheHeadIsRefusedByItsName) {
   sensor::Rig none = rig();
   for (sensor::Mount& mount : none.sensors) mount.camera.reset();
   EXPECT_FALSE(draw_headset_wearer(none, {}, Random(1)));
+}
+
+TEST(HeadsetWearer, WhatLiesInsideEveryHeadDoesSoInThoseOfTheFamily) {
+  int inside = 0;
+  for (const double x_m : {-0.04, 0.0, 0.04})
+    for (const double y_m : {-0.03, 0.0, 0.03, 0.06, 0.09})
+      for (const double z_m : {0.03, 0.045, 0.06, 0.069}) {
+        const Vec3 place_m(x_m, y_m, z_m);
+        if (!headset::is_inside_every_head(place_m)) continue;
+        ++inside;
+        sensor::Rig wrong = rig();
+        wrong.sensors[2].position_m = place_m;
+        for (const std::uint64_t seed : {1U, 2U, 3U})
+          EXPECT_FALSE(draw_headset_wearer(wrong, faults(), Random(seed))) << place_m.transpose();
+      }
+  EXPECT_GT(inside, 20);
 }
 
 TEST(HeadsetWearer, PeopleLookUnlike) {

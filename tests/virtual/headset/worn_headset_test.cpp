@@ -216,6 +216,14 @@ TEST_F(WornHeadsetTest, ATakeHoldsPicturesAndTruth) {
   EXPECT_TRUE(take.calibrations()->empty());
 }
 
+TEST_F(WornHeadsetTest, AFailureThatBeginsWhenTheMotionIsOverIsRefused) {
+  with_rig(small());
+  request_.headset_failure = parse_timed_failure("sun@100-200").value();
+  const auto refused = set_stage(request_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::out_of_range);
+}
+
 TEST_F(WornHeadsetTest, AFailureHappensWhenItIsToAndStandsInTheTake) {
   with_rig(small());
   request_.headset_failure = parse_timed_failure("mask@0.4-0.7").value();
