@@ -173,7 +173,9 @@ Option add_session_options(Command command, LiveRequest& request) {
   const Option listen = command.add_option(
       "--listen", request.listen,
       "Where devices send to: udp://HOST:PORT, or a serial line, serial:/dev/ttyUSB0[?baud=250000]; or a "
-      "camera that is asked for its pictures, http://HOST[:PORT][/PATH]. Cameras and serial lines are the "
+      "camera that is asked for its pictures, http://HOST[:PORT][/PATH]; or a phone, livelink://HOST[:PORT] "
+      "where Live Link Face sends to, ifacialmocap://PHONE one that is asked. Cameras and serial lines are "
+      "the "
       "rig's cameras in their order, the first its first and so on; lines of other devices stand behind "
       "them. May be given often. Devices' languages are told apart by what they say (default: "
       "udp://0.0.0.0:5005 and udp://0.0.0.0:6969)");
@@ -196,6 +198,11 @@ Option add_session_options(Command command, LiveRequest& request) {
       .add_option("--hears-by", request.hears_by,
                   "How the mouth is heard: network (of any language) or phones (PocketSphinx's, English)")
       .one_of({"network", "phones"});
+  command
+      .add_option("--phone", request.phone,
+                  "What a phone is for: truth (recorded beside the sensors, it moves nothing) or source (the "
+                  "face follows it as it does trackers)")
+      .one_of({"truth", "source"});
   command.add_flag("--images", request.images,
                    "Keeps the cameras' pictures in recordings, so that another model can look at them later; "
                    "else only what the model finds in them");
@@ -246,6 +253,7 @@ void print_opening(std::FILE* out, const LiveSession& session) {
       fmt::print(out, "Asking {} for its pictures, {}'s\n", address, sensor);
     else
       fmt::print(out, "Pictures on {} are {}'s\n", address, sensor);
+  for (const std::string& phone : session.phones) fmt::print(out, "Asking {} for its frames\n", phone);
   if (!session.without_address.empty())
     fmt::print(out, "No --listen {} for {}: missing cameras\n",
                session.cameras.empty() ? "http://HOST/ is given" : "is left",

@@ -24,6 +24,7 @@
 #include "app/live/camera_feed.h"
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
+#include "app/live/phone_feed.h"
 #include "app/live/sound_feed.h"
 #include "app/textured_face.h"
 #include "mien/core/files.h"
@@ -204,6 +205,11 @@ Result<LiveSession> open_live(LiveRequest request) {
       rig_toml = sensor::write_rig(rig);
     }
   }
+  MIEN_TRY_ASSIGN(ListenedPhones phones, listened_phones(request.listen));
+  if (!phones.devices.empty() || !request.phone.empty()) {
+    MIEN_TRY_ASSIGN(rig, with_phones(std::move(rig), phones.devices, request.phone));
+    rig_toml = sensor::write_rig(rig);
+  }
   settings.hear = !own && !request.no_audio;
   settings.shut = request.no_audio;
   if (!settings.hear) settings.commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});
@@ -226,9 +232,17 @@ Result<LiveSession> open_live(LiveRequest request) {
   if (!keys.empty() && std::ranges::any_of(request.listen, other_line))
     return fail(ErrorCode::bad_usage, "with a key only sealed packets are accepted, and none come by cable",
                 "--listen serial:", "leave out --key or the serial line");
+  if (!keys.empty() && !phones.devices.empty())
+    return fail(ErrorCode::bad_usage, "with a key only sealed packets are accepted, and phones seal none",
+                "--key " + request.key, "leave out --key or the phone");
   settings.listen = request.listen;
+  std::erase_if(settings.listen, is_phone);
+  // Who names a phone alone is heard by sensors too.
   if (settings.listen.empty()) settings.listen = modalities::default_listen();
   std::erase_if(settings.listen, is_camera);
+  std::ranges::move(phones.ports, std::back_inserter(settings.listen));
+  std::ranges::move(phones.feeds, std::back_inserter(settings.feeds));
+  out.phones = std::move(phones.asked);
   std::ranges::move(cameras.feeds, std::back_inserter(settings.feeds));
   settings.line_cameras = std::move(cameras.lines);
   out.cameras = std::move(cameras.all);

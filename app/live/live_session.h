@@ -32,6 +32,7 @@ struct LiveRequest {
   std::string constraints;      ///< A file, or "off"; empty: the default.
   std::string audio;      ///< A WAV file, a microphone, "page" or "network" that is heard; empty: nothing is.
   std::string hears_by;   ///< "network" or "phones"; empty: as the rig says.
+  std::string phone;      ///< "truth" or "source": what phones are for that the rig has no sensor of.
   bool images = false;    ///< Pictures are logged, not only what a network finds in them.
   bool no_audio = false;  ///< No microphone is opened, and no file heard.
   std::vector<session::Prompt> prompts;  ///< Poses to ask for.
@@ -46,6 +47,7 @@ struct LiveSession {
   /// Cameras that are asked for pictures, and serial lines on which one may speak: each one's address, and
   /// the sensor whose pictures they are.
   std::vector<std::pair<std::string, std::string>> cameras;
+  std::vector<std::string> phones;           ///< Those that are asked for their frames.
   std::vector<std::string> without_address;  ///< The rig's cameras that no address is left for.
   std::string pictures;                      ///< Where they are kept: what that will take; else empty.
   std::unique_ptr<live::Engine> engine;

@@ -88,9 +88,8 @@ bool hears_network(const sensor::Rig& rig) {
 }
 
 Result<sensor::Rig> with_microphone(sensor::Rig rig, const std::string& hears_by, bool from_network) {
+  MIEN_TRY_ASSIGN(rig, sensor::with_bindings(std::move(rig)));
   MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
-  // A rig that binds nothing means virtual nodes, and with a microphone bound it would no longer.
-  for (const auto& [key, number] : bound) rig.sensors[number].device = sensor::format_device(key);
   auto hears = std::ranges::find(rig.sensors, kKind, &sensor::Mount::kind);
   if (hears != rig.sensors.end()) {
     const auto number = static_cast<std::uint16_t>(hears - rig.sensors.begin());

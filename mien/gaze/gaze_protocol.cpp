@@ -13,12 +13,6 @@ using sensor::Inbox;
 using sensor::Verdict;
 
 constexpr std::size_t kYaw = 0, kPitch = 1, kOpenness = 2, kPupil = 3;
-/// A device that was silent for so long gives its place to the next that is new.
-constexpr Duration kGone = std::chrono::seconds(2);
-const sensor::EstimatedClockSettings kOscClock = {.first_period = std::chrono::microseconds(16'667),
-                                                  .min_period = std::chrono::milliseconds(4),
-                                                  .max_period = std::chrono::milliseconds(100)};
-
 bool tells_direction(const SaidOfEye& said) {
   return said.yaw_rad || said.pitch_rad;
 }
@@ -58,29 +52,15 @@ Verdict GazeProtocol::take_packet(std::span<const std::byte> bytes, Inbox& inbox
   return Verdict::taken;
 }
 
-GazeProtocol::OscDevice* GazeProtocol::meet(sensor::Peer peer, HostTime arrival) {
-  const auto known = std::ranges::find(devices_, peer, &OscDevice::peer);
-  if (known != devices_.end()) return &*known;
-  OscDevice made{.peer = peer, .id = kOscDevice + devices_.size(), .heard = arrival};
-  made.clock = sensor::EstimatedClock(kOscClock);
-  const auto silent = std::ranges::min_element(devices_, {}, &OscDevice::heard);
-  if (silent != devices_.end() && arrival - silent->heard > kGone) {
-    made.id = silent->id;
-    *silent = made;
-    return &*silent;
-  }
-  return devices_.size() < kMostOscDevices ? &devices_.emplace_back(made) : nullptr;
-}
-
 Verdict GazeProtocol::take_osc(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                                Inbox& inbox) {
   const auto eyes = parse_osc_eyes(datagram);
   if (!eyes) return Verdict::malformed;
   if (std::ranges::none_of(eyes->said, tells_anything)) return Verdict::ignored;
-  OscDevice* const device = meet(peer, arrival);
-  if (device == nullptr) return Verdict::ignored;
-  device->heard = arrival;
-  inbox.alive = {device->id, 0};
+  auto* const place = devices_.meet(peer, arrival);
+  if (place == nullptr) return Verdict::ignored;
+  OscDevice* const device = &place->state;
+  inbox.alive = {place->device, 0};
   for (std::size_t d = 0; d < kDialectCount; ++d) {
     const bool preferred = std::ranges::any_of(std::span(device->dialects).first(d), [&](const auto& heard) {
       return heard && arrival - *heard <= kFresh;
@@ -93,7 +73,7 @@ Verdict GazeProtocol::take_osc(HostTime arrival, sensor::Peer peer, std::span<co
     sample.sequence = static_cast<std::uint32_t>(device->rounds);
     sample.time = device->clock.add(arrival, device->rounds);
     sample.time_estimated = true;
-    inbox.readings.push_back({.from = {device->id, 0}, .sample = sample});
+    inbox.readings.push_back({.from = {place->device, 0}, .sample = sample});
     break;  // One sample an arrival.
   }
   return Verdict::taken;

@@ -10,6 +10,7 @@
 #include "mien/gaze/osc_eyes.h"
 #include "mien/sensor/estimated_clock.h"
 #include "mien/sensor/protocol.h"
+#include "mien/sensor/sender_places.h"
 
 namespace mien::gaze {
 
@@ -27,13 +28,11 @@ inline constexpr std::size_t kMostOscDevices = 16;
 /// kFresh. OSC carries neither time (it is estimated from arrivals, 10 to 250 rounds a second) nor confidence
 /// (a direction that is told counts as sure).
 ///
-/// A program that starts anew comes from another port: who is new takes the place and id of the one silent
-/// for longest, two seconds at least, before a place of its own.
+/// A program that starts anew comes from another port, and takes its own place again
+/// (sensor::TakesPlace::at_once).
 class GazeProtocol final : public sensor::Protocol {
  public:
   static constexpr Duration kFresh = std::chrono::milliseconds(500);
-
-  GazeProtocol() { devices_.reserve(kMostOscDevices); }
 
   [[nodiscard]] std::string_view name() const override { return "gaze"; }
   [[nodiscard]] bool recognises(std::span<const std::byte> datagram) const override;
@@ -44,15 +43,16 @@ class GazeProtocol final : public sensor::Protocol {
   void heartbeats(HostTime, std::vector<Outgoing>&) override {}
 
  private:
+  static constexpr sensor::EstimatedClockSettings kOscClock = {
+      .first_period = std::chrono::microseconds(16'667),
+      .min_period = std::chrono::milliseconds(4),
+      .max_period = std::chrono::milliseconds(100)};
   struct Told {
     float value = 0;
     std::optional<HostTime> at;
     [[nodiscard]] std::optional<float> fresh(HostTime now) const;
   };
   struct OscDevice {
-    sensor::Peer peer = 0;
-    std::uint64_t id = 0;
-    HostTime heard;
     std::array<std::optional<HostTime>, kDialectCount> dialects{};  // When each told a direction.
     std::array<std::array<Told, 4>, 2> told{};  // Of each eye: yaw, pitch, openness, pupil.
     std::array<std::array<bool, 2>, 2> lost{};  // Of each eye: its yaw, its pitch.
@@ -60,20 +60,19 @@ class GazeProtocol final : public sensor::Protocol {
     unsigned expected = 0;  // Of the round before.
     bool complete = false;  // This round's sample is made.
     std::uint64_t rounds = 0;
-    sensor::EstimatedClock clock;
+    sensor::EstimatedClock clock{kOscClock};
   };
 
   static sensor::Verdict take_packet(std::span<const std::byte> packet, sensor::Inbox& inbox);
   sensor::Verdict take_osc(HostTime arrival, sensor::Peer peer, std::span<const std::byte> datagram,
                            sensor::Inbox& inbox);
-  /// The device of this peer, from now on if it is new; null: all places are taken.
-  OscDevice* meet(sensor::Peer peer, HostTime arrival);
   /// Notes what was told; returns the bits of its directions.
   static unsigned note(HostTime arrival, const std::array<SaidOfEye, 2>& said, OscDevice& device);
   static bool completes_round(unsigned told, OscDevice& device);
   static Eyes eyes_at(HostTime arrival, const OscDevice& device);
 
-  std::vector<OscDevice> devices_;
+  sensor::SenderPlaces<sensor::Peer, OscDevice> devices_{kOscDevice, kMostOscDevices,
+                                                         sensor::TakesPlace::at_once};
 };
 
 }  // namespace mien::gaze

@@ -31,6 +31,8 @@
 #include "mien/mocap/marker_protocol.h"
 #include "mien/model/linear.h"
 #include "mien/model/model_file.h"
+#include "mien/phone/ifacialmocap_protocol.h"
+#include "mien/phone/live_link_protocol.h"
 #include "mien/phone/weights_protocol.h"
 #include "mien/phone/weights_tracker.h"
 #include "mien/sensor/rig_part.h"
@@ -152,6 +154,9 @@ Result<void> add_gaze_languages(std::uint64_t, std::vector<Language>& languages)
 
 Result<void> add_weights_languages(std::uint64_t, std::vector<Language>& languages) {
   languages.push_back({std::make_unique<phone::WeightsProtocol>(), Language::Sealing::possible});
+  // Programs of phones seal nothing.
+  languages.push_back({std::make_unique<phone::LiveLinkProtocol>(), Language::Sealing::never});
+  languages.push_back({std::make_unique<phone::IFacialMocapProtocol>(), Language::Sealing::never});
   return {};
 }
 

@@ -24,4 +24,10 @@ Result<std::vector<std::pair<DeviceKey, std::uint16_t>>> bindings(const Rig& rig
   return bound;
 }
 
+Result<Rig> with_bindings(Rig rig) {
+  MIEN_TRY_ASSIGN(const auto bound, bindings(rig));
+  for (const auto& [key, number] : bound) rig.sensors[number].device = format_device(key);
+  return rig;
+}
+
 }  // namespace mien::sensor

@@ -21,4 +21,8 @@ namespace mien::sensor {
 /// Errors: malformed (a binding that is no device), bad_usage (two sensors bound to one).
 [[nodiscard]] Result<std::vector<std::pair<DeviceKey, std::uint16_t>>> bindings(const Rig& rig);
 
+/// The rig with bindings() written at its sensors, so that one more that is bound does not take the virtual
+/// nodes' from the others. Errors: those of bindings().
+[[nodiscard]] Result<Rig> with_bindings(Rig rig);
+
 }  // namespace mien::sensor

@@ -171,27 +171,34 @@ bool TimeLines::has_samples(std::uint16_t sensor) const {
   return sensor < clocks_.size() && (clocks_[sensor].on_line || clocks_[sensor].model.ready());
 }
 
-void TimeLines::add(HostTime arrival, const Sample& sample) {
-  if (sample.sensor >= clocks_.size()) return;
-  if (!begin_) begin_ = arrival;
+bool TimeLines::follow(HostTime arrival, const Sample& sample) {
+  if (sample.sensor >= clocks_.size()) return false;
   Clock& clock = clocks_[sample.sensor];
-  if (sample.kind == SampleKind::imu_head_relative) {
-    clock.on_line = true;
-    if (basis_ == Basis::open) basis_ = Basis::host;
-    return;
-  }
   const bool jumped = clock.model.add(sample.time, arrival);
   clock.newest = sample.time;
-  const bool is_reference = reference_ == sample.sensor;
   if (jumped) {
     // What pulses told was of the clock before.
     for (Clock& other : clocks_) {
-      if (&other != &clock && !is_reference) continue;
+      if (&other != &clock && reference_ != sample.sensor) continue;
       other.wire = ClockModel();
       other.pairs = 0;
     }
     clock.pulses.fill(std::nullopt);
   }
+  return jumped;
+}
+
+void TimeLines::add(HostTime arrival, const Sample& sample) {
+  if (sample.sensor >= clocks_.size()) return;
+  if (!begin_) begin_ = arrival;
+  if (sample.kind == SampleKind::imu_head_relative) {
+    clocks_[sample.sensor].on_line = true;
+    if (basis_ == Basis::open) basis_ = Basis::host;
+    return;
+  }
+  const bool jumped = follow(arrival, sample);
+  const ClockModel& clock = clocks_[sample.sensor].model;
+  const bool is_reference = reference_ == sample.sensor;
   if (basis_ == Basis::open) {
     if (is_reference)
       basis_ = Basis::reference;
@@ -199,7 +206,7 @@ void TimeLines::add(HostTime arrival, const Sample& sample) {
       basis_ = Basis::host;
   } else if (jumped && is_reference && basis_ == Basis::reference) {
     // The new clock goes on where the old one would stand now.
-    shift_ += clock.model.to_device_before_jump(arrival) - clock.model.to_device(arrival);
+    shift_ += clock.to_device_before_jump(arrival) - clock.to_device(arrival);
   }
 }
 

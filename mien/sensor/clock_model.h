@@ -100,6 +100,9 @@ class TimeLines {
 
   /// A sample as it arrives; samples of unknown sensors are ignored.
   void add(HostTime arrival, const Sample& sample);
+  /// The same of a sensor that the line is nothing to: its clock is followed, and neither begins nor decides
+  /// the line. Whether its clock jumped.
+  bool follow(HostTime arrival, const Sample& sample);
   /// The edge of a pulse on a wire that all nodes share, each on its own clock. From the second pulse that a
   /// sensor and the reference have in common, that sensor's way to the line is by pulses, and the radio's
   /// delays play no part in it.

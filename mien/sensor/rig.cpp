@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxRigBytes = 1U << 20U;
 constexpr std::size_t kMaxSensors = 256;
+constexpr std::string_view kTellingKind = "weights";  // Of what other programs tell.
 constexpr std::size_t kMaxTextBytes = 128;
 /// Farther from the head's origin than this is a mistake of units.
 constexpr double kMaxPositionM = 10.0;
@@ -207,9 +208,13 @@ Result<Mount> read_mount(const toml::table& table, const std::string& where) {
   MIEN_TRY_ASSIGN(mount.site, text(table, "site", false, where));
   MIEN_TRY_ASSIGN(mount.role, text(table, "role", true, where));
   MIEN_TRY_ASSIGN(mount.device, text(table, "device", false, where));
-  if (mount.role != "face" && mount.role != "head")
+  if (mount.role != "face" && mount.role != "head" && !mount.is_truth())
     return fail(ErrorCode::malformed, fmt::format("role '{}' is unknown", excerpt(mount.role)),
-                place(where, table), "use \"face\" or \"head\"");
+                place(where, table), "use \"face\", \"head\" or \"truth\"");
+  if (mount.is_truth() && mount.kind != kTellingKind)
+    return fail(ErrorCode::malformed,
+                fmt::format("a sensor of the kind '{}' is no truth", excerpt(mount.kind)),
+                place(where, table), "use the role \"truth\" of the kind \"weights\" alone");
   MIEN_TRY_ASSIGN(const std::string side, text(table, "side", false, where));
   if (!side.empty()) {
     if (side != "L" && side != "R" && side != "M")
@@ -450,6 +455,9 @@ Result<Rig> parse_rig(std::string_view toml_text, const std::string& where) {
     return fail(ErrorCode::malformed,
                 fmt::format("the reference '{}' is not one of the sensors", excerpt(rig.reference)), where,
                 "name a sensor of this rig");
+  if (rig.sensors[*rig.find(rig.reference)].is_truth())
+    return fail(ErrorCode::malformed, "the reference is a truth, which frames do not wait for", where,
+                "name a sensor of the role \"face\" or \"head\"");
 
   if (const toml::node* skin = root.get("skin")) {
     MIEN_TRY_ASSIGN(rig.skin, read_skin(*skin, rig, where));

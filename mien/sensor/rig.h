@@ -16,11 +16,13 @@ namespace mien::sensor {
 
 /// One sensor of a rig.
 struct Mount {
-  std::string name;     ///< Unique in the rig: "zygomaticus_upper_L".
-  std::string kind;     ///< Its modality: "imu", "eyewear", "camera".
-  std::string site;     ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
-  char side = 'M';      ///< 'L', 'R' (the performer's own) or 'M'.
-  std::string role;     ///< "face", or "head" for the sensor that carries the head's rotation.
+  std::string name;  ///< Unique in the rig: "zygomaticus_upper_L".
+  std::string kind;  ///< Its modality: "imu", "eyewear", "camera".
+  std::string site;  ///< Anatomical: "frontalis", "orbicularis", "mastoid", ...
+  char side = 'M';   ///< 'L', 'R' (the performer's own) or 'M'.
+  /// "face"; "head" for the sensor that carries the head's rotation; "truth" for one of another program's
+  /// weights that is recorded beside the others and moves nothing.
+  std::string role;
   std::string device;   ///< Binding to a device: "id[/channel]"; empty when bound later.
   int ict_vertex = -1;  ///< Site on the ICT mesh; -1 when not given.
   /// Site on the built-in face's neutral, frame H. Without it acceleration against the head is unknown.
@@ -33,6 +35,8 @@ struct Mount {
   /// Of a microphone: how the mouth is heard, "network" (empty is the same) or "phones".
   std::string hears_by;
   std::optional<CameraMount> camera;  ///< Of a camera, and of nothing else.
+
+  [[nodiscard]] bool is_truth() const { return role == "truth"; }
 };
 
 /// How the skin under face sensors turns, over many people and performances: mean and covariance of the

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mien/sensor/rig_part.h"
+
 namespace mien::sensor {
 namespace {
 
@@ -22,7 +24,9 @@ TickRule::TickRule(const Rig& rig)
     : lines_(rig.sensors.size(), rig.find(rig.reference)),
       hold_(rig.sensors.size()),
       reference_(rig.find(rig.reference)),
-      received_(rig.sensors.size()) {}
+      received_(rig.sensors.size()) {
+  for (const std::uint16_t truth : truths_of(rig)) received_[truth].waited_for = false;
+}
 
 void TickRule::begin() {
   // From the earliest of what is there already, so that a line decided late does not skip what came before.
@@ -37,6 +41,10 @@ void TickRule::begin() {
 
 void TickRule::add(HostTime arrival, const Sample& sample) {
   if (sample.sensor >= received_.size()) return;
+  if (!received_[sample.sensor].waited_for) {
+    lines_.follow(arrival, sample);
+    return;
+  }
   lines_.add(arrival, sample);
   newest_arrival_ = std::max(newest_arrival_, arrival);
   Received& received = received_[sample.sensor];
@@ -104,7 +112,7 @@ std::optional<HostTime> TickRule::deadline() const {
 void TickRule::forget(std::uint16_t sensor) {
   lines_.forget(sensor);
   if (sensor >= received_.size()) return;
-  received_[sensor] = {};
+  received_[sensor] = {.waited_for = received_[sensor].waited_for};
   hold_.forget(sensor);
 }
 

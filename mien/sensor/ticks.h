@@ -27,8 +27,8 @@ struct FrameTick {
 /// every sensor received in the last 100 ms has a sample at or after its frame time, or 8 ms after the clock
 /// model expected the reference's; what comes later joins the next. While packets come late (ArrivalHold) it
 /// fires by as much later, or as soon as every sensor's packets up to its time are there. While the reference
-/// is silent the grid runs on along its clock as last known, and when it never sent, along the host's. A pure
-/// function of the calls.
+/// is silent the grid runs on along its clock as last known, and when it never sent, along the host's. Truths
+/// are followed by clocks of their own, and frames are the same without them. A pure function of the calls.
 ///
 /// For each log entry: fire all that due(arrival) gives, then add its samples, then fire all that
 /// due(arrival) gives. Between entries: due(now) when deadline() has passed.
@@ -64,7 +64,8 @@ class TickRule {
     HostTime arrival;
     DeviceTime newest;
     bool ever = false;
-    PacketRun packets;  // Empty where times are estimated from arrivals, or on the line already.
+    bool waited_for = true;  // False of a truth.
+    PacketRun packets;       // Empty where times are estimated from arrivals, or on the line already.
   };
   void watch_arrival(HostTime arrival, const Sample& sample);
   [[nodiscard]] bool all_have(DeviceTime frame, HostTime now) const;

@@ -317,6 +317,7 @@ void Receiver::take_reading(HostTime arrival, Sender sender, std::size_t protoco
   sensor::Sample& sample = samples_.emplace_back(reading.sample);
   sample.sensor = *from->sensor;
   ticks_.add(arrival, sample);
+  if (rig_.sensors[*from->sensor].is_truth()) return;
   if (reading.payload.empty())
     consumer.add(arrival, sample);
   else

@@ -27,7 +27,7 @@
 
 namespace mien::session {
 
-/// What a Receiver hands on, in the order in which it stood in the log.
+/// What a Receiver hands on, in the order in which it stood in the log. Of a truth nothing is handed on.
 class SampleConsumer {
  public:
   virtual ~SampleConsumer() = default;

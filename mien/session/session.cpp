@@ -48,8 +48,8 @@ Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
 }
 
 void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_received) {
-  // A guided calibration that has begun with the board before is none.
-  if (was_received && guide_.running())
+  // A guided calibration that has begun with the board before is none; of a truth nothing is calibrated.
+  if (was_received && guide_.running() && !rig().sensors[sensor].is_truth())
     leave_guide(failure_ = "a sensor came to another place meanwhile; calibrate again");
   bound_at_[sensor] = newest_frame_;
   const bool anew = in_force_ != 0;

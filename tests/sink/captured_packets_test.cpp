@@ -2,37 +2,18 @@
 // this project: where they are missing the test says so.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <filesystem>
 
 #include "mien/core/bytes.h"
 #include "mien/face/livelink_csv.h"
 #include "mien/sink/live_link.h"
-#include "tests/project_path.h"
+#include "tests/captured_packets.h"
 
 namespace mien::sink::captured_packets_test {
 namespace {
-
-std::filesystem::path folder() {
-  const char* const named = std::getenv("MIEN_LIVELINK_PACKETS");
-  return named != nullptr ? named : project_path("../shared/data/livelink_packets");
-}
-
-std::vector<std::byte> unzipped(const std::filesystem::path& path) {
-  std::vector<std::byte> bytes;
-  const gzFile file = gzopen(path.c_str(), "rb");
-  EXPECT_NE(file, nullptr) << path;
-  if (file == nullptr) return bytes;
-  std::array<std::byte, 65536> piece;
-  for (int size = 0; (size = gzread(file, piece.data(), piece.size())) > 0;)
-    bytes.insert(bytes.end(), piece.begin(), piece.begin() + size);
-  gzclose(file);
-  return bytes;
-}
 
 struct Packet {
   std::size_t size = 0;
@@ -69,21 +50,6 @@ Packet decode(std::span<const std::byte> bytes) {
   return packet;
 }
 
-/// Version, count, then each packet behind its size.
-std::vector<std::vector<std::byte>> packets_of(const std::filesystem::path& path) {
-  const auto bytes = unzipped(path);
-  ByteReader reader(bytes);
-  EXPECT_EQ(reader.big<std::uint8_t>(), 6);
-  const auto count = reader.big<std::uint32_t>();
-  std::vector<std::vector<std::byte>> packets;
-  for (std::uint32_t i = 0; i < count && reader.ok(); ++i) {
-    const auto one = reader.take(reader.big<std::uint32_t>());
-    packets.emplace_back(one.begin(), one.end());
-  }
-  EXPECT_EQ(reader.left(), 0u);
-  return packets;
-}
-
 /// Names of the 61 as the recordings' file names have them, in the order in which we send.
 std::vector<std::string> names() {
   std::vector<std::string> all(face::arkit52().shapes.begin(), face::arkit52().shapes.end());
@@ -96,9 +62,9 @@ std::vector<std::string> names() {
 }
 
 TEST(CapturedPackets, HaveOurLayout) {
-  const auto path = folder() / "dao.gesichter";
+  const auto path = livelink_packets() / "dao.gesichter";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no captured packets at " << path;
-  const auto packets = packets_of(path);
+  const auto packets = captured_packets(path);
   ASSERT_EQ(packets.size(), 180u);
   for (const auto& bytes : packets) {
     const Packet captured = decode(bytes);
@@ -142,13 +108,13 @@ TEST(CapturedPackets, HaveOurOrder) {
   std::size_t seen = 0;
   const auto all = names();
   std::error_code code;
-  for (const auto& entry : std::filesystem::directory_iterator(folder(), code)) {
+  for (const auto& entry : std::filesystem::directory_iterator(livelink_packets(), code)) {
     const std::string name = entry.path().stem().string();
     if (!name.starts_with("debug-") || name == "debug-all-blendshapes") continue;
     const auto at = std::ranges::find(all, name.substr(6));
     ASSERT_NE(at, all.end()) << name;
     float largest = 0;
-    for (const auto& bytes : packets_of(entry.path())) {
+    for (const auto& bytes : captured_packets(entry.path())) {
       const Packet packet = decode(bytes);
       for (std::size_t i = 0; i < packet.values.size(); ++i) {
         if (i == static_cast<std::size_t>(at - all.begin()))
@@ -161,10 +127,10 @@ TEST(CapturedPackets, HaveOurOrder) {
     ++seen;
   }
   // One recording goes through all in the same order, one after the other.
-  const auto path = folder() / "debug-all-blendshapes.gesichter";
+  const auto path = livelink_packets() / "debug-all-blendshapes.gesichter";
   if (std::filesystem::exists(path)) {
     std::vector<std::size_t> order;
-    for (const auto& bytes : packets_of(path)) {
+    for (const auto& bytes : captured_packets(path)) {
       const Packet packet = decode(bytes);
       for (std::size_t i = 0; i < packet.values.size(); ++i)
         if (packet.values[i] != 0 && (order.empty() || order.back() != i)) order.push_back(i);
@@ -174,7 +140,7 @@ TEST(CapturedPackets, HaveOurOrder) {
     EXPECT_GE(order.size(), 60u);
     EXPECT_EQ(order, expected);
   }
-  if (seen == 0) GTEST_SKIP() << "no captured packets at " << folder();
+  if (seen == 0) GTEST_SKIP() << "no captured packets at " << livelink_packets();
 }
 
 }  // namespace

@@ -1,0 +1,156 @@
+#include "app/live/phone_feed.h"
+
+#include <utility>  // Before Asio 1.74, which forgets it.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <cstdint>
+
+#include "mien/core/host_port.h"
+#include "mien/live/name_lookup.h"
+#include "mien/phone/ifacialmocap_protocol.h"
+#include "mien/phone/live_link_protocol.h"
+#include "mien/sensor/bindings.h"
+
+namespace mien::app {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+
+constexpr std::string_view kLiveLink = "livelink:", kIFacialMocap = "ifacialmocap:";
+constexpr std::uint16_t kLiveLinkPort = 11111;
+/// Between two looks at whether the session is over.
+constexpr auto kLook = std::chrono::milliseconds(50);
+/// A phone that sleeps, or whose program was begun anew, has forgotten who asked.
+constexpr auto kAsksAgain = std::chrono::seconds(2);
+
+/// Asks one phone for its frames, again and again.
+class Asker {
+ public:
+  Asker(std::string host, std::uint16_t port, std::string address, live::FeedPort& session)
+      : host_(std::move(host)), port_(port), address_(std::move(address)), session_(session) {}
+
+  void run() {
+    ask();
+    while (!session_.stopped()) network_.run_for(kLook);
+  }
+
+ private:
+  void ask() {
+    lookup_.find(host_, port_, [this](const live::NameLookup::Answer& answer) {
+      boost::system::error_code code = answer.error;
+      if (!code && !answer.found.empty()) {
+        const udp::endpoint phone(answer.found.front().address(), port_);
+        if (!socket_.is_open()) socket_.open(phone.protocol(), code);
+        if (!code) socket_.send_to(asio::buffer(phone::kIFacialMocapRequest), phone, 0, code);
+      }
+      tell(code);
+      timer_.expires_after(kAsksAgain);
+      timer_.async_wait([this](boost::system::error_code over) {
+        if (!over) ask();
+      });
+    });
+  }
+
+  /// Says what stands against asking, and that nothing does any more.
+  void tell(boost::system::error_code code) {
+    if (code == trouble_) return;
+    trouble_ = code;
+    session_.tell(code ? "phone_unreachable" : "phone_asked",
+                  code ? fmt::format("{} cannot be asked: {}", address_, code.message())
+                       : address_ + " is asked again");
+  }
+
+  std::string host_;
+  std::uint16_t port_;
+  std::string address_;
+  live::FeedPort& session_;
+  asio::io_context network_{1};
+  live::NameLookup lookup_{network_};
+  udp::socket socket_{network_};
+  asio::steady_timer timer_{network_};
+  boost::system::error_code trouble_;
+};
+
+}  // namespace
+
+bool is_phone(std::string_view address) {
+  return address.starts_with(kLiveLink) || address.starts_with(kIFacialMocap);
+}
+
+Result<ListenedPhones> listened_phones(const std::vector<std::string>& listen) {
+  ListenedPhones out;
+  std::uint64_t live_links = 0, asked = 0;
+  for (const std::string& text : listen) {
+    if (!is_phone(text)) continue;
+    const bool asks = text.starts_with(kIFacialMocap);
+    std::string_view rest = std::string_view(text).substr(asks ? kIFacialMocap.size() : kLiveLink.size());
+    const auto bad = [&](std::string what) {
+      return fail(ErrorCode::bad_usage, std::move(what), text,
+                  asks ? "write it as ifacialmocap://PHONE, as the phone shows its address"
+                       : "write it as livelink://0.0.0.0, and name this machine in the phone's program");
+    };
+    if (!rest.starts_with("//")) return bad("no address of a phone");
+    rest.remove_prefix(2);
+    while (rest.ends_with('/')) rest.remove_suffix(1);
+    const auto parsed = parse_host_port(rest);
+    if (!parsed) return bad(parsed.error().what);
+    if (std::ranges::count(listen, text) > 1) return bad("given twice");
+    if (!asks) {
+      const std::string_view host = parsed->host.empty() ? "0.0.0.0" : parsed->host;
+      const bool brackets = host.find(':') != std::string_view::npos;
+      out.ports.push_back(fmt::format("udp://{}{}{}:{}", brackets ? "[" : "", host, brackets ? "]" : "",
+                                      parsed->port.value_or(kLiveLinkPort)));
+      out.devices.push_back({phone::kLiveLinkDevice + live_links++, 0});
+      continue;
+    }
+    if (parsed->host.empty()) return bad("no host");
+    if (asked == 0) out.ports.push_back(fmt::format("udp://0.0.0.0:{}", phone::kIFacialMocapPort));
+    out.devices.push_back({phone::kIFacialMocapDevice + asked++, 0});
+    out.asked.push_back(text);
+    out.feeds.push_back(
+        {.name = text,
+         .run = [host = std::string(parsed->host), port = parsed->port.value_or(phone::kIFacialMocapPort),
+                 text](live::FeedPort& session) { Asker(host, port, text, session).run(); },
+         .heard = false});
+  }
+  return out;
+}
+
+Result<sensor::Rig> with_phones(sensor::Rig rig, const std::vector<sensor::DeviceKey>& devices,
+                                const std::string& use) {
+  MIEN_TRY_ASSIGN(rig, sensor::with_bindings(std::move(rig)));
+  bool added = false;
+  for (const sensor::DeviceKey& device : devices) {
+    const std::string its = sensor::format_device(device);
+    MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
+    if (std::ranges::find(bound, device, &std::pair<sensor::DeviceKey, std::uint16_t>::first) != bound.end())
+      continue;
+    if (use.empty())
+      return fail(ErrorCode::bad_usage, "it was not said what the phone is for", "--listen",
+                  "give --phone truth to record it beside the sensors, or --phone source to let it move the "
+                  "face");
+    sensor::Mount phone{
+        .name = "phone", .kind = "weights", .role = use == "truth" ? "truth" : "face", .device = its};
+    while (rig.find(phone.name)) phone.name += "_";
+    rig.sensors.push_back(std::move(phone));
+    added = true;
+  }
+  if (!use.empty() && !added)
+    return fail(ErrorCode::bad_usage,
+                devices.empty() ? "no phone is listened to" : "the rig has a sensor for it, with a role",
+                "--phone " + use,
+                devices.empty() ? "give --listen livelink://0.0.0.0 or ifacialmocap://PHONE too"
+                                : "leave out --phone");
+  // As a take's reader sees it.
+  return sensor::parse_rig(sensor::write_rig(rig), "rig " + rig.name);
+}
+
+}  // namespace mien::app

@@ -1,0 +1,107 @@
+#include "mien/phone/live_link_packet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "mien/core/bytes.h"
+
+namespace mien::phone {
+namespace {
+
+constexpr std::uint8_t kVersion = 6;
+constexpr std::uint8_t kLikelyVersions = 32;  // From 1 on: no text, and no packet of ours, begins so.
+constexpr std::size_t kLeastBytes = 1 + 4 + 4;
+constexpr double kLeastRate_hz = 1, kMostRate_hz = 1000;
+
+std::unexpected<Error> refuse_packet(ErrorCode code, std::string what) {
+  return fail(code, std::move(what), "Live Link packet");
+}
+
+/// A text behind its length; empty and `ok` false where it is too long.
+std::string_view text(ByteReader& reader, bool& ok) {
+  const auto size = reader.big<std::int32_t>();
+  if (size < 0 || static_cast<std::size_t>(size) > kMostLiveLinkName) {
+    ok = false;
+    return {};
+  }
+  return as_text(reader.take(static_cast<std::size_t>(size)));
+}
+
+}  // namespace
+
+DeviceTime LiveLinkPacket::time() const {
+  return DeviceTime(from_seconds((static_cast<double>(frame) + static_cast<double>(sub_frame)) *
+                                 rate_denominator / rate_numerator));
+}
+
+bool is_live_link(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  const auto version = reader.big<std::uint8_t>();
+  const auto size = reader.big<std::int32_t>();
+  return reader.ok() && version > 0 && version < kLikelyVersions && size > 0 &&
+         static_cast<std::size_t>(size) <= kMostLiveLinkName &&
+         bytes.size() >= kLeastBytes + static_cast<std::size_t>(size);
+}
+
+Result<LiveLinkPacket> parse_live_link(std::span<const std::byte> bytes) {
+  ByteReader reader(bytes);
+  if (const auto version = reader.big<std::uint8_t>(); reader.ok() && version != kVersion)
+    return refuse_packet(ErrorCode::unsupported, fmt::format("its version is {}, not {}", version, kVersion));
+  LiveLinkPacket packet;
+  bool names_ok = true;
+  packet.device_id = text(reader, names_ok);
+  if (names_ok) packet.subject = text(reader, names_ok);
+  if (!names_ok)
+    return refuse_packet(ErrorCode::malformed, "a name is longer than 255 bytes, or less than 0");
+  const auto frame = reader.big<std::int32_t>();
+  packet.sub_frame = reader.big<float>();
+  const auto numerator = reader.big<std::int32_t>();
+  const auto denominator = reader.big<std::int32_t>();
+  if (!reader.ok()) return refuse_packet(ErrorCode::truncated, "it ends before its frame's rate");
+  if (frame < 0) return refuse_packet(ErrorCode::out_of_range, "its frame has a number below 0");
+  if (!(packet.sub_frame >= 0 && packet.sub_frame <= 1))
+    return refuse_packet(ErrorCode::out_of_range, "its sub-frame is not from 0 to 1");
+  const double rate_hz = denominator > 0 ? static_cast<double>(numerator) / denominator : 0;
+  if (!(rate_hz >= kLeastRate_hz && rate_hz <= kMostRate_hz))
+    return refuse_packet(ErrorCode::out_of_range,
+                         fmt::format("{}/{} is no rate of a phone", numerator, denominator));
+  packet.frame = static_cast<std::uint32_t>(frame);
+  packet.rate_numerator = static_cast<std::uint32_t>(numerator);
+  packet.rate_denominator = static_cast<std::uint32_t>(denominator);
+
+  if (reader.left() == 0) return packet;  // No face.
+  const auto count = reader.big<std::uint8_t>();
+  if (count != 0 && count != face::kLiveLinkValueCount)
+    return refuse_packet(ErrorCode::unsupported,
+                         fmt::format("it has {} values, not {}", count, face::kLiveLinkValueCount));
+  if (count > 0) {
+    auto& values = packet.values.emplace();
+    for (float& value : values) value = reader.big<float>();
+    if (!reader.ok()) return refuse_packet(ErrorCode::truncated, "it ends inside its values");
+    if (!std::ranges::all_of(values, [](float value) { return std::abs(value) <= kMostLiveLinkValue; }))
+      return refuse_packet(ErrorCode::out_of_range,
+                           "a value is not finite, or beyond what weights and angles are");
+  }
+  if (reader.left() > 0)
+    return refuse_packet(ErrorCode::malformed,
+                         fmt::format("{} bytes stand behind its last value", reader.left()));
+  return packet;
+}
+
+ToldFace told_face(const std::array<float, face::kLiveLinkValueCount>& values) {
+  ToldFace face;
+  face.set = ShapeSet::arkit52;
+  const std::size_t count = count_of(face.set);
+  for (std::size_t i = 0; i < count; ++i) face.weights[i] = std::clamp(values[i], 0.0F, 1.0F);
+  const auto angle = [&](std::size_t i) { return static_cast<double>(values[count + i]); };
+  const Quat turn = face::head_from_livelink(Vec3(angle(0), angle(1), angle(2))).normalized();
+  const auto part = [](double x) { return static_cast<float>(x); };
+  face.head = ToldHead{.rotation = {part(turn.w()), part(turn.x()), part(turn.y()), part(turn.z())}};
+  return face;
+}
+
+}  // namespace mien::phone

@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "mien/phone/live_link_protocol.h"
+#include "mien/sensor/bindings.h"
+#include "tests/phone/live_link_bytes.h"
+#include "tests/session/session_run.h"
+
+// A phone that is recorded beside IMUs and moves nothing.
+namespace mien::session::phone_truth_test {
+namespace {
+
+using test::Played;
+
+constexpr double kPhoneHz = 60;
+
+sensor::Rig rig(bool with_phone) {
+  sensor::Rig made = virt::test::three_sensors();
+  for (std::size_t i = 0; i < made.sensors.size(); ++i)
+    made.sensors[i].device = sensor::format_device({sensor::virtual_device(i), 0});
+  if (with_phone)
+    made.sensors.push_back({.name = "phone",
+                            .kind = "weights",
+                            .role = "truth",
+                            .device = sensor::format_device({phone::kLiveLinkDevice, 0})});
+  return made;
+}
+
+std::unique_ptr<Session> session(const sensor::Rig& of) {
+  Session::Parts parts;
+  parts.rig = of;
+  parts.tracker = std::make_unique<imu::ImuTracker>(of, std::make_unique<test::TwoShapes>());
+  parts.protocols.push_back(std::make_unique<phone::LiveLinkProtocol>());
+  parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
+  return Session::create(std::move(parts)).value();
+}
+
+/// A phone's packets from three seconds before the IMUs' on, each 60 to 120 ms late; after `leaps_s` its
+/// clock is an hour ahead.
+std::vector<take::LogEntry> phone_entries(const virt::VirtualSession& imus, double leaps_s = 1e9) {
+  const double end_s = to_seconds(imus.entries.back().arrival.time_since_epoch());
+  std::vector<take::LogEntry> entries;
+  Random random(8);
+  for (int n = -180; n / kPhoneHz + 0.12 < end_s; ++n) {
+    phone::test::LiveLinkFields fields{.device_id = "a phone", .frame = 500'000 + n};
+    if (n / kPhoneHz > leaps_s) fields.frame += 3600 * 60;
+    fields.values.emplace().fill(0.25F);
+    const HostTime arrival(from_seconds(10 + n / kPhoneHz + random.uniform(0.06, 0.12)));
+    entries.push_back({0, arrival, "udp://10.0.0.9:1", phone::test::live_link_bytes(fields)});
+  }
+  return entries;
+}
+
+/// The IMUs' entries ten seconds later, so that a phone may begin before.
+std::vector<take::LogEntry> imu_entries(const virt::VirtualSession& imus) {
+  std::vector<take::LogEntry> entries = imus.entries;
+  for (take::LogEntry& entry : entries) entry.arrival += std::chrono::seconds(10);
+  return entries;
+}
+
+std::vector<take::LogEntry> in_order(std::vector<take::LogEntry> entries) {
+  std::ranges::stable_sort(entries, {}, &take::LogEntry::arrival);
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].id = static_cast<std::int64_t>(i + 1);
+  return entries;
+}
+
+TEST(PhoneTruth, FramesAreTheSameBitsWithAndWithoutIt) {
+  const virt::VirtualSession imus = test::performance(6);
+  const auto alone_session = session(rig(false));
+  const Played alone = test::run(*alone_session, in_order(imu_entries(imus)));
+  ASSERT_GT(alone.frames.size(), 600U);
+  for (const double leaps_s : {1e9, 8.0}) {
+    std::vector<take::LogEntry> entries = imu_entries(imus);
+    std::ranges::copy(phone_entries(imus, leaps_s), std::back_inserter(entries));
+    const auto both_session = session(rig(true));
+    const Played both = test::run(*both_session, in_order(std::move(entries)));
+    EXPECT_EQ(both.hash, alone.hash);
+    ASSERT_EQ(both.frames.size(), alone.frames.size());
+    for (std::size_t i = 0; i < both.frames.size(); ++i) {
+      EXPECT_EQ(both.frames[i].tick.frame, alone.frames[i].tick.frame);
+      EXPECT_EQ(both.frames[i].tick.fired, alone.frames[i].tick.fired);
+    }
+  }
+}
+
+TEST(PhoneTruth, HasALinkAsAnyDevice) {
+  const virt::VirtualSession imus = test::performance(3);
+  std::vector<take::LogEntry> entries = imu_entries(imus);
+  std::ranges::copy(phone_entries(imus), std::back_inserter(entries));
+  const auto both = session(rig(true));
+  const Played played = test::run(*both, in_order(std::move(entries)));
+  ASSERT_EQ(played.report.links.size(), 4U);
+  const Report::Link& phone = played.report.links[3];
+  EXPECT_EQ(phone.device, sensor::format_device({phone::kLiveLinkDevice, 0}));
+  EXPECT_EQ(phone.health.lost, 0U);
+  EXPECT_EQ(phone.health.restarts, 0U);
+  ASSERT_TRUE(phone.health.clock);
+  EXPECT_NEAR(phone.health.clock->drift_ppm, 0, 300);
+}
+
+}  // namespace
+}  // namespace mien::session::phone_truth_test
