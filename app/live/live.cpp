@@ -113,9 +113,9 @@ void add_live_command(Commands& commands) {
           .excludes(sinks)
           .excludes(record);
   // A log has its rig and its length, and nobody looks on.
-  for (const char* name :
-       {"--rig", "--constraints", "--audio", "--hears-by", "--no-audio", "--images", "--force", "--takes",
-        "--page", "--token", "--token-file", "--face", "--performer", "--key", "--for", "--log-limit"})
+  for (const char* name : {"--rig", "--constraints", "--audio", "--hears-by", "--no-audio", "--images",
+                           "--phone", "--force", "--takes", "--page", "--token", "--token-file", "--face",
+                           "--performer", "--key", "--for", "--log-limit"})
     replay.excludes(command.option(name));
   command.add_flag("--json", options->json, "Print one JSON object at the end");
 }

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/error.hpp>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -17,6 +19,7 @@
 #include "mien/phone/ifacialmocap_protocol.h"
 #include "mien/phone/live_link_protocol.h"
 #include "mien/sensor/bindings.h"
+#include "mien/sink/live_link.h"
 
 namespace mien::app {
 namespace {
@@ -25,7 +28,6 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 
 constexpr std::string_view kLiveLink = "livelink:", kIFacialMocap = "ifacialmocap:";
-constexpr std::uint16_t kLiveLinkPort = 11111;
 /// Between two looks at whether the session is over.
 constexpr auto kLook = std::chrono::milliseconds(50);
 /// A phone that sleeps, or whose program was begun anew, has forgotten who asked.
@@ -46,11 +48,14 @@ class Asker {
   void ask() {
     lookup_.find(host_, port_, [this](const live::NameLookup::Answer& answer) {
       boost::system::error_code code = answer.error;
-      if (!code && !answer.found.empty()) {
-        const udp::endpoint phone(answer.found.front().address(), port_);
-        if (!socket_.is_open()) socket_.open(phone.protocol(), code);
-        if (!code) socket_.send_to(asio::buffer(phone::kIFacialMocapRequest), phone, 0, code);
-      }
+      // Answers come to an IPv4 port here.
+      const auto found =
+          std::ranges::find_if(answer.found, [](const auto& one) { return one.address().is_v4(); });
+      if (!code && found == answer.found.end()) code = asio::error::host_not_found;
+      if (!code && !socket_.is_open()) socket_.open(udp::v4(), code);
+      if (!code)
+        socket_.send_to(asio::buffer(phone::kIFacialMocapRequest), udp::endpoint(found->address(), port_), 0,
+                        code);
       tell(code);
       timer_.expires_after(kAsksAgain);
       timer_.async_wait([this](boost::system::error_code over) {
@@ -73,6 +78,8 @@ class Asker {
   std::string address_;
   live::FeedPort& session_;
   asio::io_context network_{1};
+  // A name may be looked up for longer than anything else here waits.
+  asio::executor_work_guard<asio::io_context::executor_type> working_ = asio::make_work_guard(network_);
   live::NameLookup lookup_{network_};
   udp::socket socket_{network_};
   asio::steady_timer timer_{network_};
@@ -106,12 +113,15 @@ Result<ListenedPhones> listened_phones(const std::vector<std::string>& listen) {
     if (!asks) {
       const std::string_view host = parsed->host.empty() ? "0.0.0.0" : parsed->host;
       const bool brackets = host.find(':') != std::string_view::npos;
-      out.ports.push_back(fmt::format("udp://{}{}{}:{}", brackets ? "[" : "", host, brackets ? "]" : "",
-                                      parsed->port.value_or(kLiveLinkPort)));
+      std::string port = fmt::format("udp://{}{}{}:{}", brackets ? "[" : "", host, brackets ? "]" : "",
+                                     parsed->port.value_or(sink::kLiveLinkPort));
+      if (std::ranges::find(out.ports, port) != out.ports.end()) return bad("given twice");
+      out.ports.push_back(std::move(port));
       out.devices.push_back({phone::kLiveLinkDevice + live_links++, 0});
       continue;
     }
     if (parsed->host.empty()) return bad("no host");
+    if (parsed->host.find(':') != std::string_view::npos) return bad("IPv6, in which phones do not answer");
     if (asked == 0) out.ports.push_back(fmt::format("udp://0.0.0.0:{}", phone::kIFacialMocapPort));
     out.devices.push_back({phone::kIFacialMocapDevice + asked++, 0});
     out.asked.push_back(text);

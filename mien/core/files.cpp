@@ -48,7 +48,7 @@ Result<Container> read_all(const fs::path& path, std::size_t max_bytes) {
   content.resize(code || size == 0 || size > max_bytes ? kChunk : size + 1);
   std::size_t have = 0;
   for (;;) {
-    if (have == content.size()) content.resize(2 * have);
+    if (have == content.size()) content.resize(std::min(2 * have, max_bytes + 1));
     const ssize_t n = ::read(file.get(), content.data() + have, content.size() - have);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return fail(ErrorCode::io, std::strerror(errno), path.string());

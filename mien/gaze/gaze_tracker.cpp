@@ -48,8 +48,9 @@ void GazeTracker::add(HostTime, const sensor::Sample& sample) {
 }
 
 void GazeTracker::forget(std::uint16_t sensor) {
-  for (Channel& channel : channels_)
-    if (channel.sensor == sensor) channel.next = 0;
+  const auto channel = std::ranges::find(channels_, sensor, &Channel::sensor);
+  if (channel == channels_.end()) return;
+  channel->next = 0;
   last_rad_.reset();
 }
 

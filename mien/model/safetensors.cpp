@@ -245,7 +245,7 @@ Result<TensorFile> read_safetensors(const std::filesystem::path& path) {
   std::error_code code;
   const std::uintmax_t size = std::filesystem::file_size(path, code);
   std::ifstream file(path, std::ios::binary);
-  if (!code && size <= kMaxFileBytes && file) return read_file_of(file, size, path.string());
+  if (!code && size > 0 && size <= kMaxFileBytes && file) return read_file_of(file, size, path.string());
   // There is none, it is too large, or it has no size, as a pipe.
   MIEN_TRY_ASSIGN(const std::vector<std::byte> bytes, read_file(path));
   return parse_safetensors(bytes, path.string());

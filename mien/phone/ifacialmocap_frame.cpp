@@ -95,8 +95,7 @@ Result<void> add_field(std::string_view field, IFacialMocapFrame& frame) {
   if (const std::size_t at = field.find('#'); at != std::string_view::npos)
     return add_pose(field.substr(0, at), field.substr(at + 1), frame.face);
   const auto said = named(field);
-  if (!said)
-    return refuse_frame(ErrorCode::malformed, fmt::format("\"{}\" is no name and number", excerpt(field)));
+  if (!said) return {};  // Of a version that tells more.
   const std::size_t shape = face::arkit_index(said->name);
   const bool state = said->name == kTracking;
   if (shape >= face::arkit52().shapes.size() && !state) return {};

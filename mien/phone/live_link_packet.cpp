@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mien/core/bytes.h"
+#include "mien/sensor/packet_envelope.h"
 
 namespace mien::phone {
 namespace {
@@ -15,10 +16,12 @@ namespace {
 constexpr std::uint8_t kVersion = 6;
 constexpr std::uint8_t kLikelyVersions = 32;  // From 1 on: no text, and no packet of ours, begins so.
 constexpr std::size_t kLeastBytes = 1 + 4 + 4;
+constexpr std::size_t kFrameBytes = 16;  // Its number, sub-frame and rate.
+const char* const kWhere = "Live Link packet";
 constexpr double kLeastRate_hz = 1, kMostRate_hz = 1000;
 
 std::unexpected<Error> refuse_packet(ErrorCode code, std::string what) {
-  return fail(code, std::move(what), "Live Link packet");
+  return fail(code, std::move(what), kWhere);
 }
 
 /// A text behind its length; empty and `ok` false where it is too long.
@@ -57,11 +60,13 @@ Result<LiveLinkPacket> parse_live_link(std::span<const std::byte> bytes) {
   if (names_ok) packet.subject = text(reader, names_ok);
   if (!names_ok)
     return refuse_packet(ErrorCode::malformed, "a name is longer than 255 bytes, or less than 0");
+  if (!reader.ok()) return refuse_packet(ErrorCode::truncated, "it ends inside its names");
+  if (reader.left() < kFrameBytes) return packet;  // It tells neither a face nor its frame.
+  packet.timed = true;
   const auto frame = reader.big<std::int32_t>();
   packet.sub_frame = reader.big<float>();
   const auto numerator = reader.big<std::int32_t>();
   const auto denominator = reader.big<std::int32_t>();
-  if (!reader.ok()) return refuse_packet(ErrorCode::truncated, "it ends before its frame's rate");
   if (frame < 0) return refuse_packet(ErrorCode::out_of_range, "its frame has a number below 0");
   if (!(packet.sub_frame >= 0 && packet.sub_frame <= 1))
     return refuse_packet(ErrorCode::out_of_range, "its sub-frame is not from 0 to 1");
@@ -72,6 +77,7 @@ Result<LiveLinkPacket> parse_live_link(std::span<const std::byte> bytes) {
   packet.frame = static_cast<std::uint32_t>(frame);
   packet.rate_numerator = static_cast<std::uint32_t>(numerator);
   packet.rate_denominator = static_cast<std::uint32_t>(denominator);
+  MIEN_TRY(sensor::check_device_time(packet.time(), kWhere));
 
   if (reader.left() == 0) return packet;  // No face.
   const auto count = reader.big<std::uint8_t>();

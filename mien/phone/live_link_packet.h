@@ -22,6 +22,7 @@ inline constexpr std::size_t kMostLiveLinkName = 255;
 struct LiveLinkPacket {
   std::string_view device_id;  ///< Of the phone (a UUID), as it stands in the datagram.
   std::string_view subject;    ///< What its user called it; likewise.
+  bool timed = false;          ///< Whether it tells its frame; without, there is no face either.
   std::uint32_t frame = 0;     ///< Counts at the rate below, from no known beginning; below 2^31.
   float sub_frame = 0;         ///< Part of a frame, 0 to 1.
   std::uint32_t rate_numerator = 60, rate_denominator = 1;  ///< 1 to 1000 frames a second.
@@ -39,8 +40,8 @@ inline constexpr float kMostLiveLinkValue = 100;
 [[nodiscard]] bool is_live_link(std::span<const std::byte> bytes);
 
 /// Texts of the result stand in `bytes`. Errors: truncated; unsupported (another version, or other than 61
-/// values); malformed (a name too long, bytes behind the last value); out_of_range (frame, sub-frame, rate, a
-/// value). No allocation but in errors. Thread-safe.
+/// values); malformed (a name too long, bytes behind the last value); out_of_range (frame, sub-frame, rate,
+/// time as sensor::check_device_time has it, a value). No allocation but in errors. Thread-safe.
 [[nodiscard]] Result<LiveLinkPacket> parse_live_link(std::span<const std::byte> bytes);
 
 /// What such values say, sound: weights held to 0 to 1, the head's turn, and nothing of how they came about.

@@ -21,8 +21,9 @@ inline constexpr std::size_t kMostLiveLinkPhones = 16;
 /// its number at its rate, on the phone's clock, whenever it arrives. A phone is who has its id, whatever it
 /// is called and from wherever it sends. A frame without a face says that the phone is there.
 ///
-/// Samples' sequence counts frames that the phone made: a phone that films 30 frames a second and counts in
-/// sixtieths makes every other one, so the smallest step of the last frames counts as one.
+/// Samples' sequence counts frames with a face that the phone made: one that films 30 frames a second and
+/// counts in sixtieths makes every other one, one of 24 every second or third, so the usual step of the last
+/// frames counts as one.
 class LiveLinkProtocol final : public sensor::Protocol {
  public:
   [[nodiscard]] std::string_view name() const override { return "livelink"; }
@@ -43,8 +44,10 @@ class LiveLinkProtocol final : public sensor::Protocol {
     std::array<std::uint32_t, kSteps> steps{};  // The newest, of those forwards; 0: not yet.
     std::size_t next_step = 0;
   };
-  /// Goes to this frame.
-  static void count(std::uint32_t frame, Phone& phone);
+  /// Goes to this frame. One without a face is not missed where the next has one.
+  static void count(std::uint32_t frame, bool face, Phone& phone);
+  /// How many numbers a frame takes; 0 while unknown.
+  static double usual_step(const Phone& phone);
 
   sensor::SenderPlaces<std::string, Phone> phones_{kLiveLinkDevice, kMostLiveLinkPhones,
                                                    sensor::TakesPlace::when_full};

@@ -52,7 +52,7 @@ void Session::rebound(std::uint16_t sensor, const DeviceKey& device, bool was_re
   if (was_received && guide_.running() && !rig().sensors[sensor].is_truth())
     leave_guide(failure_ = "a sensor came to another place meanwhile; calibrate again");
   bound_at_[sensor] = newest_frame_;
-  const bool anew = in_force_ != 0;
+  const bool anew = in_force_ != 0 && !rig().sensors[sensor].is_truth();
   forget(sensor);
   add_event(
       "bind", newest_frame_, newest_frame_,
@@ -94,6 +94,7 @@ void Session::leave_guide(std::string_view why) {
 
 void Session::forget(std::uint16_t sensor) {
   receiver_->forget(sensor);
+  if (rig().sensors[sensor].is_truth()) return;  // No tracker knows it.
   tracker_->forget(sensor);
   if (tracker_->calibration().empty()) in_force_ = 0;
 }

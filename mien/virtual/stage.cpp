@@ -78,6 +78,10 @@ Result<std::shared_ptr<const WornDevices>> wear(const StageRequest& request, std
 /// All that the stage's rig has.
 Result<std::shared_ptr<const WornDevices>> wear_all(const StageRequest& request, face::Face face,
                                                     const Random& root, const Stage& stage) {
+  if (const auto truths = sensor::truths_of(stage.rig); !truths.empty())
+    return fail(ErrorCode::unsupported,
+                fmt::format("nobody performs what {} tells, a truth", stage.rig.sensors[truths.front()].name),
+                request.rig.string(), "use the rig without it; mien live --phone truth adds one");
   std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
   if (request.headset_failure && std::ranges::find(kinds, kSeeing) == kinds.end())
     return fail(ErrorCode::bad_usage, "a headset's failure, and the rig has no cameras", request.rig.string(),

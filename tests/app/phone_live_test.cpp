@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <signal.h>
+
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <boost/asio/buffer.hpp>
@@ -13,6 +16,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "mien/sensor/rig_part.h"
+#include "mien/take/take.h"
 #include "tests/app/program.h"
 #include "tests/phone/live_link_bytes.h"
 
@@ -84,6 +89,36 @@ TEST(PhoneProgram, APhoneThatIsHeardMovesTheFaceAndItsTakeReplaysToTheSameBits) 
   EXPECT_THAT(content(folder / "face.csv"), HasSubstr(",0.25"));
 }
 
+TEST(PhoneProgram, ATruthBesideSensorsIsInTheTakeAndAReplayIsTheSameBits) {
+  const Folder folder;
+  const std::uint16_t phone_port = free_port(), board_port = free_port();
+  const Phone phone = live_link_phone(phone_port);
+  const pid_t performer = start(
+      {"perform", "--to", fmt::format("udp://127.0.0.1:{}", board_port), "--seconds", "3", "--wait", "20"},
+      folder / "perform.out", folder / "perform.err");
+  const std::string take = folder / "take.mien";
+  const Outcome live = run({"live", "--listen", fmt::format("udp://127.0.0.1:{}", board_port), "--listen",
+                            fmt::format("livelink://127.0.0.1:{}", phone_port), "--phone", "truth", "--page",
+                            "off", "--json", "--for", "6", "--record", take});
+  ::kill(performer, SIGTERM);
+  int status = 0;
+  ::waitpid(performer, &status, 0);
+  ASSERT_EQ(live.status, 0) << live.err << content(folder / "perform.err");
+  const auto summary = nlohmann::json::parse(live.out);
+  EXPECT_GT(summary["frames"], 60);
+  const Outcome again = run({"live", "--replay", take, "--json"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["hash"], summary["hash"]);
+
+  const take::Take opened = take::Take::open(take).value();
+  const auto truths = sensor::truths_of(opened.rig());
+  ASSERT_EQ(truths.size(), 1U);
+  EXPECT_EQ(opened.rig().sensors[truths[0]].name, "phone");
+  EXPECT_EQ(opened.rig().sensors[0].device, "02:4D:49:45:4E:00");
+  const auto samples = opened.samples().value();
+  EXPECT_GT(std::ranges::count_if(samples, [&](const auto& s) { return s.sample.sensor == truths[0]; }), 300);
+}
+
 TEST(PhoneProgram, APhoneThatIsAskedAnswers) {
   boost::system::error_code taken;
   {
@@ -106,7 +141,8 @@ TEST(PhoneProgram, APhoneThatIsAskedAnswers) {
     const std::string frame = "trackingStatus&1|jawOpen&40|=head#0,0,0,0,0,0|";
     if (asked > 0) send(socket, 49983, std::as_bytes(std::span(frame)));
   });
-  const std::string address = fmt::format("ifacialmocap://127.0.0.1:{}", phone.port());
+  // By its name, which takes a while to be looked up.
+  const std::string address = fmt::format("ifacialmocap://localhost:{}", phone.port());
   std::string rig = kRig;
   rig.replace(rig.find("02:4D:49:50:48:00"), 17, "02:4D:49:46:4D:00");
   write(folder / "rig.toml", rig);

@@ -60,7 +60,8 @@ TEST(IFacialMocapFrame, ItsPhoneMaySeeNoFace) {
 }
 
 TEST(IFacialMocapFrame, WhatItDoesNotKnowIsPassedOverAndWhatIsBeyondIsHeld) {
-  const auto frame = parse_ifacialmocap(bytes_of("browInnerUp_L&7|jawOpen&130|eyeBlink_L&-3|earWiggle&99|"));
+  const auto frame = parse_ifacialmocap(
+      bytes_of("browInnerUp_L&7|jawOpen&130|eyeBlink_L&-3|earWiggle&99|what|fm3_x&1|ts:5|"));
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->face.told(), 2U);
   EXPECT_EQ(weight(*frame, "jawOpen"), 1);
@@ -71,7 +72,7 @@ TEST(IFacialMocapFrame, DamageIsRefused) {
   EXPECT_EQ(refusal(""), ErrorCode::malformed);
   EXPECT_EQ(refusal("|||"), ErrorCode::malformed);
   EXPECT_EQ(refusal("earWiggle&99|"), ErrorCode::malformed);
-  EXPECT_EQ(refusal("jawOpen&5|what|"), ErrorCode::malformed);
+  EXPECT_EQ(refusal("what|3&4|"), ErrorCode::malformed);
   EXPECT_EQ(refusal("jawOpen&5|=head#1,2,3|"), ErrorCode::malformed);
   EXPECT_EQ(refusal("jawOpen&5|=head#1,2,3,4,5,6,7|"), ErrorCode::malformed);
   EXPECT_EQ(refusal("jawOpen&nan|"), ErrorCode::out_of_range);

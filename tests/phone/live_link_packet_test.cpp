@@ -69,9 +69,21 @@ TEST(LiveLinkPacket, WeightsBeyondTheirRangeAreHeldToItAndHeadsTurn) {
 
 TEST(LiveLinkPacket, CutAnywhereItIsRefusedButWhereThereIsNoFace) {
   const auto bytes = live_link_bytes({.values = std::array<float, face::kLiveLinkValueCount>{}});
-  const std::size_t header = bytes.size() - 1 - 4 * face::kLiveLinkValueCount;
-  for (std::size_t size = 0; size < bytes.size(); ++size)
-    EXPECT_EQ(parse_live_link(std::span(bytes).first(size)).has_value(), size == header) << size;
+  const std::size_t header = bytes.size() - 1 - 4 * face::kLiveLinkValueCount, names = header - 16;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const auto packet = parse_live_link(std::span(bytes).first(size));
+    EXPECT_EQ(packet.has_value(), size >= names && size <= header) << size;
+    if (!packet) continue;
+    EXPECT_EQ(packet->timed, size == header) << size;
+    EXPECT_FALSE(packet->values) << size;
+  }
+}
+
+TEST(LiveLinkPacket, ATimeBeyondWhatAnyDeviceHasIsRefused) {
+  LiveLinkFields fields{.frame = 2'147'483'647, .rate = {1, 1}};
+  EXPECT_EQ(parse_live_link(live_link_bytes(fields)).error().code, ErrorCode::out_of_range);
+  fields.rate = {60, 1};
+  EXPECT_TRUE(parse_live_link(live_link_bytes(fields)));
 }
 
 TEST(LiveLinkPacket, DamageIsRefusedWithAReason) {

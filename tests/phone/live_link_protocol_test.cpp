@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "mien/core/random.h"
 #include "tests/phone/live_link_bytes.h"
 
 namespace mien::phone::test::live_link_protocol_test {
@@ -53,23 +55,42 @@ TEST(LiveLinkProtocol, AFrameIsSamplesOfItsOwnTime) {
 }
 
 TEST(LiveLinkProtocol, CountsFramesThatThePhoneMade) {
+  // Rates of phones, counted in sixtieths and in their own; each frame is one, and a tenth are lost.
+  for (const double rate_hz : {23.976, 24.0, 25.0, 30.0, 60.0})
+    for (const double count_hz : {60.0, rate_hz}) {
+      Heard heard;
+      Random random(3);
+      std::uint32_t first = 0;
+      int lost = 0;
+      for (int n = 0; n < 600; ++n) {
+        if (n > 30 && n < 599 && random.chance(0.1)) {
+          ++lost;
+          continue;
+        }
+        heard.hear(frame(10'000 + static_cast<std::int32_t>(std::floor(n * count_hz / rate_hz))));
+        if (n == 30) first = heard.sequence();
+      }
+      EXPECT_GT(lost, 30);
+      EXPECT_EQ(heard.sequence() - first, 569U) << rate_hz << " in " << count_hz;
+    }
+}
+
+TEST(LiveLinkProtocol, WhatComesLateOrTwiceIsCountedSo) {
   Heard heard;
-  // Thirty frames a second, counted in sixtieths.
-  for (int i = 0; i < 10; ++i) heard.hear(frame(1000 + 2 * i));
+  for (int i = 0; i < 20; ++i) heard.hear(frame(1000 + 2 * i));
   const std::uint32_t before = heard.sequence();
-  heard.hear(frame(1020));
+  heard.hear(frame(1040));
   EXPECT_EQ(heard.sequence(), before + 1);
-  heard.hear(frame(1026));  // Two are lost.
+  heard.hear(frame(1046));  // Two are lost.
   EXPECT_EQ(heard.sequence(), before + 4);
-  heard.hear(frame(1024));  // One of them comes late.
+  heard.hear(frame(1044));  // One of them comes late.
   EXPECT_EQ(heard.sequence(), before + 3);
-  heard.hear(frame(1024));  // Twice.
+  heard.hear(frame(1044));  // Twice.
   EXPECT_EQ(heard.sequence(), before + 3);
-  // It films sixty from now on.
-  heard.hear(frame(1028));
-  heard.hear(frame(1029));
+  heard.hear(frame(1045));  // One early frame.
+  heard.hear(frame(1048));
   const std::uint32_t then = heard.sequence();
-  heard.hear(frame(1030));
+  heard.hear(frame(1050));
   EXPECT_EQ(heard.sequence(), then + 1);
 }
 
@@ -80,6 +101,16 @@ TEST(LiveLinkProtocol, WithoutAFaceThePhoneIsThere) {
   EXPECT_TRUE(heard.inbox.readings.empty());
   ASSERT_TRUE(heard.inbox.alive);
   EXPECT_EQ(heard.inbox.alive->device, kLiveLinkDevice);
+}
+
+TEST(LiveLinkProtocol, FramesWithoutAFaceAreNotLost) {
+  Heard heard;
+  for (int i = 0; i < 20; ++i) heard.hear(frame(1000 + i));
+  const std::uint32_t before = heard.sequence();
+  for (int i = 20; i < 260; ++i)
+    if (i != 100) heard.hear({.device_id = "phone", .frame = 1000 + i});
+  heard.hear(frame(1260));
+  EXPECT_EQ(heard.sequence(), before + 2) << "one of them never came";
 }
 
 TEST(LiveLinkProtocol, APhoneIsKnownByItsIdWhateverItIsCalledAndWhereverItSendsFrom) {

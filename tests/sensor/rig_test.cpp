@@ -7,6 +7,10 @@
 #include <array>
 #include <string>
 #include <tuple>
+#include <vector>
+
+#include "mien/sensor/bindings.h"
+#include "mien/sensor/rig_part.h"
 
 namespace mien::sensor::rig_test {
 namespace {
@@ -293,6 +297,32 @@ TEST(Rig, NamesTheLine) {
   const auto rig = parse_rig(with("side = \"M\"", "side = \"M\"\ncolour = 1"), "r.toml");
   ASSERT_FALSE(rig);
   EXPECT_NE(rig.error().where.find("line 8"), std::string::npos) << rig.error().message();
+}
+
+std::string rig_with_truth(const std::string& kind, const std::string& reference) {
+  return "name = \"a\"\nreference = \"" + reference +
+         "\"\n[[sensor]]\nname = \"chin\"\nkind = \"imu\"\nrole = \"face\"\n[[sensor]]\nname = "
+         "\"phone\"\nkind = \"" +
+         kind + "\"\nrole = \"truth\"\n";
+}
+
+TEST(Rig, ATruthIsOfWeightsAloneAndNoReference) {
+  const Rig rig = parse_rig(rig_with_truth("weights", "chin"), "t").value();
+  EXPECT_TRUE(rig.sensors[1].is_truth());
+  EXPECT_TRUE(parse_rig(write_rig(rig), "t")->sensors[1].is_truth());
+  EXPECT_EQ(kinds_of(rig), std::vector<std::string>{"imu"});
+  EXPECT_TRUE(sensors_of(rig, "weights").empty());
+  EXPECT_EQ(truths_of(rig), std::vector<std::uint16_t>{1});
+  EXPECT_EQ(rig.face_sensors(), std::vector<std::uint16_t>{0});
+  EXPECT_FALSE(parse_rig(rig_with_truth("imu", "chin"), "t"));
+  EXPECT_FALSE(parse_rig(rig_with_truth("weights", "phone"), "t"));
+}
+
+TEST(Rig, BindingsThatAreWrittenStayWhenOneMoreIsBound) {
+  Rig rig = with_bindings(parse_rig(rig_with_truth("weights", "chin"), "t").value()).value();
+  EXPECT_EQ(rig.sensors[0].device, format_device({virtual_device(0), 0}));
+  rig.sensors[1].device = "02:4D:49:50:48:00";
+  EXPECT_EQ(bindings(rig)->front().first.device, virtual_device(0));
 }
 
 }  // namespace
