@@ -10,6 +10,7 @@ export const GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 /** By default with a graphics card of software. */
 export async function launch(...gl) {
   const executablePath = process.env.MIEN_CHROMIUM ?? "/usr/bin/chromium";
+  assert.ok(existsSync(new URL("../dist/page.js", import.meta.url)), "The page is not built: npm run build.");
   assert.ok(existsSync(executablePath), `There is no browser at ${executablePath}; MIEN_CHROMIUM says where it is.`);
   return await chromium.launch({ executablePath, args: ["--headless=new", "--no-sandbox", ...(gl.length > 0 ? gl : GL)], timeout: PATIENCE });
 }
