@@ -1,6 +1,6 @@
 #include "mien/phone/ifacialmocap_protocol.h"
 
-#include <array>
+#include "mien/phone/face_readings.h"
 
 namespace mien::phone {
 
@@ -18,14 +18,7 @@ Verdict IFacialMocapProtocol::receive(HostTime arrival, sensor::Peer peer,
     inbox.alive = {place->device, 0};
     return Verdict::taken;
   }
-  std::array<sensor::Sample, kMostParts> samples;
-  const std::size_t used = samples_of(frame->face, samples);
-  for (sensor::Sample& sample : std::span(samples).first(used)) {
-    sample.sequence = static_cast<std::uint32_t>(phone.frames);
-    sample.time = time;
-    sample.time_estimated = true;
-    inbox.readings.push_back({.from = {place->device, 0}, .sample = sample});
-  }
+  add_readings(frame->face, place->device, {static_cast<std::uint32_t>(phone.frames), time, true}, inbox);
   return Verdict::taken;
 }
 

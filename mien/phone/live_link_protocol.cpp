@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include "mien/phone/face_readings.h"
+
 namespace mien::phone {
 using sensor::Verdict;
 
@@ -53,13 +55,7 @@ Verdict LiveLinkProtocol::receive(HostTime arrival, sensor::Peer, std::span<cons
     inbox.alive = {place->device, 0};
     return Verdict::taken;
   }
-  std::array<sensor::Sample, kMostParts> samples;
-  const std::size_t used = samples_of(told_face(*packet->values), samples);
-  for (sensor::Sample& sample : std::span(samples).first(used)) {
-    sample.sequence = phone.sequence;
-    sample.time = packet->time();
-    inbox.readings.push_back({.from = {place->device, 0}, .sample = sample});
-  }
+  add_readings(told_face(*packet->values), place->device, {phone.sequence, packet->time()}, inbox);
   return Verdict::taken;
 }
 
