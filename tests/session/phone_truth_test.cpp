@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <iterator>
+#include <utility>
 
 #include "mien/phone/live_link_protocol.h"
 #include "mien/sensor/bindings.h"
@@ -63,9 +64,16 @@ std::vector<take::LogEntry> imu_entries(const virt::VirtualSession& imus) {
   return entries;
 }
 
+/// By arrival; those of one moment as they stood. (Not by stable_sort, whose buffer clang-19 calls
+/// deprecated.)
 std::vector<take::LogEntry> in_order(std::vector<take::LogEntry> entries) {
-  std::ranges::stable_sort(entries, {}, &take::LogEntry::arrival);
-  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].id = static_cast<std::int64_t>(i + 1);
+  const auto number = [&] {
+    for (std::size_t i = 0; i < entries.size(); ++i) entries[i].id = static_cast<std::int64_t>(i + 1);
+  };
+  number();
+  std::ranges::sort(entries, {},
+                    [](const take::LogEntry& entry) { return std::pair(entry.arrival, entry.id); });
+  number();
   return entries;
 }
 
