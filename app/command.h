@@ -77,6 +77,7 @@ void draw_line(std::string_view line);
 /// Clears the line on which terminal_progress() or draw_line() stands, for what is printed next.
 void clear_progress();
 
+void add_align_command(Commands& commands);
 void add_bench_command(Commands& commands);
 void add_calibrate_command(Commands& commands);
 void add_demo_command(Commands& commands);

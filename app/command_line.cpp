@@ -33,6 +33,10 @@ Option Option::expected(int values) const {
   return Option(option_->expected(values));
 }
 
+Option Option::optional_value(const std::string& value) const {
+  return Option(option_->expected(0, 1)->option_text("[" + value + "]"));
+}
+
 Option Option::repeated() const {
   return Option(option_->allow_extra_args(false));
 }
@@ -89,6 +93,10 @@ Option Option::number_between(double least, double most) const {
         return fmt::format("{} is no number from {} to {}", text, least, most);
       },
       fmt::format("{} to {}", least, most));
+}
+
+bool Option::given() const {
+  return option_->count() > 0;
 }
 
 Command Command::add_command(const std::string& name, const std::string& does) const {

@@ -32,6 +32,8 @@ class Option {
   Option excludes(Option other) const;
   /// How many values it takes each time that it is given.
   Option expected(int values) const;
+  /// Its value may be left out, which is as if an empty one were given; --help calls it `value`.
+  Option optional_value(const std::string& value) const;
   /// One value each time that it is given, however often that is.
   Option repeated() const;
   /// A value holds several, with this between them.
@@ -51,6 +53,9 @@ class Option {
   Option in_range(std::size_t least, std::size_t most) const;
   Option in_range(double least, double most) const;  ///< "nan" is in every range.
   Option number_between(double least, double most) const;
+
+  /// Whether it stands in the command line that was parsed.
+  [[nodiscard]] bool given() const;
 
  private:
   CLI::Option* option_;

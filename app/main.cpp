@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   app::add_calibrate_command(commands);
   app::add_perform_command(commands);
   app::add_record_command(commands);
+  app::add_align_command(commands);
   app::add_personalise_command(commands);
   app::add_train_command(commands);
   app::add_solve_command(commands);

@@ -13,6 +13,7 @@
 #include "mien/gaze/packet.h"
 #include "mien/phone/packet.h"
 #include "mien/sensor/protocol.h"
+#include "mien/sink/live_link.h"
 
 namespace mien::app {
 namespace {
@@ -159,6 +160,34 @@ class FacePrograms final : public Speech {
   std::size_t said_ = 0;
 };
 
+class FacePhones final : public Speech {
+ public:
+  explicit FacePhones(Random random) : random_(random) {}
+
+  Bytes next(double time_s, std::size_t socket) override {
+    sink::LiveLinkSource source = sources_[socket / 2 % sources_.size()];
+    sink::LiveLinkFrame frame;
+    frame.number = kBegins + std::llround(frame.rate_hz * time_s);
+    frame.values.emplace().fill(0.9F);
+    const std::uint64_t manner = random_.below(8);
+    if (manner == 1) source.subject = "somebody else";
+    if (manner == 2) frame.number += std::int64_t{3600} * frame.rate_hz;
+    if (manner == 3) frame.values.reset();
+    if (manner == 4) (*frame.values)[random_.below(frame.values->size())] = any_number(random_);
+    out_.clear();
+    sink::encode_live_link(frame, source, out_);
+    Bytes packet(out_[0].begin(), out_[0].end());
+    return manner == 0 ? damaged(std::move(packet), random_) : packet;
+  }
+
+ private:
+  static constexpr std::int64_t kBegins = 500'000;
+  std::array<sink::LiveLinkSource, 2> sources_ = {sink::live_link_source("a phone"),
+                                                  sink::live_link_source("another phone")};
+  Random random_;
+  sink::Datagrams out_;
+};
+
 }  // namespace
 
 std::unique_ptr<Speech> osc_programs(const Victims&, Random random) {
@@ -167,6 +196,10 @@ std::unique_ptr<Speech> osc_programs(const Victims&, Random random) {
 
 std::unique_ptr<Speech> face_programs(const Victims& victims, Random random) {
   return std::make_unique<FacePrograms>(victims.rig, random);
+}
+
+std::unique_ptr<Speech> face_phones(const Victims&, Random random) {
+  return std::make_unique<FacePhones>(random);
 }
 
 }  // namespace mien::app

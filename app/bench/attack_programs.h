@@ -15,4 +15,8 @@ namespace mien::app {
 /// none should have. As the rig's own programs where it has some, else as programs that nobody knows.
 [[nodiscard]] std::unique_ptr<Speech> face_programs(const Victims& victims, Random random);
 
+/// Phones with Live Link Face, two sockets of the same id each: packets as they should be, damaged, of
+/// another name, of an hour later, without a face, and with numbers that none should have.
+[[nodiscard]] std::unique_ptr<Speech> face_phones(const Victims& victims, Random random);
+
 }  // namespace mien::app

@@ -207,7 +207,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   }
   MIEN_TRY_ASSIGN(ListenedPhones phones, listened_phones(request.listen));
   if (!phones.devices.empty() || !request.phone.empty()) {
-    MIEN_TRY_ASSIGN(rig, with_phones(std::move(rig), phones.devices, request.phone));
+    MIEN_TRY_ASSIGN(rig, with_listened(std::move(rig), phones.devices, request.phone));
     rig_toml = sensor::write_rig(rig);
   }
   settings.hear = !own && !request.no_audio;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <future>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "app/command.h"
@@ -26,6 +27,7 @@ namespace {
 struct PerformOptions {
   virt::PerformRequest request;
   NetworkOptions network;
+  std::optional<Option> phone;
   bool ahead = false;
   std::string cameras;
   std::string failure;
@@ -188,7 +190,17 @@ Result<void> check_network(PerformOptions& options) {
   if (cameras) {
     if (!options.key.empty())
       return fail(ErrorCode::bad_usage, "cameras have no keys", "--key", "send to udp://HOST:PORT");
+    if (options.request.phone)
+      return fail(ErrorCode::bad_usage, "cameras are asked, and nobody sends for a phone beside them",
+                  "--phone",
+                  "write --to udp://HOST:PORT --cameras " + options.network.to + " --phone HOST[:PORT]");
     return {};
+  }
+  if (options.request.phone) {
+    if (options.network.phone.empty())
+      return fail(ErrorCode::bad_usage, "it was not said to whom the phone sends", "--phone",
+                  "write --phone HOST[:PORT], where mien live --listen livelink:// hears it");
+    MIEN_TRY(parse_phone_target(options.network.phone));
   }
   MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.network.to));
   if (!options.key.empty()) {
@@ -226,6 +238,7 @@ Result<void> tell_of_silence(const virt::PerformRequest& request) {
 
 Result<void> run_perform(PerformOptions options) {
   virt::PerformRequest& request = options.request;
+  request.phone = options.phone && options.phone->given();
   const bool to_network = !options.network.to.empty();
   if (!to_network && request.take.empty())
     return fail(ErrorCode::bad_usage, "it was not said where to", "perform",
@@ -233,6 +246,9 @@ Result<void> run_perform(PerformOptions options) {
   if (to_network) {
     MIEN_TRY(check_network(options));
   } else {
+    if (!options.network.phone.empty())
+      return fail(ErrorCode::bad_usage, "into a take nothing is sent", "--phone " + options.network.phone,
+                  "leave out the address, or perform --to udp://HOST:PORT");
     MIEN_TRY(check_output(request.take, {".mien"}));
     MIEN_TRY(virt::check_take_is_new(request));
   }
@@ -285,7 +301,8 @@ void add_perform_command(Commands& commands) {
       "mien perform --motion talk.csv --take talk.mien\n  mien perform --script "
       "reading --to udp://127.0.0.1:5005\n  mien perform --rig rigs/headset.toml --seconds 40 "
       "--ahead --loop --to http://127.0.0.1:8081\n  mien perform --rig rigs/headset.toml --seconds "
-      "20 --headset-failure hand@8-12 --take hand.mien",
+      "20 --headset-failure hand@8-12 --take hand.mien\n  mien perform --script reading --phone --take "
+      "phone.mien",
       [options] { return run_perform(*options); });
   const Option take = command.add_option("--take", request.take, "The take to write, with the truth in it");
   const Option to =
@@ -301,6 +318,14 @@ void add_perform_command(Commands& commands) {
                   "Of a performer with boards and cameras (rigs/imu_headset.toml): where the cameras can be "
                   "asked while the boards send --to udp://, as above")
       .needs(to);
+  options->phone =
+      command
+          .add_option(
+              "--phone", options->network.phone,
+              "A phone with Live Link Face looks at the performer, too: into a take it is recorded as a "
+              "truth, with --to it sends to HOST (port 11111 unless named). Its faults are the rig's "
+              "[faults.phone], or else those of a usual phone")
+          .optional_value("HOST[:PORT]");
   command
       .add_option(
           "--wait", options->network.wait_s,

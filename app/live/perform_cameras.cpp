@@ -20,11 +20,11 @@
 #include <vector>
 
 #include "app/command.h"
+#include "app/live/perform_network.h"
 #include "mien/core/host_port.h"
 #include "mien/face/motion.h"
 #include "mien/live/picture_server.h"
 #include "mien/performer/encore.h"
-#include "mien/sensor/rig_part.h"
 #include "mien/virtual/headset/worn_headset.h"
 #include "mien/virtual/node.h"
 
@@ -287,8 +287,9 @@ Result<CameraSummary> perform_to_cameras(const virt::StageRequest& request, cons
   MIEN_TRY(parse_first_camera(options.to, 1));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
   const virt::WornHeadset* headset = virt::headset_of(stage);
-  if (headset != nullptr && options.start == nullptr && sensor::kinds_of(stage.rig).size() > 1)
-    return fail(ErrorCode::bad_usage, "the rig has boards beside its cameras, for which nobody sends",
+  if (headset != nullptr && options.start == nullptr && has_senders(stage.rig))
+    return fail(ErrorCode::bad_usage,
+                "the rig has boards or a phone beside its cameras, for which nobody sends",
                 request.rig.string(), "send, too: --to udp://HOST:PORT --cameras " + options.to);
   if (headset == nullptr)
     return fail(ErrorCode::bad_usage, "only cameras are asked for pictures, and the rig is of other sensors",

@@ -13,11 +13,13 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "app/command.h"
 #include "mien/core/host_port.h"
-#include "mien/sensor/rig_part.h"
+#include "mien/phone/live_link_protocol.h"
+#include "mien/sink/live_link.h"
 #include "mien/virtual/headset/worn_headset.h"
 
 namespace mien::app {
@@ -38,8 +40,13 @@ constexpr Duration kLookUp = std::chrono::milliseconds(20);
 struct Line {
   explicit Line(asio::io_context& io) : socket(io) {}
   udp::socket socket;
+  bool is_phone = false;
   std::array<std::byte, 2048> received{};
 };
+
+bool speaks_as_phone(const virt::Node& node) {
+  return node.device() == phone::kLiveLinkDevice;
+}
 
 /// Nodes, sockets and the one clock: what happens when.
 class Broadcast {
@@ -47,7 +54,8 @@ class Broadcast {
   Broadcast(virt::NodeGroup& nodes, const NetworkOptions& options)
       : nodes_(nodes), options_(options), timer_(io_) {}
 
-  Result<void> open(const NetworkTarget& target);
+  /// `phone`: where there is one among the nodes.
+  Result<void> open(const NetworkTarget& target, const std::optional<NetworkTarget>& phone);
   Result<NetworkSummary> run();
 
  private:
@@ -55,8 +63,13 @@ class Broadcast {
 
   [[nodiscard]] HostTime now() const { return HostTime(Clock::now() - opened_); }
   [[nodiscard]] std::size_t answered();
+  [[nodiscard]] Result<udp::endpoint> look_up(const NetworkTarget& target, const std::string& name);
+  /// As people wrote it.
+  [[nodiscard]] std::string receiver_of(const Line& line) const {
+    return line.is_phone ? "--phone " + options_.phone : options_.to;
+  }
   void listen(std::size_t node);
-  void refused();
+  void refused(const Line& line);
   Result<void> send_due();
   Result<bool> wait_for_an_answer(const Progress& progress);
   Result<std::optional<HostTime>> agree_on_start(const Progress& progress);
@@ -70,24 +83,35 @@ class Broadcast {
   asio::steady_timer timer_;
   std::vector<std::unique_ptr<Line>> lines_;
   std::optional<HostTime> start_;
+  std::set<std::string> told_;  // Of receivers that nobody listens there.
   NetworkSummary summary_;
 };
 
-Result<void> Broadcast::open(const NetworkTarget& target) {
+Result<udp::endpoint> Broadcast::look_up(const NetworkTarget& target, const std::string& name) {
   Code code;
   udp::resolver resolver(io_);
   const auto found = resolver.resolve(target.host, std::to_string(target.port), code);
   if (code || found.empty())
-    return fail(ErrorCode::not_found, code ? code.message() : "no such host", options_.to,
+    return fail(ErrorCode::not_found, code ? code.message() : "no such host", name,
                 "name a host that this machine can reach");
-  const udp::endpoint endpoint = found.begin()->endpoint();
+  return found.begin()->endpoint();
+}
+
+Result<void> Broadcast::open(const NetworkTarget& target, const std::optional<NetworkTarget>& phone) {
+  MIEN_TRY_ASSIGN(const udp::endpoint boards, look_up(target, options_.to));
+  udp::endpoint phones;
+  if (phone) {
+    MIEN_TRY_ASSIGN(phones, look_up(*phone, "--phone " + options_.phone));
+  }
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    lines_.push_back(std::make_unique<Line>(io_));
-    udp::socket& socket = lines_.back()->socket;
-    socket.open(endpoint.protocol(), code);
+    Line& line = *lines_.emplace_back(std::make_unique<Line>(io_));
+    line.is_phone = speaks_as_phone(nodes_[n]);
+    const udp::endpoint& endpoint = line.is_phone ? phones : boards;
+    Code code;
+    line.socket.open(endpoint.protocol(), code);
     // Connected, so that only the receiver is heard, and so that its machine may say that nobody listens.
-    if (!code) socket.connect(endpoint, code);
-    if (code) return fail(ErrorCode::io, code.message(), options_.to);
+    if (!code) line.socket.connect(endpoint, code);
+    if (code) return fail(ErrorCode::io, code.message(), receiver_of(line));
     listen(n);
   }
   return {};
@@ -104,19 +128,20 @@ void Broadcast::listen(std::size_t node) {
   line.socket.async_receive(asio::buffer(line.received),
                             [this, node, &line](const Code& code, std::size_t size) {
                               if (code == asio::error::operation_aborted) return;
-                              if (code == asio::error::connection_refused) refused();
+                              if (code == asio::error::connection_refused) refused(line);
                               if (!code) nodes_[node].receive(now(), std::span(line.received).first(size));
                               listen(node);
                             });
 }
 
-void Broadcast::refused() {
-  if (summary_.refused++ > 0 || (options_.title.empty() && options_.start == nullptr)) return;
+void Broadcast::refused(const Line& line) {
+  ++summary_.refused;
+  const std::string receiver = receiver_of(line);
+  if (!told_.insert(receiver).second || (options_.title.empty() && options_.start == nullptr)) return;
   clear_progress();
-  fmt::print(stderr,
-             "mien: {}: nobody listens there; performing all the same (the calibration comes once, at the "
-             "beginning: start mien live first)\n",
-             options_.to);
+  fmt::print(stderr, "mien: {}: nobody listens there; performing all the same ({})\n", receiver,
+             line.is_phone ? "a session hears phones with mien live --listen livelink://0.0.0.0 --phone truth"
+                           : "the calibration comes once, at the beginning: start mien live first");
 }
 
 Result<void> Broadcast::send_due() {
@@ -127,15 +152,15 @@ Result<void> Broadcast::send_due() {
       const auto datagram = nodes_[n].next_datagram(at);
       if (!datagram) break;
       Code code;
-      udp::socket& socket = lines_[n]->socket;
-      socket.send(asio::buffer(*datagram), 0, code);
+      Line& line = *lines_[n];
+      line.socket.send(asio::buffer(*datagram), 0, code);
       if (code == asio::error::connection_refused) {
         // That was said of an earlier one; this one has not left yet.
-        refused();
-        socket.send(asio::buffer(*datagram), 0, code);
+        refused(line);
+        line.socket.send(asio::buffer(*datagram), 0, code);
       }
       if (code && code != asio::error::connection_refused)
-        return fail(ErrorCode::io, code.message(), options_.to);
+        return fail(ErrorCode::io, code.message(), receiver_of(line));
       ++summary_.packets;
       if (options_.sent) options_.sent(*datagram);
       if (start_) summary_.latest_ms = std::max(summary_.latest_ms, 1e3 * to_seconds(now() - due));
@@ -262,6 +287,19 @@ Result<NetworkTarget> parse_target(const std::string& text) {
   return target;
 }
 
+Result<NetworkTarget> parse_phone_target(const std::string& text) {
+  const auto address = parse_host_port(text);
+  const std::uint16_t port = address ? address->port.value_or(sink::kLiveLinkPort) : std::uint16_t{0};
+  if (!address || address->host.empty() || port == 0)
+    return fail(ErrorCode::bad_usage, "no address of a receiver", "--phone " + text,
+                "write HOST or HOST:PORT, where mien live --listen livelink:// hears it");
+  return NetworkTarget{.host = std::string(address->host), .port = port};
+}
+
+bool has_senders(const sensor::Rig& rig) {
+  return std::ranges::any_of(rig.sensors, [](const sensor::Mount& mount) { return mount.kind != "camera"; });
+}
+
 Result<NetworkSummary> perform_to_network(const virt::StageRequest& request, const NetworkOptions& options) {
   MIEN_TRY(parse_target(options.to));
   MIEN_TRY_ASSIGN(virt::Stage stage, virt::set_stage(request));
@@ -270,12 +308,23 @@ Result<NetworkSummary> perform_to_network(const virt::StageRequest& request, con
 
 Result<NetworkSummary> perform_to_network(virt::Stage stage, const NetworkOptions& options) {
   MIEN_TRY_ASSIGN(const NetworkTarget target, parse_target(options.to));
-  if (options.start == nullptr && virt::headset_of(stage) != nullptr &&
-      sensor::kinds_of(stage.rig).size() > 1)
+  if (options.start == nullptr && virt::headset_of(stage) != nullptr && has_senders(stage.rig))
     return fail(ErrorCode::bad_usage, "the rig's cameras are asked for their pictures, which nobody offers",
                 stage.rig.name, "offer them, too: --cameras http://HOST:PORT");
+  const std::string rig = stage.rig.name;
   MIEN_TRY_ASSIGN(const std::unique_ptr<virt::NodeGroup> nodes,
                   virt::NodeGroup::create(std::move(stage), target.language, options.loop));
+  std::optional<NetworkTarget> phone;
+  for (std::size_t n = 0; n < nodes->size(); ++n) {
+    if (!speaks_as_phone((*nodes)[n])) continue;
+    if (options.key)
+      return fail(ErrorCode::bad_usage, "with a key all packets are sealed, and phones seal none", "--key",
+                  "leave out --key or the phone");
+    if (options.phone.empty())
+      return fail(ErrorCode::bad_usage, "it was not said to whom the phone sends", "rig " + rig,
+                  "give --phone HOST[:PORT], where mien live --listen livelink:// hears it");
+    MIEN_TRY_ASSIGN(phone, parse_phone_target(options.phone));
+  }
   if (options.key) {
     // What a board counts in its flash: each performer of a session is after the one before, and no nonce
     // comes twice.
@@ -284,7 +333,7 @@ Result<NetworkSummary> perform_to_network(virt::Stage stage, const NetworkOption
     nodes->seal(*options.key, static_cast<std::uint32_t>(seconds & 0x7FFF'FFFF));
   }
   Broadcast broadcast(*nodes, options);
-  MIEN_TRY(broadcast.open(target));
+  MIEN_TRY(broadcast.open(target, phone));
   return broadcast.run();
 }
 

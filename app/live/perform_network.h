@@ -24,9 +24,15 @@ struct NetworkTarget {
 };
 /// Errors: bad_usage.
 [[nodiscard]] Result<NetworkTarget> parse_target(const std::string& text);
+/// To whom a phone sends: "HOST[:PORT]", Live Link's port where it names none. Errors: bad_usage.
+[[nodiscard]] Result<NetworkTarget> parse_phone_target(const std::string& text);
+
+/// Whether the rig has sensors that send of themselves: any but cameras, which are asked.
+[[nodiscard]] bool has_senders(const sensor::Rig& rig);
 
 struct NetworkOptions {
   std::string to;                 ///< As parse_target() takes it.
+  std::string phone;              ///< As parse_phone_target() takes it, where the performer has a phone.
   double wait_s = 10;             ///< The performance begins unanswered after this.
   bool loop = false;              ///< Again and again, until it is stopped.
   std::string title = "perform";  ///< Stands before the progress; empty: it shows none, and says nothing.
@@ -62,7 +68,8 @@ struct NetworkSummary {
 /// Performs in real time, each node through a socket of its own. A receiver that is not there yet is waited
 /// for, and told of once; neither that nobody listened nor a stop by Ctrl-C is an error. Errors: those of the
 /// stage and the simulation; bad_usage (a target that is none, the profile *lab*, cameras that nobody
-/// offers); not_found (no such host); io.
+/// offers, a phone that was not told to whom it sends, or that a key should seal); not_found (no such host);
+/// io.
 [[nodiscard]] Result<NetworkSummary> perform_to_network(const virt::StageRequest& request,
                                                         const NetworkOptions& options);
 /// The same of a stage that is set.

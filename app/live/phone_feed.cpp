@@ -18,7 +18,7 @@
 #include "mien/live/name_lookup.h"
 #include "mien/phone/ifacialmocap_protocol.h"
 #include "mien/phone/live_link_protocol.h"
-#include "mien/sensor/bindings.h"
+#include "mien/phone/phone_mount.h"
 #include "mien/sink/live_link.h"
 
 namespace mien::app {
@@ -134,33 +134,21 @@ Result<ListenedPhones> listened_phones(const std::vector<std::string>& listen) {
   return out;
 }
 
-Result<sensor::Rig> with_phones(sensor::Rig rig, const std::vector<sensor::DeviceKey>& devices,
-                                const std::string& use) {
-  MIEN_TRY_ASSIGN(rig, sensor::with_bindings(std::move(rig)));
-  bool added = false;
-  for (const sensor::DeviceKey& device : devices) {
-    const std::string its = sensor::format_device(device);
-    MIEN_TRY_ASSIGN(const auto bound, sensor::bindings(rig));
-    if (std::ranges::find(bound, device, &std::pair<sensor::DeviceKey, std::uint16_t>::first) != bound.end())
-      continue;
-    if (use.empty())
-      return fail(ErrorCode::bad_usage, "it was not said what the phone is for", "--listen",
-                  "give --phone truth to record it beside the sensors, or --phone source to let it move the "
-                  "face");
-    sensor::Mount phone{
-        .name = "phone", .kind = "weights", .role = use == "truth" ? "truth" : "face", .device = its};
-    while (rig.find(phone.name)) phone.name += "_";
-    rig.sensors.push_back(std::move(phone));
-    added = true;
-  }
-  if (!use.empty() && !added)
+Result<sensor::Rig> with_listened(sensor::Rig rig, const std::vector<sensor::DeviceKey>& devices,
+                                  const std::string& use) {
+  MIEN_TRY_ASSIGN(const auto added, phone::without_sensor(rig, devices));
+  if (use.empty() && !added.empty())
+    return fail(ErrorCode::bad_usage, "it was not said what the phone is for", "--listen",
+                "give --phone truth to record it beside the sensors, or --phone source to let it move the "
+                "face");
+  if (!use.empty() && added.empty())
     return fail(ErrorCode::bad_usage,
                 devices.empty() ? "no phone is listened to" : "the rig has a sensor for it, with a role",
                 "--phone " + use,
                 devices.empty() ? "give --listen livelink://0.0.0.0 or ifacialmocap://PHONE too"
                                 : "leave out --phone");
-  // As a take's reader sees it.
-  return sensor::parse_rig(sensor::write_rig(rig), "rig " + rig.name);
+  return phone::with_phones(std::move(rig), added,
+                            use == "truth" ? phone::PhoneUse::truth : phone::PhoneUse::source);
 }
 
 }  // namespace mien::app

@@ -25,10 +25,11 @@ struct ListenedPhones {
 /// Errors: bad_usage (no address, or one phone twice).
 [[nodiscard]] Result<ListenedPhones> listened_phones(const std::vector<std::string>& listen);
 
-/// The rig with a sensor for each of these devices that it binds to none: "phone", whose `use` is "truth", it
-/// is recorded and moves nothing, or "source", the face follows it. Errors: bad_usage (`use` is empty where a
-/// sensor is wanted, or given where none is), and parse_rig's.
-[[nodiscard]] Result<sensor::Rig> with_phones(sensor::Rig rig, const std::vector<sensor::DeviceKey>& devices,
-                                              const std::string& use);
+/// The rig with a sensor for each of these devices that it binds to none, as phone::with_phones adds it.
+/// `use`: "truth" or "source". Errors: bad_usage (`use` is empty where a sensor is wanted, or given where
+/// none is), and those of with_phones.
+[[nodiscard]] Result<sensor::Rig> with_listened(sensor::Rig rig,
+                                                const std::vector<sensor::DeviceKey>& devices,
+                                                const std::string& use);
 
 }  // namespace mien::app

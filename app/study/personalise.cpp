@@ -1,23 +1,86 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/study/phone_option.h"
+#include "mien/builtin_face/load_face.h"
+#include "mien/core/time.h"
 #include "mien/modalities/modalities.h"
 #include "mien/model/model_file.h"
+#include "mien/study/phone_truth.h"
 #include "mien/study/prompted.h"
 #include "mien/study/solve.h"
 #include "mien/take/take.h"
+#include "mien/tracker/learn_correction.h"
 
 namespace mien::app {
 namespace {
 
+/// The truth that the take itself holds.
+constexpr std::string_view kPhone = "phone";
+
 struct PersonaliseOptions {
   std::string take, model, out;
+  std::string truth;  // "phone", or a file; empty: prompts.
   bool force = false;
   bool json = false;
 };
+
+/// From what a phone told.
+Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take& take,
+                            const std::vector<model::FeatureFrame>& features, model::ModelFile file) {
+  MIEN_TRY_ASSIGN(const study::PhoneTrack track,
+                  open_phone_track(take, features, options.truth == kPhone ? "" : options.truth));
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
+  MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(take.header().face));
+  auto made = tracker::learn_correction(features, study::taught_by(truth), take.rig().face_sensor_names(),
+                                        face, file, terminal_progress("personalise"));
+  if (!made) {
+    made.error().where = options.take;
+    return std::unexpected(std::move(made).error());
+  }
+  const tracker::LearntCorrection& learnt = *made;
+  if (!learnt.taken)
+    return fail(
+        ErrorCode::not_found,
+        fmt::format("what was learnt is no better where it was held out (squared error {:.4f}, without it "
+                    "{:.4f}), so nothing was written",
+                    learnt.mse_after, learnt.mse_before),
+        options.take, "record two minutes of speech and expressions; without it use " + options.model);
+  MIEN_TRY(model::write_model(options.out, file));
+  const double seconds = static_cast<double>(learnt.frames) / kFrameRateHz;
+  if (options.json)
+    print_json({{"take", options.take},
+                {"model", options.model},
+                {"out", options.out},
+                {"truth", options.truth},
+                {"seconds", seconds},
+                {"shapes", learnt.shapes},
+                {"mse_before", learnt.mse_before},
+                {"mse_after", learnt.mse_after},
+                {"skin_before_mm", learnt.skin_before_mm},
+                {"skin_after_mm", learnt.skin_after_mm},
+                {"agreement", truth.alignment.agreement},
+                {"offset_ms", 1e3 * truth.alignment.offset_s},
+                {"offset_sigma_ms", 1e3 * truth.alignment.offset_sigma_s}});
+  else
+    fmt::print(
+        "{:.0f} s of truth, {:.1f} ms +- {:.1f} off, agreement {:.2f}\n"
+        "{} of {} shapes are corrected; squared error where it was held out {:.4f}, before {:.4f}; of the "
+        "skin {:.2f} "
+        "mm, before {:.2f}\n"
+        "wrote {}; use it with --model\n",
+        seconds, 1e3 * truth.alignment.offset_s, 1e3 * truth.alignment.offset_sigma_s,
+        truth.alignment.agreement, learnt.shapes, face::kShapeCount, learnt.mse_after, learnt.mse_before,
+        learnt.skin_after_mm, learnt.skin_before_mm, options.out);
+  return {};
+}
 
 Result<void> run_personalise(PersonaliseOptions options) {
   MIEN_TRY(check_output(options.out, {".safetensors"}));
@@ -31,6 +94,7 @@ Result<void> run_personalise(PersonaliseOptions options) {
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
+  if (!options.truth.empty()) return learn_by_phone(options, take, features, std::move(file));
   auto made = study::personalise_on(take, features, file);
   if (!made) {
     made.error().where = options.take;
@@ -65,15 +129,22 @@ Result<void> run_personalise(PersonaliseOptions options) {
 
 void add_personalise_command(Commands& commands) {
   auto options = std::make_shared<PersonaliseOptions>();
-  const Command command =
-      commands.add("personalise", "Learns how one wearer's skin moves from a minute of prompted expressions",
-                   "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
-                   [options] { return run_personalise(*options); });
-  command.add_option("take", options->take, "A take with a full prologue or prompts").required();
-  command.add_option("--out", options->out, "The wearer's own model, .safetensors").required();
+  const Command command = commands.add(
+      "personalise",
+      "Learns one wearer: how skin moves from a minute of prompts, or from a phone what answers lack",
+      "mien personalise minute.mien --out me.safetensors && mien live --model me.safetensors",
+      [options] { return run_personalise(*options); });
+  command.add_option("take", options->take, "A take with a full prologue or prompts, or with a truth")
+      .required();
   command.add_option(
-      "--model", options->model,
-      "The model to begin with (default: models/live.safetensors); a wearer's skin in it is not built upon");
+      "--truth", options->truth,
+      "Learn what the answers lack: \"phone\" (the truth that was recorded in the take), or a Live "
+      "Link Face CSV that a phone recorded meanwhile");
+  command.add_option("--out", options->out, "The wearer's own model, .safetensors").required();
+  command.add_option("--model", options->model,
+                     "The model to begin with (default: models/live.safetensors). Prompts do not build upon "
+                     "a wearer's skin in it; "
+                     "a phone does");
   command.add_flag("--force", options->force, "Replace an existing model");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

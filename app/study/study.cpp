@@ -17,6 +17,7 @@
 #include "app/study/study_lost.h"
 #include "app/study/study_merged.h"
 #include "app/study/study_motion.h"
+#include "app/study/study_phone.h"
 #include "app/study/study_resting.h"
 #include "app/study/study_sensors.h"
 #include "app/study/study_settings.h"
@@ -208,6 +209,7 @@ void add_study_command(Commands& commands) {
   add_study_lag(commands, study);
   add_study_live(commands, study);
   add_study_loss(commands, study);
+  add_study_phone(commands, study);
   add_study_lost(commands, study);
   add_study_merged(commands, study);
   add_study_motion(commands, study);

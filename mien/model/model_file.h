@@ -8,6 +8,7 @@
 #include "mien/core/error.h"
 #include "mien/model/architecture.h"
 #include "mien/model/confidence.h"
+#include "mien/model/correction.h"
 #include "mien/model/features.h"
 #include "mien/model/ridge.h"
 #include "mien/model/safetensors.h"
@@ -28,6 +29,8 @@ struct ModelFile {
   /// How skin turns under the sensors; with a wearer's slopes the model is that wearer's
   /// (tracker::personalise). None: the model cannot be personalised.
   std::optional<Skin> skin;
+  /// What is added to a causal network's answers for one wearer (tracker::learn_correction); none: nothing.
+  std::optional<Correction> correction;
   /// What its answers are worth. None (older files): nobody measured it, so nothing is called measured and
   /// no confidence is claimed.
   std::optional<ConfidenceTable> confidence;

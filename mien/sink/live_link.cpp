@@ -10,7 +10,6 @@ namespace mien::sink {
 namespace {
 
 constexpr std::uint8_t kPacketVersion = 6;
-constexpr std::int32_t kRateNumerator = 60;
 constexpr std::int32_t kRateDenominator = 1;
 
 void append_text(const std::string& text, Datagrams& out) {
@@ -48,18 +47,23 @@ std::array<float, face::kLiveLinkValueCount> live_link_values(const ArkitFrame& 
   return values;
 }
 
-void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
-                      Datagrams& out) {
+void encode_live_link(const LiveLinkFrame& frame, const LiveLinkSource& source, Datagrams& out) {
   out.begin();
   out.big(kPacketVersion);
   append_text(source.device_id, out);
   append_text(source.subject, out);
-  out.big(static_cast<std::int32_t>(frame_index & 0x7FFFFFFF));
-  out.big(0.0F);  // Our frames stand on the grid.
-  out.big(kRateNumerator);
+  out.big(static_cast<std::int32_t>(frame.number & 0x7FFFFFFF));
+  out.big(0.0F);  // Frames of ours, and of a virtual phone, stand on their grid.
+  out.big(frame.rate_hz);
   out.big(kRateDenominator);
-  out.big(static_cast<std::uint8_t>(face::kLiveLinkValueCount));
-  for (const float value : live_link_values(frame)) out.big(value);
+  if (!frame.values) return;
+  out.big(static_cast<std::uint8_t>(frame.values->size()));
+  for (const float value : *frame.values) out.big(value);
+}
+
+void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
+                      Datagrams& out) {
+  encode_live_link({.number = frame_index, .values = live_link_values(frame)}, source, out);
 }
 
 }  // namespace mien::sink

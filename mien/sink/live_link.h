@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -33,9 +34,20 @@ struct LiveLinkSource {
 /// face::livelink_from_head.
 [[nodiscard]] std::array<float, face::kLiveLinkValueCount> live_link_values(const ArkitFrame& frame);
 
-/// One Live Link Face datagram, packet version 6: a header, then live_link_values, highest byte first.
-/// `frame_index` becomes the frame number at 60/1, its lowest 31 bits; the sub-frame is 0. Allocates only
-/// while `out` grows. Layout: docs/reference/sinks.md.
+/// What one packet says of its frame.
+struct LiveLinkFrame {
+  std::int64_t number = 0;    ///< Counts from wherever the sender began; its lowest 31 bits are sent.
+  std::int32_t rate_hz = 60;  ///< At which numbers count.
+  /// live_link_values(), or what a phone tells in their place. None: it sees no face.
+  std::optional<std::array<float, face::kLiveLinkValueCount>> values;
+};
+
+/// One Live Link Face datagram, packet version 6: a header, then the values, highest byte first; without a
+/// face it ends behind its rate. The sub-frame is 0. Allocates only while `out` grows. Layout:
+/// docs/reference/sinks.md.
+void encode_live_link(const LiveLinkFrame& frame, const LiveLinkSource& source, Datagrams& out);
+
+/// The same of a frame of the grid, whose index becomes the number, at 60 a second.
 void encode_live_link(const ArkitFrame& frame, const LiveLinkSource& source, std::int64_t frame_index,
                       Datagrams& out);
 

@@ -14,7 +14,9 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
       state_(network_),
       input_(file_, face_sensor_names),
       condition_(file_.features.width()),
-      writer_(file_) {}
+      writer_(file_) {
+  if (file_.correction) correction_.emplace(*file_.correction);
+}
 
 void CausalTracker::use_wearer(const std::vector<float>& slopes) {
   model::Skin skin = *file_.skin;
@@ -25,6 +27,7 @@ void CausalTracker::use_wearer(const std::vector<float>& slopes) {
 void CausalTracker::reset() {
   state_.reset();
   jitter_filter_.reset();
+  if (correction_) correction_->history.reset();
 }
 
 Result<CausalTracker> CausalTracker::create(model::ModelFile file,
@@ -47,6 +50,7 @@ void CausalTracker::step(const model::FeatureFrame& features, face::OutputFrame&
   network_.step(condition_, state_, answer_);
   std::ranges::transform(answer_, out.weights.values.begin(), model::from_network);
   jitter_filter_.apply(out.weights);
+  if (correction_) correction_->correction.apply(correction_->history, out.weights);
   explained_ = writer_.write(features, input_, out);
 }
 

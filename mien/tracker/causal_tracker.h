@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/tracker/answer_correction.h"
 #include "mien/tracker/frame_model.h"
 #include "mien/tracker/frame_writer.h"
 #include "mien/tracker/jitter_filter.h"
@@ -31,16 +33,19 @@ class CausalTracker final : public FrameModel {
                                                     const std::vector<std::string>& face_sensor_names,
                                                     model::Precision precision = kLivePrecision);
 
-  /// The next frame, 1/60 s after the last; fields as FrameWriter fills them, weights through JitterFilter.
-  /// No allocation; about 25 us with the default model. The same frames after a reset give the same bits on
-  /// one CPU family and build.
+  /// The next frame, 1/60 s after the last; fields as FrameWriter fills them, weights through JitterFilter
+  /// and the wearer's correction. No allocation; about 25 us with the default model. The same frames after a
+  /// reset give the same bits on one CPU family and build.
   void step(const model::FeatureFrame& features, face::OutputFrame& out) override;
 
   /// Resets the state: as after create().
   void reset() override;
 
   [[nodiscard]] const Explained* explained() const override { return &explained_; }
-  [[nodiscard]] const model::ModelFile* personal() const override { return file_.skin ? &file_ : nullptr; }
+  /// None either where answers are corrected: a correction belongs to the skin that it was learnt with.
+  [[nodiscard]] const model::ModelFile* personal() const override {
+    return file_.skin && !correction_ ? &file_ : nullptr;
+  }
   void use_wearer(const std::vector<float>& slopes) override;
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
@@ -58,6 +63,12 @@ class CausalTracker final : public FrameModel {
   std::array<float, face::kShapeCount> answer_{};
   FrameWriter writer_;
   JitterFilter jitter_filter_;
+  struct Corrected {
+    explicit Corrected(const model::Correction& made) : correction(made), history(correction) {}
+    AnswerCorrection correction;
+    AnswerCorrection::History history;
+  };
+  std::optional<Corrected> correction_;
   Explained explained_{};
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "mien/model/causal_network.h"
 #include "mien/model/features.h"
 #include "mien/model/model_file.h"
+#include "mien/tracker/answer_correction.h"
 #include "mien/tracker/causal_tracker.h"
 #include "mien/tracker/frame_writer.h"
 #include "mien/tracker/jitter_filter.h"
@@ -37,6 +39,7 @@ class Crowd {
   void reset(std::size_t performer) {
     states_[performer].reset();
     jitter_filters_[performer].reset();
+    if (correction_) histories_[performer].reset();
   }
 
   [[nodiscard]] std::size_t performers() const { return states_.size(); }
@@ -55,6 +58,8 @@ class Crowd {
   FrameWriter writer_;
   std::vector<model::CausalNetwork::State> states_;
   std::vector<JitterFilter> jitter_filters_;
+  std::optional<AnswerCorrection> correction_;
+  std::vector<AnswerCorrection::History> histories_;  // Empty without a correction.
   // Of the batch in progress:
   model::CausalNetwork::Workspace workspace_;
   std::vector<ModelInput> inputs_;

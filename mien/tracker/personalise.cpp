@@ -301,6 +301,8 @@ Result<Personalisation> personalise(std::span<const model::FeatureFrame> feature
   std::ranges::fill(learnt, std::uint8_t{1});
   const RowMajor after = learn(frames, prior_around(before, best), learnt).cast<float>();
   skin.wearer.assign(after.data(), after.data() + after.size());
+  // It belongs to the skin that it was learnt with.
+  file.correction.reset();
   return report;
 }
 

@@ -26,9 +26,9 @@ struct Personalisation {
 };
 
 /// Learns the wearer's slopes (rotation vector of each sensor per unit weight, frame H, rad) from a minute of
-/// prompted expressions, and stores them in `file` (model::Skin::wearer). The prior is the standard skin,
-/// whatever wearer the file had, with a standard deviation of 10 to 50 % of each slope. Method:
-/// docs/method/personalisation.md.
+/// prompted expressions, and stores them in `file` (model::Skin::wearer), whose correction, if any, goes. The
+/// prior is the standard skin, whatever wearer the file had, with a standard deviation of 10 to 50 % of each
+/// slope. Method: docs/method/personalisation.md.
 ///
 /// Expectation-maximisation over the frames of the prompts: weights and slopes are both unknown, with priors
 /// from the prompt (usual latency, gain and unasked shapes) and from the standard skin. Prompts whose shapes

@@ -20,9 +20,9 @@ namespace mien::virt {
 
 class SealedNode;
 
-/// All nodes of a performer, one an IMU of the rig or a board of its eyewear, and one a microphone, and their
-/// simulation, which runs a little ahead of the performance. The devices are those of play(): the same stage
-/// gives the same samples.
+/// All nodes of a performer, one an IMU of the rig or a board of its eyewear, one a microphone and one a
+/// phone, and their simulation, which runs a little ahead of the performance. The devices are those of
+/// play(): the same stage gives the same samples.
 class NodeGroup {
  public:
   /// `again`: the motion is played again and again. Errors: bad_usage (the profile *lab*; a language that the
@@ -34,7 +34,7 @@ class NodeGroup {
   ~NodeGroup();
 
   /// All nodes are paired by this key: what they say leaves sealed. Once, before they say anything. Nodes
-  /// of SlimeVR's language cannot be. `power_ons`: as SealedNode has it.
+  /// of SlimeVR's language, and phones, cannot be. `power_ons`: as SealedNode has it.
   void seal(const sensor::SealKey& key, std::uint32_t power_ons);
 
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }

@@ -9,7 +9,8 @@
 
 namespace mien::virt {
 
-/// A board of smart eyewear, or a microphone: it sends what it measures, greets nobody and hears nothing.
+/// A board of smart eyewear, a microphone or a phone: it sends what it measures, greets nobody and hears
+/// nothing.
 class SpeakingNode final : public Node {
  public:
   explicit SpeakingNode(std::uint64_t device) : device_(device) {}

@@ -15,11 +15,14 @@
 #include "mien/performer/head_motion.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/style.h"
+#include "mien/phone/live_link_protocol.h"
+#include "mien/phone/phone_mount.h"
 #include "mien/sensor/bindings.h"
 #include "mien/sensor/rig_part.h"
 #include "mien/virtual/eyewear/worn_eyewear.h"
 #include "mien/virtual/headset/worn_headset.h"
 #include "mien/virtual/imu/worn_imus.h"
+#include "mien/virtual/phone/worn_phone.h"
 #include "mien/virtual/reception.h"
 #include "mien/virtual/speech/worn_microphones.h"
 #include "mien/virtual/worn_together.h"
@@ -44,15 +47,15 @@ struct Modality {
 };
 constexpr std::string_view kHearing = "speech";
 constexpr std::string_view kSeeing = "camera";
+constexpr std::string_view kTelling = "weights";
 constexpr std::array kModalities = {
-    Modality{"imu", wear_imus},
-    Modality{"eyewear", wear_eyewear},
-    Modality{kSeeing, wear_headset},
-    Modality{kHearing, wear_microphones},
+    Modality{"imu", wear_imus},           Modality{"eyewear", wear_eyewear}, Modality{kSeeing, wear_headset},
+    Modality{kHearing, wear_microphones}, Modality{kTelling, wear_phone},
 };
 /// Devices whose faults stand in a table of their own, so that they can be worn beside others.
-constexpr std::array<std::string_view, 2> kFaultTables = {"microphone", "headset"};
-/// What cameras may be worn beside; a microphone may be beside both, or beside any one kind.
+constexpr std::array<std::string_view, 3> kFaultTables = {"microphone", "headset", "phone"};
+/// What cameras may be worn beside; a microphone may be beside both, or beside any one kind, and a phone
+/// beside all of these, whether it is a truth or not.
 constexpr std::string_view kFeeling = "imu";
 
 /// A rig with nothing but the sensors of one kind, each bound as in the whole.
@@ -64,13 +67,21 @@ Result<sensor::Rig> only_of(const sensor::Rig& rig, std::string_view kind) {
   return only;
 }
 
+/// Their numbers in the whole, truths among them.
+std::vector<std::uint16_t> numbers_of(const sensor::Rig& rig, std::string_view kind) {
+  std::vector<std::uint16_t> numbers;
+  for (std::size_t i = 0; i < rig.sensors.size(); ++i)
+    if (rig.sensors[i].kind == kind) numbers.push_back(static_cast<std::uint16_t>(i));
+  return numbers;
+}
+
 Result<std::shared_ptr<const WornDevices>> wear(const StageRequest& request, std::string_view kind,
                                                 face::Face face, const Random& root, const Stage& stage) {
   const auto modality = std::ranges::find(kModalities, kind, &Modality::kind);
   if (modality == kModalities.end())
     return fail(ErrorCode::unsupported, fmt::format("there are no virtual sensors of the kind {}", kind),
                 request.rig.string(),
-                fmt::format("use a rig of the kind {}",
+                fmt::format("use sensors of the kind {}",
                             fmt::join(kModalities | std::views::transform(&Modality::kind), " or ")));
   return modality->wear(request, std::move(face), root, stage);
 }
@@ -78,29 +89,30 @@ Result<std::shared_ptr<const WornDevices>> wear(const StageRequest& request, std
 /// All that the stage's rig has.
 Result<std::shared_ptr<const WornDevices>> wear_all(const StageRequest& request, face::Face face,
                                                     const Random& root, const Stage& stage) {
-  if (const auto truths = sensor::truths_of(stage.rig); !truths.empty())
-    return fail(ErrorCode::unsupported,
-                fmt::format("nobody performs what {} tells, a truth", stage.rig.sensors[truths.front()].name),
-                request.rig.string(), "use the rig without it; mien live --phone truth adds one");
   std::vector<std::string> kinds = sensor::kinds_of(stage.rig);
   if (request.headset_failure && std::ranges::find(kinds, kSeeing) == kinds.end())
     return fail(ErrorCode::bad_usage, "a headset's failure, and the rig has no cameras", request.rig.string(),
                 "leave out --headset-failure, or use rigs/headset.toml");
-  if (kinds.size() == 1) return wear(request, kinds.front(), std::move(face), root, stage);
-  const bool hears = std::erase(kinds, kHearing) > 0;
+  std::erase(kinds, kTelling);
+  const bool told = !numbers_of(stage.rig, kTelling).empty();
+  if (kinds.size() == 1 && !told) return wear(request, kinds.front(), std::move(face), root, stage);
+  const bool hears = kinds.size() > 1 && std::erase(kinds, kHearing) > 0;
   std::ranges::sort(kinds, {}, [](const std::string& kind) { return kind != kFeeling; });
   if (kinds.size() > 1 && kinds != std::vector<std::string>{std::string(kFeeling), std::string(kSeeing)})
     return fail(ErrorCode::unsupported, "no virtual performer wears sensors of these kinds at once",
                 request.rig.string(),
-                "cameras may be beside IMUs, and a microphone beside these or beside one kind; perform each "
-                "other one with a rig of its own, to one session that has all");
+                "cameras may be beside IMUs, and a microphone and a phone beside these or beside one kind; "
+                "perform each other one with a rig of its own, to one session that has all");
   if (const auto reference = stage.rig.find(stage.rig.reference);
-      !reference || stage.rig.sensors[*reference].kind != kinds.front())
-    return fail(ErrorCode::bad_usage, "the frames' clock is a microphone's, or a camera's beside IMUs",
+      kinds.empty() || !reference || stage.rig.sensors[*reference].kind != kinds.front())
+    return fail(ErrorCode::bad_usage,
+                "the frames' clock is a microphone's or a phone's, or a camera's beside IMUs",
                 request.rig.string(),
-                fmt::format("name a sensor of the kind {} as the reference", kinds.front()));
+                fmt::format("name a sensor of the kind {} as the reference",
+                            kinds.empty() ? kFeeling : kinds.front()));
   const bool together = kinds.size() > 1;
   if (hears) kinds.emplace_back(kHearing);
+  if (told) kinds.emplace_back(kTelling);
   std::vector<WornTogether::Part> parts;
   for (const std::string& kind : kinds) {
     Stage part;
@@ -108,7 +120,7 @@ Result<std::shared_ptr<const WornDevices>> wear_all(const StageRequest& request,
     part.together = together;
     MIEN_TRY_ASSIGN(part.rig, only_of(stage.rig, kind));
     MIEN_TRY_ASSIGN(auto worn, wear(request, kind, face, root, part));
-    parts.push_back({std::move(worn), sensor::sensors_of(stage.rig, kind)});
+    parts.push_back({std::move(worn), numbers_of(stage.rig, kind)});
   }
   return std::make_shared<const WornTogether>(std::move(parts));
 }
@@ -119,7 +131,7 @@ Result<FaultsText> part_of(FaultsText all, std::string_view table) {
   std::ostringstream out;
   if (!table.empty()) {
     toml::node* const own = faults.get(table);
-    if (own == nullptr) return FaultsText{{}, std::move(all.where)};
+    if (own == nullptr) return FaultsText{{}, std::move(all.where), false};
     if (!own->is_table())
       return fail(ErrorCode::malformed, fmt::format("faults.{} is no table", table), all.where);
     own->as_table()->is_inline(false);  // Else it would be written in braces.
@@ -131,6 +143,16 @@ Result<FaultsText> part_of(FaultsText all, std::string_view table) {
     out << faults;
   }
   return FaultsText{out.str(), std::move(all.where)};
+}
+
+/// The stage's rig with the phone that the request adds.
+Result<void> add_phone(Stage& stage) {
+  constexpr std::array kPhones = {sensor::DeviceKey{phone::kLiveLinkDevice, 0}};
+  MIEN_TRY_ASSIGN(const auto missing, phone::without_sensor(stage.rig, kPhones));
+  if (missing.empty()) return {};
+  MIEN_TRY_ASSIGN(stage.rig, phone::with_phones(std::move(stage.rig), missing, phone::PhoneUse::truth));
+  stage.rig_toml = sensor::write_rig(stage.rig);
+  return {};
 }
 
 }  // namespace
@@ -149,6 +171,7 @@ Result<Stage> set_stage(const StageRequest& request) {
   Stage stage;
   MIEN_TRY_ASSIGN(stage.rig_toml, read_text(request.rig));
   MIEN_TRY_ASSIGN(stage.rig, sensor::parse_rig(stage.rig_toml, request.rig.string()));
+  if (request.phone) MIEN_TRY(add_phone(stage));
   stage.lab = request.devices == "lab";
   MIEN_TRY_ASSIGN(face::Face face, builtin_face::load_face(request.face));
   const Random root(request.seed);

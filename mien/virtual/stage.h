@@ -16,6 +16,7 @@
 #include "mien/performer/script.h"
 #include "mien/sensor/rig.h"
 #include "mien/virtual/headset/timed_failure.h"
+#include "mien/virtual/phone/phone_faults.h"
 #include "mien/virtual/session.h"
 #include "mien/virtual/worn_devices.h"
 
@@ -37,13 +38,17 @@ struct StageRequest {
   /// KinematicsSpread's 30 % and 15 degrees off, 0 leaves it as the face has it.
   double unlike = 0;
   std::optional<TimedFailure> headset_failure;  ///< What befalls its cameras.
+  /// A phone looks on and is recorded as a truth, where the rig has no sensor for one.
+  bool phone = false;
+  /// What the phone is like, in every profile; none: as `devices` say.
+  std::optional<PhoneFaults> phone_faults;
   std::uint64_t seed = 1;
   performer::PrologueKind prologue = performer::PrologueKind::brief;
 };
 
 /// Everything that a performance needs, read and drawn: the same request gives the same stage.
 struct Stage {
-  std::string rig_toml;  ///< The rig file, whole.
+  std::string rig_toml;  ///< The rig file, whole; with a phone that the request adds, written anew.
   sensor::Rig rig;
   bool lab = false;  ///< The profile *lab*: there are no faults then.
   /// IMUs and cameras are worn at once: the faults of cameras stand in a table of their own.
@@ -57,18 +62,19 @@ struct Stage {
 struct FaultsText {
   std::string toml;
   std::string where;
+  bool stated = true;  ///< False where that table is not there; the text is empty then.
 };
 /// The faults that the request's devices are of: the rig's own, or a file's. Not for *lab*. `table`: those of
-/// devices that have a table of their own in it ("microphone", for [faults.microphone]; "headset"); empty:
-/// all that stands in none. Errors: not_found, malformed.
+/// devices that have a table of their own in it ("microphone", for [faults.microphone]; "headset", "phone");
+/// empty: all that stands in none. Errors: not_found, malformed.
 [[nodiscard]] Result<FaultsText> read_faults(const StageRequest& request, const sensor::Rig& rig,
                                              std::string_view table = {});
 
 /// Reads rig, faults and face, draws the performer and places the sensors. Errors: those of the readers;
 /// not_found (no such devices); bad_usage (eyewear or cameras in the profile *lab*, or on skin unlike
-/// the face's; a headset's failure without one; a microphone, or a camera beside IMUs, that is the
-/// reference); unsupported (several kinds at once but for cameras beside IMUs, and microphones); out_of_range
-/// (too long; a failure that begins when it is over).
+/// the face's; a headset's failure without one; a microphone, a phone, or a camera beside IMUs, that is the
+/// reference); unsupported (several kinds at once but for cameras beside IMUs, microphones and a phone);
+/// out_of_range (too long; a failure that begins when it is over).
 [[nodiscard]] Result<Stage> set_stage(const StageRequest& request);
 
 /// The whole performance on its stage, as a session with the rig receives it; `progress` hears of devices'.

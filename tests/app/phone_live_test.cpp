@@ -18,6 +18,7 @@
 
 #include "mien/sensor/rig_part.h"
 #include "mien/take/take.h"
+#include "tests/app/free_port.h"
 #include "tests/app/program.h"
 #include "tests/phone/live_link_bytes.h"
 
@@ -60,11 +61,6 @@ Phone live_link_phone(std::uint16_t to) {
     fields.values.emplace().fill(0.25F);
     send(socket, to, phone::test::live_link_bytes(fields));
   });
-}
-
-std::uint16_t free_port() {
-  asio::io_context network;
-  return udp::socket(network, kAnyPort).local_endpoint().port();
 }
 
 const std::string kRig =

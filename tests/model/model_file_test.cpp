@@ -188,6 +188,44 @@ TEST(ModelFile, AWearersSkinRoundTripsAndIsChecked) {
   }
 }
 
+TEST(ModelFile, ACorrectionRoundTripsAndIsChecked) {
+  ModelFile model = small_causal_model();
+  const std::size_t shapes = model.shapes.size();
+  model.correction = Correction{.lags = {0, 3}, .weights = std::vector<float>(2 * shapes * shapes, 0.25F)};
+  const auto bytes = format_model(model);
+  ASSERT_TRUE(bytes) << bytes.error().message();
+  const auto back = parse_model(*bytes, "test");
+  ASSERT_TRUE(back) << back.error().message();
+  EXPECT_EQ(back->correction, model.correction);
+  EXPECT_FALSE(parse_model(format_model(small_causal_model()).value(), "test")->correction);
+  for (const auto spoil :
+       {+[](Correction& c) { c.weights.pop_back(); }, +[](Correction& c) { c.weights[0] = 101; },
+        +[](Correction& c) { c.weights[0] = std::nanf(""); },
+        +[](Correction& c) {
+          c.lags = {1, 3};
+        },
+        +[](Correction& c) {
+          c.lags = {0, 0};
+        },
+        +[](Correction& c) {
+          c.lags = {0, 61};
+        },
+        +[](Correction& c) { c.lags = {}; }}) {
+    ModelFile spoilt = model;
+    spoil(*spoilt.correction);
+    EXPECT_FALSE(format_model(spoilt));
+  }
+  // What a file says of lags is no count.
+  TensorFile file = *parse_safetensors(*bytes, "test");
+  for (const char* lags : {R"({"lags":[0,-3]})", R"({"lags":[0,"3"]})", R"({"lags":7})", "{}", "no JSON"}) {
+    file.metadata["correction"] = lags;
+    EXPECT_FALSE(parse_model(write_safetensors(file), "test")) << lags;
+  }
+  ModelFile window = small_model();
+  window.correction = model.correction;
+  EXPECT_FALSE(format_model(window));
+}
+
 TEST(ModelFile, FilesThatNameNoKindAreWindowNetworks) {
   TensorFile file = *parse_safetensors(*format_model(small_model()), "test");
   std::string& architecture = file.metadata["architecture"];

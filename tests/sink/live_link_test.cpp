@@ -66,6 +66,16 @@ TEST(LiveLink, NeverClosesTheMouthMoreThanTheJawIsOpen) {
   EXPECT_EQ(values_of(frame)[face::arkit_index("mouthClose")], 0.25F);
 }
 
+TEST(LiveLink, WithoutAFaceEndsBehindItsRate) {
+  Datagrams out;
+  encode_live_link({.number = 0x1'0000'0101, .rate_hz = 30}, {"id", "face"}, out);
+  EXPECT_EQ(hex(out[0]),
+            "06"
+            "000000026964"
+            "0000000466616365"
+            "00000101000000000000001e00000001");
+}
+
 TEST(LiveLink, NamesADeviceByItsSubject) {
   const auto source = live_link_source("Ann");
   EXPECT_EQ(source.subject, "Ann");

@@ -151,9 +151,7 @@ EyewearSimulator::EyewearSimulator(const EyewearWearer& wearer, const EyewearFau
       sways_(random.fork("sway")),
       tissues_(random.fork("tissue")) {
   for (std::size_t s = 0; s < wearer.sensors.size(); ++s) parts_.emplace_back(faults, random.fork("part", s));
-  Random clock = random.fork("clock");
-  clock_.offset_s = clock.uniform(faults.clock_offset_s[0], faults.clock_offset_s[1]);
-  clock_.rate = 1 + 1e-6 * clock.normal(0, faults.clock_drift_ppm);
+  clock_ = VirtualClock::drawn(faults.clock_offset_s, faults.clock_drift_ppm, random.fork("clock"));
 }
 
 EyewearSimulator::EyewearSimulator(EyewearSimulator&&) noexcept = default;

@@ -77,9 +77,7 @@ Result<HeadsetBoards> HeadsetBoards::put_on(const HeadsetWearer& wearer, const s
     if (same != boards.cameras_.end()) {
       clock = same->clock;
     } else {
-      Random drawn = random.fork("clock", c);
-      clock.offset_s = drawn.uniform(faults.clock_offset_s[0], faults.clock_offset_s[1]);
-      clock.rate = 1 + 1e-6 * drawn.normal(0, faults.clock_drift_ppm);
+      clock = VirtualClock::drawn(faults.clock_offset_s, faults.clock_drift_ppm, random.fork("clock", c));
     }
     boards.cameras_.push_back({.device = device,
                                .clock = clock,

@@ -32,9 +32,7 @@ ImuSimulator::ImuSimulator(const DeviceFaults& faults, std::uint16_t site, Rando
       radio_(random.fork("radio")),
       loss_(random.fork("loss")) {
   // Each fault has a stream of its own: changing one leaves the others as they were.
-  Random clock = random.fork("clock");
-  clock_.offset_s = clock.uniform(faults.clock_offset_s[0], faults.clock_offset_s[1]);
-  clock_.rate = 1 + 1e-6 * clock.normal(0, faults.clock_drift_ppm);
+  clock_ = VirtualClock::drawn(faults.clock_offset_s, faults.clock_drift_ppm, random.fork("clock"));
   Random mount = random.fork("mount");
   mount_ = faults.mount_rotation_deg >= 180
                ? mount.rotation()

@@ -12,18 +12,13 @@ namespace {
 
 constexpr double kBlockS = to_seconds(speech::kBlockDuration);
 
-VirtualClock drawn_clock(const MicrophoneFaults& faults, Random random) {
-  VirtualClock clock;
-  clock.offset_s = random.uniform(faults.clock_offset_s[0], faults.clock_offset_s[1]);
-  clock.rate = 1 + 1e-6 * random.normal(0, faults.clock_drift_ppm);
-  return clock;
-}
-
 }  // namespace
 
 MicrophoneSimulator::MicrophoneSimulator(const SoundInAir& sound, const MicrophoneFaults& faults,
                                          std::uint64_t device, const Random& random)
-    : MicrophoneSimulator(sound, faults, device, random, drawn_clock(faults, random.fork("clock"))) {}
+    : MicrophoneSimulator(
+          sound, faults, device, random,
+          VirtualClock::drawn(faults.clock_offset_s, faults.clock_drift_ppm, random.fork("clock"))) {}
 
 // Each fault has a stream of its own: changing one leaves the others as they were.
 MicrophoneSimulator::MicrophoneSimulator(const SoundInAir& sound, const MicrophoneFaults& faults,

@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "app/command.h"
+#include "app/json_output.h"
+#include "app/study/phone_option.h"
+#include "app/write_motion.h"
+#include "mien/study/phone_truth.h"
+#include "mien/study/solve.h"
+#include "mien/take/take.h"
+
+namespace mien::app {
+namespace {
+
+struct AlignOptions {
+  std::string take, phone, out;
+  bool json = false;
+};
+
+/// What the phone told, at the take's frames; without a face where it is not known.
+face::Motion truth_motion(const study::PhoneTruth& truth, const std::string& name) {
+  face::Motion motion{.name = name, .frames = {}};
+  for (const take::TruthFrame& frame : truth.frames) {
+    face::MotionFrame& out = motion.frames.emplace_back();
+    out.time_s = to_seconds(frame.time - truth.frames.front().time);
+    out.weights = frame.weights;
+    out.tongue_out = frame.tongue_out;
+    out.has_face = frame.has_face;
+  }
+  return motion;
+}
+
+void print(const phone::TimeAlignment& at, const study::PhoneTrack& track) {
+  fmt::print(
+      "offset     {:.1f} ms +- {:.1f} in the middle, drift {:+.1f} ppm +- {:.1f}\n"
+      "agreement  {:.2f} (share of jaw and smile that the skin foretells; {:.2f} is asked)\n"
+      "in common  {:.1f} s{}\n",
+      1e3 * at.offset_s, 1e3 * at.offset_sigma_s, at.drift_ppm, at.drift_sigma_ppm, at.agreement,
+      phone::kLeastAgreement, at.overlap_s,
+      track.left_out_s > 0 ? fmt::format("; {:.1f} s left out, the phone's clock jumped", track.left_out_s)
+                           : "");
+  fmt::print("\n{:>8}{:>8}{:>12}{:>8}{:>11}\n", "from s", "to s", "off by ms", "+- ms", "agreement");
+  for (const phone::AlignmentBlock& block : at.blocks)
+    fmt::print("{:8.1f}{:8.1f}{:12.1f}{:8.1f}{:11.2f}\n", block.begin_s, block.end_s, 1e3 * block.residual_s,
+               1e3 * block.sigma_s, block.agreement);
+}
+
+Json json_of(const AlignOptions& options, const phone::TimeAlignment& at, const study::PhoneTrack& track) {
+  Json blocks = Json::array();
+  for (const phone::AlignmentBlock& block : at.blocks)
+    blocks.push_back({{"begin_s", block.begin_s},
+                      {"end_s", block.end_s},
+                      {"residual_ms", 1e3 * block.residual_s},
+                      {"sigma_ms", 1e3 * block.sigma_s},
+                      {"agreement", block.agreement}});
+  return {{"take", options.take},
+          {"phone", options.phone.empty() ? Json() : Json(options.phone)},
+          {"middle_s", at.middle_s},
+          {"offset_ms", 1e3 * at.offset_s},
+          {"offset_sigma_ms", 1e3 * at.offset_sigma_s},
+          {"drift_ppm", at.drift_ppm},
+          {"drift_sigma_ppm", at.drift_sigma_ppm},
+          {"agreement", at.agreement},
+          {"overlap_s", at.overlap_s},
+          {"left_out_s", track.left_out_s},
+          {"blocks", std::move(blocks)}};
+}
+
+Result<void> run_align(const AlignOptions& options) {
+  if (!options.out.empty()) MIEN_TRY(check_output(options.out, {".csv"}));
+  MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
+  MIEN_TRY(check_aligns(take));
+  MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
+  MIEN_TRY_ASSIGN(const study::PhoneTrack track, open_phone_track(take, features, options.phone));
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
+  if (!options.out.empty())
+    MIEN_TRY(write_motion(truth_motion(truth, track.motion.name), take.header().face, options.out));
+  if (options.json) {
+    print_json(json_of(options, truth.alignment, track));
+  } else {
+    print(truth.alignment, track);
+    if (!options.out.empty()) fmt::print("\nwrote {}\n", options.out);
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_align_command(Commands& commands) {
+  auto options = std::make_shared<AlignOptions>();
+  const Command command = commands.add(
+      "align", "Finds a phone's time beside a take's sensors, by how the face moves",
+      "mien align take.mien phone.csv --out truth.csv", [options] { return run_align(*options); });
+  command.add_option("take", options->take, "The take").required();
+  command.add_option(
+      "phone", options->phone,
+      "What a phone recorded meanwhile: a Live Link Face CSV (default: the truth in the take)");
+  command.add_option(
+      "--out", options->out,
+      "Write what the phone told at the take's frames, less its neutral face: .csv (Live Link Face)");
+  command.add_flag("--json", options->json, "Print one JSON object");
+}
+
+}  // namespace mien::app

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "mien/core/error.h"
+#include "mien/model/features.h"
+#include "mien/study/phone_truth.h"
+#include "mien/take/take.h"
+
+namespace mien::app {
+
+/// Whether a take has sensors on the skin, by which a phone's time is found. Errors: unsupported.
+[[nodiscard]] Result<void> check_aligns(const take::Take& take);
+
+/// What a phone told: the CSV `file`, or the take's own truth where that is empty. What was survived in a
+/// file is said on stderr. `features`: what study::take_features() gave. Errors: study::phone_track's.
+[[nodiscard]] Result<study::PhoneTrack> open_phone_track(const take::Take& take,
+                                                         std::span<const model::FeatureFrame> features,
+                                                         const std::string& file);
+
+}  // namespace mien::app

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mien/core/error.h"
+#include "mien/face/motion.h"
+#include "mien/model/features.h"
+#include "mien/phone/time_alignment.h"
+#include "mien/sensor/rig.h"
+#include "mien/take/take.h"
+#include "mien/tracker/learn_correction.h"
+
+namespace mien::study {
+
+/// What a phone told while a take was recorded, on its own clock.
+struct PhoneTrack {
+  /// Named after where it comes from. Where nothing was told for longer than kLongestPhoneGap there is no
+  /// face.
+  face::Motion motion;
+  DeviceTime begin;  ///< Its first frame, on the phone's clock; a file's counts from there.
+  std::optional<phone::AlignmentPrior> prior;  ///< By arrivals; none from a file.
+  /// What was left out because the phone's clock jumped: all but the longest stretch between jumps, s.
+  double left_out_s = 0;
+};
+
+/// Between two frames of a phone what it tells is interpolated over at most this, s.
+inline constexpr double kLongestPhoneGapS = 0.15;
+
+/// Of the rig's truth sensor, the first that told anything. `samples`: all of a session, by entry. `begin`:
+/// the time of the first frame of features, from which the sensors' time counts. Errors: not_found (no truth
+/// in the rig, none that told).
+[[nodiscard]] Result<PhoneTrack> phone_track(const sensor::Rig& rig,
+                                             std::span<const take::StoredSample> samples, DeviceTime begin);
+/// Of a Live Link Face CSV. Errors: face::load_motion's. `warnings`: as there.
+[[nodiscard]] Result<PhoneTrack> phone_track(const std::filesystem::path& csv,
+                                             std::vector<std::string>* warnings);
+
+/// What a phone told, as truth beside a take's frames.
+struct PhoneTruth {
+  phone::TimeAlignment alignment;
+  /// One a tick. `evaluated`: with a face, and after the calibration. Weights are what the phone told, less
+  /// what it told of the neutral hold, 0 to 1.
+  std::vector<take::TruthFrame> frames;
+  /// What was taken off for the neutral hold; zeros where there was none, or the phone did not see it.
+  face::BlendshapeWeights rest;
+};
+
+/// Aligns the track with a session's features (phone::align) and reads it at their times. `events`: the
+/// session's, of which the calibration's steps count. `features`: what take_features() gave. Errors:
+/// phone::align's.
+[[nodiscard]] Result<PhoneTruth> phone_truth(std::span<const take::Event> events,
+                                             std::span<const model::FeatureFrame> features,
+                                             const PhoneTrack& track);
+
+/// What a live model's correction is learnt from (tracker::learn_correction): frames that are evaluated are
+/// known.
+[[nodiscard]] std::vector<tracker::TaughtFrame> taught_by(const PhoneTruth& truth);
+
+}  // namespace mien::study

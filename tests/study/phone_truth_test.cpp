@@ -1,0 +1,150 @@
+#include "mien/study/phone_truth.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mien/builtin_face/load_face.h"
+#include "mien/model/model_file.h"
+#include "mien/performer/script.h"
+#include "mien/study/imu/phone_study.h"
+#include "mien/study/imu/trace_features.h"
+#include "mien/virtual/stage.h"
+#include "tests/project_path.h"
+
+// A virtual phone before a virtual wearer of the default rig: its truth beside the performer's own.
+namespace mien::study::phone_truth_test {
+namespace {
+
+struct Filmed {
+  sensor::Rig rig;
+  virt::VirtualSession session;
+  std::vector<model::FeatureFrame> features;
+};
+
+Filmed filmed(const virt::PhoneFaults& phone, double seconds = 40) {
+  virt::StageRequest request;
+  request.script = performer::default_script(performer::Block::reading, seconds);
+  request.rig = project_path("rigs/default.toml");
+  request.seed = 5;
+  request.phone = true;
+  request.phone_faults = phone;
+  virt::Stage stage = virt::set_stage(request).value();
+  Filmed out;
+  out.session = virt::play(stage).value();
+  out.rig = std::move(stage.rig);
+  out.features = trace_features(out.rig, out.session.events, out.session.entries, out.session.ticks).value();
+  return out;
+}
+
+Result<PhoneTrack> track_of(const Filmed& take) {
+  return phone_track(take.rig, take.session.samples, take.features.front().time);
+}
+
+/// Root mean square of what the phone's truth is off, over the frames that both know.
+double off(const Filmed& take, const PhoneTruth& truth) {
+  double sum = 0, count = 0;
+  for (std::size_t f = 0; f < truth.frames.size(); ++f) {
+    const take::TruthFrame& real = take.session.truth[f];
+    if (!truth.frames[f].evaluated || !real.evaluated) continue;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      sum += std::pow(double{truth.frames[f].weights[k]} - std::clamp(double{real.weights[k]}, 0.0, 1.0), 2);
+    count += static_cast<double>(face::kShapeCount);
+  }
+  EXPECT_GT(count, 0);
+  return std::sqrt(sum / count);
+}
+
+TEST(PhoneTruth, StandsBesideThePerformersOwn) {
+  virt::PhoneFaults phone;
+  phone.clock_offset_s = {5'000, 5'000};
+  phone.lag_ms = {30, 30};
+  phone.delay_ms = {60, 120};
+  phone.resting_offset = 0.1;
+  phone.frames_dropped = 0.1;
+  phone.face_lost_between_s = {12, 15};
+  const Filmed take = filmed(phone);
+  const auto track = track_of(take);
+  ASSERT_TRUE(track) << track.error().message();
+  ASSERT_TRUE(track->prior);
+  EXPECT_EQ(track->left_out_s, 0);
+  const auto truth = phone_truth(take.session.events, take.features, *track);
+  ASSERT_TRUE(truth) << truth.error().message();
+  ASSERT_EQ(truth->frames.size(), take.features.size());
+  EXPECT_GT(truth->alignment.agreement, 0.5);
+  EXPECT_LT(off(take, *truth), 0.03);
+  // Three seconds without a face are no truth; the calibration is none either.
+  const auto known = std::ranges::count_if(truth->frames, &take::TruthFrame::evaluated);
+  const auto seen = std::ranges::count_if(truth->frames, &take::TruthFrame::has_face);
+  EXPECT_LT(known, seen);
+  EXPECT_NEAR(static_cast<double>(truth->frames.size() - static_cast<std::size_t>(seen)), 180, 60);
+  // What rests on the phone's face is told from the neutral hold.
+  EXPECT_GT(*std::ranges::max_element(truth->rest.values), 0.05F);
+  EXPECT_EQ(taught_by(*truth).size(), truth->frames.size());
+}
+
+TEST(PhoneTruth, ALeapOfItsClockLeavesTheLongestStretch) {
+  Filmed take = filmed({}, 30);
+  const auto truths = std::ranges::find_if(take.rig.sensors, &sensor::Mount::is_truth);
+  const auto phone = static_cast<std::uint16_t>(truths - take.rig.sensors.begin());
+  const HostTime leap = take.session.samples.back().arrival - std::chrono::seconds(10);
+  for (take::StoredSample& stored : take.session.samples)
+    if (stored.sample.sensor == phone && stored.arrival > leap) stored.sample.time += std::chrono::hours(1);
+  const auto track = track_of(take);
+  ASSERT_TRUE(track) << track.error().message();
+  EXPECT_NEAR(track->left_out_s, 10, 1);
+  const auto truth = phone_truth(take.session.events, take.features, *track);
+  ASSERT_TRUE(truth) << truth.error().message();
+  EXPECT_LT(off(take, *truth), 0.03);
+}
+
+TEST(PhoneTruth, IsNeitherAnothersNorNobodys) {
+  const Filmed take = filmed({}, 30);
+  sensor::Rig without = take.rig;
+  std::erase_if(without.sensors, [](const sensor::Mount& mount) { return mount.is_truth(); });
+  const auto refused = phone_track(without, take.session.samples, take.features.front().time);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::not_found);
+  const auto silent = phone_track(take.rig, {}, take.features.front().time);
+  ASSERT_FALSE(silent);
+  EXPECT_EQ(silent.error().code, ErrorCode::not_found);
+  // One who says other things.
+  PhoneTrack other = track_of(take).value();
+  const std::size_t count = other.motion.frames.size();
+  for (std::size_t f = 0; f < count / 2; ++f)
+    std::swap(other.motion.frames[f].weights, other.motion.frames[count - 1 - f].weights);
+  const auto disagrees = phone_truth(take.session.events, take.features, other);
+  ASSERT_FALSE(disagrees);
+  EXPECT_EQ(disagrees.error().code, ErrorCode::mismatch);
+}
+
+TEST(PhoneStudy, MeasuresTimeAndLearning) {
+  PhoneStudyRequest request;
+  request.rig = project_path("rigs/default.toml");
+  request.model = model::read_model(project_path("models/live.safetensors")).value();
+  request.sync_seeds = 1;
+  request.sync_s = 30;
+  request.strangers = 1;
+  request.stranger_s = 160;
+  request.seed = 7;
+  const auto study = study_phone(request, no_progress);
+  ASSERT_TRUE(study) << study.error().message();
+  ASSERT_EQ(study->sync.size(), 1U);
+  EXPECT_FALSE(study->sync[0].refused);
+  EXPECT_LT(std::abs(study->sync[0].error_s), 0.012);
+  ASSERT_EQ(study->learnt.size(), 2U);
+  for (const PhoneLearnRow& row : study->learnt) {
+    EXPECT_FALSE(row.refused);
+    EXPECT_LT(row.all.mse_after, row.all.mse_before) << row.devices;
+    EXPECT_LT(row.mse_lost_after, row.mse_lost_before) << row.devices;
+    ASSERT_TRUE(row.pve_perfect_mm);
+  }
+  const auto stopped = study_phone(request, [](double, std::string_view) { return false; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::cancelled);
+}
+
+}  // namespace
+}  // namespace mien::study::phone_truth_test
