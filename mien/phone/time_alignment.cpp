@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <ranges>
 #include <string_view>
 #include <utility>
 
@@ -31,7 +32,7 @@ constexpr double kSmoothS = 0.07;
 constexpr double kToldHz = 240;
 /// A stretch of a take that is judged by itself, s.
 constexpr double kBlockS = 10;
-/// A sensor counts that was there for this share of the take.
+/// A sensor counts that was there for this share of what came after the first was calibrated.
 constexpr double kSensorThere = 0.8;
 /// Ridge of the regressions, a share of a signal's mean square.
 constexpr double kRidge = 1e-2;
@@ -77,14 +78,21 @@ void keep_the_middle_band(Signal& signal) {
       signal.rows.row(t) = mean(t, kSmoothS) - mean(t, kWindowS);
 }
 
-/// Rotation vectors of the sensors that were there for most of it, one row a frame of the grid.
+/// Rotation vectors of the sensors that were there for most of it once they were calibrated, one row a frame
+/// of the grid.
 Signal skin_signal(std::span<const model::FeatureFrame> skin) {
   const std::size_t sensors = skin.empty() ? 0 : skin.front().sensors.size();
+  // Before the calibration nothing is known of any.
+  const auto any = [](const model::FeatureFrame& frame) {
+    return std::ranges::any_of(frame.sensors, &model::SensorFeature::has_rotation);
+  };
+  const auto calibrated = std::ranges::subrange(std::ranges::find_if(skin, any), skin.end());
   std::vector<std::size_t> used;
   for (std::size_t s = 0; s < sensors; ++s) {
     const auto there = std::ranges::count_if(
-        skin, [&](const model::FeatureFrame& frame) { return frame.sensors[s].has_rotation; });
-    if (static_cast<double>(there) >= kSensorThere * static_cast<double>(skin.size())) used.push_back(s);
+        calibrated, [&](const model::FeatureFrame& frame) { return frame.sensors[s].has_rotation; });
+    if (there > 0 && static_cast<double>(there) >= kSensorThere * static_cast<double>(calibrated.size()))
+      used.push_back(s);
   }
   Signal out;
   if (used.empty()) return out;
