@@ -4,10 +4,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "mien/core/excerpt.h"
 #include "mien/face/load_motion.h"
-#include "mien/take/take.h"
 
 namespace mien::app {
 namespace {
@@ -26,6 +26,18 @@ std::optional<Sound> sound_from(const take::Audio& audio, DeviceTime start, Devi
 
 }  // namespace
 
+face::Motion motion_of(std::span<const take::TruthFrame> truth, std::string name) {
+  face::Motion motion{.name = std::move(name), .frames = {}};
+  for (const take::TruthFrame& frame : truth) {
+    face::MotionFrame& out = motion.frames.emplace_back();
+    out.time_s = to_seconds(frame.time - truth.front().time);
+    out.weights = frame.weights;
+    out.tongue_out = frame.tongue_out;
+    out.has_face = frame.has_face;
+  }
+  return motion;
+}
+
 Result<Performance> load_performance(const std::filesystem::path& path) {
   Performance performance;
   if (path.extension() != ".mien") {
@@ -41,15 +53,7 @@ Result<Performance> load_performance(const std::filesystem::path& path) {
     return fail(ErrorCode::not_found, "this take holds no truth", path.string(),
                 "solve it first: mien solve TAKE --out FILE.csv");
   performance.face = take.header().face;
-  performance.motion.name = path.stem().string();
-  for (const take::TruthFrame& frame : truth) {
-    face::MotionFrame out;
-    out.time_s = to_seconds(frame.time - truth.front().time);
-    out.weights = frame.weights;
-    out.tongue_out = frame.tongue_out;
-    out.has_face = frame.has_face;
-    performance.motion.frames.push_back(out);
-  }
+  performance.motion = motion_of(truth, path.stem().string());
   MIEN_TRY_ASSIGN(const auto audio, take.audio());
   if (audio && audio->rate_hz > 0)
     performance.sound = sound_from(*audio, truth.front().time, truth.back().time);

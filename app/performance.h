@@ -2,11 +2,13 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "mien/core/error.h"
 #include "mien/core/wav.h"
 #include "mien/face/motion.h"
+#include "mien/take/take.h"
 
 namespace mien::app {
 
@@ -16,6 +18,9 @@ struct Performance {
   std::optional<Sound> sound;  ///< From the motion's start.
   std::string face;            ///< What it was performed on; empty when unknown.
 };
+
+/// A track of truth as a motion, from its first frame's time.
+[[nodiscard]] face::Motion motion_of(std::span<const take::TruthFrame> truth, std::string name);
 
 /// Reads a Live Link CSV, saying on stderr what was survived in it, or the truth in a take (.mien). Errors:
 /// the readers', and not_found for a take without truth.

@@ -4,6 +4,7 @@
 
 #include "app/command.h"
 #include "app/json_output.h"
+#include "app/performance.h"
 #include "app/study/phone_option.h"
 #include "app/write_motion.h"
 #include "mien/study/phone_truth.h"
@@ -17,19 +18,6 @@ struct AlignOptions {
   std::string take, phone, out;
   bool json = false;
 };
-
-/// What the phone told, at the take's frames; without a face where it is not known.
-face::Motion truth_motion(const study::PhoneTruth& truth, const std::string& name) {
-  face::Motion motion{.name = name, .frames = {}};
-  for (const take::TruthFrame& frame : truth.frames) {
-    face::MotionFrame& out = motion.frames.emplace_back();
-    out.time_s = to_seconds(frame.time - truth.frames.front().time);
-    out.weights = frame.weights;
-    out.tongue_out = frame.tongue_out;
-    out.has_face = frame.has_face;
-  }
-  return motion;
-}
 
 void print(const phone::TimeAlignment& at, const study::PhoneTrack& track) {
   fmt::print(
@@ -76,7 +64,7 @@ Result<void> run_align(const AlignOptions& options) {
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
   if (!options.out.empty())
-    MIEN_TRY(write_motion(truth_motion(truth, track.motion.name), take.header().face, options.out));
+    MIEN_TRY(write_motion(motion_of(truth.frames, track.motion.name), take.header().face, options.out));
   if (options.json) {
     print_json(json_of(options, truth.alignment, track));
   } else {

@@ -23,8 +23,8 @@ struct TaughtFrame {
 struct LearntCorrection {
   std::size_t frames = 0;  ///< That were known.
   std::size_t shapes = 0;  ///< That are corrected; the others were foretold no better.
-  /// Mean squared error of the 53 weights, and of the skin, mm^2 a vertex: what was held out, with all
-  /// sensors as they were worn.
+  /// Mean squared error of the 53 weights, and mean over frames of the vertices' root mean square error, mm:
+  /// of what was held out, with all sensors as they were worn.
   double mse_before = 0, mse_after = 0;
   double skin_before_mm = 0, skin_after_mm = 0;
   bool taken = false;  ///< False: it was no better; the model is unchanged.
