@@ -80,6 +80,7 @@ void clear_progress();
 void add_align_command(Commands& commands);
 void add_bench_command(Commands& commands);
 void add_calibrate_command(Commands& commands);
+void add_dataset_command(Commands& commands);
 void add_demo_command(Commands& commands);
 void add_evaluate_command(Commands& commands);
 void add_export_command(Commands& commands);

@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   app::add_record_command(commands);
   app::add_align_command(commands);
   app::add_personalise_command(commands);
+  app::add_dataset_command(commands);
   app::add_train_command(commands);
   app::add_solve_command(commands);
   app::add_evaluate_command(commands);

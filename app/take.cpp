@@ -71,6 +71,7 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
   json["sensors"] = Json::array();
   for (const take::SensorSummary& sensor : summary.sensors)
     json["sensors"].push_back({{"name", sensor.name},
+                               {"role", sensor.role},
                                {"samples", sensor.samples},
                                {"rate_hz", sensor.rate_hz},
                                {"loss", sensor.loss},
@@ -80,6 +81,7 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
                                {"longest_gap_s", sensor.longest_gap_s},
                                {"begin_s", sensor.begin_s},
                                {"end_s", sensor.end_s},
+                               {"leaps", sensor.leaps},
                                {"time_estimated", sensor.time_estimated}});
   json["truth"] = {{"frames", summary.truth_frames},
                    {"without_face", summary.truth_lost},
@@ -103,6 +105,16 @@ Result<void> print_info_json(const take::Take& take, const take::Summary& summar
   for (const take::Note& note : notes) json["notes"][note.key] = note.value;
   print_json(json);
   return {};
+}
+
+/// What there is to say of a sensor beside its figures.
+std::string remarks_on(const take::SensorSummary& sensor) {
+  std::string out;
+  if (sensor.role == "truth") out += "  truth";
+  if (sensor.time_estimated) out += "  times estimated";
+  if (sensor.leaps > 0)
+    out += fmt::format("  its clock leapt {} time{}", sensor.leaps, sensor.leaps == 1 ? "" : "s");
+  return out;
 }
 
 Result<void> print_info_text(const take::Take& take, const take::Summary& summary) {
@@ -141,7 +153,7 @@ Result<void> print_info_text(const take::Take& take, const take::Summary& summar
   for (const take::SensorSummary& sensor : summary.sensors)
     fmt::print("  {:<24} {:>9} {:>9.2f} {:>8.2f} {:>6} {:>12.1f}{}\n", one_line(sensor.name), sensor.samples,
                sensor.rate_hz, 100 * sensor.loss, sensor.gaps, 1e3 * sensor.longest_gap_s,
-               sensor.time_estimated ? "  times estimated" : "");
+               remarks_on(sensor));
   return {};
 }
 

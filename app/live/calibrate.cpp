@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -91,18 +92,20 @@ class Prompter {
   std::string shown_;
 };
 
-/// Which sensors are not heard, by what is the matter with them: "lost: jaw; silent: head, zygomaticus_L".
+/// Which sensors measure nothing, by what is the matter with them: "lost: jaw; silent: head, zygomaticus_L".
 std::string unheard_text(const std::vector<SessionStatus::Link>& links) {
   constexpr std::size_t kNamesShown = 16;
   std::string text;
-  for (const char* state : {"lost", "silent", "unbound"}) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kStates = {
+      {{"lost", "lost"}, {"no_face", "no face"}, {"silent", "silent"}, {"unbound", "unbound"}}};
+  for (const auto& [state, word] : kStates) {
     std::vector<std::string> names;
     for (const SessionStatus::Link& link : links)
       if (link.state == state) names.push_back(one_line(link.sensor, 40));
     if (names.empty()) continue;
     const std::size_t more = names.size() > kNamesShown ? names.size() - kNamesShown : 0;
     names.resize(names.size() - more);
-    text += fmt::format("{}{}: {}{}", text.empty() ? "" : "; ", state, fmt::join(names, ", "),
+    text += fmt::format("{}{}: {}{}", text.empty() ? "" : "; ", word, fmt::join(names, ", "),
                         more > 0 ? fmt::format(" and {} more", more) : "");
   }
   return text;

@@ -12,6 +12,7 @@
 #include "app/command.h"
 #include "app/film.h"
 #include "app/json_output.h"
+#include "app/live/demo_dataset.h"
 #include "app/live/live_session.h"
 #include "app/live/page_address.h"
 #include "app/live/perform_network.h"
@@ -42,6 +43,8 @@ struct DemoOptions {
   double seconds = 8;
   std::string page = "127.0.0.1:8740";
   std::string model;
+  bool record_dataset = false;
+  std::string texts = "dataset_try";
   bool json = false;
 };
 
@@ -224,19 +227,56 @@ Result<void> run_demo(DemoOptions options) {
   return {};
 }
 
+Result<void> run_dataset_demo(const DemoOptions& options) {
+  MIEN_TRY(find_helper("mien-media"));
+  MIEN_TRY(make_private_folders(options.out));
+  MIEN_TRY_ASSIGN(const RecordedDemo recorded, record_demo_dataset({.out = options.out,
+                                                                    .seed = options.seed,
+                                                                    .script = options.texts,
+                                                                    .page = options.page,
+                                                                    .model = options.model}));
+  if (options.json) {
+    print_json({{"dataset", recorded.dataset.string()},
+                {"take", recorded.take.string()},
+                {"lines", recorded.lines},
+                {"poor", recorded.poor}});
+  } else {
+    fmt::print(
+        "Recorded {} lines{} into {}, with a phone's truth, sound and consent.\n"
+        "Look at it:  mien dataset {}\n"
+        "Train on it: mien train models/recipes/live_takes.toml --takes {} --from models/live.safetensors "
+        "--out "
+        "mine.safetensors\n",
+        recorded.lines, recorded.poor > 0 ? fmt::format(", {} of them poor,", recorded.poor) : "",
+        recorded.take.string(), recorded.dataset.string(), recorded.dataset.string());
+  }
+  return {};
+}
+
 }  // namespace
 
 void add_demo_command(Commands& commands) {
   auto options = std::make_shared<DemoOptions>();
-  const Command command =
-      commands.add("demo",
-                   "The main job with no hardware: a virtual performer streams through "
-                   "real sockets into a live session; page, report, film, CSV and glTF come out",
-                   "mien demo --out out/demo", [options] { return run_demo(*options); });
+  const Command command = commands.add(
+      "demo",
+      "The main job with no hardware: a virtual performer streams through "
+      "real sockets into a live session; page, report, film, CSV and glTF come out",
+      "mien demo --out out/demo\n  mien demo --record-dataset --out out/demo",
+      [options] { return options->record_dataset ? run_dataset_demo(*options) : run_demo(*options); });
   command.add_option("--out", options->out, "Folder for what comes out").show_default();
   add_seed_option(command, options->seed, "Who performs");
   command.add_option("--seconds", options->seconds, "How long").number_between(2.0, 600.0).show_default();
   command.add_option("--model", options->model, "The live model (default: models/live.safetensors)");
+  command.add_flag(
+      "--record-dataset", options->record_dataset,
+      "Instead, what Record a dataset on the page does: the virtual performer consents, reads and "
+      "makes faces before a virtual phone, in real time, into a take to train on");
+  command
+      .add_option(
+          "--texts", options->texts,
+          "What is read then: a recording script of ours by name (dataset_en takes a quarter of an hour), "
+          "or a TOML file")
+      .show_default();
   command.add_option("--page", options->page, "Where the page is served: HOST:PORT, or off").show_default();
   command.add_flag("--json", options->json, "Print one JSON object");
 }

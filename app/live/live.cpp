@@ -104,6 +104,10 @@ void add_live_command(Commands& commands) {
                   "The folder of takes that the page records and shows (default: that of --record, or the "
                   "present one)")
       .existing_folder();
+  command.add_option(
+      "--texts", request.texts,
+      "A recording script of your own (TOML, as prompts/dataset_en.toml) for the page's Record a "
+      "dataset, beside ours in four languages; may be given often");
   const Option replay =
       command
           .add_option("--replay", options->replay,
@@ -114,8 +118,8 @@ void add_live_command(Commands& commands) {
           .excludes(record);
   // A log has its rig and its length, and nobody looks on.
   for (const char* name : {"--rig", "--constraints", "--audio", "--hears-by", "--no-audio", "--images",
-                           "--phone", "--force", "--takes", "--page", "--token", "--token-file", "--face",
-                           "--performer", "--key", "--for", "--log-limit"})
+                           "--phone", "--force", "--takes", "--texts", "--page", "--token", "--token-file",
+                           "--face", "--performer", "--key", "--for", "--log-limit"})
     replay.excludes(command.option(name));
   command.add_flag("--json", options->json, "Print one JSON object at the end");
 }

@@ -22,6 +22,7 @@ struct LiveRequest {
   std::filesystem::path record;  ///< Empty: the page's visitors may record.
   bool force = false;
   std::filesystem::path takes;          ///< Empty: the folder of `record`, or the present one.
+  std::vector<std::string> texts;       ///< Files of recording scripts of one's own, beside ours.
   std::string page = "127.0.0.1:8740";  ///< Or "off"; without a port 8740.
   TokenOption token;                    ///< Of the page.
   std::string face = "builtin";

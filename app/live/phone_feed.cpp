@@ -3,8 +3,11 @@
 #include <utility>  // Before Asio 1.74, which forgets it.
 
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/error.hpp>
 #include <boost/asio/executor_work_guard.hpp>
@@ -12,6 +15,7 @@
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 
 #include "mien/core/host_port.h"
@@ -32,6 +36,10 @@ constexpr std::string_view kLiveLink = "livelink:", kIFacialMocap = "ifacialmoca
 constexpr auto kLook = std::chrono::milliseconds(50);
 /// A phone that sleeps, or whose program was begun anew, has forgotten who asked.
 constexpr auto kAsksAgain = std::chrono::seconds(2);
+/// No more is told of one question.
+constexpr int kMostTold = 16;
+/// So many questions in a row that met no trouble end one that there was.
+constexpr int kUnhindered = 3;
 
 /// Asks one phone for its frames, again and again.
 class Asker {
@@ -52,10 +60,7 @@ class Asker {
       const auto found =
           std::ranges::find_if(answer.found, [](const auto& one) { return one.address().is_v4(); });
       if (!code && found == answer.found.end()) code = asio::error::host_not_found;
-      if (!code && !socket_.is_open()) socket_.open(udp::v4(), code);
-      if (!code)
-        socket_.send_to(asio::buffer(phone::kIFacialMocapRequest), udp::endpoint(found->address(), port_), 0,
-                        code);
+      if (!code) send(udp::endpoint(found->address(), port_), code);
       tell(code);
       timer_.expires_after(kAsksAgain);
       timer_.async_wait([this](boost::system::error_code over) {
@@ -64,13 +69,50 @@ class Asker {
     });
   }
 
+  /// Asks there. `code`: what stood against it, now or when it was asked last.
+  void send(const udp::endpoint& phone, boost::system::error_code& code) {
+    if (!socket_.is_open()) {
+      socket_.open(udp::v4(), code);
+      if (code) return;
+      // That nobody has an address is told to those alone who ask for all that is told.
+      const int yes = 1;
+      static_cast<void>(::setsockopt(socket_.native_handle(), IPPROTO_IP, IP_RECVERR, &yes, sizeof(yes)));
+    }
+    // Connected, so that it is heard when the phone refuses, or nobody has its address.
+    if (!code && phone != asked_) {
+      socket_.connect(phone, code);
+      if (!code) asked_ = phone;
+    }
+    if (code) return;
+    socket_.send(asio::buffer(phone::kIFacialMocapRequest), 0, code);
+    if (!code) return;
+    // What was told of the last time kept this one from being sent, and stays until it is read.
+    std::array<std::byte, 512> told{};
+    for (int i = 0; i < kMostTold; ++i)
+      if (::recv(socket_.native_handle(), told.data(), told.size(), MSG_ERRQUEUE | MSG_DONTWAIT) < 0) break;
+    boost::system::error_code again;
+    socket_.send(asio::buffer(phone::kIFacialMocapRequest), 0, again);
+  }
+
   /// Says what stands against asking, and that nothing does any more.
   void tell(boost::system::error_code code) {
-    if (code == trouble_) return;
+    // Who has no such address is not known each time that it is asked.
+    unhindered_ = code ? 0 : unhindered_ + 1;
+    if (code == trouble_ || (!code && unhindered_ < kUnhindered)) return;
     trouble_ = code;
-    session_.tell(code ? "phone_unreachable" : "phone_asked",
-                  code ? fmt::format("{} cannot be asked: {}", address_, code.message())
-                       : address_ + " is asked again");
+    session_.tell(
+        code ? "phone_unreachable" : "phone_asked",
+        code ? fmt::format("{} cannot be asked: {}", address_, why(code)) : address_ + " is asked again");
+  }
+
+  static std::string why(boost::system::error_code code) {
+    if (code == asio::error::connection_refused)
+      return "nothing there takes the question; open iFacialMocap on the phone";
+    if (code == asio::error::host_unreachable || code == asio::error::network_unreachable)
+      return "no device has that address here; is the phone on, on this network, and its address the one "
+             "that "
+             "iFacialMocap shows?";
+    return code.message();
   }
 
   std::string host_;
@@ -83,7 +125,9 @@ class Asker {
   live::NameLookup lookup_{network_};
   udp::socket socket_{network_};
   asio::steady_timer timer_{network_};
+  udp::endpoint asked_;
   boost::system::error_code trouble_;
+  int unhindered_ = 0;  // How often it was asked since without trouble.
 };
 
 }  // namespace

@@ -34,7 +34,7 @@ class RecordingLine {
       draw_line(text(status));
     } else if (prompts.state == "running" && prompts.number != shown_) {
       shown_ = prompts.number;
-      fmt::print(stderr, "{}/{} {}, {:g} s\n", prompts.number, prompts.of, prompts.name,
+      fmt::print(stderr, "{}/{} {}, {:g} s\n", prompts.number, prompts.of, prompts.prompt.name,
                  std::round(10 * prompts.remaining_s) / 10);
       std::fflush(stderr);
     }
@@ -53,14 +53,15 @@ class RecordingLine {
       return status.recording_ends_s
                  ? fmt::format("{} of {}", recorded, clock_text(std::ceil(*status.recording_ends_s)))
                  : recorded;
-    const std::string next = prompts.next.empty() ? "" : fmt::format("  (next: {})", prompts.next);
+    const std::string next = prompts.next.name.empty() ? "" : fmt::format("  (next: {})", prompts.next.name);
     const std::string place = fmt::format("{}  {}/{}  {} left", recorded, prompts.number, prompts.of,
                                           clock_text(std::ceil(prompts.left_s)));
-    if (prompts.state == "paused") return fmt::format("{}  paused before: {}", place, prompts.name);
+    if (prompts.state == "paused") return fmt::format("{}  paused before: {}", place, prompts.prompt.name);
     if (prompts.state == "ready")
-      return fmt::format("{}  get ready, {:.0f}: {}", place, std::ceil(prompts.remaining_s), prompts.name);
-    return fmt::format("{}  {:.0f}: {}{}{}{}", place, std::ceil(prompts.remaining_s), prompts.name,
-                       prompts.say.empty() ? "" : " - ", prompts.say, next);
+      return fmt::format("{}  get ready, {:.0f}: {}", place, std::ceil(prompts.remaining_s),
+                         prompts.prompt.name);
+    return fmt::format("{}  {:.0f}: {}{}{}{}", place, std::ceil(prompts.remaining_s), prompts.prompt.name,
+                       prompts.prompt.say.empty() ? "" : " - ", prompts.prompt.say, next);
   }
 
   bool terminal_ = ::isatty(STDERR_FILENO) == 1;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -102,6 +103,28 @@ Result<session::Report::Calibration> read_calibration(const nlohmann::json& obje
   return out;
 }
 
+/// What is asked for and recorded: sessions of before had neither.
+Result<void> read_prompts(const nlohmann::json& object, SessionStatus& status) {
+  const nlohmann::json* prompts = find(object, "prompts");
+  if (prompts == nullptr || !prompts->is_object()) return {};
+  MIEN_TRY_ASSIGN(status.prompts, text_in(*prompts, "state"));
+  MIEN_TRY_ASSIGN(const std::int64_t number, whole_in(*prompts, "number"));
+  status.prompt_number = static_cast<std::size_t>(std::max<std::int64_t>(0, number));
+  return {};
+}
+
+Result<std::optional<SessionStatus::Dataset>> read_dataset(const nlohmann::json& object) {
+  const nlohmann::json* dataset = find(object, "dataset");
+  if (dataset == nullptr || !dataset->is_object()) return std::optional<SessionStatus::Dataset>();
+  SessionStatus::Dataset out;
+  MIEN_TRY_ASSIGN(out.take, text_in(*dataset, "take"));
+  MIEN_TRY_ASSIGN(out.over, flag_in(*dataset, "over"));
+  if (const nlohmann::json* error = find(*dataset, "error"); error != nullptr && !error->is_null()) {
+    MIEN_TRY_ASSIGN(out.error, text_in(*dataset, "error"));
+  }
+  return std::optional(std::move(out));
+}
+
 Result<SessionMessage> read_status(const nlohmann::json& object) {
   SessionStatus status;
   MIEN_TRY_ASSIGN(status.time_s, seconds_in(object, "time"));
@@ -114,6 +137,8 @@ Result<SessionMessage> read_status(const nlohmann::json& object) {
   const nlohmann::json* calibration = find(object, "calibration");
   if (calibration == nullptr || !calibration->is_object()) return wrong("calibration", "object");
   MIEN_TRY_ASSIGN(status.calibration, read_calibration(*calibration));
+  MIEN_TRY(read_prompts(object, status));
+  MIEN_TRY_ASSIGN(status.dataset, read_dataset(object));
   return status;
 }
 
@@ -137,7 +162,7 @@ Result<SessionMessage> read_event(const nlohmann::json& object) {
 }  // namespace
 
 bool SessionStatus::Link::received() const {
-  return state != "unbound" && state != "silent" && state != "lost";
+  return state != "unbound" && state != "silent" && state != "lost" && state != "no_face";
 }
 
 Result<SessionMessage> parse_session_message(std::string_view text) {

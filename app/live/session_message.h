@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -18,7 +20,7 @@ struct SessionStatus {
   struct Link {
     std::string sensor;
     std::string state;  ///< As sensor::link_state_name() spells it, or a later version does.
-    /// Whether something comes from it: it is neither unbound nor silent nor lost.
+    /// Whether something is measured by it: it is neither unbound nor silent nor lost, and sees a face.
     [[nodiscard]] bool received() const;
   };
 
@@ -26,6 +28,16 @@ struct SessionStatus {
   std::vector<Link> links;
   /// As the session reports it, without `target` and the versions' own JSON.
   session::Report::Calibration calibration;
+  std::string
+      prompts;  ///< State of what is asked for, as session::Report::Prompts has it; empty: nothing is.
+  std::size_t prompt_number = 0;  ///< Of the present one, from 1.
+  /// The dataset's recording that runs, or ran last.
+  struct Dataset {
+    std::string take;  ///< Its file's name.
+    bool over = false;
+    std::string error;  ///< Why it ended early; empty when it did not.
+  };
+  std::optional<Dataset> dataset;  ///< None before the first.
 };
 
 struct SessionReply {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <utility>
 
 #include "app/command.h"
 #include "app/json_output.h"
@@ -16,16 +17,32 @@ namespace {
 
 struct AlignOptions {
   std::string take, phone, out;
+  bool raw = false;
   bool json = false;
 };
 
-void print(const phone::TimeAlignment& at, const study::PhoneTrack& track) {
+/// How a first guess is called, for programs and for people.
+std::pair<const char*, const char*> named(study::FirstGuess guess) {
+  switch (guess) {
+    case study::FirstGuess::arrivals:
+      return {"arrivals", "when both arrived"};
+    case study::FirstGuess::taps:
+      return {"taps", "three taps that both saw"};
+    case study::FirstGuess::none:
+      break;
+  }
+  return {"none", "none, every offset was tried"};
+}
+
+void print(const study::PhoneTruth& truth, const study::PhoneTrack& track) {
+  const phone::TimeAlignment& at = truth.alignment;
   fmt::print(
+      "first guess {}\n"
       "offset     {:.1f} ms +- {:.1f} in the middle, drift {:+.1f} ppm +- {:.1f}\n"
       "agreement  {:.2f} (share of jaw and smile that the skin foretells; {:.2f} is asked)\n"
       "in common  {:.1f} s{}\n",
-      1e3 * at.offset_s, 1e3 * at.offset_sigma_s, at.drift_ppm, at.drift_sigma_ppm, at.agreement,
-      phone::kLeastAgreement, at.overlap_s,
+      named(truth.guess).second, 1e3 * at.offset_s, 1e3 * at.offset_sigma_s, at.drift_ppm, at.drift_sigma_ppm,
+      at.agreement, phone::kLeastAgreement, at.overlap_s,
       track.left_out_s > 0 ? fmt::format("; {:.1f} s left out, the phone's clock jumped", track.left_out_s)
                            : "");
   fmt::print("\n{:>8}{:>8}{:>12}{:>8}{:>11}\n", "from s", "to s", "off by ms", "+- ms", "agreement");
@@ -34,7 +51,9 @@ void print(const phone::TimeAlignment& at, const study::PhoneTrack& track) {
                1e3 * block.sigma_s, block.agreement);
 }
 
-Json json_of(const AlignOptions& options, const phone::TimeAlignment& at, const study::PhoneTrack& track) {
+Json alignment_json(const AlignOptions& options, const study::PhoneTruth& truth,
+                    const study::PhoneTrack& track) {
+  const phone::TimeAlignment& at = truth.alignment;
   Json blocks = Json::array();
   for (const phone::AlignmentBlock& block : at.blocks)
     blocks.push_back({{"begin_s", block.begin_s},
@@ -44,6 +63,7 @@ Json json_of(const AlignOptions& options, const phone::TimeAlignment& at, const 
                       {"agreement", block.agreement}});
   return {{"take", options.take},
           {"phone", options.phone.empty() ? Json() : Json(options.phone)},
+          {"first_guess", named(truth.guess).first},
           {"middle_s", at.middle_s},
           {"offset_ms", 1e3 * at.offset_s},
           {"offset_sigma_ms", 1e3 * at.offset_sigma_s},
@@ -60,15 +80,16 @@ Result<void> run_align(const AlignOptions& options) {
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
   MIEN_TRY(check_aligns(take));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
-  MIEN_TRY_ASSIGN(const study::PhoneTrack track, open_phone_track(take, features, options.phone));
+  MIEN_TRY_ASSIGN(const study::PhoneTrack track,
+                  open_phone_track(take, features, options.phone, options.raw));
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
   if (!options.out.empty())
     MIEN_TRY(write_motion(motion_of(truth.frames, track.motion.name), take.header().face, options.out));
   if (options.json) {
-    print_json(json_of(options, truth.alignment, track));
+    print_json(alignment_json(options, truth, track));
   } else {
-    print(truth.alignment, track);
+    print(truth, track);
     if (!options.out.empty()) fmt::print("\nwrote {}\n", options.out);
   }
   return {};
@@ -88,6 +109,8 @@ void add_align_command(Commands& commands) {
   command.add_option(
       "--out", options->out,
       "Write what the phone told at the take's frames, less its neutral face: .csv (Live Link Face)");
+  command.add_flag("--raw", options->raw,
+                   "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
   command.add_flag("--json", options->json, "Print one JSON object");
 }
 

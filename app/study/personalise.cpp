@@ -10,8 +10,8 @@
 #include "app/study/phone_option.h"
 #include "mien/builtin_face/load_face.h"
 #include "mien/core/time.h"
-#include "mien/modalities/modalities.h"
 #include "mien/model/model_file.h"
+#include "mien/study/imu/trace_features.h"
 #include "mien/study/phone_truth.h"
 #include "mien/study/prompted.h"
 #include "mien/study/solve.h"
@@ -27,6 +27,7 @@ constexpr std::string_view kPhone = "phone";
 struct PersonaliseOptions {
   std::string take, model, out;
   std::string truth;  // "phone", or a file; empty: prompts.
+  bool raw = false;
   bool force = false;
   bool json = false;
 };
@@ -34,13 +35,15 @@ struct PersonaliseOptions {
 /// From what a phone told.
 Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take& take,
                             const std::vector<model::FeatureFrame>& features, model::ModelFile file) {
-  MIEN_TRY_ASSIGN(const study::PhoneTrack track,
-                  open_phone_track(take, features, options.truth == kPhone ? "" : options.truth));
+  MIEN_TRY_ASSIGN(
+      const study::PhoneTrack track,
+      open_phone_track(take, features, options.truth == kPhone ? "" : options.truth, options.raw));
   MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
   MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(take.header().face));
-  auto made = tracker::learn_correction(features, study::taught_by(truth), take.rig().face_sensor_names(),
-                                        face, file, terminal_progress("personalise"));
+  auto made =
+      tracker::learn_correction(features, study::taught_by(truth), study::traced_sensor_names(take.rig()),
+                                face, file, terminal_progress("personalise"));
   if (!made) {
     made.error().where = options.take;
     return std::unexpected(std::move(made).error());
@@ -87,10 +90,9 @@ Result<void> run_personalise(PersonaliseOptions options) {
   if (!options.force && std::filesystem::exists(options.out))
     return fail(ErrorCode::bad_usage, "it exists already", options.out, "use --force to replace it");
   MIEN_TRY_ASSIGN(const take::Take take, take::Take::open(options.take));
-  if (!modalities::has_window_models(take.rig()))
-    return fail(ErrorCode::unsupported,
-                "its sensors do not sit on the skin, and how skin turns is what is learnt", options.take,
-                "glasses learn their wearer from a calibration (docs/guide/eyewear.md)");
+  if (study::traced_sensor_names(take.rig()).empty())
+    return fail(ErrorCode::unsupported, "it has no sensors on the skin, and how skin turns is what is learnt",
+                options.take, "glasses learn their wearer from a calibration (docs/guide/eyewear.md)");
   MIEN_TRY_ASSIGN(options.model, path_or(options.model, "models/live.safetensors"));
   MIEN_TRY_ASSIGN(model::ModelFile file, model::read_model(options.model));
   MIEN_TRY_ASSIGN(const std::vector<model::FeatureFrame> features, study::take_features(take));
@@ -145,6 +147,8 @@ void add_personalise_command(Commands& commands) {
                      "The model to begin with (default: models/live.safetensors). Prompts do not build upon "
                      "a wearer's skin in it; "
                      "a phone does");
+  command.add_flag("--raw", options->raw,
+                   "Read the phone's file as named, even where a calibrated NAME_cal.csv lies beside it");
   command.add_flag("--force", options->force, "Replace an existing model");
   command.add_flag("--json", options->json, "Print one JSON object");
 }

@@ -27,10 +27,15 @@ using namespace mien;
 using Json = nlohmann::ordered_json;
 
 struct TrainArguments {
-  std::string recipe, out, from, face = "builtin", rig, films, views;
+  std::string recipe, out, from, face = "builtin", rig, films, views, takes, splits;
   train::TrainOptions options;
   bool json = false;
 };
+
+void tell_on_stderr(const std::string& line) {
+  app::clear_progress();
+  fmt::print(stderr, "mien-train: {}\n", line);
+}
 
 Result<void> run_train(const TrainArguments& arguments) {
   MIEN_TRY_ASSIGN(const std::string text, read_text(arguments.recipe));
@@ -52,7 +57,10 @@ Result<void> run_train(const TrainArguments& arguments) {
                                     .rig_text = rig_text,
                                     .speaker = app::speaker_by_helper(),
                                     .films = films,
-                                    .views = arguments.views},
+                                    .views = arguments.views,
+                                    .takes = arguments.takes,
+                                    .splits = arguments.splits,
+                                    .tell = tell_on_stderr},
                                    app::terminal_progress("data")));
   MIEN_TRY_ASSIGN(const train::TrainReport report,
                   train::train(*task, options, app::terminal_progress("training")));
@@ -162,6 +170,12 @@ int main(int argc, char** argv) {
   train_command.add_option("--views", train.views,
                            "The network of pictures whose findings a headset's memory (a causal network) "
                            "learns from, and which goes into the model");
+  train_command.add_option("--takes", train.takes,
+                           "Folder of people's takes with a truth, which IMUs learn from as the recipe's "
+                           "[takes] says; half of each step unless told");
+  train_command.add_option("--splits", train.splits,
+                           "File of who of the takes is trained on and who validated on, as `mien dataset` "
+                           "writes it");
   train_command.add_option("--from", train.from,
                            "Begin with this model's network and normalisation instead of with drawn "
                            "weights; --resume wants it again");

@@ -7,12 +7,25 @@
 #include <string>
 
 #include "mien/core/excerpt.h"
+#include "mien/core/utf8.h"
 
 namespace mien {
 namespace {
 
-/// The text with question marks for bytes beyond ASCII in comments; an error with the line where one stands
-/// elsewhere. The library's search for exotic blanks runs off its own table on them, so it gets to see none.
+/// A letter of UTF-8 beyond ASCII, as a string in double quotes may spell it.
+std::string escaped(std::string_view letter) {
+  const auto byte = [&](std::size_t at) {
+    return static_cast<std::uint32_t>(static_cast<unsigned char>(letter[at]));
+  };
+  // The first byte's own bits are those below its ones and a zero.
+  std::uint32_t point = byte(0) & (0x7FU >> letter.size());
+  for (std::size_t i = 1; i < letter.size(); ++i) point = point << 6U | (byte(i) & 0x3FU);
+  return point > 0xFFFF ? fmt::format("\\U{:08X}", point) : fmt::format("\\u{:04X}", point);
+}
+
+/// The text without a byte beyond ASCII: question marks for them in comments, escapes in strings in double
+/// quotes; an error with the line where one stands elsewhere. The library's search for exotic blanks runs off
+/// its own table on them, so it gets to see none.
 Result<std::string> plain_text(std::string_view toml_text, const std::string& where) {
   std::string out(toml_text);
   std::size_t line_number = 1;
@@ -22,15 +35,26 @@ Result<std::string> plain_text(std::string_view toml_text, const std::string& wh
     i = 3;
   }
   bool comment = false;
-  std::string end;  // Of the string that we are in.
+  std::string end;               // Of the string that we are in.
+  bool after_backslash = false;  // Of such a string, that escapes nothing yet.
   while (i < out.size()) {
     const char c = out[i];
     if (static_cast<unsigned char>(c) >= 0x80) {
+      const std::size_t letter = utf8_letter(std::string_view(out).substr(i));
+      if (!comment && end.starts_with('"') && letter > 0 && !after_backslash) {
+        const std::string escape = escaped(std::string_view(out).substr(i, letter));
+        out.replace(i, letter, escape);
+        i += escape.size();
+        continue;
+      }
       if (!comment)
-        return fail(ErrorCode::malformed, "a letter beyond ASCII outside of a comment",
-                    fmt::format("{}, line {}", where, line_number), "use plain letters");
+        return fail(ErrorCode::malformed,
+                    "a letter beyond ASCII outside of a comment or a text in double quotes",
+                    fmt::format("{}, line {}", where, line_number),
+                    letter > 0 ? "use plain letters, or double quotes" : "save the file as UTF-8");
       out[i] = '?';
     }
+    after_backslash = false;
     if (c == '\n') {
       ++line_number;
       comment = false;
@@ -44,6 +68,8 @@ Result<std::string> plain_text(std::string_view toml_text, const std::string& wh
       } else if (c == '\\' && end[0] == '"' && i + 1 < out.size() &&
                  static_cast<unsigned char>(out[i + 1]) < 0x80 && out[i + 1] != '\n') {
         step = 2;
+      } else {
+        after_backslash = c == '\\' && end[0] == '"';
       }
     } else if (!comment && (c == '"' || c == '\'')) {
       end = out.compare(i, 3, std::string(3, c)) == 0 ? std::string(3, c) : std::string(1, c);

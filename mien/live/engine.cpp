@@ -1,27 +1,14 @@
-#include <utility>  // Before Asio 1.74, which forgets it.
-
 #include "mien/live/engine.h"
+
+#include "mien/live/engine_state.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <chrono>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
-#include "mien/live/intake.h"
-#include "mien/live/line_news.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/page_messages.h"
-#include "mien/live/page_requests.h"
-#include "mien/live/recorder.h"
-#include "mien/live/recording_news.h"
-#include "mien/live/take_listing.h"
-#include "mien/live/tracker_loop.h"
 #include "mien/live/unheard.h"
 #include "mien/modalities/modalities.h"
 #include "mien/session/command.h"
@@ -30,9 +17,7 @@ namespace mien::live {
 namespace {
 
 namespace asio = boost::asio;
-using nlohmann::json;
 
-constexpr auto kFrame = std::chrono::milliseconds(8);  // Half a frame: none is shown late by more.
 constexpr auto kBeat = std::chrono::milliseconds(100);
 /// Status messages: five a second.
 constexpr int kBeatsPerStatus = 2;
@@ -43,107 +28,10 @@ constexpr auto kSilence = std::chrono::seconds(10);
 
 /// A session that calibrates itself has done so by then: half a minute.
 constexpr std::uint64_t kUncalibratedFrames = 30 * 60;
-/// The rolling latency is that of this many beats: ten seconds, in pieces of one.
-constexpr std::size_t kPieces = 10;
 constexpr int kBeatsPerPiece = 10;
 constexpr std::size_t kMaxSinks = 16;
 
-/// Names of files need not be UTF-8.
-std::string text(const json& object) {
-  return object.dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
 }  // namespace
-
-struct Engine::State {
-  State(EngineSettings s, std::unique_ptr<session::Session> made)
-      : settings(std::move(s)),
-        session(std::move(made)),
-        begun(std::chrono::steady_clock::now()),
-        network(1),
-        intake(network, [this] { return now(); }),
-        recorder(settings.takes, settings.log_limit),
-        loop(*session, intake, recorder, [this] { return now(); }),
-        player(settings.make_session),
-        listing(settings.takes, [this] { asio::post(network, [this] { send_takes(); }); }),
-        wake(network),
-        beat(network),
-        play(network) {}
-
-  [[nodiscard]] HostTime now() const {
-    return HostTime(std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now() - begun));
-  }
-
-  struct Outlet {
-    std::int64_t id = 0;
-    bool on = true;
-    std::unique_ptr<sink::Sink> sink;
-    std::string told;  // What is wrong with it, as it was said last.
-  };
-
-  Result<void> add_sink(const std::string& address);
-  void wait_for_answers();
-  void take_answers();
-  void send_frame(const Answer& answer);
-  void wait_for_beat();
-  void on_beat();
-  [[nodiscard]] bool recording_is_over() const;
-  [[nodiscard]] std::vector<CameraStatus> cameras() const;
-  [[nodiscard]] Status status() const;
-  [[nodiscard]] NetworkState network_state() const;
-  void look_at_interfaces();
-  void on_message(std::uint64_t client, std::string_view text);
-  void answer(std::uint64_t client, std::string_view text);
-  Result<std::string> execute(std::uint64_t client, const json& command);
-  Result<std::string> execute_record(const json& command);
-  Result<std::string> execute_sink(const json& command);
-  Result<std::string> execute_replay(const json& command);
-  Result<std::string> execute_listen(const json& command);
-  Result<std::string> execute_pair();
-  [[nodiscard]] json list_takes(bool read_lengths);
-  void send_takes();
-  void wait_for_play();
-  Result<void> start_recording(const std::filesystem::path& path, bool replace);
-  [[nodiscard]] std::vector<take::Note> notes() const;
-  void tell(const std::string& kind, const std::string& text);
-
-  EngineSettings settings;
-  std::unique_ptr<session::Session> session;
-  std::chrono::steady_clock::time_point begun;
-  asio::io_context network;
-  Intake intake;
-  Recorder recorder;
-  TrackerLoop loop;
-  Hearing hearing;  // Before what its feeds fill is gone they have ended.
-  PagePictures pictures;
-  Player player;
-  TakeListing listing;
-  asio::posix::stream_descriptor wake;
-  asio::steady_timer beat;
-  asio::steady_timer play;  // Runs while the page looks at a take.
-  std::unique_ptr<PageServer> page;
-  std::vector<std::string> listening;
-  std::vector<std::string> open;             // Those on every interface, ...
-  std::vector<NetworkInterface> interfaces;  // ... and by what they are reached, as of a second ago.
-  std::vector<Outlet> outlets;
-  LineNews line_news;
-  std::int64_t next_sink = 1;
-
-  Latencies latency;
-  std::array<Latencies, kPieces> pieces;
-  std::size_t piece = 0;
-  int beats = 0;
-  int beats_over = 0;  // Since the recording was over that the session is there for.
-  std::uint64_t frames = 0;
-  std::string frame_text;
-  std::optional<std::filesystem::path> take;
-  RecordingNews recording_news;
-  bool told_silent = false;        // That nothing is heard; already told, ...
-  bool told_uncalibrated = false;  // ... as this.
-  std::atomic<std::size_t> watchers = 0;
-  const std::atomic<bool>* stop = nullptr;
-  EngineListener listener;
-};
 
 Result<void> Engine::State::add_sink(const std::string& address) {
   if (outlets.size() == kMaxSinks)
@@ -200,18 +88,6 @@ void Engine::State::send_frame(const Answer& answer) {
   page->send_frame(frame_text);
 }
 
-void Engine::State::wait_for_play() {
-  play.expires_after(kFrame);
-  play.async_wait([this](boost::system::error_code code) {
-    if (code || !player.on()) return;
-    if (const auto moment = player.next(now())) {
-      sink::write_frame_json(*moment->frame, moment->index, moment->truth, frame_text);
-      page->send_frame(frame_text);
-    }
-    wait_for_play();
-  });
-}
-
 void Engine::State::wait_for_beat() {
   beat.expires_after(kBeat);
   beat.async_wait([this](boost::system::error_code code) {
@@ -233,7 +109,7 @@ void Engine::State::on_beat() {
   ++beats;
   watchers = page ? page->clients() : 0;
   if (beats % kBeatsPerPiece == 0) {
-    piece = (piece + 1) % kPieces;
+    piece = (piece + 1) % kLatencyPieces;
     pieces[piece].clear();
     look_at_interfaces();
   }
@@ -263,6 +139,7 @@ void Engine::State::on_beat() {
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
   const session::Report report = loop.report();
+  follow_dataset(recorder.state(), report.prompts.state);
   hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
   // A take's face has no part in what cameras see now.
   if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, *page);
@@ -297,6 +174,7 @@ Status Engine::State::status() const {
   out.cameras = cameras();
   out.network = network_state();
   out.recording = recorder.state();
+  out.dataset = dataset.state();
   if (out.recording.on) out.recording_ends_s = settings.seconds;
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);
@@ -333,8 +211,9 @@ void Engine::State::tell(const std::string& kind, const std::string& text) {
   if (page) page->send(event_json(kind, text));
 }
 
-Result<void> Engine::State::start_recording(const std::filesystem::path& path, bool replace) {
-  MIEN_TRY(recorder.start(path, settings.header, replace));
+Result<void> Engine::State::start_recording(const std::filesystem::path& path, const take::Header& header,
+                                            bool replace) {
+  MIEN_TRY(recorder.start(path, header, replace));
   take = path;
   recording_news.begin();
   tell("recording", "recording " + path.string());
@@ -343,136 +222,6 @@ Result<void> Engine::State::start_recording(const std::filesystem::path& path, b
 
 std::vector<take::Note> Engine::State::notes() const {
   return {{"live.model", settings.model}, {"live.kernels", modalities::live_kernels(session->rig())}};
-}
-
-void Engine::State::on_message(std::uint64_t client, std::string_view text) {
-  try {
-    answer(client, text);
-  } catch (const std::exception& error) {
-    page->send(client, reply_json(0, error.what()));  // Nothing that a page says ends the session.
-  }
-}
-
-void Engine::State::answer(std::uint64_t client, std::string_view text) {
-  const json command = json::parse(text, nullptr, false);
-  if (!command.is_object() || !command.contains("command") || !command["command"].is_string()) {
-    page->send(client, reply_json(0, "not a command; docs/reference/page_protocol.md lists them"));
-    return;
-  }
-  const std::int64_t number =
-      command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
-  if (session::is_session_command(command["command"].get<std::string>())) {
-    if (!intake.command(client, number, text))
-      page->send(client, reply_json(number, "the session is busy; try again"));
-    return;
-  }
-  const Result<std::string> done = execute(client, command);
-  page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
-}
-
-Result<std::string> Engine::State::execute(std::uint64_t client, const json& command) {
-  const std::string name = command["command"].get<std::string>();
-  if (name == "record") return execute_record(command);
-  if (name == "sink") return execute_sink(command);
-  if (name == "replay") return execute_replay(command);
-  if (name == "listen") return execute_listen(command);
-  if (name == "pair") return execute_pair();
-  if (name == "microphone") {
-    MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
-    MIEN_TRY(hearing.microphone(client, on, *page));
-    return std::string();
-  }
-  if (name == "pictures") {
-    MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
-    MIEN_TRY_ASSIGN(const bool first, pictures.show(client, on));
-    if (first) tell("pictures", "a page is shown what the cameras see");
-    return std::string();
-  }
-  if (name == "save_rig") return save_views(settings.rig, session->rig(), loop.report().links);
-  if (name == "takes") return text(list_takes(true));
-  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
-}
-
-Result<std::string> Engine::State::execute_record(const json& command) {
-  MIEN_TRY_ASSIGN(const bool on, switch_field(command, "record"));
-  if (!on) {
-    recorder.end(notes());
-    return std::string();
-  }
-  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_field(command, "name")));
-  MIEN_TRY(start_recording(path, false));
-  return text(json({{"take", path.string()}}));
-}
-
-Result<std::string> Engine::State::execute_sink(const json& command) {
-  if (const std::string address = text_field(command, "add"); !address.empty()) {
-    MIEN_TRY(check_page_sink(address));
-    MIEN_TRY(add_sink(address));
-    return std::string();
-  }
-  const auto number = command.find("sink");
-  const auto outlet = std::ranges::find_if(outlets, [&](const Outlet& o) {
-    return number != command.end() && number->is_number_integer() && o.id == number->get<std::int64_t>();
-  });
-  if (outlet == outlets.end())
-    return fail(ErrorCode::not_found, "there is no such sink", "sink", "name one of the status' list");
-  if (command.contains("remove"))
-    outlets.erase(outlet);
-  else if (command.contains("on") && command["on"].is_boolean())
-    outlet->on = command["on"].get<bool>();
-  return std::string();
-}
-
-Result<std::string> Engine::State::execute_listen(const json& command) {
-  const auto only = command.find("only");
-  if (only == command.end() || !only->is_string())
-    return fail(ErrorCode::malformed, "\"only\" is missing", "listen");
-  MIEN_TRY(intake.listen_only(only->get<std::string>()));
-  tell("listening", intake.entrance().empty()
-                        ? "what comes in on any interface is received again"
-                        : fmt::format("only what comes in at {} is received", intake.entrance()));
-  return std::string();
-}
-
-Result<std::string> Engine::State::execute_pair() {
-  if (!settings.pair) return fail(ErrorCode::unsupported, "this session pairs nothing", "pair");
-  MIEN_TRY_ASSIGN(const Pairing made, settings.pair());
-  return text(json({{"file", made.file},
-                    {"firmware", made.firmware},
-                    {"command", made.command},
-                    {"in_force", settings.sealed}}));
-}
-
-Result<std::string> Engine::State::execute_replay(const json& command) {
-  if (const std::string name = text_field(command, "take"); !name.empty()) {
-    if (!settings.make_session) return fail(ErrorCode::unsupported, "this session replays nothing", "replay");
-    MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, name));
-    const bool was_on = player.on();
-    player.load(path);
-    if (!was_on) wait_for_play();
-    return std::string();
-  }
-  if (!player.on())
-    return fail(ErrorCode::bad_usage, "no take is being replayed", "replay", "choose one first");
-  if (command.contains("stop")) player.stop();
-  if (command.contains("paused") && command["paused"].is_boolean())
-    player.pause(command["paused"].get<bool>(), now());
-  if (command.contains("seek") && command["seek"].is_number())
-    player.seek(command["seek"].get<double>(), now());
-  return std::string();
-}
-
-json Engine::State::list_takes(bool read_lengths) {
-  std::optional<TakeListing::Growing> growing;
-  if (const Recorder::State recorded = recorder.state(); recorded.on)
-    growing = {recorded.path, recorded.seconds};
-  return takes_json(listing.list(growing, read_lengths));
-}
-
-void Engine::State::send_takes() {
-  json message = list_takes(false);
-  message["type"] = "takes";
-  page->send(text(message));
 }
 
 Engine::Engine(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -511,7 +260,8 @@ Result<std::unique_ptr<Engine>> Engine::open(EngineSettings settings,
                     PageServer::open(state->network, *state->settings.page, hello, message, bytes));
   }
   if (state->settings.record)
-    MIEN_TRY(state->start_recording(*state->settings.record, state->settings.replace));
+    MIEN_TRY(
+        state->start_recording(*state->settings.record, state->settings.header, state->settings.replace));
   return std::unique_ptr<Engine>(new Engine(std::move(made)));
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mien/core/error.h"
+#include "mien/live/dataset_shelf.h"
 #include "mien/live/hearing.h"
 #include "mien/live/latency.h"
 #include "mien/live/page_messages.h"
@@ -46,6 +47,8 @@ struct EngineSettings {
   /// Where takes go that the page asks for, where it finds those to show, and where the session is kept while
   /// it runs, in a file without a name.
   std::filesystem::path takes = ".";
+  /// What a page may have performers read and do for a dataset.
+  DatasetShelf::Scripts scripts = [] { return std::vector<RecordingScript>(); };
   /// What that file may take, bytes (Spool). A session that reaches it goes on and can be recorded no more.
   std::uint64_t log_limit = Spool::kDefaultLimit;
   bool sealed = false;                ///< The session has keys: said, not seen to.

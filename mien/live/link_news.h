@@ -11,16 +11,16 @@
 
 namespace mien::live {
 
-/// Links that are lost and back, in words for a person. Of one that flaps a loss and a return are said at
-/// once, and then, every ten seconds, how often it went meanwhile: the take has every event, a terminal has
-/// room for few. A pure function of its calls.
+/// Links that are lost and back, and faces that a sensor sees no more and again, in words for a person. Of
+/// one that flaps a loss and a return are said at once, and then, every ten seconds, how often it went
+/// meanwhile: the take has every event, a terminal has room for few. A pure function of its calls.
 class LinkNews {
  public:
-  /// A sensor's loss that was said is not said again for this long, nor its return.
+  /// A loss that was said is not said again for this long, nor its return.
   static constexpr Duration kQuiet = std::chrono::seconds(10);
 
   struct Sentence {
-    std::string kind;  ///< "sensor_lost" or "sensor_back".
+    std::string kind;  ///< Of the newest event in it: "sensor_lost", "sensor_back", "face_lost", "face_back".
     std::string text;  ///< "mentalis is lost".
   };
 
@@ -32,13 +32,18 @@ class LinkNews {
   [[nodiscard]] std::vector<Sentence> tell(HostTime now, std::span<const take::Event> events);
 
  private:
+  /// What ends with a return, in words.
+  struct Trouble;
   struct Sensor {
     std::optional<HostTime> said_lost, said_back;
     bool lost = false;
     std::optional<HostTime> held_back_since;
     int losses = 0;  // Held back.
   };
-  std::map<std::string, Sensor, std::less<>> sensors_;
+  static void tell_of(const Trouble& trouble, HostTime now, std::span<const take::Event> events,
+                      std::map<std::string, Sensor, std::less<>>& sensors, std::vector<Sentence>& out);
+  std::map<std::string, Sensor, std::less<>> links_;
+  std::map<std::string, Sensor, std::less<>> faces_;
 };
 
 }  // namespace mien::live

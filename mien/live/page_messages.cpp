@@ -155,17 +155,37 @@ json prompts_json(const session::Report::Prompts& prompts) {
   if (prompts.state == "none" || prompts.state.empty()) return nullptr;
   const bool over = prompts.state == "over";
   return {{"state", prompts.state},
-          {"name", prompts.name},
-          {"say", prompts.say},
-          {"target", over ? json(nullptr) : target_object(prompts.target)},
-          {"next", prompts.next.empty()
-                       ? json(nullptr)
-                       : json({{"name", prompts.next}, {"target", target_object(prompts.next_target)}})},
+          {"name", prompts.prompt.name},
+          {"say", prompts.prompt.say},
+          {"text", prompts.prompt.text},
+          {"block", prompts.prompt.block},
+          {"emotion", prompts.prompt.emotion},
+          {"language", prompts.prompt.language},
+          {"own_pace", prompts.prompt.own_pace},
+          {"attempt", prompts.prompt.attempt},
+          {"poor", prompts.poor},
+          {"again", prompts.again},
+          {"target", over ? json(nullptr) : target_object(prompts.prompt.target)},
+          {"next", prompts.next.name.empty() ? json(nullptr)
+                                             : json({{"name", prompts.next.name},
+                                                     {"text", prompts.next.text},
+                                                     {"target", target_object(prompts.next.target)}})},
           {"number", prompts.number},
           {"of", prompts.of},
           {"progress", rounded(prompts.progress)},
           {"remaining_s", rounded(prompts.remaining_s)},
           {"left_s", rounded(prompts.left_s)}};
+}
+
+json dataset_json(const std::optional<DatasetRecording::State>& dataset) {
+  if (!dataset) return nullptr;
+  return {{"name", dataset->name},
+          {"performer", dataset->performer},
+          {"take", dataset->take},
+          {"lines", dataset->lines},
+          {"done", dataset->done},
+          {"over", dataset->over},
+          {"error", dataset->error.empty() ? json(nullptr) : json(dataset->error)}};
 }
 
 json calibration_json(const session::Report::Calibration& calibration) {
@@ -300,6 +320,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"megabytes", rounded(status.recording_megabytes)},
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
+       {"dataset", dataset_json(status.dataset)},
        {"shaping", shaping_json(status.report)},
        {"hearing", hearing_json(status.report, status.hearing)},
        {"pictures", pictures_json(status.pictures)},

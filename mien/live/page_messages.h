@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mien/live/camera_status.h"
+#include "mien/live/dataset_recording.h"
 #include "mien/live/hearing.h"
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
@@ -63,6 +64,7 @@ struct Status {
   double recording_megabytes = 0;
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
   std::optional<ReplayState> replay;
+  std::optional<DatasetRecording::State> dataset;  ///< None before the first.
   HearingState hearing;
   std::optional<PicturesState> pictures;  ///< None of a session without cameras.
 };
@@ -76,7 +78,7 @@ struct Status {
 [[nodiscard]] std::string reply_json(std::int64_t number, std::string_view error,
                                      std::string_view result = {});
 /// An event of the session in a person's words: "calibrated by itself". Empty for those that need none, and
-/// for links lost and back, which LinkNews puts into words.
+/// for links and faces lost and back, which LinkNews puts into words.
 [[nodiscard]] std::string event_text(const take::Event& event);
 [[nodiscard]] std::string event_json(std::string_view kind, std::string_view text);
 /// To the browser whose microphone was heard and is heard no more.

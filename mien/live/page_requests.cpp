@@ -28,17 +28,21 @@ Result<bool> switch_field(const nlohmann::json& command, const std::string& name
   return on->get<bool>();
 }
 
+Result<void> check_file_name(const std::string& name, const std::string& what) {
+  const bool odd =
+      name.empty() || name.size() > 100 || name.front() == '.' ||
+      std::ranges::any_of(name, [](char c) { return c == '/' || c == '\\' || (c >= 0 && c < ' '); });
+  if (!odd) return {};
+  return fail(ErrorCode::bad_usage, "not a name for a " + what, name.substr(0, 40),
+              "letters, digits, - and _");
+}
+
 Result<std::filesystem::path> take_path(const std::filesystem::path& folder, const std::string& name) {
   if (name.empty()) {
     const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
     return folder / fmt::format("take_{:%Y-%m-%d_%H-%M-%S}.mien", fmt::localtime(now));
   }
-  const bool odd = name.size() > 100 || name.front() == '.' || std::ranges::any_of(name, [](char c) {
-                     return c == '/' || c == '\\' || (c >= 0 && c < ' ');
-                   });
-  if (odd)
-    return fail(ErrorCode::bad_usage, "not a name for a take", name.substr(0, 40),
-                "letters, digits, - and _");
+  MIEN_TRY(check_file_name(name, "take"));
   return folder / (name.ends_with(".mien") ? name : name + ".mien");
 }
 

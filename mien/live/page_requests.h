@@ -18,6 +18,10 @@ namespace mien::live {
 /// What a command's "on" says. Errors: malformed (it has none), told of `name`.
 [[nodiscard]] Result<bool> switch_field(const nlohmann::json& command, const std::string& name);
 
+/// Whether a person's name for a file or folder is one: a name, never a path, that no program hides. Errors:
+/// bad_usage, told of `what`.
+[[nodiscard]] Result<void> check_file_name(const std::string& name, const std::string& what);
+
 /// The take that a person means in `folder`: a name, never a path; empty: one by the time of day. Errors:
 /// bad_usage.
 [[nodiscard]] Result<std::filesystem::path> take_path(const std::filesystem::path& folder,

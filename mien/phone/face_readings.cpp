@@ -15,6 +15,7 @@ void add_readings(const ToldFace& face, std::uint64_t device, const ToldWhen& wh
     inbox.readings.push_back({.from = {device, 0}, .sample = sample});
   }
   if (used == 0) inbox.alive = {device, 0};
+  if (used > 0 && face.origin == Origin::held) inbox.no_face = {device, 0};
 }
 
 }  // namespace mien::phone

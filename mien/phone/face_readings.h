@@ -14,7 +14,8 @@ struct ToldWhen {
   bool estimated = false;  ///< The wire carries no time.
 };
 
-/// A sound face as readings of a device's first sensor; one of which nothing is told says that it is alive.
+/// A sound face as readings of a device's first sensor; one of which nothing is told says that it is alive,
+/// one that is held that it sees no face.
 void add_readings(const ToldFace& face, std::uint64_t device, const ToldWhen& when, sensor::Inbox& inbox);
 
 }  // namespace mien::phone

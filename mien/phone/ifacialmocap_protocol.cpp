@@ -15,7 +15,7 @@ Verdict IFacialMocapProtocol::receive(HostTime arrival, sensor::Peer peer,
   Phone& phone = place->state;
   const DeviceTime time = phone.clock.add(arrival, ++phone.frames);
   if (!frame->tracked) {
-    inbox.alive = {place->device, 0};
+    inbox.alive = inbox.no_face = {place->device, 0};
     return Verdict::taken;
   }
   add_readings(frame->face, place->device, {static_cast<std::uint32_t>(phone.frames), time, true}, inbox);

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMostIFacialMocapPhones = 16;
 
 /// Host side of iFacialMocap (phone/ifacialmocap_frame.h): samples as WeightsProtocol's. Frames carry neither
 /// time nor number: both are of their arrivals, 10 to 120 frames a second. A frame whose phone sees no face
-/// says that it is there.
+/// says so.
 class IFacialMocapProtocol final : public sensor::Protocol {
  public:
   [[nodiscard]] std::string_view name() const override { return "ifacialmocap"; }

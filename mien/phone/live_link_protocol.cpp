@@ -52,7 +52,7 @@ Verdict LiveLinkProtocol::receive(HostTime arrival, sensor::Peer, std::span<cons
   Phone& phone = place->state;
   if (packet->timed) count(packet->frame, packet->values.has_value(), phone);
   if (!packet->values) {
-    inbox.alive = {place->device, 0};
+    inbox.alive = inbox.no_face = {place->device, 0};
     return Verdict::taken;
   }
   add_readings(told_face(*packet->values), place->device, {phone.sequence, packet->time()}, inbox);

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostLiveLinkPhones = 16;
 
 /// Host side of Live Link Face (phone/live_link_packet.h): samples as WeightsProtocol's. A frame's time is
 /// its number at its rate, on the phone's clock, whenever it arrives. A phone is who has its id, whatever it
-/// is called and from wherever it sends. A frame without a face says that the phone is there.
+/// is called and from wherever it sends. A frame without a face says that the phone is there and sees none.
 ///
 /// Samples' sequence counts frames with a face that the phone made: one that films 30 frames a second and
 /// counts in sixtieths makes every other one, one of 24 every second or third, so the usual step of the last

@@ -14,6 +14,8 @@ using std::chrono::seconds;
 
 constexpr Duration kLostAfter = milliseconds(100);
 constexpr Duration kLostAfterEstimated = seconds(1);
+/// What a device says of its face holds for so long: how often it says it while it sees none is its own.
+constexpr Duration kNoFaceHolds = seconds(1);
 /// A frame and what a tick waits for its samples: what is later than that missed its frame.
 constexpr Duration kLateBehind = milliseconds(25);
 constexpr Duration kFrozenFor = milliseconds(500);
@@ -97,6 +99,8 @@ std::string_view link_state_name(LinkState state) {
       return "restarted";
     case LinkState::duplicate:
       return "duplicate";
+    case LinkState::no_face:
+      return "no_face";
   }
   return "";
 }
@@ -275,6 +279,7 @@ void LinkHealth::add(HostTime arrival, const Sample& sample, bool saturated) {
   received_ = true;
   estimated_ = sample.time_estimated;
   newest_arrival_ = arrival;
+  if (no_face_ && arrival > *no_face_) no_face_.reset();
   if (!goes_on) {
     judge_parts();
     begin_packet(arrival, sample);
@@ -287,10 +292,23 @@ void LinkHealth::add(HostTime arrival, const Sample& sample, bool saturated) {
   if (packet_news_ == News::forward) judge_change(sample);
 }
 
+void LinkHealth::add_no_face(HostTime arrival) {
+  if (!no_face_) no_face_since_ = arrival;
+  no_face_ = arrival;
+}
+
+bool LinkHealth::sees_no_face(HostTime now) const {
+  if (!no_face_ || now - *no_face_ > kNoFaceHolds) return false;
+  return !received_ || now - no_face_since_ > kLostAfter || now - newest_arrival_ > kLostAfter;
+}
+
 LinkState LinkHealth::state(HostTime now, double loss, double late_share, std::int64_t breaks) const {
-  if (!received_) return LinkState::silent;
+  const bool no_face = sees_no_face(now);
+  if (!received_) return no_face ? LinkState::no_face : no_face_ ? LinkState::lost : LinkState::silent;
   const Duration age = now - newest_arrival_;
-  if (estimated_) {
+  if (no_face) {
+    // It is there: that no samples come is its answer.
+  } else if (estimated_) {
     const bool answers = alive_ && now - *alive_ <= kLostAfterEstimated;
     if (age > (answers ? std::max(settings_.unchanged_for, kLostAfterEstimated) : kLostAfterEstimated))
       return LinkState::lost;
@@ -298,6 +316,7 @@ LinkState LinkHealth::state(HostTime now, double loss, double late_share, std::i
     return LinkState::lost;
   }
   if (breaks >= kBreaksOfTwoDevices) return LinkState::duplicate;
+  if (no_face) return LinkState::no_face;
   if (age > kLostAfter) return LinkState::unchanged;
   if (restarted_ && now - *restarted_ <= kRestartShown) return LinkState::restarted;
   if (still_[0].frozen() || still_[1].frozen()) return LinkState::frozen;
@@ -317,7 +336,10 @@ LinkReport LinkHealth::report(HostTime now, const std::optional<LinkClock>& cloc
                     .battery_percent = battery_,
                     .estimated = estimated_,
                     .clock = clock};
-  if (!received_) return report;
+  if (!received_) {
+    report.state = state(now, 0, 0, 0);
+    return report;
+  }
   now = std::max(now, newest_arrival_);
   const std::int64_t present = bucket_number(now);
   std::int64_t packets = 0;
@@ -338,9 +360,11 @@ LinkReport LinkHealth::report(HostTime now, const std::optional<LinkClock>& cloc
     if (back >= 1 && back <= kRateBuckets) samples += b.samples;
   }
   report.age = now - newest_arrival_;
-  // Packets that a link which is silent owes are missing too, though no later one has shown it yet.
-  if (!estimated_ && *report.age > kLostAfter)
-    lost += std::min<Duration>(*report.age, kLossBuckets * kBucket) / std::max(packet_period_, kLeastPeriod);
+  // Packets that a link which is silent owes are missing too, though no later one has shown it yet. Who sees
+  // no face, and says so, owes none.
+  const Duration silent = now - std::max(newest_arrival_, no_face_.value_or(newest_arrival_));
+  if (!estimated_ && silent > kLostAfter)
+    lost += std::min<Duration>(silent, kLossBuckets * kBucket) / std::max(packet_period_, kLeastPeriod);
   lost = std::max<std::int64_t>(lost, 0);
   report.loss = packets + lost > 0 ? static_cast<double>(lost) / static_cast<double>(packets + lost) : 0;
   const double late_share = packets > 0 ? static_cast<double>(late) / static_cast<double>(packets) : 0;

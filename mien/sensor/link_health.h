@@ -14,7 +14,7 @@ namespace mien::sensor {
 /// What a person is told of one sensor's link, the gravest that holds (docs/reference/links.md).
 enum class LinkState : std::uint8_t {
   unbound,    ///< No device belongs to the sensor: reported by the session, never by LinkHealth.
-  silent,     ///< Bound, and no sample was ever received.
+  silent,     ///< Bound, and nothing was ever received.
   good,       ///< Fresh, whole, in time, alive. Never of a link that receives nothing.
   lossy,      ///< More than 5 % of the packets of the last seconds never came.
   late,       ///< More than 5 % came so late that they missed their frame: a slow radio, or bursts.
@@ -24,6 +24,7 @@ enum class LinkState : std::uint8_t {
   unchanged,  ///< Times are estimated and nothing came for a moment: such boards send only what changes.
   restarted,  ///< The board began anew in the last seconds: its time or its sequence ran back.
   duplicate,  ///< Two devices send with one id.
+  no_face,    ///< The device is there, and says that it sees no face.
 };
 /// As the page's protocol spells it: "good".
 [[nodiscard]] std::string_view link_state_name(LinkState state);
@@ -78,6 +79,12 @@ class LinkHealth {
   void add_malformed() { ++malformed_; }
   /// The board sent something that is no sample.
   void add_alive(HostTime arrival) { alive_ = arrival; }
+  /// The device says that it sees no face. Samples of the same arrival are what it repeats, to be added
+  /// after; one of a later arrival takes it back.
+  void add_no_face(HostTime arrival);
+  /// Whether the device said so within the last second, and nothing else is received: for more than 100 ms it
+  /// has said it, or no sample has come, if ever one did.
+  [[nodiscard]] bool sees_no_face(HostTime now) const;
   /// 0 to 100; more is taken as 100.
   void set_battery(std::uint8_t percent) { battery_ = percent > 100 ? std::uint8_t{100} : percent; }
 
@@ -141,6 +148,8 @@ class LinkHealth {
   HostTime first_arrival_;
   HostTime newest_arrival_;
   std::optional<HostTime> alive_;
+  std::optional<HostTime> no_face_;  // The newest saying, ...
+  HostTime no_face_since_;           // ... and the first since a sample showed a face.
   std::optional<HostTime> saturated_;
   std::optional<HostTime> restarted_;
   std::optional<std::uint8_t> battery_;

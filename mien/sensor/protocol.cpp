@@ -46,6 +46,7 @@ void Inbox::clear() {
   batteries.clear();
   pulses.clear();
   alive.reset();
+  no_face.reset();
   reply.clear();
   opened.clear();
 }

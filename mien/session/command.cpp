@@ -27,13 +27,41 @@ Result<std::string> text_of(const json& object, const char* key) {
 }
 
 /// The words of `Prompting::Do`, in its order.
-constexpr std::array<std::string_view, 4> kPromptingWords = {"skip", "pause", "resume", "stop"};
+constexpr std::array<std::string_view, 9> kPromptingWords = {"skip", "pause", "resume", "stop", "begin",
+                                                             "next", "again", "voice",  "key"};
+
+/// A text that may be left out.
+Result<std::string> text_or_none(const json& object, const char* key) {
+  if (!object.contains(key)) return std::string();
+  return text_of(object, key);
+}
+
+Result<GiveConsent> consent_in(const json& object) {
+  GiveConsent given;
+  MIEN_TRY_ASSIGN(given.consent.performer, text_of(object, "performer"));
+  MIEN_TRY_ASSIGN(given.consent.recorded_by, text_of(object, "recorded_by"));
+  MIEN_TRY_ASSIGN(given.consent.purpose, text_of(object, "purpose"));
+  const auto sound = object.find("sound");
+  if (sound == object.end() || !sound->is_boolean())
+    return fail(ErrorCode::malformed, "\"sound\" is missing", kCommand,
+                "true where the voice is recorded too");
+  given.consent.sound = sound->get<bool>();
+  MIEN_TRY(check_consent(given.consent, kCommand));
+  return given;
+}
 
 Result<Prompt> prompt_of(const json& object) {
   Prompt prompt;
   MIEN_TRY_ASSIGN(prompt.name, text_of(object, "name"));
-  if (object.contains("say")) {
-    MIEN_TRY_ASSIGN(prompt.say, text_of(object, "say"));
+  MIEN_TRY_ASSIGN(prompt.say, text_or_none(object, "say"));
+  MIEN_TRY_ASSIGN(prompt.text, text_or_none(object, "text"));
+  MIEN_TRY_ASSIGN(prompt.block, text_or_none(object, "block"));
+  MIEN_TRY_ASSIGN(prompt.emotion, text_or_none(object, "emotion"));
+  MIEN_TRY_ASSIGN(prompt.language, text_or_none(object, "language"));
+  if (const auto own = object.find("own_pace"); own != object.end()) {
+    if (!own->is_boolean())
+      return fail(ErrorCode::malformed, "\"own_pace\" is neither true nor false", kCommand);
+    prompt.own_pace = own->get<bool>();
   }
   if (const auto seconds = object.find("seconds"); seconds != object.end()) {
     if (!seconds->is_number()) return fail(ErrorCode::malformed, "\"seconds\" is not a number", kCommand);
@@ -134,11 +162,25 @@ struct Writer {
     return out;
   }
   json operator()(const AddPrompt& c) const {
-    return {{"command", "prompt"},
-            {"name", c.prompt.name},
-            {"say", c.prompt.say},
-            {"seconds", c.prompt.seconds},
-            {"target", json::parse(target_json(c.prompt.target))}};
+    json out = {{"command", "prompt"},
+                {"name", c.prompt.name},
+                {"say", c.prompt.say},
+                {"seconds", c.prompt.seconds},
+                {"target", json::parse(target_json(c.prompt.target))}};
+    const auto add = [&out](const char* key, const std::string& text) {
+      if (!text.empty()) out[key] = text;
+    };
+    add("text", c.prompt.text);
+    add("block", c.prompt.block);
+    add("emotion", c.prompt.emotion);
+    add("language", c.prompt.language);
+    if (c.prompt.own_pace) out["own_pace"] = true;
+    return out;
+  }
+  json operator()(const GiveConsent& c) const {
+    json out = json::parse(consent_event_json(c.consent));
+    out["command"] = "consent";
+    return out;
   }
   json operator()(const Prompting& c) const {
     return {{"command", "prompts"}, {"do", kPromptingWords.at(static_cast<std::size_t>(c.what))}};
@@ -148,7 +190,7 @@ struct Writer {
 }  // namespace
 
 bool is_session_command(std::string_view name) {
-  static constexpr std::array<std::string_view, 13> kNames = {"calibrate",
+  static constexpr std::array<std::string_view, 14> kNames = {"calibrate",
                                                               "cancel_calibration",
                                                               "use_calibration",
                                                               "restore_calibration",
@@ -160,7 +202,8 @@ bool is_session_command(std::string_view name) {
                                                               "view",
                                                               "shape",
                                                               "prompt",
-                                                              "prompts"};
+                                                              "prompts",
+                                                              "consent"};
   return std::ranges::find(kNames, name) != kNames.end();
 }
 
@@ -230,6 +273,7 @@ Result<Command> parse_command(std::string_view text) {
                   kCommand, fmt::format("{}", fmt::join(kPromptingWords, ", ")));
     return Prompting{static_cast<Prompting::Do>(found - kPromptingWords.begin())};
   }
+  if (name == "consent") return consent_in(object);
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", excerpt(name)), kCommand,
               "docs/reference/page_protocol.md lists them");
 }

@@ -9,6 +9,7 @@
 #include "mien/core/error.h"
 #include "mien/sensor/picture_view.h"
 #include "mien/sensor/protocol.h"
+#include "mien/session/consent.h"
 #include "mien/session/prompt.h"
 
 namespace mien::session {
@@ -67,14 +68,29 @@ struct Shape {
 struct AddPrompt {
   Prompt prompt;
 };
-/// What becomes of the poses that are asked for.
+/// What becomes of the poses and lines that are asked for.
 struct Prompting {
-  enum class Do : std::uint8_t { skip, pause, resume, stop };
+  enum class Do : std::uint8_t {
+    skip,
+    pause,
+    resume,
+    stop,
+    begin,  ///< The block that waits.
+    next,   ///< What is shown at the performer's own pace was performed.
+    again,  ///< What is shown from its beginning, or the one before.
+    voice,  ///< Texts are over when they were spoken, from now on, ...
+    key,    ///< ... or only by `next`.
+  };
   Do what = Do::skip;
 };
 
+/// The performer agrees to be recorded for a dataset. Without it no line of a block is asked for.
+struct GiveConsent {
+  Consent consent;
+};
+
 using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
-                             Hear, Tap, Cover, View, Shape, AddPrompt, Prompting>;
+                             Hear, Tap, Cover, View, Shape, AddPrompt, Prompting, GiveConsent>;
 
 /// Where commands come from, in a session log.
 inline constexpr std::string_view kPageSource = "page";

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 
 #include "mien/core/excerpt.h"
@@ -64,6 +65,32 @@ Result<face::BlendshapeWeights> weights_of(const toml::table& table, const std::
   return weights;
 }
 
+/// `language`, `seconds`: of a prompt that gives none.
+Result<Prompt> prompt_of(const toml::table& table, const std::string& language, double seconds,
+                         const std::string& where) {
+  MIEN_TRY(only_keys(
+      table, {"name", "say", "seconds", "weights", "text", "block", "emotion", "language", "own_pace"},
+      where));
+  Prompt prompt;
+  MIEN_TRY_ASSIGN(prompt.name, text(table, "name", where));
+  MIEN_TRY_ASSIGN(prompt.say, text(table, "say", where));
+  MIEN_TRY_ASSIGN(prompt.seconds, number(table, "seconds", seconds, where));
+  MIEN_TRY_ASSIGN(prompt.target, weights_of(table, where));
+  MIEN_TRY_ASSIGN(prompt.text, text(table, "text", where));
+  MIEN_TRY_ASSIGN(prompt.block, text(table, "block", where));
+  MIEN_TRY_ASSIGN(prompt.emotion, text(table, "emotion", where));
+  MIEN_TRY_ASSIGN(prompt.language, text(table, "language", where));
+  if (prompt.language.empty() && !prompt.text.empty()) prompt.language = language;
+  if (const toml::node* node = table.get("own_pace")) {
+    const auto value = node->value_exact<bool>();
+    if (!value)
+      return fail(ErrorCode::malformed, "'own_pace' is neither true nor false", place(where, *node));
+    prompt.own_pace = *value;
+  }
+  MIEN_TRY(check_prompt(prompt, place(where, table)));
+  return prompt;
+}
+
 }  // namespace
 
 double PromptScript::seconds() const {
@@ -74,9 +101,10 @@ double PromptScript::seconds() const {
 
 Result<PromptScript> parse_prompts(std::string_view toml, const std::string& where) {
   MIEN_TRY_ASSIGN(const toml::table table, parse_toml(toml, where));
-  MIEN_TRY(only_keys(table, {"name", "seconds", "prompt"}, where));
+  MIEN_TRY(only_keys(table, {"name", "language", "seconds", "prompt"}, where));
   PromptScript script;
   MIEN_TRY_ASSIGN(script.name, text(table, "name", where));
+  MIEN_TRY_ASSIGN(script.language, text(table, "language", where));
   MIEN_TRY_ASSIGN(const double seconds, number(table, "seconds", Prompt().seconds, where));
   const toml::node* list = table.get("prompt");
   const toml::array* prompts = list == nullptr ? nullptr : list->as_array();
@@ -86,18 +114,16 @@ Result<PromptScript> parse_prompts(std::string_view toml, const std::string& whe
   if (prompts->size() > kMaxPrompts)
     return fail(ErrorCode::out_of_range, fmt::format("it asks for {} poses", prompts->size()), where,
                 fmt::format("{} are enough for one recording", kMaxPrompts));
+  std::set<std::string> lines;
   for (const toml::node& node : *prompts) {
     const toml::table* one = node.as_table();
     if (one == nullptr)
       return fail(ErrorCode::malformed, "a 'prompt' is no table", place(where, node),
                   "begin each with a line [[prompt]]");
-    MIEN_TRY(only_keys(*one, {"name", "say", "seconds", "weights"}, where));
-    Prompt prompt;
-    MIEN_TRY_ASSIGN(prompt.name, text(*one, "name", where));
-    MIEN_TRY_ASSIGN(prompt.say, text(*one, "say", where));
-    MIEN_TRY_ASSIGN(prompt.seconds, number(*one, "seconds", seconds, where));
-    MIEN_TRY_ASSIGN(prompt.target, weights_of(*one, where));
-    MIEN_TRY(check_prompt(prompt, place(where, *one)));
+    MIEN_TRY_ASSIGN(Prompt prompt, prompt_of(*one, script.language, seconds, where));
+    if (!prompt.block.empty() && !lines.insert(prompt.name).second)
+      return fail(ErrorCode::malformed, fmt::format("'{}' is there twice", prompt.name), place(where, *one),
+                  "give every line of a block a name of its own: a dataset knows it by that");
     script.prompts.push_back(std::move(prompt));
   }
   return script;

@@ -40,6 +40,20 @@ constexpr std::size_t kMostSamples = 256;
 
 }  // namespace
 
+std::string_view link_change_name(LinkChange change) {
+  switch (change) {
+    case LinkChange::lost:
+      return "sensor_lost";
+    case LinkChange::back:
+      return "sensor_back";
+    case LinkChange::face_lost:
+      return "face_lost";
+    case LinkChange::face_back:
+      return "face_back";
+  }
+  return "";
+}
+
 Result<std::unique_ptr<Receiver>> Receiver::create(sensor::Rig rig,
                                                    std::vector<std::unique_ptr<sensor::Protocol>> protocols,
                                                    std::vector<ProtocolReducer> reducers) {
@@ -406,6 +420,13 @@ Receiver::Received Receiver::decode(HostTime arrival, Sender sender, std::size_t
         sensor && std::ranges::any_of(bound_, [&](const auto& b) { return b.second == *sensor; });
     if (sensor && !taken && !from->sensor) bind(*sensor, announced.from, consumer);
   }
+  if (inbox_.no_face) {
+    const Device& from = meet(*inbox_.no_face, sender, protocol, arrival);
+    if (from.sensor && from.peer == peer) {
+      links_[*from.sensor].said_no_face = true;
+      links_[*from.sensor].health.add_no_face(arrival);
+    }
+  }
   for (const sensor::Reading& reading : inbox_.readings)
     take_reading(arrival, sender, protocol, reading, consumer);
   for (const sensor::Inbox::Pulse& pulse : inbox_.pulses) {
@@ -436,14 +457,20 @@ void Receiver::heartbeats(HostTime now, std::vector<sensor::Protocol::Outgoing>&
   for (const auto& protocol : protocols_) protocol->heartbeats(now, out);
 }
 
-void Receiver::watch_links(HostTime fired, const std::function<void(std::uint16_t, bool)>& changed) {
+void Receiver::watch_links(HostTime fired, const std::function<void(std::uint16_t, LinkChange)>& changed) {
   for (std::uint16_t i = 0; i < links_.size(); ++i) {
     Link& link = links_[i];
-    if (!link.received) continue;
-    const bool lost = fired - *link.received > (link.estimated ? kLostEstimated : kLost);
-    if (lost == link.lost) continue;
-    link.lost = lost;
-    changed(i, lost);
+    if (!link.received && !link.said_no_face) continue;
+    const bool no_face = link.health.sees_no_face(fired);
+    const bool silent = !link.received || fired - *link.received > (link.estimated ? kLostEstimated : kLost);
+    const bool lost = silent && !no_face;
+    if (lost != link.lost) {
+      link.lost = lost;
+      changed(i, lost ? LinkChange::lost : LinkChange::back);
+    }
+    if (lost || no_face == link.no_face) continue;
+    link.no_face = no_face;
+    changed(i, no_face ? LinkChange::face_lost : LinkChange::face_back);
   }
 }
 

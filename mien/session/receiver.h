@@ -53,6 +53,16 @@ class SampleConsumer {
                          [[maybe_unused]] std::string_view other) {}
 };
 
+/// What became of a sensor's link.
+enum class LinkChange : std::uint8_t {
+  lost,       ///< Nothing was received for 100 ms (where times are estimated: a second).
+  back,       ///< Something is received again.
+  face_lost,  ///< It is there, and says that it sees no face.
+  face_back,  ///< It sees one again.
+};
+/// The kind of a session's event that tells it: "sensor_lost", "sensor_back", "face_lost", "face_back".
+[[nodiscard]] std::string_view link_change_name(LinkChange change);
+
 /// What reduces the payloads of a protocol's datagrams before they are logged.
 struct ProtocolReducer {
   std::string protocol;  ///< As sensor::Protocol::name().
@@ -134,9 +144,16 @@ class Receiver {
   /// Datagrams that devices are due unasked (heartbeats); about ten times a second.
   void heartbeats(HostTime now, std::vector<sensor::Protocol::Outgoing>& out);
 
-  /// Calls `changed(sensor, lost)` for every sensor that dropped out or came back since the last call. At
-  /// each tick, with the time at which it fired.
-  void watch_links(HostTime fired, const std::function<void(std::uint16_t, bool)>& changed);
+  /// Calls `changed(sensor, what)` for every sensor that dropped out, sees no face any more, or is back since
+  /// the last call, in their order in the rig; twice where both have changed. At each tick, with the time at
+  /// which it fired.
+  void watch_links(HostTime fired, const std::function<void(std::uint16_t, LinkChange)>& changed);
+  /// Whether this sensor of the rig was heard and is not any more, at the last watch_links().
+  [[nodiscard]] bool is_lost(std::uint16_t sensor) const { return links_[sensor].lost; }
+  /// Whether this sensor of the rig is there and says that it sees no face, at the last watch_links().
+  [[nodiscard]] bool has_no_face(std::uint16_t sensor) const {
+    return links_[sensor].no_face && !links_[sensor].lost;
+  }
 
   /// Writes what it knows of links, unbound devices and refused datagrams. Reuses what `out` holds.
   void report(HostTime now, Report& out) const;
@@ -186,7 +203,9 @@ class Receiver {
     DeviceTime newest;
     std::optional<float> level;
     bool estimated = false;
+    bool said_no_face = false;  // Once.
     bool lost = false;
+    bool no_face = false;  // Of one that is lost: when it was heard last.
   };
 
   Receiver(sensor::Rig rig, std::vector<std::unique_ptr<sensor::Protocol>> protocols,

@@ -11,6 +11,7 @@
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/link_health.h"
 #include "mien/sensor/picture_view.h"
+#include "mien/session/prompt.h"
 #include "mien/tracker/tracker.h"
 
 namespace mien::session {
@@ -64,15 +65,14 @@ struct Report {
     std::vector<CalibrationVersion> versions;  ///< Without their JSON.
   };
 
-  /// The poses that are asked for, of a recording with prompts.
+  /// The poses and lines that are asked for, of a recording with prompts.
   struct Prompts {
-    std::string state;  ///< "none", "ready", "running", "paused", "over".
-    std::string name;   ///< Of the present one, or of the first to come.
-    std::string say;
-    face::BlendshapeWeights target;
-    std::string next;  ///< Name of the one after it; empty when there is none.
-    face::BlendshapeWeights next_target;
-    std::size_t number = 0;  ///< From 1.
+    std::string state;              ///< "none", "ready", "running", "paused", "over", "block".
+    Prompt prompt;                  ///< The present one, or the first to come.
+    Prompt next;                    ///< After it; without a name when there is none.
+    std::vector<std::string> poor;  ///< What was with the line that was over last, a sentence each.
+    std::size_t again = 0;          ///< How many of those to come are asked for again.
+    std::size_t number = 0;         ///< From 1.
     std::size_t of = 0;
     double progress = 0;     ///< Of the present one, 0 to 1.
     double remaining_s = 0;  ///< Of the present one; when ready, until it begins.

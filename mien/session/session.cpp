@@ -42,6 +42,7 @@ Session::Session(Parts parts, std::unique_ptr<Receiver> receiver)
       tracker_(std::move(parts.tracker)),
       shaper_(parts.shaping),
       reshape_(std::move(parts.reshape)),
+      prompt_watch_(receiver_->rig()),
       bound_at_(receiver_->rig().sensors.size()),
       hears_(!sensor::sensors_of(receiver_->rig(), shaping::Merge::kListening).empty()) {
   receiver_->listen_to_sound(parts.shaping.merge.audio);
@@ -134,11 +135,34 @@ const face::OutputFrame& Session::tick(DeviceTime frame, HostTime fired) {
   }
   follow_recentring(frame);
   if (!guided) follow_calibration(frame, tracked.calibration);
-  if (std::optional<take::Event> shown = prompter_.at(frame)) events_.push_back(*std::move(shown));
   watch_links(frame, fired);
+  follow_prompts(frame);
   ++frames_;
   hash_.add(frame_);
   return frame_;
+}
+
+void Session::follow_prompts(DeviceTime frame) {
+  if (consent_to_tell_) add_event("consent", frame, frame, consent_event_json(*consent_to_tell_));
+  consent_to_tell_.reset();
+  const Prompter::Place place = prompter_.place(frame);
+  if (place.state == Prompter::State::running && !place.prompt->block.empty())
+    prompt_watch_.add(place.begin, frame_, [this](std::uint16_t sensor) {
+      return receiver_->is_lost(sensor)       ? PromptWatch::Link::lost
+             : receiver_->has_no_face(sensor) ? PromptWatch::Link::no_face
+                                              : PromptWatch::Link::there;
+    });
+  const std::optional<Prompter::Shown> shown = prompter_.at(frame, hearing_.speaks);
+  if (!shown) return;
+  poor_.clear();
+  if (!shown->prompt.block.empty()) {
+    poor_ = prompt_watch_.poor(shown->prompt, rig());
+    if (poor_.empty())
+      prompter_.accept(shown->prompt);
+    else
+      prompter_.ask_again(shown->prompt);
+  }
+  add_event("prompt", shown->begin, shown->end, prompt_event_json(shown->prompt, poor_));
 }
 
 void Session::follow_recentring(DeviceTime frame) {
@@ -198,8 +222,8 @@ void Session::add_version(DeviceTime frame, std::string_view origin, std::vector
 }
 
 void Session::watch_links(DeviceTime frame, HostTime fired) {
-  receiver_->watch_links(fired, [&](std::uint16_t sensor, bool lost) {
-    add_event(lost ? "sensor_lost" : "sensor_back", frame, frame,
+  receiver_->watch_links(fired, [&](std::uint16_t sensor, LinkChange what) {
+    add_event(std::string(link_change_name(what)), frame, frame,
               quoted("sensor", rig().sensors[sensor].name));
   });
 }
@@ -342,7 +366,16 @@ Result<void> Session::execute(const Shape& command) {
 }
 
 Result<void> Session::execute(const AddPrompt& command) {
+  if (!command.prompt.block.empty() && !consented_)
+    return fail(ErrorCode::bad_usage, "nobody has agreed to be recorded for a dataset", kSession,
+                "begin it from the page, which asks the performer first");
   return prompter_.add(command.prompt);
+}
+
+Result<void> Session::execute(const GiveConsent& command) {
+  consented_ = true;
+  consent_to_tell_ = command.consent;
+  return {};
 }
 
 Result<void> Session::execute(const Prompting& command) {
@@ -353,6 +386,16 @@ Result<void> Session::execute(const Prompting& command) {
       return prompter_.pause(true);
     case Prompting::Do::resume:
       return prompter_.pause(false);
+    case Prompting::Do::begin:
+      return prompter_.begin_block();
+    case Prompting::Do::next:
+      return prompter_.go_on();
+    case Prompting::Do::again:
+      return prompter_.repeat();
+    case Prompting::Do::voice:
+    case Prompting::Do::key:
+      prompter_.follow_voice(command.what == Prompting::Do::voice);
+      return {};
     case Prompting::Do::stop:
       break;
   }
@@ -360,14 +403,15 @@ Result<void> Session::execute(const Prompting& command) {
 }
 
 void Session::report_prompts(Report::Prompts& out) const {
-  static constexpr std::array<std::string_view, 5> kStates = {"none", "ready", "running", "paused", "over"};
+  static constexpr std::array<std::string_view, 6> kStates = {"none",   "ready", "running",
+                                                              "paused", "over",  "block"};
+  static const Prompt kNone{};
   const Prompter::Place place = prompter_.place(newest_frame_);
   out.state = kStates.at(static_cast<std::size_t>(place.state));
-  out.name = place.prompt != nullptr ? std::string_view(place.prompt->name) : std::string_view();
-  out.say = place.prompt != nullptr ? std::string_view(place.prompt->say) : std::string_view();
-  out.target = place.prompt != nullptr ? place.prompt->target : face::BlendshapeWeights();
-  out.next = place.next != nullptr ? std::string_view(place.next->name) : std::string_view();
-  out.next_target = place.next != nullptr ? place.next->target : face::BlendshapeWeights();
+  out.prompt = place.prompt != nullptr ? *place.prompt : kNone;
+  out.next = place.next != nullptr ? *place.next : kNone;
+  out.poor = poor_;
+  out.again = place.again;
   out.number = place.number;
   out.of = place.of;
   out.progress = place.progress;

@@ -17,6 +17,7 @@
 #include "mien/sensor/ticks.h"
 #include "mien/session/command.h"
 #include "mien/session/guide.h"
+#include "mien/session/prompt_watch.h"
 #include "mien/session/prompter.h"
 #include "mien/session/receiver.h"
 #include "mien/session/report.h"
@@ -138,6 +139,8 @@ class Session final : private SampleConsumer {
   Result<void> execute(const Shape& command);
   Result<void> execute(const AddPrompt& command);
   Result<void> execute(const Prompting& command);
+  Result<void> execute(const GiveConsent& command);
+  void follow_prompts(DeviceTime frame);
   void report_prompts(Report::Prompts& out) const;
 
   std::unique_ptr<Receiver> receiver_;
@@ -146,6 +149,10 @@ class Session final : private SampleConsumer {
   std::function<void(const shaping::ShaperSettings&)> reshape_;
   Guide guide_;
   Prompter prompter_;
+  PromptWatch prompt_watch_;
+  std::vector<std::string> poor_;           // Of the line that was over last.
+  bool consented_ = false;                  // Somebody has, ...
+  std::optional<Consent> consent_to_tell_;  // ... which the next tick's time is written beside.
   std::vector<DeviceTime> bound_at_;  // By sensor of the rig: the frame before its board, or its view, came.
 
   std::vector<CalibrationVersion> versions_;

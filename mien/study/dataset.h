@@ -13,6 +13,7 @@ struct Sequence {
   /// Lab profile: rotations here are free of noise; the trainer adds 1 degree of white noise an axis anew
   /// each time.
   bool lab = false;
+  bool from_take = false;  ///< Of a person's take, who wore real sensors; else of a virtual performer.
   std::size_t frames = 0;
   /// frames x 7n: acceleration xyz (m/s^2), then rotation wxyz, for each sensor, as model::SensorFeature.
   std::vector<float> values;

@@ -8,6 +8,7 @@
 
 #include "mien/face/load_motion.h"
 #include "mien/phone/inner_face.h"
+#include "mien/phone/taps.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/rig_part.h"
 
@@ -147,6 +148,20 @@ face::BlendshapeWeights rest_of(std::span<const take::Event> events,
   return rest;
 }
 
+Result<void> align_from_a_guess(std::span<const model::FeatureFrame> features, const PhoneTrack& track,
+                                PhoneTruth& truth) {
+  if (!track.prior)
+    if (const auto tapped = phone::prior_by_taps(features, track.motion))
+      if (auto aligned = phone::align(features, track.motion, tapped)) {
+        truth.alignment = *std::move(aligned);
+        truth.guess = FirstGuess::taps;
+        return {};
+      }
+  MIEN_TRY_ASSIGN(truth.alignment, phone::align(features, track.motion, track.prior));
+  truth.guess = track.prior ? FirstGuess::arrivals : FirstGuess::none;
+  return {};
+}
+
 }  // namespace
 
 Result<PhoneTrack> phone_track(const sensor::Rig& rig, std::span<const take::StoredSample> samples,
@@ -187,7 +202,7 @@ Result<PhoneTrack> phone_track(const std::filesystem::path& csv, std::vector<std
 Result<PhoneTruth> phone_truth(std::span<const take::Event> events,
                                std::span<const model::FeatureFrame> features, const PhoneTrack& track) {
   PhoneTruth truth;
-  MIEN_TRY_ASSIGN(truth.alignment, phone::align(features, track.motion, track.prior));
+  MIEN_TRY(align_from_a_guess(features, track, truth));
   const face::MotionCurve curve(track.motion);
   const DeviceTime begin = features.front().time, calibrated = calibrated_at(events, begin);
   for (const model::FeatureFrame& feature : features) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -40,9 +41,17 @@ inline constexpr double kLongestPhoneGapS = 0.15;
 [[nodiscard]] Result<PhoneTrack> phone_track(const std::filesystem::path& csv,
                                              std::vector<std::string>* warnings);
 
+/// From where the search for a phone's time began.
+enum class FirstGuess : std::uint8_t {
+  none,      ///< Every offset was tried.
+  arrivals,  ///< When the phone's packets and the sensors' came.
+  taps,      ///< Three on the chin, which both saw (phone::prior_by_taps).
+};
+
 /// What a phone told, as truth beside a take's frames.
 struct PhoneTruth {
   phone::TimeAlignment alignment;
+  FirstGuess guess = FirstGuess::none;
   /// One a tick. `evaluated`: with a face, and after the calibration. Weights are what the phone told, less
   /// what it told of the neutral hold, 0 to 1.
   std::vector<take::TruthFrame> frames;
@@ -50,9 +59,10 @@ struct PhoneTruth {
   face::BlendshapeWeights rest;
 };
 
-/// Aligns the track with a session's features (phone::align) and reads it at their times. `events`: the
-/// session's, of which the calibration's steps count. `features`: what take_features() gave. Errors:
-/// phone::align's.
+/// Aligns the track with a session's features (phone::align) and reads it at their times. A track without a
+/// prior is aligned by taps first, where both saw some; where that is refused, every offset is tried.
+/// `events`: the session's, of which the calibration's steps count. `features`: what take_features() gave.
+/// Errors: phone::align's.
 [[nodiscard]] Result<PhoneTruth> phone_truth(std::span<const take::Event> events,
                                              std::span<const model::FeatureFrame> features,
                                              const PhoneTrack& track);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "mien/study/imu/trace_features.h"
 #include "mien/study/solve.h"
 
 namespace mien::study {
@@ -63,7 +64,7 @@ Result<tracker::Personalisation> personalise_on(const take::Take& take,
     features = features.first(static_cast<std::size_t>(beyond - features.begin()));
     std::erase_if(prompts, [&](const tracker::PromptedExpression& prompt) { return prompt.end > *until; });
   }
-  return tracker::personalise(features, prompts, take.rig().face_sensor_names(), file);
+  return tracker::personalise(features, prompts, traced_sensor_names(take.rig()), file);
 }
 
 }  // namespace mien::study

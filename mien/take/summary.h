@@ -11,11 +11,14 @@
 
 namespace mien::take {
 
-/// How well one sensor was heard, from the device times of its samples, in whatever order they came. A gap is
-/// a step of more than one and a half sample periods; what it should have held counts as lost.
+/// How well one sensor was heard, from its samples, in whatever order they came. A gap is a step of more than
+/// one and a half sample periods; what it should have held counts as lost. Of a face that another program
+/// told a gap is one of its packets' numbers, where these stand in them: one that sees no face sends none.
+/// Where the device's clock leapt nothing is missing.
 struct SensorSummary {
   std::string name;
-  std::size_t samples = 0;
+  std::string role;         ///< As in the rig: "face", "truth", ...
+  std::size_t samples = 0;  ///< A face that came in parts is one.
   std::size_t doubled = 0;  ///< Samples with a time that another had; not counted again elsewhere.
   double rate_hz = 0;       ///< One over the median step; 0 with fewer than two samples.
   double begin_s = 0;       ///< First and last sample, the sensor's own clock.
@@ -24,6 +27,8 @@ struct SensorSummary {
   double loss = 0;  ///< lost / (lost + heard), 0 to 1.
   std::size_t gaps = 0;
   double longest_gap_s = 0;     ///< 0 without gaps.
+  std::size_t leaps = 0;        ///< Times that its clock went on elsewhere: begun anew, or set.
+  double heard_s = 0;           ///< From the first to the last sample, without leaps.
   bool time_estimated = false;  ///< Some of its times were.
 };
 
@@ -60,7 +65,15 @@ struct EventGroup {
 /// Groups in the order in which their first begins; live sessions have hundreds of sensors lost and back.
 [[nodiscard]] std::vector<EventGroup> group_events(std::span<const Event> events);
 
-/// One sensor, from the times of its samples in any order.
-[[nodiscard]] SensorSummary summarise_sensor(std::string name, std::vector<DeviceTime> times);
+/// When one sample was taken, and when and under which number it came.
+struct SampleTime {
+  DeviceTime time;
+  HostTime arrival;
+  std::uint32_t sequence = 0;
+};
+
+/// One sensor, from its samples in the order in which they came. `numbered`: each has a number of its own.
+[[nodiscard]] SensorSummary summarise_sensor(std::string name, std::span<const SampleTime> samples,
+                                             bool numbered);
 
 }  // namespace mien::take

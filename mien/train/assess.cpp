@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "mien/face/profile.h"
 #include "mien/model/causal_network.h"
@@ -36,11 +38,41 @@ Frames frames_of(const BatchMaker& batches, std::size_t width, std::size_t seque
   return frames;
 }
 
-std::vector<std::size_t> of_profile(const study::Dataset& dataset, bool lab) {
+template <class Condition>
+std::vector<std::size_t> sequences_where(const study::Dataset& dataset, const Condition& condition) {
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < dataset.sequences.size(); ++i)
-    if (dataset.sequences[i].lab == lab) chosen.push_back(i);
+    if (condition(dataset.sequences[i])) chosen.push_back(i);
   return chosen;
+}
+
+std::vector<std::size_t> of_profile(const study::Dataset& dataset, bool lab) {
+  return sequences_where(dataset, [&](const study::Sequence& s) { return s.lab == lab; });
+}
+
+std::vector<std::size_t> of_takes(const study::Dataset& dataset) {
+  return sequences_where(dataset, [](const study::Sequence& s) { return s.from_take; });
+}
+
+/// Of validation, so many of each sequence that the whole is enough to judge a ridge by.
+Frames held_out_frames(const BatchMaker& validation, std::size_t width,
+                       const std::vector<std::size_t>& sequences, Random& random) {
+  Frames held_out;
+  for (const std::size_t i : sequences) {
+    const Frames frames =
+        frames_of(validation, width, i, kRidgeValidationFrames / sequences.size() + 1, random);
+    held_out.condition.insert(held_out.condition.end(), frames.condition.begin(), frames.condition.end());
+    held_out.weights.insert(held_out.weights.end(), frames.weights.begin(), frames.weights.end());
+  }
+  return held_out;
+}
+
+double mean_pose_mse(const Frames& frames, const model::ModelFile& model) {
+  double mse = 0;
+  for (std::size_t i = 0; i < frames.weights.size(); ++i)
+    mse += std::pow(double{frames.weights[i]} - double{model.mean_pose[i % model.architecture.outputs]}, 2) /
+           static_cast<double>(frames.weights.size());
+  return mse;
 }
 
 Result<Assessment::Profile> fit_profile(const BatchMaker& training, const BatchMaker& validation,
@@ -52,21 +84,27 @@ Result<Assessment::Profile> fit_profile(const BatchMaker& training, const BatchM
     const Frames frames = frames_of(training, width, i, training.dataset().sequences[i].frames, random);
     fit.add(frames.condition, frames.weights);
   }
-  Frames held_out;
-  const auto takes = of_profile(validation.dataset(), lab);
-  for (const std::size_t i : takes) {
-    const Frames frames = frames_of(validation, width, i, kRidgeValidationFrames / takes.size() + 1, random);
-    held_out.condition.insert(held_out.condition.end(), frames.condition.begin(), frames.condition.end());
-    held_out.weights.insert(held_out.weights.end(), frames.weights.begin(), frames.weights.end());
-  }
+  const Frames held_out = held_out_frames(validation, width, of_profile(validation.dataset(), lab), random);
   MIEN_TRY_ASSIGN(model::RidgeBaseline ridge, model::choose_ridge(fit, held_out.condition, held_out.weights));
   ridge.profile = lab ? "lab" : "device";
-  Assessment::Profile profile{.name = ridge.profile, .ridge_mse = ridge.validation_mse};
-  for (std::size_t i = 0; i < held_out.weights.size(); ++i)
-    profile.mean_pose_mse += std::pow(double{held_out.weights[i]} - double{model.mean_pose[i % outputs]}, 2) /
-                             static_cast<double>(held_out.weights.size());
+  Assessment::Profile profile{.name = ridge.profile,
+                              .ridge_mse = ridge.validation_mse,
+                              .mean_pose_mse = mean_pose_mse(held_out, model)};
   model.ridge.push_back(std::move(ridge));
   return profile;
+}
+
+/// What the baselines make of takes alone; nothing where none are held out.
+std::optional<Assessment::Profile> judge_takes(const BatchMaker& validation, std::uint64_t seed,
+                                               const model::ModelFile& model) {
+  const std::vector<std::size_t> takes = of_takes(validation.dataset());
+  const model::RidgeBaseline* ridge = model.ridge_for("device");
+  if (takes.empty() || ridge == nullptr) return std::nullopt;
+  Random random = Random(seed).fork("ridge of takes");
+  const Frames frames = held_out_frames(validation, model.architecture.condition, takes, random);
+  return Assessment::Profile{.name = "takes",
+                             .ridge_mse = model::mean_squared_error(*ridge, frames.condition, frames.weights),
+                             .mean_pose_mse = mean_pose_mse(frames, model)};
 }
 
 /// Runs one setting over takes and sums up how it did.
@@ -126,12 +164,15 @@ Result<Assessment::Causal> run_causal(const model::ModelFile& model, const std::
                             .jitter_ratio = truth > 0 ? moved / truth : 0};
 }
 
-/// Takes from validation, lab and device in turn and spread over the performers, until there are frames
-/// enough.
+/// Performances of validation, of lab, device and people's takes in turn and spread over the people, until
+/// there are frames enough.
 std::vector<Frames> sampler_takes(const Recipe& recipe, const BatchMaker& validation, std::size_t width) {
   Random random = Random(recipe.seed).fork("sampler");
-  const std::vector<std::size_t> profiles[] = {of_profile(validation.dataset(), true),
-                                               of_profile(validation.dataset(), false)};
+  std::vector<std::vector<std::size_t>> profiles = {
+      of_profile(validation.dataset(), true),
+      sequences_where(validation.dataset(), [](const study::Sequence& s) { return !s.lab && !s.from_take; })};
+  if (auto recorded = of_takes(validation.dataset()); !recorded.empty())
+    profiles.push_back(std::move(recorded));
   const std::size_t wanted = std::max<std::size_t>(1, recipe.sampler_frames / kSamplerTakeFrames / 2);
   std::vector<Frames> takes;
   for (const auto& profile : profiles) {
@@ -145,25 +186,26 @@ std::vector<Frames> sampler_takes(const Recipe& recipe, const BatchMaker& valida
 
 }  // namespace
 
-std::vector<float> mean_pose_of(const study::Dataset& dataset) {
+std::vector<float> mean_pose_of(const study::Dataset& dataset, const FrameWeights& weights) {
   std::vector<double> sum;
   double frames = 0;
   for (const study::Sequence& s : dataset.sequences) {
     if (s.frames == 0) continue;
     sum.resize(s.weights.size() / s.frames);
-    frames += static_cast<double>(s.frames);
+    const double weight = weights.of(s);
+    frames += weight * static_cast<double>(s.frames);
     for (std::size_t j = 0; j < s.weights.size(); ++j)
-      sum[j % sum.size()] += std::clamp(double{s.weights[j]}, 0.0, 1.0);
+      sum[j % sum.size()] += weight * std::clamp(double{s.weights[j]}, 0.0, 1.0);
   }
   std::vector<float> mean;
   for (const double v : sum) mean.push_back(static_cast<float>(v / frames));
   return mean;
 }
 
-std::vector<float> weight_covariance_of(const study::Dataset& dataset) {
+std::vector<float> weight_covariance_of(const study::Dataset& dataset, const FrameWeights& weights) {
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   constexpr auto kShapes = static_cast<Eigen::Index>(face::kShapeCount);
-  const std::vector<float> mean = mean_pose_of(dataset);
+  const std::vector<float> mean = mean_pose_of(dataset, weights);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kShapes, kShapes);
   double frames = 0;
   for (const study::Sequence& s : dataset.sequences) {
@@ -172,8 +214,8 @@ std::vector<float> weight_covariance_of(const study::Dataset& dataset) {
             .cwiseMax(0.0F)
             .cwiseMin(1.0F);
     centred.rowwise() -= Eigen::Map<const Eigen::RowVectorXf>(mean.data(), kShapes);
-    sum += (centred.transpose() * centred).cast<double>();
-    frames += static_cast<double>(s.frames);
+    sum += weights.of(s) * (centred.transpose() * centred).cast<double>();
+    frames += weights.of(s) * static_cast<double>(s.frames);
   }
   std::vector<float> covariance;
   for (Eigen::Index i = 0; i < kShapes; ++i)
@@ -214,6 +256,8 @@ Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training, cons
     MIEN_TRY_ASSIGN(auto profile, fit_profile(training, validation, recipe.seed, lab, model));
     assessment.profiles.push_back(std::move(profile));
   }
+  if (auto takes = judge_takes(validation, recipe.seed, model))
+    assessment.profiles.push_back(std::move(*takes));
 
   const std::vector<Frames> takes = sampler_takes(recipe, validation, model.architecture.condition);
   if (model.architecture.kind == model::NetworkKind::causal) {

@@ -21,7 +21,7 @@ struct Assessment {
     double seam_ratio = 0;    ///< Mean third difference where windows join, over that elsewhere.
   };
   struct Profile {
-    std::string name;
+    std::string name;  ///< "lab", "device" (with takes), "takes": of those alone, by the ridge of "device".
     double ridge_mse = 0, mean_pose_mse = 0;
   };
   /// A causal network, frame by frame.
@@ -37,19 +37,21 @@ struct Assessment {
 inline constexpr double kSeamLimit = 1.2;
 
 /// Mean weights over all frames, clipped to [0, 1].
-[[nodiscard]] std::vector<float> mean_pose_of(const study::Dataset& dataset);
+[[nodiscard]] std::vector<float> mean_pose_of(const study::Dataset& dataset,
+                                              const FrameWeights& weights = {});
 
 /// Covariance of the weights over all frames, clipped to [0, 1]: shapes x shapes, row-major.
-[[nodiscard]] std::vector<float> weight_covariance_of(const study::Dataset& dataset);
+[[nodiscard]] std::vector<float> weight_covariance_of(const study::Dataset& dataset,
+                                                      const FrameWeights& weights = {});
 
 /// Mean third difference of weights [frames x width] over the frames that begin new ones of a window
 /// (`at_joins`), or over all others. 0 where there are none.
 [[nodiscard]] double third_difference(std::span<const float> weights, std::size_t width, std::size_t window,
                                       bool at_joins);
 
-/// Fits the ridge of each profile in the data, and measures a causal network or chooses the sampler: of the
-/// recipe's steps and both ways to hold the overlap, the one of least error among those without a seam. Fills
-/// model.ridge and model.sampler. Errors: cancelled.
+/// Fits the ridge of each profile in the data, every frame counting once, and measures a causal network or
+/// chooses the sampler: of the recipe's steps and both ways to hold the overlap, the one of least error among
+/// those without a seam. Fills model.ridge and model.sampler. Errors: cancelled.
 [[nodiscard]] Result<Assessment> assess(const Recipe& recipe, const BatchMaker& training,
                                         const BatchMaker& validation, model::ModelFile& model,
                                         const Progress& progress);

@@ -41,6 +41,16 @@ void add_array(Sha256& hash, const std::vector<T>& values) {
   hash.add(std::as_bytes(std::span(values)));
 }
 
+/// All but whose it is.
+void add_sequence(Sha256& hash, const study::Sequence& s) {
+  hash.add_value(static_cast<std::uint8_t>((s.lab ? 1 : 0) + (s.from_take ? 2 : 0)));
+  hash.add_value(static_cast<std::uint64_t>(s.frames));
+  add_array(hash, s.slopes);
+  add_array(hash, s.values);
+  add_array(hash, s.present);
+  add_array(hash, s.weights);
+}
+
 }  // namespace
 
 Result<void> check(const study::Dataset& dataset) {
@@ -71,14 +81,19 @@ std::string hash_of(const study::Dataset& dataset) {
   }
   for (const study::Sequence& s : dataset.sequences) {
     hash.add_value(s.performer);
-    hash.add_value(s.lab);
-    hash.add_value(static_cast<std::uint64_t>(s.frames));
-    add_array(hash, s.slopes);
-    add_array(hash, s.values);
-    add_array(hash, s.present);
-    add_array(hash, s.weights);
+    add_sequence(hash, s);
   }
   add_array(hash, dataset.standard_slopes);
+  return hash.hex();
+}
+
+std::string hash_of_takes(const study::Dataset& training, const study::Dataset& validation) {
+  Sha256 hash;
+  for (const study::Dataset* dataset : {&training, &validation}) {
+    for (const study::Sequence& s : dataset->sequences)
+      if (s.from_take) add_sequence(hash, s);
+    hash.add_value('\n');
+  }
   return hash.hex();
 }
 
@@ -94,10 +109,12 @@ Result<void> check_apart(const study::Dataset& training, const study::Dataset& v
   return {};
 }
 
-model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, double lab_noise_rad) {
+model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, double lab_noise_rad,
+                                             const FrameWeights& weights) {
   const std::size_t n = dataset.sensors.size();
   std::vector<double> sum(7 * n), squares(7 * n), count(7 * n);
   for (const study::Sequence& s : dataset.sequences) {
+    const double weight = weights.of(s);
     for (std::size_t f = 0; f < s.frames; ++f)
       for (std::size_t sensor = 0; sensor < n; ++sensor)
         for (std::size_t v = 0; v < 7; ++v) {
@@ -106,9 +123,9 @@ model::FeatureNormalisation normalisation_of(const study::Dataset& dataset, doub
           const double value = s.values[f * 7 * n + at];
           // A turn by `noise` moves a quaternion's vector part by half of it.
           const double noise = s.lab && v > 3 ? lab_noise_rad / 2 : 0;
-          sum[at] += value;
-          squares[at] += value * value + noise * noise;
-          count[at] += 1;
+          sum[at] += weight * value;
+          squares[at] += weight * (value * value + noise * noise);
+          count[at] += weight;
         }
   }
   model::FeatureNormalisation result;
@@ -132,9 +149,11 @@ BatchMaker::BatchMaker(const study::Dataset& dataset, const Recipe& recipe,
       mean_pose_(mean_pose) {}
 
 std::optional<model::SkinMap> BatchMaker::draw_skin(std::size_t sequence, Random& random) const {
-  if (!skin_ || recipe_.known_skin == 0 || !random.chance(recipe_.known_skin)) return std::nullopt;
+  const std::vector<float>& slopes = dataset_.sequences[sequence].slopes;
+  if (!skin_ || slopes.empty() || recipe_.known_skin == 0 || !random.chance(recipe_.known_skin))
+    return std::nullopt;
   model::Skin known = *skin_;
-  known.wearer = dataset_.sequences[sequence].slopes;
+  known.wearer = slopes;
   for (std::size_t k = 0; k < face::kShapeCount; ++k) {
     const double gain = 1 + random.normal(0, recipe_.skin_gain_error);
     for (std::size_t s = 0; s < layout_.sensors.size(); ++s) {
@@ -245,21 +264,27 @@ void BatchMaker::append_window(std::size_t sequence, std::size_t first, const Lo
   ++batch.windows;
 }
 
-WindowPlaces BatchMaker::window_places() const {
-  std::vector<std::size_t> frames;
-  for (const study::Sequence& s : dataset_.sequences) frames.push_back(s.frames);
+WindowPlaces BatchMaker::window_places(WindowsOf whose) const {
+  std::vector<std::size_t> frames;  // None of those who are not meant.
+  for (const study::Sequence& s : dataset_.sequences)
+    frames.push_back(s.from_take == (whose == WindowsOf::takes) ? s.frames : 0);
   return {std::move(frames), recipe_.architecture.window};
 }
 
-std::size_t BatchMaker::places() const {
-  return window_places().count();
+std::size_t BatchMaker::places(WindowsOf whose) const {
+  return window_places(whose).count();
 }
 
 Batch BatchMaker::random_batch(std::size_t count, Random random) const {
-  const WindowPlaces places = window_places();
+  const WindowPlaces performed = window_places(WindowsOf::virtual_performers),
+                     taken = window_places(WindowsOf::takes);
+  const double share = taken.count() == 0       ? 0
+                       : performed.count() == 0 ? 1
+                                                : recipe_.takes_share.value_or(kUsualTakesShare);
+  const double phase = random.fork("takes").uniform();
   Batch batch;
   for (std::size_t i = 0; i < count; ++i) {
-    const WindowPlaces::Place place = places.draw(random);
+    const WindowPlaces::Place place = (is_from_take(i, share, phase) ? taken : performed).draw(random);
     append_window(place.sequence, place.first, draw_loss(random), random, batch);
     // One level from each equal part of the range: evenly drawn with less scatter from step to step.
     const double u = (static_cast<double>(i) + random.uniform()) / static_cast<double>(count);
@@ -272,9 +297,9 @@ Batch BatchMaker::random_batch(std::size_t count, Random random) const {
   return batch;
 }
 
-Batch BatchMaker::even_batch(std::size_t count, Random random) const {
+Batch BatchMaker::even_batch(std::size_t count, Random random, WindowsOf whose) const {
   Batch batch;
-  for (const WindowPlaces::Place& place : window_places().even(count))
+  for (const WindowPlaces::Place& place : window_places(whose).even(count))
     append_window(place.sequence, place.first, {}, random, batch);
   batch.level.assign(batch.windows, 0);
   batch.held.assign(batch.windows, 0);

@@ -11,6 +11,7 @@
 #include "mien/model/skin_map.h"
 #include "mien/study/dataset.h"
 #include "mien/train/recipe.h"
+#include "mien/train/takes_mix.h"
 #include "mien/train/window_places.h"
 
 namespace mien::train {
@@ -25,19 +26,33 @@ struct Batch {
   std::vector<std::int64_t> held;   ///< First frames of each window that are given clean; mostly 0.
 };
 
+/// Windows of one kind that a validation score is made of.
+struct ValidationPart {
+  std::string name;  ///< As results call it.
+  double share = 1;  ///< Of the score.
+  Batch windows;
+};
+
 /// Refuses a data set whose arrays do not fit each other or hold what is not finite. Errors: mismatch,
 /// out_of_range.
 [[nodiscard]] Result<void> check(const study::Dataset& dataset);
 
 /// SHA-256 over everything in the data set: equal hashes mean that scores can be compared.
 [[nodiscard]] std::string hash_of(const study::Dataset& dataset);
+/// SHA-256 over what is from takes alone, of one data set after the other; not over people's numbers, which
+/// follow from how many performers there are.
+[[nodiscard]] std::string hash_of_takes(const study::Dataset& training, const study::Dataset& validation);
 
 /// Refuses two sets of which somebody performs in both, or whose sensors differ. Errors: mismatch.
 [[nodiscard]] Result<void> check_apart(const study::Dataset& training, const study::Dataset& validation);
 
 /// Mean and scale of each value over the frames where it is there. Lab rotations count with their noise.
 [[nodiscard]] model::FeatureNormalisation normalisation_of(const study::Dataset& dataset,
-                                                           double lab_noise_rad);
+                                                           double lab_noise_rad,
+                                                           const FrameWeights& weights = {});
+
+/// Who moves in a window.
+enum class WindowsOf { virtual_performers, takes };
 
 /// Turns sequences into what the network reads. Everything random comes from the generator that is handed in,
 /// so a step's batch depends on nothing but the recipe's seed and the step's number.
@@ -55,23 +70,24 @@ class BatchMaker {
 
   [[nodiscard]] const study::Dataset& dataset() const { return dataset_; }
 
-  /// `count` windows at random places, augmented. Thread-safe. Errors: none; needs at
-  /// least one sequence as long as a window, see places().
+  /// `count` windows at random places, augmented: the recipe's share of them of takes, where there are both
+  /// kinds. Thread-safe. Errors: none; needs at least one sequence as long as a window, see places().
   [[nodiscard]] Batch random_batch(std::size_t count, Random random) const;
 
-  /// At most `count` windows, evenly spread over the data set, with lab noise (from `random`) but nothing
-  /// lost.
-  [[nodiscard]] Batch even_batch(std::size_t count, Random random) const;
+  /// At most `count` windows of one kind, evenly spread over the data set, with lab noise (from `random`) but
+  /// nothing lost.
+  [[nodiscard]] Batch even_batch(std::size_t count, Random random,
+                                 WindowsOf whose = WindowsOf::virtual_performers) const;
 
   /// Condition of `count` frames of one sequence, from `first` on, with lab noise where the sequence is lab.
   void encode(std::size_t sequence, std::size_t first, std::size_t count, Random& random,
               std::span<float> out) const;
 
   /// Places at which a window may begin.
-  [[nodiscard]] std::size_t places() const;
+  [[nodiscard]] std::size_t places(WindowsOf whose) const;
 
  private:
-  [[nodiscard]] WindowPlaces window_places() const;
+  [[nodiscard]] WindowPlaces window_places(WindowsOf whose) const;
   /// What is missing or wrong in one window, though the data have it.
   struct Loss {
     /// A sensor is not there in frames [begin, end).
@@ -88,7 +104,8 @@ class BatchMaker {
   };
   void encode_with(std::size_t sequence, std::size_t first, std::size_t count, const Loss& loss,
                    Random& random, std::span<float> out) const;
-  /// The performer's skin as a minute of prompts would tell it; none where it is not to be known.
+  /// The performer's skin as a minute of prompts would tell it; none where it is not to be known, or nobody
+  /// knows it.
   [[nodiscard]] std::optional<model::SkinMap> draw_skin(std::size_t sequence, Random& random) const;
   void append_window(std::size_t sequence, std::size_t first, const Loss& loss, Random& random,
                      Batch& batch) const;

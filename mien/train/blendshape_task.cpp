@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -42,50 +43,94 @@ Json written(const Assessment& assessment) {
 }
 
 /// Nothing where the data know no skin.
-std::optional<model::Skin> skin_of(const study::Dataset& training) {
+std::optional<model::Skin> skin_of(const study::Dataset& training, const FrameWeights& weights) {
   if (training.standard_slopes.empty()) return std::nullopt;
-  return model::Skin{
-      .standard = training.standard_slopes, .covariance = weight_covariance_of(training), .wearer = {}};
+  return model::Skin{.standard = training.standard_slopes,
+                     .covariance = weight_covariance_of(training, weights),
+                     .wearer = {}};
+}
+
+bool any_of_takes(const study::Dataset& dataset) {
+  return std::ranges::any_of(dataset.sequences, &study::Sequence::from_take);
+}
+
+bool any_of_performers(const study::Dataset& dataset) {
+  return !std::ranges::all_of(dataset.sequences, &study::Sequence::from_take);
+}
+
+/// Whether every performer's skin is known; people's is not, and their takes are read as they are.
+bool knows_skins(const study::Dataset& data) {
+  return !any_of_performers(data) ||
+         (data.standard_slopes.size() == 3 * data.sensors.size() * face::kShapeCount &&
+          std::ranges::none_of(data.sequences,
+                               [](const auto& s) { return !s.from_take && s.slopes.empty(); }));
+}
+
+/// What may be told of people: how many, how much, and a hash by which the same takes are known again.
+Json told_of_takes(const study::Dataset& training, const study::Dataset& validation, double share,
+                   bool one_person) {
+  const TakesAmount trained = takes_in(training), held_out = takes_in(validation);
+  return {{"share", share},
+          {"people", trained.people},
+          {"minutes", trained.minutes},
+          {"validation_people", one_person ? 0 : held_out.people},
+          {"validation_minutes", held_out.minutes},
+          {"one_person", one_person},
+          {"hash", hash_of_takes(training, validation)}};
 }
 
 }  // namespace
 
 Result<std::unique_ptr<BlendshapeTask>> BlendshapeTask::create(Recipe recipe, study::Dataset training,
-                                                               study::Dataset validation, std::string rig) {
+                                                               study::Dataset validation, std::string rig,
+                                                               bool one_person) {
   MIEN_TRY(check(training));
   MIEN_TRY(check(validation));
   MIEN_TRY(check_apart(training, validation));
-  if (recipe.known_skin > 0)
-    for (const study::Dataset* data : {&training, &validation})
-      if (data->standard_slopes.size() != 3 * data->sensors.size() * face::kShapeCount ||
-          std::ranges::any_of(data->sequences, [](const auto& s) { return s.slopes.empty(); }))
-        return fail(ErrorCode::mismatch, "the recipe wants known skins, and the data have none", "recipe",
-                    "set augmentation.known_skin to 0");
+  if (recipe.known_skin > 0 && !(knows_skins(training) && knows_skins(validation)))
+    return fail(ErrorCode::mismatch, "the recipe wants known skins, and the data have none", "recipe",
+                "set augmentation.known_skin to 0");
+  if (any_of_takes(training) && !recipe.takes_share)
+    recipe.takes_share = any_of_performers(training) ? kUsualTakesShare : 1;
   const model::FeatureLayout layout = {.sensors = training.sensors, .presence_flags = recipe.presence_flags};
   recipe.architecture.condition = layout.width();
   recipe.architecture.outputs = face::kShapeCount;
   MIEN_TRY(model::check(recipe.architecture));
-  const std::size_t window = recipe.architecture.window;
-  std::unique_ptr<BlendshapeTask> task(
-      new BlendshapeTask(std::move(recipe), std::move(training), std::move(validation), std::move(rig)));
-  if (task->training_batches_.places() == 0 || task->validation_batches_.places() == 0)
-    return fail(ErrorCode::bad_usage,
-                fmt::format("training or validation has no sequence of {} frames", window));
+  std::unique_ptr<BlendshapeTask> task(new BlendshapeTask(std::move(recipe), std::move(training),
+                                                          std::move(validation), std::move(rig), one_person));
+  MIEN_TRY(task->check_places());
   return task;
 }
 
+Result<void> BlendshapeTask::check_places() const {
+  const std::size_t window = recipe_.architecture.window;
+  if (takes_share() == 1 && validation_batches_.places(WindowsOf::takes) == 0)
+    return fail(ErrorCode::bad_usage,
+                fmt::format("no take of another person has {} frames in a row to validate on", window),
+                "takes",
+                "hold somebody out with --splits, or train on virtual performers too: takes.share below 1");
+  if ((takes_share() > 0 && training_batches_.places(WindowsOf::takes) == 0) ||
+      (takes_share() < 1 && (training_batches_.places(WindowsOf::virtual_performers) == 0 ||
+                             validation_batches_.places(WindowsOf::virtual_performers) == 0)))
+    return fail(ErrorCode::bad_usage,
+                fmt::format("training or validation has no sequence of {} frames", window));
+  return {};
+}
+
 BlendshapeTask::BlendshapeTask(Recipe recipe, study::Dataset training, study::Dataset validation,
-                               std::string rig)
+                               std::string rig, bool one_person)
     : recipe_(std::move(recipe)),
       training_(std::move(training)),
       validation_(std::move(validation)),
+      one_person_(one_person),
+      frame_weights_(as_drawn(training_, takes_share())),
       model_{.architecture = recipe_.architecture,
              .features = {.sensors = training_.sensors, .presence_flags = recipe_.presence_flags},
-             .normalisation = normalisation_of(training_, recipe_.lab_noise_rad),
+             .normalisation = normalisation_of(training_, recipe_.lab_noise_rad, frame_weights_),
              .shapes = {face::kShapeNames.begin(), face::kShapeNames.end()},
-             .mean_pose = mean_pose_of(training_),
+             .mean_pose = mean_pose_of(training_, frame_weights_),
              .ridge = {},
-             .skin = skin_of(training_),
+             .skin = skin_of(training_, frame_weights_),
              .confidence = {},
              .schedule = recipe_.schedule,
              .sampler = {},
@@ -103,15 +148,38 @@ Batch BlendshapeTask::random_batch(std::size_t count, Random random) const {
 }
 
 Batch BlendshapeTask::validation_batch(Random random) const {
-  return validation_batches_.even_batch(recipe_.windows, random);
+  return std::move(validation_parts(random).front().windows);
+}
+
+std::vector<ValidationPart> BlendshapeTask::validation_parts(Random random) const {
+  // Few people may be held out, so the share is one of the score, whatever windows they have.
+  const double share = validation_batches_.places(WindowsOf::takes) > 0 ? takes_share() : 0;
+  const auto takes_windows =
+      static_cast<std::size_t>(std::round(share * static_cast<double>(recipe_.windows)));
+  std::vector<ValidationPart> parts;
+  if (share < 1)
+    parts.push_back(
+        {.name = "virtual",
+         .share = 1 - share,
+         .windows = validation_batches_.even_batch(std::max<std::size_t>(recipe_.windows - takes_windows, 1),
+                                                   random, WindowsOf::virtual_performers)});
+  if (share > 0)
+    parts.push_back({.name = "takes",
+                     .share = share,
+                     .windows = validation_batches_.even_batch(std::max<std::size_t>(takes_windows, 1),
+                                                               random.fork("takes"), WindowsOf::takes)});
+  return parts;
 }
 
 std::string BlendshapeTask::training_hash() const {
-  return hash_of(training_);
+  const std::string hash = hash_of(training_);
+  return takes_share() > 0 ? fmt::format("{} {}", hash, takes_share()) : hash;
 }
 
 std::string BlendshapeTask::validation_hash() const {
-  return fmt::format("{} {}", hash_of(validation_), recipe_.lab_noise_rad);
+  std::string text = fmt::format("{} {}", hash_of(validation_), recipe_.lab_noise_rad);
+  if (any_of_takes(validation_)) text += fmt::format(" {}", takes_share());
+  return text;
 }
 
 std::size_t BlendshapeTask::training_frames() const {
@@ -135,6 +203,11 @@ Result<std::vector<model::Tensor>> BlendshapeTask::begin_with(const std::filesys
     return fail(ErrorCode::mismatch, "it is a network of another size or of other sensors", model.string(),
                 "start from a model of the recipe's own architecture and rig");
   model_.normalisation = standing.normalisation;
+  // Takes tell of nobody's skin; those of the network's first training were brought to this one.
+  if (!model_.skin && standing.skin) {
+    model_.skin = std::move(standing.skin);
+    model_.skin->wearer.clear();
+  }
   training_batches_.use(standing.normalisation);
   validation_batches_.use(standing.normalisation);
   return std::move(standing.network);
@@ -148,7 +221,9 @@ Result<std::string> BlendshapeTask::assess(std::span<const model::Tensor> networ
                   study::measure_confidence(study::watched_by(model_, validation_.sensors, "validation",
                                                               study::watched(validation_)),
                                             recipe_.seed, progress, 1));
-  return written(assessment).dump();
+  Json results = written(assessment);
+  if (takes_share() > 0) results["takes"] = told_of_takes(training_, validation_, takes_share(), one_person_);
+  return results.dump();
 }
 
 Result<void> BlendshapeTask::write(const std::filesystem::path& path, const std::string& results) const {

@@ -168,4 +168,17 @@ ValidationScore validate(const Recipe& recipe, const Parameters& parameters, con
   return score;
 }
 
+PartScores validate_parts(const Recipe& recipe, const Parameters& parameters,
+                          std::span<const ValidationPart> parts, const NoiseMixer& mixer,
+                          const torch::Device& device) {
+  PartScores scores;
+  for (const ValidationPart& part : parts) {
+    const ValidationScore score = validate(recipe, parameters, part.windows, mixer, device);
+    scores.whole.loss += part.share * score.loss;
+    scores.whole.mse += part.share * score.mse;
+    scores.parts.push_back(score);
+  }
+  return scores;
+}
+
 }  // namespace mien::train

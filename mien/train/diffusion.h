@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "mien/core/random.h"
@@ -53,5 +54,14 @@ struct ValidationScore {
 [[nodiscard]] ValidationScore validate(const Recipe& recipe, const Parameters& parameters,
                                        const Batch& windows, const NoiseMixer& mixer,
                                        const torch::Device& device);
+
+/// The scores of parts, and what they are together by their shares.
+struct PartScores {
+  ValidationScore whole;
+  std::vector<ValidationScore> parts;
+};
+[[nodiscard]] PartScores validate_parts(const Recipe& recipe, const Parameters& parameters,
+                                        std::span<const ValidationPart> parts, const NoiseMixer& mixer,
+                                        const torch::Device& device);
 
 }  // namespace mien::train

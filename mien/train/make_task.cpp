@@ -15,10 +15,12 @@
 #include "mien/study/headset/headset_dataset.h"
 #include "mien/study/imu/make_dataset.h"
 #include "mien/study/speech/speech_dataset.h"
+#include "mien/study/takes/training_takes.h"
 #include "mien/train/blendshape_task.h"
 #include "mien/train/marker_task.h"
 #include "mien/train/memory_task.h"
 #include "mien/train/speech_task.h"
+#include "mien/train/takes_mix.h"
 #include "mien/train/views_task.h"
 
 namespace mien::train {
@@ -26,12 +28,60 @@ namespace {
 
 using MadeTask = Result<std::unique_ptr<Task>>;
 
+std::string amount_text(const TakesAmount& amount) {
+  if (amount.people == 0) return "nothing";
+  return fmt::format("{:.1f} minutes of {} {}", amount.minutes, amount.people,
+                     amount.people == 1 ? "person" : "people");
+}
+
+/// What people's takes give a task.
+struct ReadTakes {
+  study::TrainingData data;
+  bool one_person = false;
+};
+
+/// Reads the takes, and tells what of them is used.
+Result<ReadTakes> read_takes(std::uint64_t seed, std::size_t window, double share, const TaskSource& source,
+                             const Progress& progress) {
+  MIEN_TRY_ASSIGN(study::TakesData takes,
+                  study::read_training_takes(source.takes, source.splits, source.rig, seed, progress));
+  for (const std::string& sentence : takes.left_out) source.tell(sentence);
+  const double counted_min = minutes_of(takes.data.train) + minutes_of(takes.data.validation);
+  const bool alone = takes.training_people == takes.validation_people;
+  ReadTakes out;
+  MIEN_TRY_ASSIGN(out.data, as_takes(std::move(takes.data), window));
+  const TakesAmount trained = takes_in(out.data.train), held_out = takes_in(out.data.validation);
+  out.one_person = alone && held_out.people > 0;
+  const double short_min = counted_min - trained.minutes - held_out.minutes;
+  if (short_min > 0.05)
+    source.tell(fmt::format("{:.1f} minutes are left out: stretches of less than the {} frames of a window",
+                            short_min, window));
+  source.tell(fmt::format("takes, a share of {:.2g}: {} to train on, {} to validate on", share,
+                          amount_text(trained), amount_text(held_out)));
+  if (held_out.people == 0 && share < 1)
+    source.tell("no take is validated on: the weights are kept that suit virtual performers best");
+  return out;
+}
+
 MadeTask make_blendshape_task(Recipe recipe, const TaskSource& source, const Progress& progress) {
   MIEN_TRY_ASSIGN(const study::DataRecipe data_recipe, study::parse_data_recipe(recipe.data, source.where));
-  MIEN_TRY_ASSIGN(study::TrainingData data,
-                  study::make_dataset(data_recipe, source.face, source.rig, progress));
+  MIEN_TRY_ASSIGN(const double share, takes_share(recipe, !source.takes.empty(), source.where));
+  ReadTakes takes;
+  study::TrainingData data;
+  if (share > 0) {
+    recipe.takes_share = share;
+    MIEN_TRY_ASSIGN(takes, read_takes(data_recipe.seed, recipe.architecture.window, share, source, progress));
+  }
+  if (share < 1) {
+    MIEN_TRY_ASSIGN(data, study::make_dataset(data_recipe, source.face, source.rig, progress));
+  }
+  if (share == 1) {
+    data = std::move(takes.data);
+  } else if (share > 0) {
+    MIEN_TRY_ASSIGN(data, put_together(std::move(data), std::move(takes.data)));
+  }
   return BlendshapeTask::create(std::move(recipe), std::move(data.train), std::move(data.validation),
-                                source.rig_text);
+                                source.rig_text, takes.one_person);
 }
 
 Result<void> expect_builtin(const TaskSource& source, std::string what) {
@@ -79,14 +129,27 @@ MadeTask make_headset_task(Recipe recipe, const TaskSource& source, const Progre
 struct Modality {
   std::string_view kind;  ///< As rigs name it.
   MadeTask (*make)(Recipe recipe, const TaskSource& source, const Progress& progress);
-  bool tells_gaze = false;  ///< Its answers have the eyes' directions.
+  bool tells_gaze = false;    ///< Its answers have the eyes' directions.
+  bool learns_takes = false;  ///< Of people, beside its virtual performers.
 };
 constexpr std::array kModalities = {
-    Modality{"imu", make_blendshape_task},
-    Modality{"eyewear", make_marker_task},
-    Modality{"speech", make_speech_task},
-    Modality{"camera", make_headset_task, true},
+    Modality{.kind = "imu", .make = make_blendshape_task, .learns_takes = true},
+    Modality{.kind = "eyewear", .make = make_marker_task},
+    Modality{.kind = "speech", .make = make_speech_task},
+    Modality{.kind = "camera", .make = make_headset_task, .tells_gaze = true},
 };
+
+Result<void> check_takes(const Recipe& recipe, const TaskSource& source, const Modality& modality) {
+  if (!source.splits.empty() && source.takes.empty())
+    return fail(ErrorCode::bad_usage, "splits say who of the takes is trained on, and no takes are given",
+                source.splits.string(), "name their folder with --takes");
+  if (!modality.learns_takes && (!source.takes.empty() || recipe.takes_share))
+    return fail(
+        ErrorCode::bad_usage,
+        fmt::format("only IMUs are trained on takes, and these sensors are of the kind {}", modality.kind),
+        "rig " + source.rig.name, "leave --takes and the recipe's [takes] away");
+  return {};
+}
 
 }  // namespace
 
@@ -104,6 +167,7 @@ Result<std::unique_ptr<Task>> make_task(Recipe recipe, const TaskSource& source,
   if (recipe.gaze_weight != 1 && !modality->tells_gaze)
     return fail(ErrorCode::bad_usage, "what is learnt here tells no directions of eyes", source.where,
                 "leave optimiser.gaze_weight away");
+  MIEN_TRY(check_takes(recipe, source, *modality));
   return modality->make(std::move(recipe), source, progress);
 }
 

@@ -109,7 +109,7 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   const toml::table network = top.inner("network"), optimiser = top.inner("optimiser"),
                     noise = top.inner("noise"), augmentation = top.inner("augmentation"),
                     validation = top.inner("validation"), sampler = top.inner("sampler"),
-                    budget = top.inner("budget");
+                    budget = top.inner("budget"), takes = top.inner("takes");
   std::ostringstream data;
   data << top.inner("data");
   r.data = data.str();
@@ -201,6 +201,11 @@ Result<Recipe> parse_recipe(std::string_view text, std::string_view where_view) 
   d.whole_list("steps", r.sampler_steps, 1, static_cast<std::int64_t>(r.schedule.levels));
   d.whole("frames", r.sampler_frames, 1, kMany);
   MIEN_TRY(d.finish());
+
+  if (root.contains("takes")) r.takes_share = kUsualTakesShare;
+  Section t(takes, "takes.", where);
+  if (r.takes_share) t.number("share", *r.takes_share, 0, 1);
+  MIEN_TRY(t.finish());
 
   Section b(budget, "budget.", where);
   b.whole("steps", r.steps, 0, kMany);

@@ -25,6 +25,9 @@ enum class LossKind {
   points,  ///< Mean distance of points, three outputs each.
 };
 
+/// Share of a step's windows that are drawn from people's takes, where the recipe says nothing.
+inline constexpr double kUsualTakesShare = 0.5;
+
 /// Where in a network's condition stand as many numbers as are asked for, which its first outputs are added
 /// to, and of each the judgement by whose probability of being wrong it is multiplied first.
 struct Addition {
@@ -63,6 +66,11 @@ struct Recipe {
 
   // [data]: the table as TOML text, unread, for whoever makes the data.
   std::string data;
+
+  /// [takes] share, 0 to 1: of a step's windows, in expectation, those that are drawn from people's takes,
+  /// however many frames these have; 1: takes alone. Raising: the network is of those people and their
+  /// sensors sooner, and less of all others. None: the recipe asks for no takes.
+  std::optional<double> takes_share;
 
   // [optimiser]
   double learning_rate = 2e-4;

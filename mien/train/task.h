@@ -27,6 +27,11 @@ class Task {
   [[nodiscard]] virtual Batch random_batch(std::size_t count, Random random) const = 0;
   /// At most recipe().windows of validation, evenly spread, nothing lost.
   [[nodiscard]] virtual Batch validation_batch(Random random) const = 0;
+  /// What a validation score is made of, shares that sum to 1: all of validation_batch(), unless a task
+  /// measures several kinds of people apart.
+  [[nodiscard]] virtual std::vector<ValidationPart> validation_parts(Random random) const {
+    return {{.name = "all", .share = 1, .windows = validation_batch(random)}};
+  }
 
   /// Hashes over everything that training, and a validation score, depends on beside the recipe's text.
   [[nodiscard]] virtual std::string training_hash() const = 0;

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
-#include <future>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
@@ -15,6 +13,7 @@
 
 #include "mien/core/files.h"
 #include "mien/core/sha256.h"
+#include "mien/train/batch_stream.h"
 #include "mien/train/checkpoint.h"
 #include "mien/train/diffusion.h"
 #include "mien/train/network.h"
@@ -56,31 +55,6 @@ void use_threads(int threads) {
   at::set_num_threads(threads > 0 ? threads
                                   : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
 }
-
-/// Batches of the steps to come, made while the device computes.
-class BatchStream {
- public:
-  BatchStream(const Task& task, std::int64_t first_step, std::size_t ahead)
-      : task_(task), next_step_(first_step), ahead_(ahead) {}
-
-  Batch next() {
-    while (coming_.size() <= ahead_)
-      coming_.push_back(std::async(std::launch::async, [this, step = next_step_++] {
-        const Recipe& recipe = task_.recipe();
-        return task_.random_batch(recipe.batch,
-                                  Random(recipe.seed).fork("batch", static_cast<std::uint64_t>(step)));
-      }));
-    Batch batch = coming_.front().get();
-    coming_.pop_front();
-    return batch;
-  }
-
- private:
-  const Task& task_;
-  std::int64_t next_step_;
-  std::size_t ahead_;
-  std::deque<std::future<Batch>> coming_;
-};
 
 /// The rate at a step: warm-up, then a half cosine down to a hundredth over the budget.
 double learning_rate(const Recipe& recipe, std::int64_t step, double fraction) {
@@ -145,7 +119,7 @@ class Training {
       for (const model::Tensor& tensor : begin_with_) hash.add(std::as_bytes(std::span(tensor.values)));
       from = " " + hash.hex();
     }
-    validation_windows_ = task_.validation_batch(Random(recipe_.seed).fork("validation"));
+    validation_ = task_.validation_parts(Random(recipe_.seed).fork("validation"));
     validation_hash_ = sha256(fmt::format("{} {} {} {}", task_.validation_hash(), recipe_.windows,
                                           recipe_.seed, recipe_.score == Score::mse ? "mse" : "loss"));
     run_ = sha256(fmt::format("{} {} {} {}{}", recipe_.text, task_.training_hash(), validation_hash_,
@@ -278,7 +252,7 @@ class Training {
   /// Validates the averaged weights, keeps the best, and adds a row to the curve.
   void look(double rate) {
     const Parameters weights = averaged();
-    last_score_ = validate(recipe_, weights, validation_windows_, *mixer_, *device_);
+    last_score_ = validate_parts(recipe_, weights, validation_, *mixer_, *device_).whole;
     state_.curve += fmt::format("{},{:.1f},{},{:.3g},{:.6f},{:.6f},{:.7f}\n", state_.step, state_.seconds,
                                 state_.step * static_cast<std::int64_t>(recipe_.batch), rate,
                                 loss_count_ > 0 ? loss_sum_ / static_cast<double>(loss_count_) : 0.0,
@@ -309,9 +283,15 @@ class Training {
                     task_.assess(state_.best, [&](double part, std::string_view what) {
                       return progress_(1 - kAssessShare * (1 - part), what);
                     }));
-    const ValidationScore score =
-        validate(recipe_, from_tensors(state_.best, *device_), validation_windows_, *mixer_, *device_);
-    Json whole = results(score);
+    const PartScores scores =
+        validate_parts(recipe_, from_tensors(state_.best, *device_), validation_, *mixer_, *device_);
+    Json whole = results(scores.whole);
+    if (validation_.size() > 1)
+      for (std::size_t i = 0; i < validation_.size(); ++i)
+        whole["validation"]["parts"][validation_[i].name] = {{"share", validation_[i].share},
+                                                             {"windows", validation_[i].windows.windows},
+                                                             {"loss", scores.parts[i].loss},
+                                                             {"mse", scores.parts[i].mse}};
     whole.merge_patch(Json::parse(assessed));
 
     TrainReport report{.model = options_.out, .replaced = true, .results = whole.dump()};
@@ -352,7 +332,7 @@ class Training {
   fs::path checkpoint_path_, curve_path_;
   std::optional<torch::Device> device_;
   std::optional<NoiseMixer> mixer_;
-  Batch validation_windows_;
+  std::vector<ValidationPart> validation_;
   Batch statistics_windows_;  ///< Those that batch normalisation is folded by; drawn when first asked for.
   bool batch_norm_ = false;
   std::string validation_hash_, run_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/app/program.h"
@@ -44,12 +45,31 @@ TEST_F(AlignProgram, FindsTheTimeOfAPhoneInATakeAndOfItsFile) {
   EXPECT_GT(found["agreement"].get<double>(), 0.3);
   EXPECT_LT(found["offset_sigma_ms"].get<double>(), 10);
   EXPECT_GE(found["blocks"].size(), 4U);
+  EXPECT_EQ(found["first_guess"], "arrivals");
   // What it told, at the take's frames, is a file of a phone that began with them.
   const Outcome file = run({"align", take, *folder_ / "truth.csv", "--json"});
   ASSERT_EQ(file.status, 0) << file.err;
   EXPECT_LT(std::abs(nlohmann::json::parse(file.out)["offset_ms"].get<double>()), 15);
   const Outcome people = run({"align", take});
   EXPECT_THAT(people.out, HasSubstr("agreement"));
+}
+
+TEST_F(AlignProgram, ReadsTheCalibratedFileBesideTheOneThatIsNamed) {
+  const std::string take = *folder_ / "take.mien", named = *folder_ / "slate.csv",
+                    calibrated = *folder_ / "slate_cal.csv";
+  ASSERT_EQ(run({"align", take, "--out", calibrated}).status, 0);
+  std::filesystem::copy_file(calibrated, named);
+  const Outcome beside = run({"align", take, named, "--json"});
+  ASSERT_EQ(beside.status, 0) << beside.err;
+  EXPECT_THAT(beside.err, HasSubstr("slate_cal.csv"));
+  EXPECT_EQ(nlohmann::json::parse(beside.out)["first_guess"], "none");
+  EXPECT_EQ(run({"align", take, named, "--raw"}).err, "");
+  EXPECT_EQ(run({"align", take, calibrated}).err, "");
+  // It is the calibrated one that is read, and the other with --raw.
+  std::ofstream(calibrated) << "nothing";
+  EXPECT_THAT(refused({"align", take, calibrated}), HasSubstr("slate_cal.csv"));
+  EXPECT_EQ(run({"align", take, named}).status, 2);
+  EXPECT_EQ(run({"align", take, named, "--raw"}).status, 0);
 }
 
 TEST_F(AlignProgram, LearnsAWearerWhoIsThenSolvedOtherwise) {

@@ -148,6 +148,12 @@ TEST(PhoneProgram, APhoneThatIsAskedAnswers) {
   EXPECT_THAT(live.err, HasSubstr("Asking " + address + " for its frames"));
   EXPECT_GT(nlohmann::json::parse(live.out)["frames"], 60);
   EXPECT_GE(asked, 2) << "it is asked again and again";
+  // One on which nothing listens. (Here, since the port is this machine's one.)
+  const Outcome closed =
+      run({"live", "--rig", folder / "rig.toml", "--listen",
+           fmt::format("ifacialmocap://127.0.0.1:{}", free_port()), "--page", "off", "--json", "--for", "5"});
+  EXPECT_THAT(closed.err, HasSubstr("open iFacialMocap on the phone"));
+  EXPECT_THAT(closed.err, testing::Not(HasSubstr("is asked again")));
 }
 
 TEST(PhoneProgram, WhatItIsForHasToBeSaid) {

@@ -19,6 +19,25 @@ TEST(Toml, RepeatsAtMostFortyLettersOfIt) {
   EXPECT_LT(said.size(), 200U);
 }
 
+TEST(Toml, TextsInDoubleQuotesMayBeOfAnyLanguage) {
+  const auto parsed = parse_toml(R"(# Grüße
+a = "Größe ¿qué? 🙂 \u00e4\\"
+b = """\
+  un été,
+  l'œil"""
+c = ["", "ß"]
+)",
+                                 "here");
+  ASSERT_TRUE(parsed) << parsed.error().message();
+  EXPECT_EQ((*parsed)["a"].value<std::string>(), "Größe ¿qué? 🙂 ä\\");
+  EXPECT_EQ((*parsed)["b"].value<std::string>(), "un été,\n  l'œil");
+  EXPECT_EQ((*parsed)["c"][1].value<std::string>(), "ß");
+  for (const char* text : {"ä = 1", "a = ä", "a = 'ä'", "a = \"\xff\"", "a = \"\xc3\"", R"(a = "\ä")"}) {
+    const std::string said = refusal(text);
+    EXPECT_TRUE(said.starts_with("rig.toml, line ")) << text << ": " << said;
+  }
+}
+
 TEST(Toml, AnErrorIsOneLineThatNoTerminalObeys) {
   for (const char* text :
        {"a = \"one\ntwo\"", "\x1b]0;pwned\x07 = 1", "a\nb", "a = 1 \x1b[2J", "a = '\x07'",

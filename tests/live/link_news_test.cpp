@@ -62,6 +62,19 @@ TEST(LinkNews, ManyAtOnceAreOneSentence) {
   EXPECT_EQ(texts(news, 2, {event(false, "a"), event(false, "b")}), (Texts{"a is back", "b is back"}));
 }
 
+TEST(LinkNews, AFaceThatIsNotSeenIsSaidApartFromTheLink) {
+  LinkNews news;
+  const auto face = [](bool lost) {
+    return take::Event{lost ? "face_lost" : "face_back", {}, {}, R"({"sensor": "phone"})"};
+  };
+  EXPECT_EQ(texts(news, 1, {face(true)}), Texts{"phone sees no face"});
+  EXPECT_EQ(texts(news, 2, {event(true, "phone")}), Texts{"phone is lost"});
+  EXPECT_EQ(texts(news, 3, {event(false, "phone"), face(false)}),
+            (Texts{"phone is back", "phone sees the face again"}));
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(texts(news, 4 + i, {face(i % 2 == 0)}), Texts());
+  EXPECT_EQ(texts(news, 14, {}), Texts{"phone lost the face 2 more times in 10 s and sees it now"});
+}
+
 TEST(LinkNews, PassesOverWhatIsNoLinkAndWhatNamesNone) {
   LinkNews news;
   EXPECT_FALSE(LinkNews::is_about_a_link({"calibrated", {}, {}, {}}));

@@ -124,11 +124,20 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
 
   session::Report::Prompts& prompts = now.report.prompts;
   prompts.state = "running";
-  prompts.name = "smile";
-  prompts.say = "Smile";
-  prompts.target[face::shape("mouthSmile_L")] = 0.6F;
-  prompts.next = "open";
-  prompts.next_target[face::shape("jawOpen")] = 1;
+  prompts.prompt.name = "smile";
+  prompts.prompt.say = "Smile";
+  prompts.prompt.target[face::shape("mouthSmile_L")] = 0.6F;
+  prompts.prompt.text = "Read.";
+  prompts.prompt.block = "calm";
+  prompts.prompt.emotion = "joy";
+  prompts.prompt.language = "en";
+  prompts.prompt.own_pace = true;
+  prompts.prompt.attempt = 2;
+  prompts.poor = {"chin was lost"};
+  prompts.again = 3;
+  prompts.next.name = "open";
+  prompts.next.text = "And.";
+  prompts.next.target[face::shape("jawOpen")] = 1;
   prompts.number = 2;
   prompts.of = 9;
   prompts.progress = 0.25;
@@ -137,8 +146,10 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
   now.recording_ends_s = 60;
   said = Json::parse(status_json(now, glasses()));
   EXPECT_EQ(said["prompts"], Json::parse(R"({"state": "running", "name": "smile", "say": "Smile",
-    "target": {"mouthSmile_L": 0.6}, "next": {"name": "open", "target": {"jawOpen": 1.0}}, "number": 2, "of": 9,
-    "progress": 0.25, "remaining_s": 1.5, "left_s": 21.0})"));
+    "text": "Read.", "block": "calm", "emotion": "joy", "language": "en", "own_pace": true, "attempt": 2,
+    "poor": ["chin was lost"], "again": 3,
+    "target": {"mouthSmile_L": 0.6}, "next": {"name": "open", "text": "And.", "target": {"jawOpen": 1.0}},
+    "number": 2, "of": 9, "progress": 0.25, "remaining_s": 1.5, "left_s": 21.0})"));
   EXPECT_EQ(said["recording"]["ends_s"], 60);
 
   prompts = {};
@@ -148,6 +159,21 @@ TEST(PageMessages, StatusHasALevelWhereThereIsOneAndPromptsWhileTheyAreAskedFor)
   EXPECT_EQ(said["prompts"]["state"], "over");
   EXPECT_TRUE(said["prompts"]["target"].is_null());
   EXPECT_TRUE(said["prompts"]["next"].is_null());
+}
+
+TEST(PageMessages, StatusTellsOfADatasetsRecordingOnceThereWasOne) {
+  Status now = status();
+  EXPECT_TRUE(Json::parse(status_json(now, glasses()))["dataset"].is_null());
+  now.dataset = DatasetRecording::State{.name = "faces",
+                                        .performer = "anna",
+                                        .take = "anna.mien",
+                                        .lines = 7,
+                                        .done = 3,
+                                        .over = true,
+                                        .error = "the disk is full"};
+  EXPECT_EQ(Json::parse(status_json(now, glasses()))["dataset"],
+            Json::parse(R"({"name": "faces", "performer": "anna", "take": "anna.mien", "lines": 7, "done": 3,
+              "over": true, "error": "the disk is full"})"));
 }
 
 TEST(PageMessages, StatusTellsWhoCanSend) {

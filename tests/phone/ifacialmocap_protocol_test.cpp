@@ -45,8 +45,10 @@ TEST(IFacialMocapProtocol, WhoSeesNoFaceIsThereAndDamageIsRefused) {
   EXPECT_EQ(hear("trackingStatus&0|jawOpen&50|"), Verdict::taken);
   EXPECT_TRUE(inbox.readings.empty());
   EXPECT_EQ(inbox.alive, (sensor::DeviceKey{kIFacialMocapDevice, 0}));
+  EXPECT_EQ(inbox.no_face, inbox.alive);
   EXPECT_EQ(hear("jawOpen&50|=head#1|"), Verdict::malformed);
   EXPECT_FALSE(inbox.alive);
+  EXPECT_FALSE(inbox.no_face);
 }
 
 }  // namespace

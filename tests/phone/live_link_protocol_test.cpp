@@ -97,10 +97,12 @@ TEST(LiveLinkProtocol, WhatComesLateOrTwiceIsCountedSo) {
 TEST(LiveLinkProtocol, WithoutAFaceThePhoneIsThere) {
   Heard heard;
   heard.hear(frame(1));
+  EXPECT_FALSE(heard.inbox.no_face);
   ASSERT_EQ(heard.hear({.device_id = "phone", .frame = 2}), Verdict::taken);
   EXPECT_TRUE(heard.inbox.readings.empty());
   ASSERT_TRUE(heard.inbox.alive);
   EXPECT_EQ(heard.inbox.alive->device, kLiveLinkDevice);
+  EXPECT_EQ(heard.inbox.no_face, heard.inbox.alive);
 }
 
 TEST(LiveLinkProtocol, FramesWithoutAFaceAreNotLost) {

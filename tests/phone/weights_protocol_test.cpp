@@ -39,6 +39,7 @@ TEST(WeightsProtocol, OnePacketIsSamplesOfOneSequenceAndTime) {
     EXPECT_TRUE(add_sample(reading.sample, face));
   }
   EXPECT_EQ(face, packet.face);
+  EXPECT_FALSE(inbox.no_face);
   EXPECT_EQ(inbox.batteries.at(0).percent, 40);
   inbox.clear();
   bytes[50] ^= std::byte{1};
@@ -57,6 +58,17 @@ TEST(WeightsProtocol, WhoTellsNothingIsAlive) {
   EXPECT_TRUE(inbox.readings.empty());
   ASSERT_TRUE(inbox.alive);
   EXPECT_EQ(inbox.alive->device, packet.device);
+  EXPECT_FALSE(inbox.no_face) << "it does not say why";
+}
+
+TEST(WeightsProtocol, WhoHoldsSeesNoFace) {
+  Packet packet = whole_face();
+  packet.face.origin = Origin::held;
+  WeightsProtocol protocol;
+  sensor::Inbox inbox;
+  ASSERT_EQ(protocol.receive({}, 1, encode_packet(packet).value(), inbox), Verdict::taken);
+  EXPECT_EQ(inbox.readings.size(), kMostParts);
+  EXPECT_EQ(inbox.no_face, (sensor::DeviceKey{packet.device, 0}));
 }
 
 }  // namespace

@@ -79,6 +79,7 @@ TEST(LinkHealth, HasANameForEveryState) {
   EXPECT_EQ(link_state_name(LinkState::unchanged), "unchanged");
   EXPECT_EQ(link_state_name(LinkState::restarted), "restarted");
   EXPECT_EQ(link_state_name(LinkState::duplicate), "duplicate");
+  EXPECT_EQ(link_state_name(LinkState::no_face), "no_face");
 }
 
 TEST(LinkHealth, IsSilentUntilASampleComes) {
@@ -507,56 +508,12 @@ TEST(LinkHealth, AskingChangesNothing) {
   EXPECT_EQ(x.rate_hz, y.rate_hz);
 }
 
-/// A program at 60 Hz that tells a face in three parts of one time.
-struct Parts {
-  std::uint32_t sequence = 0;
-  bool still = false;
-  float value = 0;
-  [[nodiscard]] HostTime arrival() const { return HostTime(5 * kMs + sequence * 16 * kMs); }
-  void send(LinkHealth& link, int times = 1) {
-    if (!still) value += 0.01F;
-    for (int time = 0; time < times; ++time)
-      for (int part = 0; part < 3; ++part) {
-        Sample s;
-        s.kind = part < 2 ? SampleKind::weights : SampleKind::head_pose;
-        s.sequence = sequence;
-        s.time = DeviceTime(sequence * 16 * kMs);
-        s.count = 5;
-        // The first part never changes, as half of a face that rests.
-        s.values = {1, 1, part < 2 ? 13.0F * static_cast<float>(part) : 0, 0, part == 0 ? 0 : value};
-        link.add(arrival(), s, false);
-      }
-    ++sequence;
-  }
-};
-
-TEST(LinkHealth, AReadingInPartsIsOneSample) {
+TEST(LinkHealth, ALivingBoardSaysNothingOfItsSensor) {
   LinkHealth link;
-  Parts face;
-  for (int i = 0; i < 300; ++i) face.send(link);
-  LinkReport report = link.report(face.arrival(), {});
-  EXPECT_EQ(report.state, LinkState::good);
-  EXPECT_NEAR(report.rate_hz, 1000.0 / 16, 2);
-  EXPECT_EQ(report.lost + report.late + report.doubled + report.reordered + report.restarts, 0U);
-  ++face.sequence;
-  face.send(link, 2);
-  report = link.report(face.arrival(), {});
-  EXPECT_EQ(report.lost, 1U);
-  EXPECT_EQ(report.doubled, 1U) << "came twice at one moment";
-}
-
-TEST(LinkHealth, SeesAReadingInPartsThatIsFrozen) {
-  LinkHealth link;
-  Parts face;
-  for (int i = 0; i < 300; ++i) face.send(link);
-  face.still = true;
-  for (int i = 0; i < 20; ++i) face.send(link);
-  EXPECT_EQ(state(link, face.arrival()), LinkState::good);
-  for (int i = 0; i < 20; ++i) face.send(link);
-  EXPECT_EQ(state(link, face.arrival()), LinkState::frozen);
-  face.still = false;
-  for (int i = 0; i < 2; ++i) face.send(link);
-  EXPECT_EQ(state(link, face.arrival()), LinkState::good);
+  Node node;
+  HostTime now = play(link, node, 1);
+  for (int i = 0; i < 20; ++i) link.add_alive(now += 50 * kMs);
+  EXPECT_EQ(state(link, now), LinkState::lost);
 }
 
 }  // namespace

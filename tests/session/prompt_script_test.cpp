@@ -41,6 +41,38 @@ weights = { mouthSmile = 1, browInnerUp_L = 0.25, jawOpen = 0.5 }
   EXPECT_EQ(script->seconds(), 14);
 }
 
+TEST(PromptScript, LinesHaveTextsAndLabels) {
+  const auto script = parse_prompts(R"(
+language = "de"
+[[prompt]]
+name = "calm 1"
+block = "calm"
+emotion = "neutral"
+text = "Größe übt leise."
+own_pace = true
+[[prompt]]
+name = "calm 2"
+block = "calm"
+text = "Read on."
+language = "en"
+[[prompt]]
+name = "smile"
+block = "expressions"
+weights = { mouthSmile = 1 }
+)",
+                                    "here");
+  ASSERT_TRUE(script) << script.error().message();
+  EXPECT_EQ(script->language, "de");
+  ASSERT_EQ(script->prompts.size(), 3u);
+  EXPECT_EQ(script->prompts[0].text, "Größe übt leise.");
+  EXPECT_EQ(script->prompts[0].language, "de");
+  EXPECT_EQ(script->prompts[0].emotion, "neutral");
+  EXPECT_TRUE(script->prompts[0].own_pace);
+  EXPECT_EQ(script->prompts[1].language, "en");
+  EXPECT_FALSE(script->prompts[1].own_pace);
+  EXPECT_EQ(script->prompts[2].language, "") << "nothing is read";
+}
+
 TEST(PromptScript, APoseLastsThreeSecondsUnlessItIsSaid) {
   const auto script = parse_prompts("[[prompt]]\nname = \"a\"\n", "here");
   ASSERT_TRUE(script);
@@ -58,6 +90,9 @@ TEST(PromptScript, RefusesEachMistakeAloneAndSaysWhere) {
       {"[[prompt]]\nname = \"a\"\nsay = 1", "'say' is not text"},
       {"[[prompt]]\nname = \"a\"\nseconds = \"3\"", "'seconds' is not a number"},
       {"[[prompt]]\nname = \"a\"\nseconds = true", "'seconds' is not a number"},
+      {"[[prompt]]\nname = \"a\"\nown_pace = 1", "'own_pace' is neither"},
+      {"[[prompt]]\nname = \"a\"\nblock = \"b\"\n[[prompt]]\nname = \"a\"\nblock = \"b\"",
+       "'a' is there twice"},
       {"[[prompt]]\nname = \"a\"\nseconds = 0", "lasts 0 s"},
       {"[[prompt]]\nname = \"a\"\nseconds = nan", "lasts nan s"},
       {"seconds = -1\n[[prompt]]\nname = \"a\"", "lasts -1 s"},

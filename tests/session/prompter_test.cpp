@@ -1,5 +1,7 @@
 #include "mien/session/prompter.h"
 
+#include "mien/take/take.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -27,7 +29,8 @@ DeviceTime frame(double seconds) {
 std::vector<take::Event> run(Prompter& prompter, double from_s, double to_s) {
   std::vector<take::Event> events;
   for (auto i = static_cast<std::int64_t>(from_s * 60); i < static_cast<std::int64_t>(to_s * 60); ++i)
-    if (auto event = prompter.at(DeviceTime(frame_offset(i)))) events.push_back(*std::move(event));
+    if (const auto shown = prompter.at(DeviceTime(frame_offset(i))))
+      events.push_back({"prompt", shown->begin, shown->end, prompt_event_json(shown->prompt)});
   return events;
 }
 
@@ -136,6 +139,119 @@ TEST(Prompter, WhereFramesAreMissingThePoseWaits) {
   EXPECT_EQ(events[0].begin, frame(101)) << "nobody saw it before";
 }
 
+Prompt line(const std::string& name, const std::string& block) {
+  Prompt prompt;
+  prompt.name = name;
+  prompt.text = "Grüß Gott";
+  prompt.block = block;
+  prompt.seconds = 4;
+  prompt.own_pace = true;
+  return prompt;
+}
+
+TEST(Prompter, ABlockWaitsUntilItIsBegunAndALineUntilThePerformerGoesOn) {
+  Prompter prompter;
+  ASSERT_TRUE(prompter.add(line("one", "calm")));
+  ASSERT_TRUE(prompter.add(line("two", "calm")));
+  ASSERT_TRUE(prompter.add(line("three", "emotional")));
+  EXPECT_TRUE(run(prompter, 0, 60).empty());
+  EXPECT_EQ(prompter.place(frame(60)).state, State::block);
+  EXPECT_FALSE(prompter.go_on()) << "nothing is shown";
+  ASSERT_TRUE(prompter.begin_block());
+  EXPECT_FALSE(prompter.begin_block()) << "it is begun";
+  run(prompter, 60, 62);
+  EXPECT_EQ(prompter.place(frame(62)).state, State::ready);
+  EXPECT_TRUE(run(prompter, 62, 90).empty()) << "longer than usual, and nobody went on";
+  ASSERT_TRUE(prompter.go_on());
+  auto events = run(prompter, 90, 95);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].begin, frame(63));
+  EXPECT_EQ(events[0].end, frame(90));
+  EXPECT_EQ(events[0].json, "{\"name\": \"one\", \"text\": \"Grüß Gott\", \"block\": \"calm\"}");
+  EXPECT_EQ(prompter.place(frame(95)).state, State::running) << "the next one at once";
+  ASSERT_TRUE(prompter.go_on());
+  EXPECT_EQ(run(prompter, 95, 120).size(), 1u);
+  EXPECT_EQ(prompter.place(frame(120)).state, State::block) << "another block";
+  EXPECT_EQ(prompter.place(frame(120)).number, 3u);
+}
+
+TEST(Prompter, ALineIsReadAgainFromItsBeginningOrTheOneBeforeIt) {
+  Prompter prompter;
+  ASSERT_TRUE(prompter.add(line("one", "calm")));
+  ASSERT_TRUE(prompter.add(line("two", "calm")));
+  run(prompter, 0, 1);
+  ASSERT_TRUE(prompter.begin_block());
+  run(prompter, 1, 8);
+  ASSERT_TRUE(prompter.repeat());
+  run(prompter, 8, 12);
+  ASSERT_TRUE(prompter.go_on());
+  auto events = run(prompter, 12, 12.5);
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].begin, frame(9)) << "anew, after a second";
+  ASSERT_TRUE(prompter.repeat()) << "the second has hardly begun";
+  run(prompter, 12.5, 16);
+  EXPECT_EQ(prompter.place(frame(16)).prompt->name, "one");
+  ASSERT_TRUE(prompter.repeat());
+  ASSERT_TRUE(prompter.repeat());
+  run(prompter, 16, 18);
+  EXPECT_EQ(prompter.place(frame(18)).prompt->name, "one") << "nothing is before it";
+}
+
+TEST(Prompter, ALineIsOverWhenItWasSpokenWhereTheVoiceIsFollowed) {
+  for (const bool follow : {true, false}) {
+    Prompter prompter;
+    prompter.follow_voice(follow);
+    ASSERT_TRUE(prompter.add(line("one", "calm")));
+    run(prompter, 0, 1);
+    ASSERT_TRUE(prompter.begin_block());
+    std::optional<Prompter::Shown> shown;
+    for (int i = 60; i < 60 * 12 && !shown; ++i) {
+      // Silence, a word, a breath, the rest of it, silence.
+      const double s = i / 60.0;
+      shown = prompter.at(DeviceTime(frame_offset(i)), (s > 6 && s < 6.3) || (s > 7 && s < 9));
+    }
+    ASSERT_EQ(shown.has_value(), follow);
+    if (follow) {
+      EXPECT_NEAR(to_seconds(shown->end - frame(0)), 9 + 1.2, 0.05);
+    }
+  }
+}
+
+TEST(Prompter, WhatWasPoorIsAskedForAgainAtTheEndTwiceAtMostAndNotWhenItWasGoodAfterAll) {
+  Prompter prompter;
+  Prompt first = line("one", "calm");
+  first.own_pace = false;
+  Prompt second = first;
+  second.name = "two";
+  ASSERT_TRUE(prompter.add(first));
+  ASSERT_TRUE(prompter.add(second));
+  run(prompter, 0, 1);
+  ASSERT_TRUE(prompter.begin_block());
+  ASSERT_EQ(run(prompter, 1, 8.5).size(), 1u);
+  EXPECT_TRUE(prompter.ask_again(first));
+  EXPECT_EQ(prompter.place(frame(9)).again, 1u);
+  ASSERT_EQ(run(prompter, 8.5, 30).size(), 1u);
+  EXPECT_EQ(prompter.place(frame(30)).state, State::block) << "once more";
+  EXPECT_EQ(prompter.place(frame(30)).prompt->attempt, 2);
+  Prompt third = first;
+  third.attempt = 2;
+  EXPECT_TRUE(prompter.ask_again(third));
+  EXPECT_EQ(prompter.place(frame(30)).of, 4u);
+  prompter.accept(first);
+  EXPECT_EQ(prompter.place(frame(30)).state, State::over);
+  third.attempt = kMaxAttempts;
+  EXPECT_FALSE(prompter.ask_again(third));
+}
+
+TEST(Prompter, WhereNobodyGoesOnItPausesBeforeTheTakeIsFullOfNothing) {
+  Prompter prompter;
+  ASSERT_TRUE(prompter.add(line("one", "calm")));
+  run(prompter, 0, 1);
+  ASSERT_TRUE(prompter.begin_block());
+  EXPECT_TRUE(run(prompter, 1, 700).empty());
+  EXPECT_EQ(prompter.place(frame(700)).state, State::paused);
+}
+
 TEST(Prompter, RefusesEachMistakeAlone) {
   Prompter prompter;
   const auto refused = [&](auto change) {
@@ -149,6 +265,13 @@ TEST(Prompter, RefusesEachMistakeAlone) {
   EXPECT_TRUE(refused([](Prompt& p) { p.name = "a\x1b[2J"; }));
   EXPECT_TRUE(refused([](Prompt& p) { p.say = std::string(201, 'a'); }));
   EXPECT_TRUE(refused([](Prompt& p) { p.say = "\n"; }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.text = std::string(2001, 'a'); }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.text = "\xff is no UTF-8"; }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.text = "two\nlines"; }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.block = std::string(41, 'a'); }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.emotion = "\x1b"; }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.language = std::string(36, 'a'); }));
+  EXPECT_TRUE(refused([](Prompt& p) { p.attempt = 0; }));
   EXPECT_TRUE(refused([](Prompt& p) { p.seconds = 0.4; }));
   EXPECT_TRUE(refused([](Prompt& p) { p.seconds = 601; }));
   EXPECT_TRUE(refused([](Prompt& p) { p.seconds = std::numeric_limits<double>::quiet_NaN(); }));

@@ -10,9 +10,11 @@
 
 #include "mien/imu/packets/packet.h"
 #include "mien/imu/packets/slimevr.h"
+#include "mien/phone/live_link_protocol.h"
 #include "mien/sensor/bindings.h"
 #include "mien/session/command.h"
 #include "mien/session/replay.h"
+#include "tests/phone/live_link_bytes.h"
 #include "tests/session/session_run.h"
 
 namespace mien::session::receiver_test {
@@ -91,6 +93,54 @@ TEST(Receiver, ADeviceThatTheLogBindsAnewIsTheOtherSensorFromThereOn) {
   EXPECT_GT(std::count_if(bound, received.items.end(), [](const auto& i) { return i.sensor == 0; }), 100);
   EXPECT_EQ(std::count_if(bound, received.items.end(), [](const auto& i) { return i.sensor == 1; }), 0);
   EXPECT_GT(received.of(1), 100);
+}
+
+TEST(Receiver, KnowsAtATickWhoIsLostAndWhoSeesNoFace) {
+  sensor::Rig rig = virt::test::three_sensors();
+  for (std::size_t i = 0; i < rig.sensors.size(); ++i)
+    rig.sensors[i].device = sensor::format_device({sensor::virtual_device(i), 0});
+  const auto phone = static_cast<std::uint16_t>(rig.sensors.size());
+  rig.sensors.push_back({.name = "phone",
+                         .kind = "weights",
+                         .role = "truth",
+                         .device = sensor::format_device({phone::kLiveLinkDevice, 0})});
+  std::vector<std::unique_ptr<sensor::Protocol>> protocols;
+  protocols.push_back(std::make_unique<phone::LiveLinkProtocol>());
+  const auto receiver = Receiver::create(std::move(rig), std::move(protocols)).value();
+  Received received;
+  std::vector<std::string> news;
+  const auto watch = [&](double at_s) {
+    receiver->watch_links(HostTime(from_seconds(at_s)), [&](std::uint16_t sensor, LinkChange what) {
+      EXPECT_EQ(sensor, phone);
+      news.emplace_back(link_change_name(what));
+    });
+  };
+  const auto hear = [&](double from_s, double to_s, bool face) {
+    for (auto n = static_cast<std::int32_t>(60 * from_s); n < 60 * to_s; ++n) {
+      phone::test::LiveLinkFields fields{.frame = 1000 + n};
+      if (face) fields.values.emplace().fill(0.25F);
+      const auto bytes = phone::test::live_link_bytes(fields);
+      EXPECT_EQ(receiver->receive(HostTime(from_seconds(n / 60.0)), {1, "a phone"}, bytes, received).verdict,
+                sensor::Verdict::taken);
+    }
+  };
+  watch(0);
+  EXPECT_FALSE(receiver->is_lost(phone)) << "it was never heard";
+  hear(0, 2, true);
+  watch(2);
+  EXPECT_FALSE(receiver->is_lost(phone) || receiver->has_no_face(phone));
+  hear(2, 4, false);
+  EXPECT_FALSE(receiver->has_no_face(phone)) << "not asked since";
+  watch(4);
+  EXPECT_TRUE(receiver->has_no_face(phone));
+  EXPECT_FALSE(receiver->is_lost(phone));
+  watch(6);
+  EXPECT_TRUE(receiver->is_lost(phone));
+  EXPECT_FALSE(receiver->has_no_face(phone));
+  hear(7, 8, true);
+  watch(8);
+  EXPECT_FALSE(receiver->is_lost(phone) || receiver->has_no_face(phone));
+  EXPECT_EQ(news, (std::vector<std::string>{"face_lost", "sensor_lost", "sensor_back", "face_back"}));
 }
 
 TEST(Receiver, CommandsThatBindNothingArePassedOver) {

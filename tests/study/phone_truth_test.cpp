@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "mien/builtin_face/load_face.h"
 #include "mien/model/model_file.h"
@@ -83,6 +85,58 @@ TEST(PhoneTruth, StandsBesideThePerformersOwn) {
   // What rests on the phone's face is told from the neutral hold.
   EXPECT_GT(*std::ranges::max_element(truth->rest.values), 0.05F);
   EXPECT_EQ(taught_by(*truth).size(), truth->frames.size());
+}
+
+/// Three taps on the chin, whose moments are the sensors' time in s: in every sensor's acceleration, and as a
+/// push of the jaw. (A virtual performer does not tap, so they are drawn here.)
+void tap(Filmed& take, PhoneTrack& track, double phone_at_s, std::span<const double> taps) {
+  constexpr std::size_t kJaw = face::shape("jawOpen");
+  const auto pulse = [](double off_s) { return std::exp(-0.5 * off_s * off_s / (0.02 * 0.02)); };
+  const auto around = [&](double time_s) { return time_s > taps.front() - 2 && time_s < taps.back() + 2; };
+  for (model::FeatureFrame& frame : take.features) {
+    const double time_s = to_seconds(frame.time - take.features.front().time);
+    if (!around(time_s)) continue;
+    for (model::SensorFeature& sensor : frame.sensors) {
+      sensor.accel_m_s2.setZero();
+      for (const double at : taps) sensor.accel_m_s2.z() += static_cast<float>(12 * pulse(time_s - at));
+    }
+  }
+  for (face::MotionFrame& frame : track.motion.frames) {
+    if (!around(frame.time_s + phone_at_s)) continue;
+    frame.weights[kJaw] = 0.1F;
+    for (const double at : taps)
+      frame.weights[kJaw] += static_cast<float>(0.1 * pulse(frame.time_s + phone_at_s - at));
+  }
+}
+
+TEST(PhoneTruth, OfAFileBeginsWithTapsAndElseAnywhere) {
+  Filmed take = filmed({});
+  PhoneTrack track = track_of(take).value();
+  const auto by_arrivals = phone_truth(take.session.events, take.features, track);
+  ASSERT_TRUE(by_arrivals) << by_arrivals.error().message();
+  EXPECT_EQ(by_arrivals->guess, FirstGuess::arrivals);
+  track.prior.reset();  // As of a file.
+  const auto anywhere = phone_truth(take.session.events, take.features, track);
+  ASSERT_TRUE(anywhere) << anywhere.error().message();
+  EXPECT_EQ(anywhere->guess, FirstGuess::none);
+  const double offset_s = by_arrivals->alignment.offset_s;
+  EXPECT_NEAR(anywhere->alignment.offset_s, offset_s, 5e-3);
+
+  const double begin_s = offset_s + track.motion.duration_s() - 10;
+  const std::array<double, 3> taps = {begin_s, begin_s + 0.35, begin_s + 0.8};
+  PhoneTrack tapped = track;
+  tap(take, tapped, offset_s, taps);
+  const auto by_taps = phone_truth(take.session.events, take.features, tapped);
+  ASSERT_TRUE(by_taps) << by_taps.error().message();
+  EXPECT_EQ(by_taps->guess, FirstGuess::taps);
+  EXPECT_NEAR(by_taps->alignment.offset_s, offset_s, 10e-3);
+  // Taps of something else, three seconds off: what the face says is believed.
+  PhoneTrack wrongly = track;
+  tap(take, wrongly, offset_s + 3, taps);
+  const auto despite = phone_truth(take.session.events, take.features, wrongly);
+  ASSERT_TRUE(despite) << despite.error().message();
+  EXPECT_EQ(despite->guess, FirstGuess::none);
+  EXPECT_NEAR(despite->alignment.offset_s, offset_s, 10e-3);
 }
 
 TEST(PhoneTruth, ALeapOfItsClockLeavesTheLongestStretch) {

@@ -66,6 +66,19 @@ TEST(Recipe, ACausalOneHasKeysOfItsOwn) {
   EXPECT_TRUE(parse_recipe(*read_text(project_path("models/recipes/live.toml")), "live.toml"));
 }
 
+TEST(Recipe, AsksForTakesByATableOfTheirOwn) {
+  const auto share = [](const std::string& table) {
+    const auto r = parse_recipe("[budget]\nsteps = 1\n" + table, "test");
+    EXPECT_TRUE(r) << r.error().message();
+    return r->takes_share;
+  };
+  EXPECT_EQ(share(""), std::nullopt);
+  EXPECT_EQ(share("[takes]\n"), kUsualTakesShare);
+  EXPECT_EQ(share("[takes]\nshare = 0.25\n"), 0.25);
+  EXPECT_EQ(share("[takes]\nshare = 1\n"), 1) << "takes alone";
+  EXPECT_EQ(share("[takes]\nshare = 0\n"), 0);
+}
+
 TEST(Recipe, RefusesEachWrongThingInOneLine) {
   const std::string budget = "[budget]\nsteps = 1\n";
   for (const std::string& text : {std::string("seed = 1\n"),
@@ -89,6 +102,11 @@ TEST(Recipe, RefusesEachWrongThingInOneLine) {
                                   budget + "[sampler]\nsteps = [0]\n",
                                   budget + "[sampler]\nsteps = [1.5]\n",
                                   budget + "[sampler]\nsteps = [2000]\n",
+                                  budget + "[takes]\nshare = 1.1\n",
+                                  budget + "[takes]\nshare = nan\n",
+                                  budget + "[takes]\nshare = \"half\"\n",
+                                  budget + "[takes]\npeople = 3\n",
+                                  "takes = 0.5\n" + budget,
                                   "network = 3\n" + budget,
                                   std::string("[budget\n"),
                                   std::string()}) {

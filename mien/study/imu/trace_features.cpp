@@ -1,10 +1,16 @@
 #include "mien/study/imu/trace_features.h"
 
+#include <string_view>
+
 #include "mien/modalities/modalities.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/session/replay.h"
 
 namespace mien::study {
 namespace {
+
+/// The kind of sensors that the pipeline is of.
+constexpr std::string_view kImu = "imu";
 
 /// Hands samples to a pipeline.
 class Feed final : public session::SampleConsumer {
@@ -24,7 +30,7 @@ Result<std::vector<model::FeatureFrame>> trace_features(
     std::span<const take::Tick> ticks, const imu::PipelineSettings& settings, imu::Calibration* calibration) {
   MIEN_TRY_ASSIGN(auto protocols, modalities::make_protocols());
   MIEN_TRY_ASSIGN(const auto receiver, session::Receiver::create(rig, std::move(protocols)));
-  imu::Pipeline pipeline(rig, settings);
+  imu::Pipeline pipeline(sensor::part_of(rig, kImu), settings);
   for (const take::Event& event : events)
     if (const auto phase = imu::phase_of(event.kind)) pipeline.mark(*phase, event.begin, event.end);
   Feed feed(pipeline);
@@ -37,6 +43,10 @@ Result<std::vector<model::FeatureFrame>> trace_features(
       });
   if (calibration != nullptr) *calibration = pipeline.calibration();
   return frames;
+}
+
+std::vector<std::string> traced_sensor_names(const sensor::Rig& rig) {
+  return sensor::part_of(rig, kImu).face_sensor_names();
 }
 
 }  // namespace mien::study

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "mien/core/error.h"
@@ -18,5 +19,8 @@ namespace mien::study {
     const sensor::Rig& rig, std::span<const take::Event> events, std::span<const take::LogEntry> entries,
     std::span<const take::Tick> ticks, const imu::PipelineSettings& settings = {},
     imu::Calibration* calibration = nullptr);
+
+/// Names of the entries of such features: the face's IMUs, whatever else the rig has; empty: it has none.
+[[nodiscard]] std::vector<std::string> traced_sensor_names(const sensor::Rig& rig);
 
 }  // namespace mien::study

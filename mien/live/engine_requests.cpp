@@ -1,0 +1,244 @@
+#include "mien/live/engine_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "mien/live/page_messages.h"
+#include "mien/live/page_requests.h"
+#include "mien/session/command.h"
+
+// What pages ask of a session.
+namespace mien::live {
+namespace {
+
+using nlohmann::json;
+
+/// Half a frame: none of a take that is played is shown late by more.
+constexpr auto kPlayStep = std::chrono::milliseconds(8);
+
+/// Names of files need not be UTF-8.
+std::string dumped(const json& object) {
+  return object.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace
+
+void Engine::State::wait_for_play() {
+  play.expires_after(kPlayStep);
+  play.async_wait([this](boost::system::error_code code) {
+    if (code || !player.on()) return;
+    if (const auto moment = player.next(now())) {
+      sink::write_frame_json(*moment->frame, moment->index, moment->truth, frame_text);
+      page->send_frame(frame_text);
+    }
+    wait_for_play();
+  });
+}
+
+void Engine::State::on_message(std::uint64_t client, std::string_view text) {
+  try {
+    answer(client, text);
+  } catch (const std::exception& error) {
+    page->send(client, reply_json(0, error.what()));  // Nothing that a page says ends the session.
+  }
+}
+
+void Engine::State::answer(std::uint64_t client, std::string_view text) {
+  const json command = json::parse(text, nullptr, false);
+  if (!command.is_object() || !command.contains("command") || !command["command"].is_string()) {
+    page->send(client, reply_json(0, "not a command; docs/reference/page_protocol.md lists them"));
+    return;
+  }
+  const std::int64_t number =
+      command.contains("id") && command["id"].is_number_integer() ? command["id"].get<std::int64_t>() : 0;
+  if (session::is_session_command(command["command"].get<std::string>())) {
+    if (!intake.command(client, number, text))
+      page->send(client, reply_json(number, "the session is busy; try again"));
+    return;
+  }
+  if (command["command"] == "dataset") {
+    answer_dataset(client, number, command);
+    return;
+  }
+  const Result<std::string> done = execute(client, command);
+  page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
+}
+
+Result<std::string> Engine::State::execute(std::uint64_t client, const json& command) {
+  const std::string name = command["command"].get<std::string>();
+  if (name == "record") return execute_record(command);
+  if (name == "sink") return execute_sink(command);
+  if (name == "replay") return execute_replay(command);
+  if (name == "listen") return execute_listen(command);
+  if (name == "pair") return execute_pair();
+  if (name == "microphone") {
+    MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
+    MIEN_TRY(hearing.microphone(client, on, *page));
+    return std::string();
+  }
+  if (name == "pictures") {
+    MIEN_TRY_ASSIGN(const bool on, switch_field(command, name));
+    MIEN_TRY_ASSIGN(const bool first, pictures.show(client, on));
+    if (first) tell("pictures", "a page is shown what the cameras see");
+    return std::string();
+  }
+  if (name == "save_rig") return save_views(settings.rig, session->rig(), loop.report().links);
+  if (name == "takes") return dumped(list_takes(true));
+  return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
+}
+
+Result<std::string> Engine::State::execute_record(const json& command) {
+  MIEN_TRY_ASSIGN(const bool on, switch_field(command, "record"));
+  if (!on) {
+    recorder.end(notes());
+    return std::string();
+  }
+  MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(settings.takes, text_field(command, "name")));
+  MIEN_TRY(start_recording(path, settings.header, false));
+  return dumped(json({{"take", path.string()}}));
+}
+
+std::filesystem::path Engine::State::growing() const {
+  const Recorder::State recorded = recorder.state();
+  return recorded.on ? recorded.path : std::filesystem::path();
+}
+
+void Engine::State::answer_dataset(std::uint64_t client, std::int64_t number, const json& command) {
+  const auto reply = [this, client, number](const Result<std::string>& done) {
+    page->send(client, done ? reply_json(number, {}, *done) : reply_json(number, done.error().message()));
+  };
+  const auto refuse = [&reply](Error error) { reply(std::unexpected(std::move(error))); };
+  if (const auto begin = command.find("begin"); begin != command.end()) {
+    Result<DatasetWish> wish = dataset_wish(*begin);
+    if (!wish) return refuse(std::move(wish).error());
+    shelf.plan(*std::move(wish), growing(), [this, client, reply](Result<DatasetPlan> plan) {
+      boost::asio::post(network, [this, client, reply, plan = std::move(plan)] {
+        reply(plan ? begin_dataset(client, *plan) : std::unexpected(plan.error()));
+      });
+    });
+  } else if (command.contains("list")) {
+    shelf.list(growing(), [this, reply](Result<DatasetShelf::Contents> contents) {
+      boost::asio::post(network, [reply, contents = std::move(contents)] {
+        reply(contents ? Result<std::string>(dumped(dataset_contents_json(*contents)))
+                       : std::unexpected(contents.error()));
+      });
+    });
+  } else if (command.contains("end")) {
+    dataset.end();
+    reply(std::string());
+  } else {
+    refuse({ErrorCode::malformed, "a dataset is listed, begun or ended", "dataset",
+            "docs/reference/page_protocol.md lists the commands"});
+  }
+}
+
+Result<std::string> Engine::State::begin_dataset(std::uint64_t client, const DatasetPlan& plan) {
+  // While its takes were read another may have begun.
+  if (recorder.state().on)
+    return fail(ErrorCode::bad_usage, "a recording runs already", "dataset", "end it first");
+  std::error_code code;
+  std::filesystem::create_directory(plan.take.parent_path(), code);
+  if (code)
+    return fail(ErrorCode::io, "the dataset's folder cannot be made: " + code.message(),
+                plan.take.parent_path().string(),
+                "start the session with --takes FOLDER where there is room");
+  take::Header header = settings.header;
+  header.performer = plan.wish.consent.performer;
+  header.script = plan.wish.script;
+  MIEN_TRY(start_recording(plan.take, header, false));
+  for (const session::Command& one : dataset.begin(plan, loop.report().prompts.state))
+    if (!intake.command(client, 0, session::write_command(one))) {
+      dataset.end();
+      return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "dataset",
+                  "try again");
+    }
+  return dumped(json({{"take", plan.take.string()}, {"lines", plan.prompts.size()}, {"done", plan.done}}));
+}
+
+void Engine::State::follow_dataset(const Recorder::State& recording, const std::string& prompts) {
+  const DatasetRecording::Next next = dataset.look(recording, prompts);
+  if (next.end_recording) recorder.end(notes());
+  using session::Prompting;
+  if (next.stop_prompts) intake.command(0, 0, session::write_command(Prompting{Prompting::Do::stop}));
+}
+
+Result<std::string> Engine::State::execute_sink(const json& command) {
+  if (const std::string address = text_field(command, "add"); !address.empty()) {
+    MIEN_TRY(check_page_sink(address));
+    MIEN_TRY(add_sink(address));
+    return std::string();
+  }
+  const auto number = command.find("sink");
+  const auto outlet = std::ranges::find_if(outlets, [&](const Outlet& o) {
+    return number != command.end() && number->is_number_integer() && o.id == number->get<std::int64_t>();
+  });
+  if (outlet == outlets.end())
+    return fail(ErrorCode::not_found, "there is no such sink", "sink", "name one of the status' list");
+  if (command.contains("remove"))
+    outlets.erase(outlet);
+  else if (command.contains("on") && command["on"].is_boolean())
+    outlet->on = command["on"].get<bool>();
+  return std::string();
+}
+
+Result<std::string> Engine::State::execute_listen(const json& command) {
+  const auto only = command.find("only");
+  if (only == command.end() || !only->is_string())
+    return fail(ErrorCode::malformed, "\"only\" is missing", "listen");
+  MIEN_TRY(intake.listen_only(only->get<std::string>()));
+  tell("listening", intake.entrance().empty()
+                        ? "what comes in on any interface is received again"
+                        : fmt::format("only what comes in at {} is received", intake.entrance()));
+  return std::string();
+}
+
+Result<std::string> Engine::State::execute_pair() {
+  if (!settings.pair) return fail(ErrorCode::unsupported, "this session pairs nothing", "pair");
+  MIEN_TRY_ASSIGN(const Pairing made, settings.pair());
+  return dumped(json({{"file", made.file},
+                      {"firmware", made.firmware},
+                      {"command", made.command},
+                      {"in_force", settings.sealed}}));
+}
+
+Result<std::string> Engine::State::execute_replay(const json& command) {
+  if (const std::string name = text_field(command, "take"); !name.empty()) {
+    if (!settings.make_session) return fail(ErrorCode::unsupported, "this session replays nothing", "replay");
+    std::filesystem::path folder = settings.takes;
+    if (const std::string dataset_name = text_field(command, "dataset"); !dataset_name.empty()) {
+      MIEN_TRY(check_file_name(dataset_name, "dataset"));
+      folder /= dataset_name;
+    }
+    MIEN_TRY_ASSIGN(const std::filesystem::path path, take_path(folder, name));
+    const bool was_on = player.on();
+    player.load(path);
+    if (!was_on) wait_for_play();
+    return std::string();
+  }
+  if (!player.on())
+    return fail(ErrorCode::bad_usage, "no take is being replayed", "replay", "choose one first");
+  if (command.contains("stop")) player.stop();
+  if (command.contains("paused") && command["paused"].is_boolean())
+    player.pause(command["paused"].get<bool>(), now());
+  if (command.contains("seek") && command["seek"].is_number())
+    player.seek(command["seek"].get<double>(), now());
+  return std::string();
+}
+
+json Engine::State::list_takes(bool read_lengths) {
+  std::optional<TakeListing::Growing> growing;
+  if (const Recorder::State recorded = recorder.state(); recorded.on)
+    growing = {recorded.path, recorded.seconds};
+  return takes_json(listing.list(growing, read_lengths));
+}
+
+void Engine::State::send_takes() {
+  json message = list_takes(false);
+  message["type"] = "takes";
+  page->send(dumped(message));
+}
+
+}  // namespace mien::live

@@ -1,0 +1,19 @@
+#include "mien/study/learn_from_phone.h"
+
+#include "mien/study/imu/trace_features.h"
+
+namespace mien::study {
+
+Result<PhoneLesson> learn_from_phone(const take::Take& take, std::span<const model::FeatureFrame> features,
+                                     const PhoneTrack& track, const face::Face& face, model::ModelFile& file,
+                                     const Progress& progress) {
+  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
+  MIEN_TRY_ASSIGN(const PhoneTruth truth, phone_truth(events, features, track));
+  PhoneLesson lesson{.alignment = truth.alignment, .learnt = {}};
+  MIEN_TRY_ASSIGN(lesson.learnt,
+                  tracker::learn_correction(features, taught_by(truth), traced_sensor_names(take.rig()), face,
+                                            file, progress));
+  return lesson;
+}
+
+}  // namespace mien::study

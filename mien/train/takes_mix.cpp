@@ -1,0 +1,101 @@
+#include "mien/train/takes_mix.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "mien/core/time.h"
+
+namespace mien::train {
+namespace {
+
+constexpr double kFramesAMinute = 60 * kFrameRateHz;
+
+}  // namespace
+
+Result<double> takes_share(const Recipe& recipe, bool takes_given, const std::string& where) {
+  const double share = recipe.takes_share.value_or(takes_given ? kUsualTakesShare : 0);
+  if (share > 0 && !takes_given)
+    return fail(
+        ErrorCode::bad_usage,
+        fmt::format("the recipe draws a share of {} of its windows from takes, and none are given", share),
+        where, "name their folder with --takes, or take [takes] out of the recipe");
+  if (share == 0 && takes_given)
+    return fail(ErrorCode::bad_usage, "the recipe draws no window from the takes that are given", where,
+                "raise takes.share, or leave --takes away");
+  return share;
+}
+
+Result<study::TrainingData> as_takes(study::TrainingData takes, std::size_t window) {
+  for (study::Dataset* part : {&takes.train, &takes.validation}) {
+    std::erase_if(part->sequences, [&](const study::Sequence& s) { return s.frames < window; });
+    for (study::Sequence& s : part->sequences) s.from_take = true;
+  }
+  if (takes.train.sequences.empty())
+    return fail(ErrorCode::bad_usage,
+                fmt::format("no take to train on has {} frames in a row whose truth counts", window), "takes",
+                "record longer ones, or name more people to train on in --splits");
+  if (takes.validation.sequences.empty()) takes.validation.sensors = takes.train.sensors;
+  return takes;
+}
+
+Result<study::TrainingData> put_together(study::TrainingData performed, study::TrainingData takes) {
+  if (performed.train.sensors != takes.train.sensors || performed.train.sensors != takes.validation.sensors)
+    return fail(ErrorCode::mismatch, "takes and virtual performers have different sensors", "data set");
+  std::uint32_t next = 0;
+  for (const study::Dataset* part : {&performed.train, &performed.validation})
+    for (const study::Sequence& s : part->sequences) next = std::max(next, s.performer + 1);
+  std::map<std::uint32_t, std::uint32_t> numbers;  // Whoever were in both parts would be so with one number.
+  const auto add = [&](study::Dataset& from, study::Dataset& to) {
+    for (study::Sequence& s : from.sequences) {
+      const auto [number, fresh] = numbers.try_emplace(s.performer, next);
+      if (fresh) ++next;
+      s.performer = number->second;
+      to.sequences.push_back(std::move(s));
+    }
+  };
+  add(takes.train, performed.train);
+  add(takes.validation, performed.validation);
+  return performed;
+}
+
+double minutes_of(const study::Dataset& dataset) {
+  double frames = 0;
+  for (const study::Sequence& s : dataset.sequences) frames += static_cast<double>(s.frames);
+  return frames / kFramesAMinute;
+}
+
+TakesAmount takes_in(const study::Dataset& dataset) {
+  TakesAmount amount;
+  std::set<std::uint32_t> people;
+  for (const study::Sequence& s : dataset.sequences) {
+    if (!s.from_take) continue;
+    people.insert(s.performer);
+    amount.minutes += static_cast<double>(s.frames) / kFramesAMinute;
+  }
+  amount.people = people.size();
+  return amount;
+}
+
+FrameWeights as_drawn(const study::Dataset& dataset, double share) {
+  double performed = 0, taken = 0;
+  for (const study::Sequence& s : dataset.sequences)
+    (s.from_take ? taken : performed) += static_cast<double>(s.frames);
+  if (performed == 0 || taken == 0) return {};
+  if (share == 1) return {.performed = 0, .taken = 1};
+  return {.performed = 1, .taken = share / (1 - share) * performed / taken};
+}
+
+bool is_from_take(std::size_t index, double share, double phase) {
+  const auto until = [&](std::size_t windows) {
+    return std::floor(share * static_cast<double>(windows) + phase);
+  };
+  return until(index + 1) > until(index);
+}
+
+}  // namespace mien::train
