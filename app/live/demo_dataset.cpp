@@ -31,7 +31,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using nlohmann::json;
 
-const char* const kDataset = "faces";
+/// A dataset of its own: what was recorded before stays as it is.
+std::string new_dataset(const std::filesystem::path& folder) {
+  std::string name = "faces";
+  std::error_code ignored;
+  for (int i = 2; std::filesystem::exists(folder / name, ignored); ++i) name = fmt::format("faces_{}", i);
+  return name;
+}
+
 /// The session tells its state five times a second; what it was asked is seen by then.
 constexpr auto kSeen = std::chrono::seconds(3);
 
@@ -125,13 +132,14 @@ class Visitor {
 };
 
 /// Goes through the script as it was rehearsed.
-Result<void> record(Visitor& visitor, const DatasetDemo& demo, const std::string& script,
-                    const ScriptedPerformance& rehearsed, const Progress& progress) {
+Result<void> record(Visitor& visitor, const DatasetDemo& demo, const std::string& dataset,
+                    const std::string& script, const ScriptedPerformance& rehearsed,
+                    const Progress& progress) {
   progress(0, "calibrating");
   MIEN_TRY(visitor.wait_until(kScriptBeginS));
   MIEN_TRY(visitor.say({{"command", "dataset"},
                         {"begin",
-                         {{"name", kDataset},
+                         {{"name", dataset},
                           {"script", script},
                           {"performer", fmt::format("virtual {}", demo.seed)},
                           {"recorded_by", "mien demo"},
@@ -213,13 +221,15 @@ Result<RecordedDemo> record_demo_dataset(const DatasetDemo& demo) {
 
   RunningSession session(engine);
   Performer performer(std::move(stage), engine.listening().front(), engine.listening().back());
+  const std::string dataset = new_dataset(demo.out);
   std::string take;
   const auto visit = [&]() -> Result<void> {
     MIEN_TRY_ASSIGN(const std::unique_ptr<SessionClient> client,
                     SessionClient::open(engine.page(), {}, stop_asked()));
     Visitor visitor(*client, performer);
-    MIEN_TRY(record(visitor, demo, is_file ? std::filesystem::path(demo.script).stem().string() : demo.script,
-                    rehearsed, terminal_progress("2/2 recording, in real time")));
+    MIEN_TRY(record(visitor, demo, dataset,
+                    is_file ? std::filesystem::path(demo.script).stem().string() : demo.script, rehearsed,
+                    terminal_progress("2/2 recording, in real time")));
     take = client->status().dataset->take;
     return {};
   };
@@ -230,7 +240,7 @@ Result<RecordedDemo> record_demo_dataset(const DatasetDemo& demo) {
   MIEN_TRY(visited);
   if (!summary) return std::unexpected(summary.error());
   if (!summary->recording_error.empty()) return fail(ErrorCode::io, summary->recording_error, take);
-  return look_at(demo.out / kDataset, take);
+  return look_at(demo.out / dataset, take);
 }
 
 }  // namespace mien::app

@@ -25,6 +25,7 @@
 #include "app/live/page_files.h"
 #include "app/live/pairing_key.h"
 #include "app/live/phone_feed.h"
+#include "app/live/phone_teacher.h"
 #include "app/live/recording_scripts.h"
 #include "app/live/sound_feed.h"
 #include "app/textured_face.h"
@@ -267,6 +268,7 @@ Result<LiveSession> open_live(LiveRequest request) {
   // Read when somebody asks; one's own first now, to say what is wrong with them.
   if (!request.texts.empty()) MIEN_TRY(recording_scripts(request.texts));
   settings.scripts = [texts = request.texts] { return recording_scripts(texts); };
+  settings.lesson = phone_teacher(model, request.face);
   settings.log_limit = static_cast<std::uint64_t>(1e9 * request.log_limit_gb);
   if (request.seconds > 0) settings.seconds = request.seconds;
   settings.prompts = std::move(request.prompts);

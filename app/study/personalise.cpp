@@ -12,11 +12,10 @@
 #include "mien/core/time.h"
 #include "mien/model/model_file.h"
 #include "mien/study/imu/trace_features.h"
-#include "mien/study/phone_truth.h"
+#include "mien/study/learn_from_phone.h"
 #include "mien/study/prompted.h"
 #include "mien/study/solve.h"
 #include "mien/take/take.h"
-#include "mien/tracker/learn_correction.h"
 
 namespace mien::app {
 namespace {
@@ -38,17 +37,13 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
   MIEN_TRY_ASSIGN(
       const study::PhoneTrack track,
       open_phone_track(take, features, options.truth == kPhone ? "" : options.truth, options.raw));
-  MIEN_TRY_ASSIGN(const std::vector<take::Event> events, take.events());
-  MIEN_TRY_ASSIGN(const study::PhoneTruth truth, study::phone_truth(events, features, track));
   MIEN_TRY_ASSIGN(const face::Face face, builtin_face::load_face(take.header().face));
-  auto made =
-      tracker::learn_correction(features, study::taught_by(truth), study::traced_sensor_names(take.rig()),
-                                face, file, terminal_progress("personalise"));
+  auto made = study::learn_from_phone(take, features, track, face, file, terminal_progress("personalise"));
   if (!made) {
     made.error().where = options.take;
     return std::unexpected(std::move(made).error());
   }
-  const tracker::LearntCorrection& learnt = *made;
+  const tracker::LearntCorrection& learnt = made->learnt;
   if (!learnt.taken)
     return fail(
         ErrorCode::not_found,
@@ -69,9 +64,9 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
                 {"mse_after", learnt.mse_after},
                 {"skin_before_mm", learnt.skin_before_mm},
                 {"skin_after_mm", learnt.skin_after_mm},
-                {"agreement", truth.alignment.agreement},
-                {"offset_ms", 1e3 * truth.alignment.offset_s},
-                {"offset_sigma_ms", 1e3 * truth.alignment.offset_sigma_s}});
+                {"agreement", made->alignment.agreement},
+                {"offset_ms", 1e3 * made->alignment.offset_s},
+                {"offset_sigma_ms", 1e3 * made->alignment.offset_sigma_s}});
   else
     fmt::print(
         "{:.0f} s of truth, {:.1f} ms +- {:.1f} off, agreement {:.2f}\n"
@@ -79,8 +74,8 @@ Result<void> learn_by_phone(const PersonaliseOptions& options, const take::Take&
         "skin {:.2f} "
         "mm, before {:.2f}\n"
         "wrote {}; use it with --model\n",
-        seconds, 1e3 * truth.alignment.offset_s, 1e3 * truth.alignment.offset_sigma_s,
-        truth.alignment.agreement, learnt.shapes, face::kShapeCount, learnt.mse_after, learnt.mse_before,
+        seconds, 1e3 * made->alignment.offset_s, 1e3 * made->alignment.offset_sigma_s,
+        made->alignment.agreement, learnt.shapes, face::kShapeCount, learnt.mse_after, learnt.mse_before,
         learnt.skin_after_mm, learnt.skin_before_mm, options.out);
   return {};
 }

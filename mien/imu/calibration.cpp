@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "mien/model/correction_json.h"
 #include "mien/model/skin_map.h"
 #include "mien/sensor/calibration_json.h"
 
@@ -63,6 +64,8 @@ std::string write_calibration(const Calibration& calibration) {
     json& slopes = root["wearer"] = json::array();
     for (const float slope : calibration.wearer) slopes.push_back(model::in_millionths(slope));
   }
+  if (calibration.correction)
+    root["correction"] = json::parse(model::write_correction(*calibration.correction));
   return root.dump();
 }
 
@@ -99,6 +102,9 @@ Result<Calibration> parse_calibration(std::string_view text, const std::string& 
         return bad(fmt::format("slope {} of the wearer is no such number", c.wearer.size()));
       c.wearer.push_back(slope.get<float>());
     }
+  }
+  if (const auto correction = root.find("correction"); correction != root.end()) {
+    MIEN_TRY_ASSIGN(c.correction, model::parse_correction(correction->dump(), where));
   }
   MIEN_TRY_ASSIGN(c.scores, sensor::read_scores(*scores, where));
   return c;

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "mien/core/error.h"
 #include "mien/core/rotation.h"
+#include "mien/model/correction.h"
 #include "mien/sensor/calibration.h"
 
 namespace mien::imu {
@@ -33,6 +35,9 @@ struct Calibration {
   /// Wearer's slopes as personalisation learnt them (model::Skin::wearer, rad per weight); empty: the model's
   /// own.
   std::vector<float> wearer;
+  /// What corrects the wearer's answers, as somebody else taught it, in its numbers' written precision
+  /// (model::rounded_as_written); none: nothing but what the model came with.
+  std::optional<model::Correction> correction;
   bool operator==(const Calibration&) const = default;
 };
 

@@ -87,7 +87,7 @@ tracker::TickResult ImuTracker::tick(DeviceTime frame, const sensor::TimeLines& 
   }
   if (const model::ModelFile* file = model_->personal())
     if (std::optional<tracker::WearerLearner::Learnt> learnt = learner_.add(features_, *file)) {
-      use({.slopes = std::move(learnt->slopes), .score = std::move(learnt->score)});
+      use({.slopes = std::move(learnt->slopes), .correction = {}, .score = std::move(learnt->score)});
       report(Event::Kind::calibrated);
     }
   if (asked_until_ && frame >= *asked_until_) end_guidance();
@@ -150,7 +150,11 @@ void ImuTracker::revert_guidance() {
 }
 
 void ImuTracker::use(Wearer wearer) {
+  const bool other_correction = wearer.correction != wearer_.correction;
+  // A model that is corrected is asked for no skin: the skin first, then what corrects answers on it.
+  if (other_correction) model_->use_correction(nullptr);
   if (model_->personal() != nullptr && wearer.slopes != wearer_.slopes) model_->use_wearer(wearer.slopes);
+  if (other_correction && wearer.correction) model_->use_correction(&*wearer.correction);
   wearer_ = std::move(wearer);
 }
 
@@ -190,6 +194,7 @@ std::string ImuTracker::calibration() const {
   if (!pipeline_.calibration().complete) return {};
   Calibration now = pipeline_.calibration_now();
   now.wearer = wearer_.slopes;
+  now.correction = wearer_.correction;
   return write_calibration(now);
 }
 
@@ -203,7 +208,10 @@ Result<void> ImuTracker::restore(std::string_view json) {
   MIEN_TRY_ASSIGN(const Calibration calibration, parse_calibration(json, "calibration"));
   MIEN_TRY(pipeline_.restore(calibration));
   end_guidance();
-  Wearer wearer{.slopes = calibration.wearer, .score = {}};
+  // Of a model whose answers are corrected nobody can tell whether it takes a skin.
+  use({.slopes = wearer_.slopes, .correction = {}, .score = {}});
+  Wearer wearer{.slopes = calibration.wearer, .correction = calibration.correction, .score = {}};
+  if (!model_->corrects()) wearer.correction.reset();
   const model::ModelFile* file = model_->personal();
   if (!wearer.slopes.empty() && (file == nullptr || file->skin->standard.size() != wearer.slopes.size())) {
     // The rest of the calibration is valid.
@@ -214,6 +222,16 @@ Result<void> ImuTracker::restore(std::string_view json) {
                                  .pass = false,
                                  .sentence = "your skin was learnt for another model; let this one learn it"};
   }
+  use(std::move(wearer));
+  return {};
+}
+
+Result<void> ImuTracker::correct(const model::Correction& correction) {
+  if (!model_->corrects()) return Tracker::correct(correction);
+  if (!pipeline_.calibration().complete)
+    return fail(ErrorCode::not_found, "nothing is calibrated yet", "session", "calibrate first");
+  Wearer wearer = wearer_;
+  wearer.correction = correction;
   use(std::move(wearer));
   return {};
 }

@@ -35,13 +35,15 @@ class ImuTracker final : public tracker::Tracker {
   [[nodiscard]] std::string calibration() const override;
   [[nodiscard]] std::vector<sensor::Score> scores() const override;
   [[nodiscard]] Result<void> restore(std::string_view json) override;
+  [[nodiscard]] Result<void> correct(const model::Correction& correction) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
 
  private:
-  /// The wearer's skin in force.
+  /// What is known of the wearer, in force.
   struct Wearer {
-    std::vector<float> slopes;           // Empty: the model's own.
-    std::optional<sensor::Score> score;  // Of the last guided calibration.
+    std::vector<float> slopes;                    // Empty: the model's own.
+    std::optional<model::Correction> correction;  // None: the model's own.
+    std::optional<sensor::Score> score;           // Of the last guided calibration.
   };
   /// Whether the guided calibration passes its scores; sets hint_ otherwise.
   bool passes_checks();

@@ -65,7 +65,8 @@ json dataset_contents_json(const DatasetShelf::Contents& contents) {
   return {{"datasets", std::move(datasets)}, {"scripts", std::move(scripts)}};
 }
 
-std::vector<session::Command> DatasetRecording::begin(const DatasetPlan& plan, std::string_view prompts) {
+std::vector<session::Command> DatasetRecording::begin(const DatasetPlan& plan, std::string_view prompts,
+                                                      bool hears) {
   state_ = State{.name = plan.wish.dataset,
                  .performer = plan.wish.consent.performer,
                  .take = plan.take.filename().string(),
@@ -77,6 +78,8 @@ std::vector<session::Command> DatasetRecording::begin(const DatasetPlan& plan, s
   using Do = session::Prompting::Do;
   std::vector<session::Command> commands;
   if (asks_in(prompts)) commands.emplace_back(session::Prompting{Do::stop});
+  deafened_ = hears && !plan.wish.consent.sound;
+  if (deafened_) commands.emplace_back(session::Shape{R"({"merge": {"audio": false}})"});
   commands.emplace_back(session::GiveConsent{plan.wish.consent});
   commands.emplace_back(session::Prompting{plan.wish.by_voice ? Do::voice : Do::key});
   for (const session::Prompt& prompt : plan.prompts) commands.emplace_back(session::AddPrompt{prompt});
@@ -95,7 +98,11 @@ DatasetRecording::Next DatasetRecording::look(const Recorder::State& recording, 
     state_->over = true;
     next.end_recording = true;
   }
-  next.stop_prompts = state_->over && asks;
+  if (!state_->over) return next;
+  if (asks) next.commands.emplace_back(session::Prompting{session::Prompting::Do::stop});
+  next.commands.emplace_back(session::EndConsent{});
+  if (std::exchange(deafened_, false))
+    next.commands.emplace_back(session::Shape{R"({"merge": {"audio": true}})"});
   return next;
 }
 

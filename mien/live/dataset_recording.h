@@ -34,16 +34,19 @@ class DatasetRecording {
     std::string error;  ///< Why it ended early; empty when it did not.
   };
 
-  /// Begins one. Returns what the session is told, in order: the consent, the pace, and what to ask for.
+  /// Begins one. Returns what the session is told, in order: that nothing is heard where the performer agreed
+  /// to no sound, the consent, the pace, and what to ask for.
   /// `prompts`: as in look(); what was asked for before ends.
-  [[nodiscard]] std::vector<session::Command> begin(const DatasetPlan& plan, std::string_view prompts);
+  /// `hears`: whether the session does; then it does again when the recording is over.
+  [[nodiscard]] std::vector<session::Command> begin(const DatasetPlan& plan, std::string_view prompts,
+                                                    bool hears);
   /// Its performer wants no more.
   void end() { ending_ = true; }
 
   /// What follows from how recording and prompts are.
   struct Next {
     bool end_recording = false;
-    bool stop_prompts = false;
+    std::vector<session::Command> commands;  ///< For the session: that consent and asking are over.
   };
   /// To be called often. `prompts`: session::Report::Prompts::state.
   [[nodiscard]] Next look(const Recorder::State& recording, std::string_view prompts);
@@ -54,7 +57,8 @@ class DatasetRecording {
  private:
   std::optional<State> state_;
   bool ending_ = false;
-  bool asked_ = false;  // Something was asked for since it began.
+  bool asked_ = false;     // Something was asked for since it began.
+  bool deafened_ = false;  // The session was told to hear nothing.
 };
 
 }  // namespace mien::live

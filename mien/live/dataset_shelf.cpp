@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <ctime>
+#include <new>
 #include <optional>
 #include <system_error>
 
 #include "mien/core/excerpt.h"
-#include "mien/core/nearest_word.h"
 #include "mien/live/page_requests.h"
 #include "mien/session/recorded_lines.h"
 #include "mien/take/take.h"
@@ -69,18 +69,24 @@ void DatasetShelf::post(std::function<void()> job) {
 }
 
 void DatasetShelf::run(const std::stop_token& stop) {
+  stop_ = stop;
   std::unique_lock lock(mutex_);
   while (wake_.wait(lock, stop, [this] { return !jobs_.empty(); })) {
     if (stop.stop_requested()) return;
     const std::function<void()> job = std::move(jobs_.front());
     jobs_.pop_front();
     lock.unlock();
-    job();
+    try {
+      job();
+    } catch (const std::bad_alloc&) {
+      known_.clear();  // Memory is short: whoever asked hears nothing, and the session goes on.
+    }
     lock.lock();
   }
 }
 
 const DatasetShelf::Recorded* DatasetShelf::recorded_in(const std::filesystem::path& take) {
+  if (stop_.stop_requested()) return nullptr;
   std::error_code gone;
   Version version;
   version.written = std::filesystem::last_write_time(take, gone);

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -43,7 +44,7 @@ struct DatasetPlan {
 
 /// The datasets of a folder: each a folder of takes, in which it stands who has recorded what. Takes are
 /// opened on a thread of its own, once for as long as their size and time stay the same; answers come on that
-/// thread. ask() and plan() from one thread, always the same.
+/// thread. list() and plan() from one thread, always the same.
 class DatasetShelf {
  public:
   /// More datasets, and more takes in one, are not looked at: the first by name are.
@@ -52,7 +53,7 @@ class DatasetShelf {
   using Scripts = std::function<Result<std::vector<RecordingScript>>()>;
 
   DatasetShelf(std::filesystem::path folder, Scripts scripts);
-  ~DatasetShelf();  ///< Waits for the take that is being read.
+  ~DatasetShelf();  ///< Waits for the take that is being read; what is asked for is left unanswered.
   DatasetShelf(const DatasetShelf&) = delete;
   DatasetShelf& operator=(const DatasetShelf&) = delete;
 
@@ -101,7 +102,8 @@ class DatasetShelf {
 
   std::filesystem::path folder_;
   Scripts scripts_;
-  std::map<std::filesystem::path, Recorded> known_;  // The thread's alone.
+  std::map<std::filesystem::path, Recorded> known_;  // The thread's alone, ...
+  std::stop_token stop_;                             // ... as this.
   std::mutex mutex_;
   std::condition_variable_any wake_;
   std::deque<std::function<void()>> jobs_;

@@ -63,6 +63,7 @@ void Engine::State::take_answers() {
         intake.send(static_cast<sensor::Peer>(said->to), said->bytes);
         break;
       case OutgoingMessage::Kind::reply:
+        if (said->to == kNobody && !text.empty()) own_command_failed(std::string(text));
         if (page) page->send(said->to, reply_json(said->number, text));
         break;
       case OutgoingMessage::Kind::event: {
@@ -139,7 +140,7 @@ void Engine::State::on_beat() {
            "nothing is calibrated yet, so the face stays neutral: " + report.calibration.prompt);
   }
   const session::Report report = loop.report();
-  follow_dataset(recorder.state(), report.prompts.state);
+  follow_recordings(recorder.state(), report);
   hearing.look(report.hearing ? std::optional(report.hearing->on) : std::nullopt, page.get());
   // A take's face has no part in what cameras see now.
   if (page && pictures.watched(*page) && !player.on()) pictures.look(report.links, *page);
@@ -175,6 +176,7 @@ Status Engine::State::status() const {
   out.network = network_state();
   out.recording = recorder.state();
   out.dataset = dataset.state();
+  out.lesson = lesson.state();
   if (out.recording.on) out.recording_ends_s = settings.seconds;
   std::error_code ignored;
   const auto bytes = std::filesystem::file_size(out.recording.path, ignored);

@@ -16,6 +16,7 @@
 #include "mien/live/latency.h"
 #include "mien/live/page_messages.h"
 #include "mien/live/page_server.h"
+#include "mien/live/phone_lesson.h"
 #include "mien/live/player.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/spool.h"
@@ -49,6 +50,8 @@ struct EngineSettings {
   std::filesystem::path takes = ".";
   /// What a page may have performers read and do for a dataset.
   DatasetShelf::Scripts scripts = [] { return std::vector<RecordingScript>(); };
+  /// How the wearer is learnt from a phone; empty: it is not.
+  PhoneLesson::Settings lesson;
   /// What that file may take, bytes (Spool). A session that reaches it goes on and can be recorded no more.
   std::uint64_t log_limit = Spool::kDefaultLimit;
   bool sealed = false;                ///< The session has keys: said, not seen to.

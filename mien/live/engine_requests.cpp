@@ -8,7 +8,9 @@
 
 #include "mien/live/page_messages.h"
 #include "mien/live/page_requests.h"
+#include "mien/sensor/rig_part.h"
 #include "mien/session/command.h"
+#include "mien/shaping/merge.h"
 
 // What pages ask of a session.
 namespace mien::live {
@@ -22,6 +24,14 @@ constexpr auto kPlayStep = std::chrono::milliseconds(8);
 /// Names of files need not be UTF-8.
 std::string dumped(const json& object) {
   return object.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+/// Whether a microphone was ever received.
+bool has_heard_sound(const sensor::Rig& rig, const session::Report& report) {
+  const std::vector<std::uint16_t> microphones = sensor::sensors_of(rig, shaping::Merge::kListening);
+  return std::ranges::any_of(microphones, [&report](std::uint16_t microphone) {
+    return microphone < report.links.size() && report.links[microphone].health.age.has_value();
+  });
 }
 
 }  // namespace
@@ -85,6 +95,7 @@ Result<std::string> Engine::State::execute(std::uint64_t client, const json& com
     if (first) tell("pictures", "a page is shown what the cameras see");
     return std::string();
   }
+  if (name == "learn_phone") return execute_lesson(command);
   if (name == "save_rig") return save_views(settings.rig, session->rig(), loop.report().links);
   if (name == "takes") return dumped(list_takes(true));
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", name.substr(0, 40)), "page");
@@ -114,9 +125,9 @@ void Engine::State::answer_dataset(std::uint64_t client, std::int64_t number, co
   if (const auto begin = command.find("begin"); begin != command.end()) {
     Result<DatasetWish> wish = dataset_wish(*begin);
     if (!wish) return refuse(std::move(wish).error());
-    shelf.plan(*std::move(wish), growing(), [this, client, reply](Result<DatasetPlan> plan) {
-      boost::asio::post(network, [this, client, reply, plan = std::move(plan)] {
-        reply(plan ? begin_dataset(client, *plan) : std::unexpected(plan.error()));
+    shelf.plan(*std::move(wish), growing(), [this, reply](Result<DatasetPlan> plan) {
+      boost::asio::post(network, [this, reply, plan = std::move(plan)] {
+        reply(plan ? begin_dataset(*plan) : std::unexpected(plan.error()));
       });
     });
   } else if (command.contains("list")) {
@@ -135,10 +146,16 @@ void Engine::State::answer_dataset(std::uint64_t client, std::int64_t number, co
   }
 }
 
-Result<std::string> Engine::State::begin_dataset(std::uint64_t client, const DatasetPlan& plan) {
+Result<std::string> Engine::State::begin_dataset(const DatasetPlan& plan) {
   // While its takes were read another may have begun.
   if (recorder.state().on)
     return fail(ErrorCode::bad_usage, "a recording runs already", "dataset", "end it first");
+  const session::Report report = loop.report();
+  if (!plan.wish.consent.sound && has_heard_sound(session->rig(), report))
+    return fail(
+        ErrorCode::bad_usage,
+        "this session has heard sound already, which its takes hold, and the performer agreed to none",
+        "dataset", "start it with --no-audio, or ask the performer");
   std::error_code code;
   std::filesystem::create_directory(plan.take.parent_path(), code);
   if (code)
@@ -149,20 +166,83 @@ Result<std::string> Engine::State::begin_dataset(std::uint64_t client, const Dat
   header.performer = plan.wish.consent.performer;
   header.script = plan.wish.script;
   MIEN_TRY(start_recording(plan.take, header, false));
-  for (const session::Command& one : dataset.begin(plan, loop.report().prompts.state))
-    if (!intake.command(client, 0, session::write_command(one))) {
-      dataset.end();
-      return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "dataset",
-                  "try again");
-    }
+  const bool hears = report.hearing && report.hearing->on;
+  if (!tell_session(dataset.begin(plan, report.prompts.state, hears))) {
+    dataset.end();
+    return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "dataset",
+                "try again");
+  }
   return dumped(json({{"take", plan.take.string()}, {"lines", plan.prompts.size()}, {"done", plan.done}}));
 }
 
-void Engine::State::follow_dataset(const Recorder::State& recording, const std::string& prompts) {
+bool Engine::State::tell_session(const std::vector<session::Command>& commands) {
+  return std::ranges::all_of(commands, [this](const session::Command& one) {
+    return intake.command(kNobody, 0, session::write_command(one));
+  });
+}
+
+void Engine::State::own_command_failed(const std::string& why) {
+  lesson.refuse(why);
+  tell("command_failed", "the session refused: " + why);
+}
+
+void Engine::State::follow_recordings(const Recorder::State& recording, const session::Report& report) {
+  const std::string& prompts = report.prompts.state;
   const DatasetRecording::Next next = dataset.look(recording, prompts);
-  if (next.end_recording) recorder.end(notes());
+  const PhoneLesson::Next after = lesson.look(recording, prompts);
+  if (next.end_recording || after.end_recording) recorder.end(notes());
+  std::vector<session::Command> commands = next.commands;
   using session::Prompting;
-  if (next.stop_prompts) intake.command(0, 0, session::write_command(Prompting{Prompting::Do::stop}));
+  if (after.stop_prompts) commands.emplace_back(Prompting{Prompting::Do::stop});
+  if (!tell_session(commands)) tell("command_failed", "the session is too busy to end what is asked for");
+  const auto& versions = report.calibration.versions;
+  if (lesson.in_force(!versions.empty() && versions.back().origin == "phone"
+                          ? report.calibration.in_force == versions.back().id
+                          : false))
+    tell("learnt", lesson.state().sentence);
+}
+
+Result<std::string> Engine::State::execute_lesson(const json& command) {
+  const std::string what = text_field(command, "do");
+  if (what == "cancel") {
+    lesson.cancel();
+    return std::string();
+  }
+  if (what != "begin")
+    return fail(ErrorCode::malformed, "a phone's lesson is begun or cancelled", "learn_phone",
+                "docs/reference/page_protocol.md lists the commands");
+  if (!lesson.can() || sensor::truths_of(session->rig()).empty())
+    return fail(ErrorCode::unsupported, "no phone is recorded as a truth here", "learn_phone",
+                "start the session with --listen livelink://0.0.0.0 --phone truth");
+  if (recorder.state().on)
+    return fail(ErrorCode::bad_usage, "a recording runs already", "learn_phone", "end it first");
+  const session::Report report = loop.report();
+  const auto& versions = report.calibration.versions;
+  if (versions.empty() || report.calibration.in_force != versions.back().id ||
+      report.calibration.state == "running")
+    return fail(ErrorCode::bad_usage, "the newest calibration is not in force", "learn_phone",
+                "calibrate first; what is learnt belongs to it");
+  MIEN_TRY_ASSIGN(const std::filesystem::path unnamed, take_path(settings.takes, {}));
+  const std::filesystem::path path = settings.takes / ("phone_" + unnamed.filename().string());
+  MIEN_TRY_ASSIGN(const std::vector<session::Command> asked,
+                  lesson.begin(path, report.prompts.state, report.calibration.in_force));
+  if (auto started = start_recording(path, settings.header, false); !started) {
+    lesson.fail_with(started.error().message());
+    return std::unexpected(std::move(started).error());
+  }
+  if (!tell_session(asked)) {
+    lesson.fail_with("the session is too busy");
+    recorder.end(notes());
+    return fail(ErrorCode::out_of_range, "the session is too busy to take the script", "learn_phone",
+                "try again");
+  }
+  return dumped(json({{"take", path.string()}}));
+}
+
+void Engine::State::finish_lesson(const Result<TaughtByPhone>& taught) {
+  const std::vector<session::Command> commands = lesson.finish(taught, loop.report().calibration.in_force);
+  if (!tell_session(commands)) lesson.fail_with("the session is too busy; learn again");
+  if (lesson.state().stage == PhoneLesson::Stage::failed) tell("learning_failed", lesson.state().sentence);
 }
 
 Result<std::string> Engine::State::execute_sink(const json& command) {

@@ -24,6 +24,7 @@
 #include "mien/live/intake.h"
 #include "mien/live/line_news.h"
 #include "mien/live/page_pictures.h"
+#include "mien/live/phone_lesson.h"
 #include "mien/live/recorder.h"
 #include "mien/live/recording_news.h"
 #include "mien/live/take_listing.h"
@@ -33,6 +34,8 @@
 // engine_requests.cpp, which does what pages ask. Everything on the network's thread but where it says so.
 namespace mien::live {
 
+/// Whose the engine's own commands are: no page's.
+inline constexpr std::uint64_t kNobody = 0;
 /// The rolling latency is that of this many beats: ten seconds, in pieces of one.
 inline constexpr std::size_t kLatencyPieces = 10;
 
@@ -48,6 +51,10 @@ struct Engine::State {
         player(settings.make_session),
         listing(settings.takes, [this] { boost::asio::post(network, [this] { send_takes(); }); }),
         shelf(settings.takes, settings.scripts),
+        lesson(settings.lesson,
+               [this](Result<TaughtByPhone> taught) {
+                 boost::asio::post(network, [this, taught = std::move(taught)] { finish_lesson(taught); });
+               }),
         wake(network),
         beat(network),
         play(network) {}
@@ -83,8 +90,13 @@ struct Engine::State {
   Result<std::string> execute_listen(const nlohmann::json& command);
   Result<std::string> execute_pair();
   void answer_dataset(std::uint64_t client, std::int64_t number, const nlohmann::json& command);
-  Result<std::string> begin_dataset(std::uint64_t client, const DatasetPlan& plan);
-  void follow_dataset(const Recorder::State& recording, const std::string& prompts);
+  Result<std::string> begin_dataset(const DatasetPlan& plan);
+  Result<std::string> execute_lesson(const nlohmann::json& command);
+  void finish_lesson(const Result<TaughtByPhone>& taught);
+  /// Commands of the engine's own. False: no room for them.
+  [[nodiscard]] bool tell_session(const std::vector<session::Command>& commands);
+  void own_command_failed(const std::string& why);
+  void follow_recordings(const Recorder::State& recording, const session::Report& report);
   [[nodiscard]] std::filesystem::path growing() const;
   [[nodiscard]] nlohmann::json list_takes(bool read_lengths);
   void send_takes();
@@ -106,6 +118,7 @@ struct Engine::State {
   TakeListing listing;
   DatasetShelf shelf;
   DatasetRecording dataset;
+  PhoneLesson lesson;
   boost::asio::posix::stream_descriptor wake;
   boost::asio::steady_timer beat;
   boost::asio::steady_timer play;  // Runs while the page looks at a take.

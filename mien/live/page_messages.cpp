@@ -188,6 +188,11 @@ json dataset_json(const std::optional<DatasetRecording::State>& dataset) {
           {"error", dataset->error.empty() ? json(nullptr) : json(dataset->error)}};
 }
 
+json lesson_json(const PhoneLesson::State& lesson) {
+  if (lesson.stage == PhoneLesson::Stage::none) return nullptr;
+  return {{"state", stage_name(lesson.stage)}, {"sentence", lesson.sentence}};
+}
+
 json calibration_json(const session::Report::Calibration& calibration) {
   json versions = json::array();
   for (const session::CalibrationVersion& version : calibration.versions) {
@@ -321,6 +326,7 @@ std::string status_json(const Status& status, const sensor::Rig& rig) {
          {"error", recording.error.empty() ? json(nullptr) : json(recording.error)}}},
        {"log", log_json(recording)},
        {"dataset", dataset_json(status.dataset)},
+       {"phone_lesson", lesson_json(status.lesson)},
        {"shaping", shaping_json(status.report)},
        {"hearing", hearing_json(status.report, status.hearing)},
        {"pictures", pictures_json(status.pictures)},
@@ -365,6 +371,7 @@ std::string event_text(const take::Event& event) {
   }
   if (origin == "guided") return "calibrated";
   if (origin == "recentre") return "re-centred";
+  if (origin == "phone") return "what the phone taught is in force";
   if (origin == "restored") return "a calibration from elsewhere is in force";
   return "an earlier calibration is in force";
 }

@@ -13,6 +13,7 @@
 #include "mien/live/latency.h"
 #include "mien/live/network_interfaces.h"
 #include "mien/live/page_pictures.h"
+#include "mien/live/phone_lesson.h"
 #include "mien/live/recorder.h"
 #include "mien/live/serial_port.h"
 #include "mien/live/take_listing.h"
@@ -65,6 +66,7 @@ struct Status {
   std::optional<double> recording_ends_s;  ///< When the session ends by itself and the recording with it.
   std::optional<ReplayState> replay;
   std::optional<DatasetRecording::State> dataset;  ///< None before the first.
+  PhoneLesson::State lesson;
   HearingState hearing;
   std::optional<PicturesState> pictures;  ///< None of a session without cameras.
 };

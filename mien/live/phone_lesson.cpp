@@ -1,6 +1,7 @@
 #include "mien/live/phone_lesson.h"
 
 #include <array>
+#include <exception>
 #include <utility>
 
 namespace mien::live {
@@ -25,14 +26,15 @@ PhoneLesson::PhoneLesson(Settings settings, std::function<void(Result<TaughtByPh
     : settings_(std::move(settings)), learnt_(std::move(learnt)) {}
 
 Result<std::vector<session::Command>> PhoneLesson::begin(const std::filesystem::path& take,
-                                                         std::string_view prompts) {
+                                                         std::string_view prompts, std::int64_t calibration) {
   if (state_.stage == Stage::recording || state_.stage == Stage::learning)
     return fail(ErrorCode::bad_usage, "a phone teaches already", "learn_phone",
                 "wait until it has, or cancel");
   MIEN_TRY_ASSIGN(const session::PromptScript script, settings_.script());
   state_ = {.stage = Stage::recording, .sentence = {}};
   take_ = take;
-  asked_ = over_ = cancelled_ = false;
+  calibration_ = calibration;
+  asked_ = over_ = cancelled_ = given_ = false;
   std::vector<session::Command> commands;
   if (still_asks(prompts) || prompts == "block") commands.emplace_back(Prompting{Prompting::Do::stop});
   for (const session::Prompt& prompt : script.prompts) commands.emplace_back(session::AddPrompt{prompt});
@@ -40,7 +42,17 @@ Result<std::vector<session::Command>> PhoneLesson::begin(const std::filesystem::
 }
 
 void PhoneLesson::cancel() {
-  if (state_.stage == Stage::recording) cancelled_ = true;
+  if (state_.stage == Stage::learning) thread_.request_stop();
+  if (state_.stage == Stage::recording || state_.stage == Stage::learning) cancelled_ = true;
+}
+
+void PhoneLesson::fail_with(std::string why) {
+  state_ = {.stage = Stage::failed, .sentence = std::move(why)};
+  given_ = false;
+}
+
+void PhoneLesson::refuse(const std::string& why) {
+  if (given_) fail_with("what was learnt is not in force: " + why);
 }
 
 PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::string_view prompts) {
@@ -48,7 +60,7 @@ PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::strin
   const bool asks = still_asks(prompts);
   asked_ = asked_ || asks;
   if (cancelled_) {
-    state_ = {.stage = Stage::failed, .sentence = "cancelled; nothing was learnt"};
+    fail_with("cancelled; nothing was learnt");
     return {.end_recording = recording.on, .stop_prompts = asks};
   }
   if (recording.on) {
@@ -56,24 +68,46 @@ PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::strin
     over_ = over_ || next.end_recording;
     return next;
   }
-  if (!over_) {
+  if (!over_ || !recording.error.empty()) {
     state_ = {.stage = Stage::failed,
               .sentence = recording.error.empty() ? "the recording was ended before everything was asked for"
                                                   : recording.error};
     return {.end_recording = false, .stop_prompts = asks};
   }
   state_.stage = Stage::learning;
-  thread_ = std::jthread([this, take = take_] { learnt_(settings_.learn(take)); });
+  thread_ = std::jthread([this, take = take_](const std::stop_token& stop) {
+    // Memory may end: nothing that is learnt ends the session.
+    try {
+      learnt_(settings_.learn(take, stop));
+    } catch (const std::exception& error) {
+      learnt_(fail(ErrorCode::internal, error.what(), take.filename().string()));
+    }
+  });
   return {};
 }
 
-std::vector<session::Command> PhoneLesson::finish(Result<TaughtByPhone> learnt) {
-  if (!learnt) {
-    state_ = {.stage = Stage::failed, .sentence = learnt.error().message()};
-    return {};
+std::vector<session::Command> PhoneLesson::finish(Result<TaughtByPhone> learnt, std::int64_t calibration) {
+  if (cancelled_) {
+    fail_with("cancelled; nothing was learnt");
+  } else if (!learnt) {
+    fail_with(learnt.error().message());
+  } else if (calibration != calibration_) {
+    fail_with(
+        "another calibration came into force meanwhile, which what was learnt does not belong to; learn "
+        "again");
+  } else {
+    state_.sentence = std::move(learnt->sentence);
+    given_ = true;
+    return {session::Correct{std::move(learnt->correction)}};
   }
-  state_ = {.stage = Stage::done, .sentence = std::move(learnt->sentence)};
-  return {session::Correct{std::move(learnt->correction)}};
+  return {};
+}
+
+bool PhoneLesson::in_force(bool phones_version) {
+  if (!given_ || !phones_version) return false;
+  given_ = false;
+  state_.stage = Stage::done;
+  return true;
 }
 
 }  // namespace mien::live

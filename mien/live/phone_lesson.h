@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -27,8 +29,9 @@ class PhoneLesson {
   struct Settings {
     /// What the performer is asked for. Network thread.
     std::function<Result<session::PromptScript>()> script;
-    /// Learns from the take. On a thread of its own; may take half a minute.
-    std::function<Result<TaughtByPhone>(const std::filesystem::path& take)> learn;
+    /// Learns from the take. On a thread of its own; may take half a minute, less when it is to stop.
+    std::function<Result<TaughtByPhone>(const std::filesystem::path& take, const std::stop_token& stop)>
+        learn;
   };
   enum class Stage : std::uint8_t { none, recording, learning, done, failed };
   struct State {
@@ -42,12 +45,17 @@ class PhoneLesson {
 
   /// Whether this session can: somebody learns.
   [[nodiscard]] bool can() const { return settings_.learn != nullptr && settings_.script != nullptr; }
-  /// A recording into `take` has begun. Returns what the session is told, in order. `prompts`: as in look().
-  /// Errors: the script's; bad_usage (it runs).
+  /// A recording into `take` is about to begin, with this calibration in force. Returns what the session is
+  /// told then, in order. `prompts`: as in look(). Errors: the script's; bad_usage (it runs).
   [[nodiscard]] Result<std::vector<session::Command>> begin(const std::filesystem::path& take,
-                                                            std::string_view prompts);
-  /// The performer wants no more: nothing is learnt.
+                                                            std::string_view prompts,
+                                                            std::int64_t calibration);
+  /// The performer wants no more: nothing is learnt, or comes into force.
   void cancel();
+  /// It comes to nothing, for this reason.
+  void fail_with(std::string why);
+  /// The session refused a command. Only what was learnt is waited for.
+  void refuse(const std::string& why);
 
   struct Next {
     bool end_recording = false;
@@ -55,8 +63,11 @@ class PhoneLesson {
   };
   /// To be called often. `prompts`: session::Report::Prompts::state.
   [[nodiscard]] Next look(const Recorder::State& recording, std::string_view prompts);
-  /// What learning came to. Returns what puts it in force; none: it failed.
-  [[nodiscard]] std::vector<session::Command> finish(Result<TaughtByPhone> learnt);
+  /// What learning came to. Returns what puts it in force; none: it failed. `calibration`: in force now.
+  [[nodiscard]] std::vector<session::Command> finish(Result<TaughtByPhone> learnt, std::int64_t calibration);
+  /// To be called often: whether a phone's version is in force. Returns true once, when that is what was
+  /// waited for.
+  [[nodiscard]] bool in_force(bool phones_version);
 
   [[nodiscard]] const State& state() const { return state_; }
 
@@ -68,6 +79,8 @@ class PhoneLesson {
   bool asked_ = false;  // Something was asked for since it began, ...
   bool over_ = false;   // ... and everything was.
   bool cancelled_ = false;
+  bool given_ = false;  // What was learnt, to the session.
+  std::int64_t calibration_ = 0;
   std::jthread thread_;  // Last: it ends before what it uses.
 };
 

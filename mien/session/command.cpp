@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mien/core/excerpt.h"
+#include "mien/model/correction_json.h"
 
 namespace mien::session {
 namespace {
@@ -177,6 +178,12 @@ struct Writer {
     if (c.prompt.own_pace) out["own_pace"] = true;
     return out;
   }
+  json operator()(const Correct& c) const {
+    json out = json::parse(model::write_correction(c.correction));
+    out["command"] = "correct";
+    return out;
+  }
+  json operator()(const EndConsent&) const { return {{"command", "consent_over"}}; }
   json operator()(const GiveConsent& c) const {
     json out = json::parse(consent_event_json(c.consent));
     out["command"] = "consent";
@@ -190,7 +197,7 @@ struct Writer {
 }  // namespace
 
 bool is_session_command(std::string_view name) {
-  static constexpr std::array<std::string_view, 14> kNames = {"calibrate",
+  static constexpr std::array<std::string_view, 16> kNames = {"calibrate",
                                                               "cancel_calibration",
                                                               "use_calibration",
                                                               "restore_calibration",
@@ -203,13 +210,15 @@ bool is_session_command(std::string_view name) {
                                                               "shape",
                                                               "prompt",
                                                               "prompts",
-                                                              "consent"};
+                                                              "consent",
+                                                              "consent_over",
+                                                              "correct"};
   return std::ranges::find(kNames, name) != kNames.end();
 }
 
 Result<Command> parse_command(std::string_view text) {
   if (text.size() > kMaxCommandBytes)
-    return fail(ErrorCode::out_of_range, "a command of more than 64 KB", kCommand, "make it shorter");
+    return fail(ErrorCode::out_of_range, "a command of more than 128 KB", kCommand, "make it shorter");
   bool deep = false;
   const auto shallow = [&deep](int depth, json::parse_event_t, json&) {
     deep = deep || depth > kMaxDepth;
@@ -274,6 +283,12 @@ Result<Command> parse_command(std::string_view text) {
     return Prompting{static_cast<Prompting::Do>(found - kPromptingWords.begin())};
   }
   if (name == "consent") return consent_in(object);
+  if (name == "consent_over") return EndConsent{};
+  if (name == "correct") {
+    Correct correct;
+    MIEN_TRY_ASSIGN(correct.correction, model::parse_correction(text, kCommand));
+    return correct;
+  }
   return fail(ErrorCode::unsupported, fmt::format("there is no command \"{}\"", excerpt(name)), kCommand,
               "docs/reference/page_protocol.md lists them");
 }

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "mien/core/error.h"
+#include "mien/model/correction.h"
 #include "mien/sensor/picture_view.h"
 #include "mien/sensor/protocol.h"
 #include "mien/session/consent.h"
@@ -84,18 +85,27 @@ struct Prompting {
   Do what = Do::skip;
 };
 
+/// Answers are corrected for the wearer by this from now on: what a phone taught.
+struct Correct {
+  model::Correction correction;
+};
+
 /// The performer agrees to be recorded for a dataset. Without it no line of a block is asked for.
 struct GiveConsent {
   Consent consent;
 };
 
-using Command = std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind,
-                             Hear, Tap, Cover, View, Shape, AddPrompt, Prompting, GiveConsent>;
+/// What was agreed to is over: what comes is no dataset's.
+struct EndConsent {};
+
+using Command =
+    std::variant<Calibrate, CancelCalibration, UseCalibration, RestoreCalibration, Recentre, Bind, Hear, Tap,
+                 Cover, View, Shape, AddPrompt, Prompting, GiveConsent, EndConsent, Correct>;
 
 /// Where commands come from, in a session log.
 inline constexpr std::string_view kPageSource = "page";
 /// Longer ones are refused.
-inline constexpr std::size_t kMaxCommandBytes = std::size_t{1} << 16U;
+inline constexpr std::size_t kMaxCommandBytes = std::size_t{1} << 17U;
 
 /// Whether a command of this name is the session's; others are the page's own business.
 [[nodiscard]] bool is_session_command(std::string_view name);

@@ -13,14 +13,15 @@
 
 namespace mien::session {
 
-/// Looks whether what is recorded while a line is shown is fit to learn from: all sensors there, the face
-/// seen by whoever tells the truth, and something moved.
+/// Looks whether what is recorded while a line is shown is fit to learn from: every sensor but microphones
+/// that was received still is, the face is seen by whoever tells the truth, and something moved.
 class PromptWatch {
  public:
   /// A sensor may be lost, or a face unseen, in this share of a line's frames. Raising it keeps lines with
   /// holes; lowering it asks again for what a training could have used.
   static constexpr double kMostMissing = 0.1;
-  /// Some shape but those of lids and eyes must have changed by this while a text was read or a pose made.
+  /// Some shape, but those of lids and eyes only where they are asked for, must have changed by this while a
+  /// text was read or a pose made.
   /// Raising it asks again for quiet lines; lowering it keeps those in which sensors were not on the face.
   static constexpr float kLeastMoved = 0.08F;
 

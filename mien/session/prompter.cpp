@@ -48,7 +48,10 @@ Result<void> Prompter::add(Prompt prompt) {
   if (prompts_.size() >= kMaxPrompts)
     return fail(ErrorCode::out_of_range, fmt::format("{} poses are enough for one session", kMaxPrompts),
                 kPrompts, "start a new one");
-  if (now_ == prompts_.size()) {  // The first, or the first after a rest.
+  if (now_ == prompts_.size()) {  // The first, or the first after a rest: another recording's.
+    prompts_.clear();
+    accepted_.clear();
+    now_ = 0;
     restart(kLeadIn);
     paused_ = false;
     begun_.clear();
@@ -107,13 +110,18 @@ Result<void> Prompter::repeat() {
 }
 
 bool Prompter::ask_again(const Prompt& prompt) {
-  if (prompt.attempt >= kMaxAttempts || prompts_.size() >= kMaxPrompts) return false;
+  const auto same = [&prompt](const Prompt& p) { return p.name == prompt.name && p.block == prompt.block; };
+  const auto first = prompts_.begin() + static_cast<std::ptrdiff_t>(now_);
+  if (prompt.attempt >= kMaxAttempts || prompts_.size() >= kMaxPrompts ||
+      std::any_of(first, prompts_.end(), same) || std::ranges::any_of(accepted_, same))
+    return false;
   Prompt& again = prompts_.emplace_back(prompt);
   ++again.attempt;
   return true;
 }
 
 void Prompter::accept(const Prompt& prompt) {
+  accepted_.push_back(prompt);
   const auto first = prompts_.begin() + static_cast<std::ptrdiff_t>(now_);
   prompts_.erase(std::remove_if(first, prompts_.end(),
                                 [&prompt](const Prompt& p) {

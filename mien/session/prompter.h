@@ -57,8 +57,8 @@ class Prompter {
   };
   /// At each tick, in order. `speaks`: somebody does. Returns what was over at it.
   std::optional<Shown> at(DeviceTime frame, bool speaks = false);
-  /// What was shown was poor: it is asked for once more, after all others, unless it was kMaxAttempts times.
-  /// Returns whether it is.
+  /// What was shown was poor: it is asked for once more, after all others, unless it was kMaxAttempts times,
+  /// is already to come, or was accepted before. Returns whether it is.
   bool ask_again(const Prompt& prompt);
   /// What was shown was good: it need not be asked for again.
   void accept(const Prompt& prompt);
@@ -88,7 +88,8 @@ class Prompter {
   /// Whether the present one has been spoken, with this tick.
   bool is_spoken(DeviceTime frame, bool speaks);
 
-  std::vector<Prompt> prompts_;
+  std::vector<Prompt> prompts_;      // Of the recording that runs, or ran last.
+  std::vector<Prompt> accepted_;     // Lines of these.
   std::size_t now_ = 0;              // Index; beyond the last when all are over.
   std::optional<DeviceTime> begin_;  // Of the present one; none until the next tick.
   DeviceTime newest_;                // Tick.

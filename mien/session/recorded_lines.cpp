@@ -15,7 +15,7 @@ std::string text_in(const json& details, const char* key) {
   return found != details.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-/// None where the details cannot be read, or name nothing.
+/// None where the details cannot be read, name nothing, or are a pose of a calibration or for oneself.
 std::optional<RecordedLine> line_of(const take::Event& event) {
   const json details = json::parse(event.json, nullptr, false);
   if (!details.is_object()) return std::nullopt;
@@ -30,7 +30,7 @@ std::optional<RecordedLine> line_of(const take::Event& event) {
                     .target = {},
                     .attempt = 1,
                     .poor = {}};
-  if (line.name.empty()) return std::nullopt;
+  if (line.name.empty() || line.block.empty()) return std::nullopt;
   if (const auto target = details.find("target"); target != details.end() && target->is_object()) {
     line.has_target = true;
     for (const auto& [name, weight] : target->items())
@@ -52,10 +52,12 @@ std::optional<RecordedPart> recorded_part(std::span<const take::Event> events) {
   for (const take::Event& event : events)
     if (event.kind == "consent")
       if (std::optional<Consent> consent = consent_of(event.json))
-        part = RecordedPart{*std::move(consent), event.begin, {}};
+        part = RecordedPart{*std::move(consent), event.begin, {}, {}};
   if (!part) return part;
   for (const take::Event& event : events)
-    if (event.kind == "prompt" && event.begin >= part->begin)
+    if (event.kind == "consent_over" && event.begin >= part->begin && !part->end) part->end = event.begin;
+  for (const take::Event& event : events)
+    if (event.kind == "prompt" && event.begin >= part->begin && (!part->end || event.begin < *part->end))
       if (std::optional<RecordedLine> line = line_of(event)) part->lines.push_back(*std::move(line));
   return part;
 }

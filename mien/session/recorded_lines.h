@@ -23,12 +23,13 @@ struct RecordedLine {
   std::vector<std::string> poor;  ///< What was poor, a sentence each; empty: it is good.
 };
 
-/// What of a take is a dataset's: from its last consent on. A take begins with its session, and what was
-/// before is nobody's.
+/// What of a take is a dataset's: from its last consent on, until that was over. A take begins with its
+/// session, and what was before is nobody's.
 struct RecordedPart {
   Consent consent;
   DeviceTime begin;
-  std::vector<RecordedLine> lines;  ///< That began then or later, in the order in which they were over.
+  std::optional<DeviceTime> end;    ///< None: the take's end.
+  std::vector<RecordedLine> lines;  ///< Of a block, that began in it, in the order in which they were over.
 };
 
 /// None: nobody consented.

@@ -20,7 +20,7 @@ namespace mien::session {
 struct CalibrationVersion {
   std::int64_t id = 0;
   DeviceTime made;
-  std::string origin;   ///< "self", "guided", "recentre", "restored".
+  std::string origin;   ///< "self", "guided", "recentre", "restored", "phone".
   std::string json;     ///< The tracker's.
   std::string centre;   ///< The shaper's re-centring, JSON.
   std::string resting;  ///< The resting face that the shaper had learnt, JSON.

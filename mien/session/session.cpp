@@ -372,6 +372,21 @@ Result<void> Session::execute(const AddPrompt& command) {
   return prompter_.add(command.prompt);
 }
 
+Result<void> Session::execute(const Correct& command) {
+  MIEN_TRY(check_versions());
+  MIEN_TRY(execute(CancelCalibration{}));
+  MIEN_TRY(tracker_->correct(command.correction));
+  add_version(newest_frame_, "phone", tracker_->scores());
+  return {};
+}
+
+Result<void> Session::execute(const EndConsent&) {
+  if (std::exchange(consented_, false) && !consent_to_tell_)
+    add_event("consent_over", newest_frame_, newest_frame_);
+  consent_to_tell_.reset();
+  return {};
+}
+
 Result<void> Session::execute(const GiveConsent& command) {
   consented_ = true;
   consent_to_tell_ = command.consent;

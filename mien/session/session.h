@@ -140,6 +140,8 @@ class Session final : private SampleConsumer {
   Result<void> execute(const AddPrompt& command);
   Result<void> execute(const Prompting& command);
   Result<void> execute(const GiveConsent& command);
+  Result<void> execute(const EndConsent& command);
+  Result<void> execute(const Correct& command);
   void follow_prompts(DeviceTime frame);
   void report_prompts(Report::Prompts& out) const;
 
@@ -151,7 +153,7 @@ class Session final : private SampleConsumer {
   Prompter prompter_;
   PromptWatch prompt_watch_;
   std::vector<std::string> poor_;           // Of the line that was over last.
-  bool consented_ = false;                  // Somebody has, ...
+  bool consented_ = false;                  // Somebody has, and it is not over, ...
   std::optional<Consent> consent_to_tell_;  // ... which the next tick's time is written beside.
   std::vector<DeviceTime> bound_at_;  // By sensor of the rig: the frame before its board, or its view, came.
 

@@ -220,6 +220,14 @@ Result<void> CombinedTracker::restore(std::string_view text) {
   return {};
 }
 
+Result<void> CombinedTracker::correct(const model::Correction& correction) {
+  for (Member& member : members_) {
+    const auto done = member.tracker->correct(correction);
+    if (done || done.error().code != ErrorCode::unsupported) return done;
+  }
+  return Tracker::correct(correction);
+}
+
 std::optional<double> CombinedTracker::heading_sigma_rad(std::uint16_t sensor) const {
   if (sensor >= member_of_.size() || member_of_[sensor] == kNobodys) return std::nullopt;
   return members_[member_of_[sensor]].tracker->heading_sigma_rad(sensor);

@@ -71,6 +71,8 @@ class CombinedTracker final : public tracker::Tracker {
   /// except where one had none in force before. Errors: malformed, mismatch (no tracker of that name), a
   /// tracker's own.
   [[nodiscard]] Result<void> restore(std::string_view json) override;
+  /// The first tracker that takes it is corrected.
+  [[nodiscard]] Result<void> correct(const model::Correction& correction) override;
   [[nodiscard]] std::optional<double> heading_sigma_rad(std::uint16_t sensor) const override;
 
  private:

@@ -15,7 +15,13 @@ CausalTracker::CausalTracker(model::ModelFile file, model::CausalNetwork network
       input_(file_, face_sensor_names),
       condition_(file_.features.width()),
       writer_(file_) {
-  if (file_.correction) correction_.emplace(*file_.correction);
+  use_correction(nullptr);
+}
+
+void CausalTracker::use_correction(const model::Correction* correction) {
+  if (correction == nullptr && file_.correction) correction = &*file_.correction;
+  correction_.reset();
+  if (correction != nullptr) correction_.emplace(*correction);
 }
 
 void CausalTracker::use_wearer(const std::vector<float>& slopes) {

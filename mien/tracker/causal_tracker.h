@@ -47,6 +47,8 @@ class CausalTracker final : public FrameModel {
     return file_.skin && !correction_ ? &file_ : nullptr;
   }
   void use_wearer(const std::vector<float>& slopes) override;
+  [[nodiscard]] bool corrects() const override { return true; }
+  void use_correction(const model::Correction* correction) override;
 
   [[nodiscard]] const model::ModelFile& file() const { return file_; }
   [[nodiscard]] const model::CausalNetwork& network() const { return network_; }

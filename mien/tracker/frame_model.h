@@ -28,6 +28,11 @@ class FrameModel {
   /// From now on it reads what comes by this wearer's skin (model::Skin::wearer); empty: by the one that its
   /// file came with. Only where personal() is something, and of its skin's size.
   virtual void use_wearer([[maybe_unused]] const std::vector<float>& slopes) {}
+
+  /// Whether its answers can be corrected for a wearer (learn_correction()).
+  [[nodiscard]] virtual bool corrects() const { return false; }
+  /// From now on they are, by this; none: by what its file came with. Only where corrects().
+  virtual void use_correction([[maybe_unused]] const model::Correction* correction) {}
 };
 
 }  // namespace mien::tracker

@@ -13,6 +13,7 @@
 #include "mien/core/time.h"
 #include "mien/face/gaze_targets.h"
 #include "mien/face/output_frame.h"
+#include "mien/model/correction.h"
 #include "mien/sensor/calibration.h"
 #include "mien/sensor/clock_model.h"
 #include "mien/sensor/picture_view.h"
@@ -155,6 +156,13 @@ class Tracker {
   [[nodiscard]] virtual std::vector<sensor::Score> scores() const = 0;
   /// Puts an earlier one in force. Gives no calibration event. Errors: malformed, mismatch (another rig's).
   [[nodiscard]] virtual Result<void> restore(std::string_view json) = 0;
+  /// Answers are corrected for the wearer by this from now on, until another is given or a calibration is
+  /// restored that has none; it is a part of calibration(). Errors: unsupported (a modality whose model is
+  /// not corrected), not_found (nothing is calibrated).
+  [[nodiscard]] virtual Result<void> correct([[maybe_unused]] const model::Correction& correction) {
+    return fail(ErrorCode::unsupported, "nothing here is corrected for its wearer", "session",
+                "it takes sensors on the skin and a model such as models/live.safetensors");
+  }
 
   /// Standard deviation of a sensor's heading, rad; none where it has no heading.
   [[nodiscard]] virtual std::optional<double> heading_sigma_rad(std::uint16_t sensor) const = 0;

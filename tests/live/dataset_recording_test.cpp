@@ -28,7 +28,7 @@ Recorder::State running() {
 TEST(DatasetRecording, BeginsWithConsentThenAsksForWhatIsLeft) {
   DatasetRecording recording;
   EXPECT_FALSE(recording.state());
-  auto commands = recording.begin(plan(true), "over");
+  auto commands = recording.begin(plan(true), "over", true);
   ASSERT_EQ(commands.size(), 5u);
   EXPECT_EQ(std::get<session::GiveConsent>(commands[0]).consent, plan().wish.consent);
   EXPECT_EQ(std::get<Prompting>(commands[1]).what, Prompting::Do::voice);
@@ -37,43 +37,69 @@ TEST(DatasetRecording, BeginsWithConsentThenAsksForWhatIsLeft) {
   EXPECT_EQ(recording.state()->take, "Anna_1.mien");
   EXPECT_EQ(recording.state()->lines, 3u);
   EXPECT_EQ(recording.state()->done, 4u);
-  commands = recording.begin(plan(), "paused");
+  commands = recording.begin(plan(), "paused", true);
   ASSERT_EQ(commands.size(), 6u) << "what was asked for before ends first";
   EXPECT_EQ(std::get<Prompting>(commands[0]).what, Prompting::Do::stop);
   EXPECT_EQ(std::get<Prompting>(commands[2]).what, Prompting::Do::key);
 }
 
+TEST(DatasetRecording, NothingIsHeardOfWhoAgreedToNoSound) {
+  DatasetRecording recording;
+  DatasetPlan silent = plan();
+  silent.wish.consent.sound = false;
+  const auto commands = recording.begin(silent, "none", true);
+  ASSERT_EQ(commands.size(), 6u);
+  EXPECT_EQ(json::parse(std::get<session::Shape>(commands[0]).json),
+            json::parse(R"({"merge": {"audio": false}})"));
+  EXPECT_FALSE(std::get<session::GiveConsent>(commands[1]).consent.sound);
+  recording.end();
+  const auto over = recording.look(running(), "block").commands;
+  ASSERT_EQ(over.size(), 3u);
+  EXPECT_EQ(json::parse(std::get<session::Shape>(over[2]).json), json::parse(R"({"merge": {"audio": true}})"))
+      << "the next one may have agreed";
+  EXPECT_EQ(recording.begin(silent, "none", false).size(), 5u) << "who hears nothing need not be told";
+  recording.end();
+  EXPECT_EQ(recording.look(running(), "over").commands.size(), 1u);
+}
+
 TEST(DatasetRecording, EndsTheTakeWhenEverythingWasAskedFor) {
   DatasetRecording recording;
-  static_cast<void>(recording.begin(plan(), "over"));
+  static_cast<void>(recording.begin(plan(), "over", true));
   EXPECT_FALSE(recording.look(running(), "over").end_recording) << "the session has not heard of it yet";
   EXPECT_FALSE(recording.look(running(), "block").end_recording);
   EXPECT_FALSE(recording.look(running(), "running").end_recording);
-  EXPECT_TRUE(recording.look(running(), "over").end_recording);
+  const auto over = recording.look(running(), "over");
+  EXPECT_TRUE(over.end_recording);
+  ASSERT_EQ(over.commands.size(), 1u);
+  EXPECT_TRUE(std::holds_alternative<session::EndConsent>(over.commands[0]));
   EXPECT_TRUE(recording.state()->over);
   EXPECT_FALSE(recording.look(running(), "over").end_recording) << "once";
 }
 
 TEST(DatasetRecording, EndsWhenItsPerformerWantsNoMoreAndAsksForNothingFurther) {
   DatasetRecording recording;
-  static_cast<void>(recording.begin(plan(), "none"));
+  static_cast<void>(recording.begin(plan(), "none", true));
   static_cast<void>(recording.look(running(), "running"));
   recording.end();
   const auto next = recording.look(running(), "running");
   EXPECT_TRUE(next.end_recording);
-  EXPECT_TRUE(next.stop_prompts);
+  ASSERT_EQ(next.commands.size(), 2u);
+  EXPECT_EQ(std::get<Prompting>(next.commands[0]).what, Prompting::Do::stop);
+  EXPECT_TRUE(std::holds_alternative<session::EndConsent>(next.commands[1]));
   EXPECT_EQ(recording.state()->error, "");
 }
 
 TEST(DatasetRecording, ADiskThatIsFullEndsTheAskingToo) {
   DatasetRecording recording;
-  static_cast<void>(recording.begin(plan(), "none"));
+  static_cast<void>(recording.begin(plan(), "none", true));
   static_cast<void>(recording.look(running(), "running"));
   Recorder::State full;
   full.error = "the disk is full";
   const auto next = recording.look(full, "running");
   EXPECT_FALSE(next.end_recording);
-  EXPECT_TRUE(next.stop_prompts);
+  ASSERT_EQ(next.commands.size(), 2u);
+  EXPECT_EQ(std::get<Prompting>(next.commands[0]).what, Prompting::Do::stop);
+  EXPECT_TRUE(std::holds_alternative<session::EndConsent>(next.commands[1]));
   EXPECT_TRUE(recording.state()->over);
   EXPECT_EQ(recording.state()->error, "the disk is full");
 }

@@ -53,9 +53,11 @@ TEST(PromptWatch, LidsAndEyesMoveWithoutAnybodysDoing) {
     frame.weights[face::shape("eyeBlink_L")] = i == 60 ? 1.0F : 0.0F;
     watch.add(DeviceTime(), frame, [](std::uint16_t) { return Link::there; });
   }
-  Prompt read;
+  Prompt read, shut;
   read.text = "Read this.";
+  shut.target[face::shape("eyeBlink_L")] = 1;
   EXPECT_THAT(watch.poor(read, rig), ElementsAre("nothing moved"));
+  EXPECT_THAT(watch.poor(shut, rig), IsEmpty()) << "there they are what was asked for";
 }
 
 TEST(PromptWatch, ALineThatBeginsAnewIsJudgedAnew) {

@@ -235,10 +235,14 @@ TEST(Prompter, WhatWasPoorIsAskedForAgainAtTheEndTwiceAtMostAndNotWhenItWasGoodA
   EXPECT_EQ(prompter.place(frame(30)).prompt->attempt, 2);
   Prompt third = first;
   third.attempt = 2;
+  EXPECT_FALSE(prompter.ask_again(third)) << "it is still to come";
+  ASSERT_TRUE(prompter.begin_block());
+  ASSERT_EQ(run(prompter, 30, 40).size(), 1u);
   EXPECT_TRUE(prompter.ask_again(third));
-  EXPECT_EQ(prompter.place(frame(30)).of, 4u);
+  EXPECT_EQ(prompter.place(frame(40)).of, 4u);
   prompter.accept(first);
-  EXPECT_EQ(prompter.place(frame(30)).state, State::over);
+  EXPECT_EQ(prompter.place(frame(40)).state, State::over);
+  EXPECT_FALSE(prompter.ask_again(first)) << "it was good once";
   third.attempt = kMaxAttempts;
   EXPECT_FALSE(prompter.ask_again(third));
 }

@@ -27,9 +27,11 @@ TEST(RecordedLines, WhatWasBeforeTheLastConsentIsNobodys) {
       {"consent", at(5), at(5), consent_event_json(kAnna)},
       {"neutral", at(6), at(9), ""},
       prompt(9, R"({"name": "two", "text": "Lies.", "block": "calm", "emotion": "joy", "language": "de"})"),
-      prompt(12,
-             R"({"name": "three", "target": {"jawOpen": 0.5, "nose": 3}, "attempt": 2, "poor": ["a", 3]})"),
+      prompt(
+          12,
+          R"({"name": "three", "block": "calm", "target": {"jawOpen": 0.5, "nose": 3}, "attempt": 2, "poor": ["a", 3]})"),
       prompt(15, "no JSON"),
+      prompt(16, R"({"name": "smile", "target": {"jawOpen": 1}})"),
       {"consent", at(20), at(20), R"({"performer": ""})"},
   };
   const auto part = recorded_part(events);
@@ -48,6 +50,24 @@ TEST(RecordedLines, WhatWasBeforeTheLastConsentIsNobodys) {
   EXPECT_EQ(part->lines[1].target[face::shape("jawOpen")], 0.5F);
   EXPECT_EQ(part->lines[1].attempt, 2);
   EXPECT_THAT(part->lines[1].poor, ElementsAre("a"));
+}
+
+TEST(RecordedLines, WhatComesWhenTheConsentIsOverIsNobodysEither) {
+  const std::string line = R"({"name": "one", "block": "calm"})";
+  std::vector<take::Event> events = {{"consent", at(1), at(1), consent_event_json(kAnna)},
+                                     prompt(2, line),
+                                     {"consent_over", at(5), at(5), ""},
+                                     prompt(6, line)};
+  auto part = recorded_part(events);
+  ASSERT_TRUE(part);
+  EXPECT_EQ(part->end, at(5));
+  EXPECT_EQ(part->lines.size(), 1u);
+  events.push_back({"consent", at(8), at(8), consent_event_json(kAnna)});
+  events.push_back(prompt(9, line));
+  part = recorded_part(events);
+  ASSERT_TRUE(part);
+  EXPECT_FALSE(part->end) << "that of before is over, this one is not";
+  EXPECT_EQ(part->begin, at(8));
 }
 
 TEST(RecordedLines, WithoutConsentThereAreNone) {

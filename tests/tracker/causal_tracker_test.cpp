@@ -222,5 +222,24 @@ TEST(CausalTracker, RefusesWhatItCannotRun) {
   EXPECT_THAT(refused.error().message(), HasSubstr("live.safetensors"));
 }
 
+TEST(CausalTracker, ACorrectionIsPutInForceAndTakenBackWhileItRuns) {
+  const auto features = test::turning(40);
+  CausalTracker plain = tiny_tracker(), corrected = tiny_tracker();
+  model::Correction doubles{.lags = {0},
+                            .weights = std::vector<float>(face::kShapeCount * face::kShapeCount)};
+  for (std::size_t k = 0; k < face::kShapeCount; ++k) doubles.weights[k * face::kShapeCount + k] = 1;
+  for (std::size_t f = 0; f < features.size(); ++f) {
+    if (f == 10) corrected.use_correction(&doubles);
+    if (f == 30) corrected.use_correction(nullptr);
+    face::OutputFrame as_it_is, as_corrected;
+    plain.step(features[f], as_it_is);
+    corrected.step(features[f], as_corrected);
+    const float times = f >= 10 && f < 30 ? 2 : 1;
+    for (std::size_t k = 0; k < face::kShapeCount; ++k)
+      ASSERT_NEAR(as_corrected.weights[k], std::min(1.0F, times * as_it_is.weights[k]), 1e-6F) << f;
+  }
+  EXPECT_TRUE(corrected.corrects());
+}
+
 }  // namespace
 }  // namespace mien::tracker::causal_tracker_test

@@ -1,6 +1,8 @@
 /** What buttons and keys do: one place for both, so that they do the same. */
 import type { CalibrationKind } from "./calibration_protocol";
+import { type DatasetList, type DatasetWish, readDatasetList } from "./dataset_protocol";
 import { type Pairing, readPairing } from "./network_protocol";
+import { isAsking, type PromptDeed } from "./prompt_protocol";
 import type { Command, Reply, ViewChange } from "./protocol";
 import type { Session } from "./session";
 import type { ViewState } from "./view_state";
@@ -62,6 +64,15 @@ export class Actions {
     await this.send({ command: "calibrate", kind });
   }
 
+  /** Two guided minutes before the phone, from which the session learns the wearer. */
+  async learnFromPhone(): Promise<void> {
+    await this.send({ command: "learn_phone", do: "begin" });
+  }
+
+  async cancelLesson(): Promise<void> {
+    await this.send({ command: "learn_phone", do: "cancel" });
+  }
+
   async cancelCalibration(): Promise<void> {
     await this.send({ command: "cancel_calibration" });
   }
@@ -91,7 +102,7 @@ export class Actions {
   async space(): Promise<void> {
     const status = this.session.status.value;
     if (status?.replay) await this.togglePause();
-    else if (status?.prompts && status.prompts.state !== "over") await this.togglePrompts();
+    else if (isAsking(status?.prompts) && status.prompts.state !== "block") await this.togglePrompts();
     else await this.recentre();
   }
 
@@ -105,7 +116,30 @@ export class Actions {
   }
 
   async skipPrompt(): Promise<void> {
-    await this.send({ command: "prompts", do: "skip" });
+    await this.steerPrompts("skip");
+  }
+
+  async steerPrompts(deed: PromptDeed): Promise<void> {
+    await this.send({ command: "prompts", do: deed });
+  }
+
+  /** Which datasets there are, and what can be recorded for one. Null: refused, and that is said. */
+  async listDatasets(): Promise<DatasetList | null> {
+    const reply = await this.send({ command: "dataset", list: true });
+    return reply.ok ? readDatasetList(reply.result) : null;
+  }
+
+  /** Never without an agreement: the type has no other. What stands against it is for who asked to say. */
+  async beginDataset(begin: DatasetWish): Promise<Reply> {
+    return await this.session.send({ command: "dataset", begin });
+  }
+
+  async endDataset(): Promise<boolean> {
+    return (await this.send({ command: "dataset", end: true })).ok;
+  }
+
+  async playTake(take: string, dataset: string): Promise<boolean> {
+    return (await this.send({ command: "replay", take, dataset })).ok;
   }
 
   async seek(seconds: number): Promise<void> {

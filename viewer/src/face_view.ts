@@ -6,7 +6,8 @@ import { withToken } from "./connection";
 import { h, setHidden, setText } from "./dom";
 import { fixed } from "./format";
 import { restingPose, type Pose } from "./playout";
-import type { PromptStatus, Status } from "./protocol";
+import { isAsking, type PromptStatus } from "./prompt_protocol";
+import type { Status } from "./protocol";
 import type { Session } from "./session";
 import { shapeLabel } from "./shapes";
 import type { Avatar } from "./scene/avatar";
@@ -306,14 +307,16 @@ export class FaceView {
     const status = this.session.status.value;
     const guided = status?.calibration.state === "running";
     const prompts = guided ? null : promptsOf(status);
-    const shown = prompts !== null || (guided && (status.calibration.target !== null || isMotion(status.calibration)));
-    const truth = !guided && !prompts && status?.replay?.hasTruth === true && this.view.showTruth.value;
+    const posed = prompts?.target != null;
+    const nextPose = posed && prompts.next?.target ? prompts.next : null;
+    const shown = posed || (guided && (status.calibration.target !== null || isMotion(status.calibration)));
+    const truth = !guided && !posed && status?.replay?.hasTruth === true && this.view.showTruth.value;
     this.secondWanted = shown ? "target" : truth ? "truth" : "none";
     setText(this.left, !shown ? "Truth" : prompts && prompts.state !== "running" ? "Get ready" : "Do this");
     setText(this.right, shown ? "You" : "Capture");
-    this.stage?.setInset(prompts?.next ? () => this.poseNext() : null);
-    setHidden(this.nextFace, !prompts?.next);
-    setText(this.nextLabel, prompts?.next ? `Next: ${prompts.next.name}` : "");
+    this.stage?.setInset(nextPose ? () => this.poseNext() : null);
+    setHidden(this.nextFace, !nextPose);
+    setText(this.nextLabel, nextPose ? `Next: ${nextPose.name}` : "");
     setHidden(this.left, this.secondWanted === "none");
     setHidden(this.right, this.secondWanted === "none");
     setHidden(this.difference, this.secondWanted !== "truth");
@@ -396,7 +399,7 @@ export class FaceView {
   /** The example, for the small picture of what comes next. */
   private poseNext(): void {
     const next = promptsOf(this.session.status.value)?.next;
-    for (let k = 0; k < this.next.weights.length; ++k) this.next.weights[k] = next?.target[k] ?? 0;
+    for (let k = 0; k < this.next.weights.length; ++k) this.next.weights[k] = next?.target?.[k] ?? 0;
     this.second?.apply(this.next);
   }
 
@@ -448,9 +451,9 @@ export class FaceView {
   }
 }
 
-/** The poses that are asked for; null when none are any more. */
+/** What is asked for; null when nothing is any more, and before a block, when nobody is to do it yet. */
 function promptsOf(status: Status | null | undefined): PromptStatus | null {
-  return status?.prompts && status.prompts.state !== "over" ? status.prompts : null;
+  return isAsking(status?.prompts) && status.prompts.state !== "block" ? status.prompts : null;
 }
 
 function isMotion(calibration: CalibrationStatus): boolean {

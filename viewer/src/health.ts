@@ -20,6 +20,7 @@ const HEALTH: Readonly<Record<string, Health>> = {
   unchanged: { label: "unchanged", severity: "warn", mark: "=", sentence: "The board answers, but has nothing new to say." },
   restarted: { label: "restarted", severity: "warn", mark: "↻", sentence: "It has just restarted; its clock is being learnt again." },
   duplicate: { label: "duplicate", severity: "bad", mark: "2", sentence: "Two devices use this id. Choose which is heard, and give the other another." },
+  no_face: { label: "sees no face", severity: "bad", mark: "∅", sentence: "It is there, but sees no face. Hold it before the face, and see to the light." },
   silent: { label: "silent", severity: "idle", mark: "…", sentence: "Bound to a device that has sent nothing yet." },
   unbound: { label: "unbound", severity: "idle", mark: "+", sentence: "No device is bound to this site." },
 };

@@ -16,6 +16,8 @@ import "./style/headset.css";
 import "./style/panel_calibration.css";
 import "./style/panel_takes.css";
 import "./style/panel_output.css";
+import "./style/recorder.css";
+import "./style/teleprompter.css";
 import { Actions } from "./actions";
 import { ActionBar } from "./chrome/action_bar";
 import { Dock } from "./chrome/dock";
@@ -26,9 +28,11 @@ import { Notices } from "./chrome/notices";
 import { TapBanner } from "./chrome/tap_banner";
 import { Timeline } from "./chrome/timeline";
 import { Topbar } from "./chrome/topbar";
+import { Recording } from "./dataset/recording";
 import { h, setHidden } from "./dom";
 import { FaceView } from "./face_view";
 import { listenKeys, type Key } from "./keys";
+import { BrowserMicrophone } from "./microphone";
 import { CalibrationPanel } from "./panels/calibration";
 import { OutputPanel } from "./panels/output";
 import { SensorsPanel } from "./panels/sensors";
@@ -49,23 +53,26 @@ const guide = new CalibrationGuide(session, actions);
 const prompts = new PromptGuide(session, actions);
 const timeline = new Timeline(session, actions);
 const notices = new Notices(session, view);
+const microphone = new BrowserMicrophone(session);
+const recording = new Recording(session, actions, microphone, notices.element);
 const weights = new WeightsPanel(session, view, actions);
 const actionBar = new ActionBar(session, view, actions, face);
 const dock = new Dock(view, {
   weights: weights.element,
   sensors: new SensorsPanel(session, view, actions).element,
   calibration: new CalibrationPanel(session, actions).element,
-  takes: new TakesPanel(session, actions).element,
-  output: new OutputPanel(session, view, actions).element,
+  takes: new TakesPanel(session, actions, () => recording.open()).element,
+  output: new OutputPanel(session, view, actions, microphone).element,
 });
 
-const bottom = h("div", { class: "bottom" }, guide.element, prompts.element, new TapBanner(session, actions).element, timeline.element, actionBar.element);
+const bottom = h("div", { class: "bottom" }, guide.element, prompts.element, recording.strip, new TapBanner(session, actions).element, timeline.element, actionBar.element);
 const stage = h("main", { class: "stage" }, face.element, topbar.element, topbar.badge, notices.element, bottom);
-document.body.append(h("div", { class: "app" }, stage, dock.element));
+document.body.append(h("div", { class: "app" }, stage, dock.element), recording.element);
 
 const TURN = 0.15;
 const keys: Key[] = [
   { keys: ["r"], shown: "R", does: "Record, or stop", act: () => void actions.toggleRecording() },
+  { keys: ["p"], shown: "P", does: "Record a dataset: lines to read, a teleprompter", act: () => recording.open() },
   { keys: ["c"], shown: "C", does: "Calibrate", act: () => void actions.calibrate("short") },
   { keys: [" "], shown: "Space", does: "Re-centre; in a replay, and where poses are asked for: pause or go on", act: () => void actions.space() },
   ...PANELS.map((panel, i) => ({
@@ -91,6 +98,7 @@ document.body.append(makeHelp(keys, view));
 
 function escape(): void {
   if (view.helpOpen.value) view.helpOpen.set(false);
+  else if (recording.isOpen) recording.escape();
   else if (view.bare.value) view.bare.set(false);
   else if (guide.open) guide.close();
   else if (session.status.value?.tap) void actions.stopTap();
@@ -105,12 +113,19 @@ view.bare.listen((bare) => {
 
 /** The face keeps clear of what lies over it; measured whenever something of it may have changed size. */
 function keepClear(): void {
+  const faces = recording.faces;
+  if (faces) {
+    const all = stage.getBoundingClientRect();
+    face.cover({ top: faces.top - all.top, right: all.right - faces.right, bottom: all.bottom - faces.bottom, left: faces.left - all.left });
+    return;
+  }
   const bare = view.bare.value;
   const tight = stage.clientHeight < 520;
   face.cover({ top: bare ? 0 : tight ? 40 : 52, right: 0, bottom: bare ? 0 : Math.max(tight ? 52 : 64, bottom.offsetHeight), left: 0 });
 }
 new ResizeObserver(keepClear).observe(bottom);
 new ResizeObserver(keepClear).observe(stage);
+new ResizeObserver(keepClear).observe(recording.facesElement);
 view.bare.listen(() => requestAnimationFrame(keepClear));
 
 // What moves between messages is drawn at the display's rate, and only while there is news or a ring runs down.
@@ -123,7 +138,8 @@ function schedule(): void {
     if (!weights.element.hidden) weights.draw(now);
     if (guide.open) guide.draw(now);
     if (prompts.open) prompts.draw(now);
-    if (guide.open || prompts.open) schedule();
+    if (recording.isOpen) recording.draw(now);
+    if (guide.open || prompts.open || recording.isOpen) schedule();
   });
 }
 session.frame.listen(schedule);

@@ -79,6 +79,12 @@ export class BrowserMicrophone {
     }
   }
 
+  toggle(): void {
+    const { kind } = this.state.value;
+    if (kind === "on" || kind === "asking") this.stop();
+    else void this.start();
+  }
+
   /** Lets the microphone go, and tells the session. */
   stop(state: MicrophoneState = { kind: "off" }): void {
     const heard = this.opened !== null;

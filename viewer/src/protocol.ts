@@ -3,11 +3,14 @@
  * or is not what it should be becomes the harmless value of its kind, and nothing here throws. `readMessage` gives null
  * for what cannot be used at all.
  */
-import { type CalibrationKind, type CalibrationStatus, readCalibration, readTarget } from "./calibration_protocol";
+import { type CalibrationKind, type CalibrationStatus, readCalibration } from "./calibration_protocol";
+import { type DatasetCommand, type DatasetStatus, readDataset } from "./dataset_protocol";
+import { type LessonCommand, type PhoneLesson, readLesson } from "./lesson_protocol";
 import { type Hearing, type MicrophoneOver, readHearing } from "./hearing_protocol";
 import { type NetworkStatus, readNetwork } from "./network_protocol";
 import { type CameraPicture, type PicturesStatus, readPictures } from "./picture_protocol";
 import { type Crop, type PictureView, readView } from "./picture_view";
+import { type PromptDeed, type PromptStatus, readPrompts } from "./prompt_protocol";
 import { type Fields, fieldsOf, idOf, list, number, numberOrNull, share, text, texts } from "./reading";
 import { SHAPE_COUNT, SHAPES } from "./shapes";
 
@@ -101,25 +104,6 @@ export interface UnboundDevice {
   protocol: string;
 }
 
-/** The poses of a recording, asked for one after the other. */
-export interface PromptStatus {
-  state: "ready" | "running" | "paused" | "over";
-  name: string;
-  say: string;
-  /** In our order; null when all are over. */
-  target: Float32Array | null;
-  next: { name: string; target: Float32Array } | null;
-  /** From 1. */
-  number: number;
-  of: number;
-  /** Of the present pose, 0 to 1. */
-  progress: number;
-  /** Of the present pose; when ready, until it begins. */
-  remainingS: number;
-  /** Until all are over. */
-  leftS: number;
-}
-
 export interface SinkStatus {
   id: string | number;
   address: string;
@@ -164,6 +148,10 @@ export interface Status {
   unbound: UnboundDevice[];
   calibration: CalibrationStatus;
   prompts: PromptStatus | null;
+  /** The dataset's recording that runs, or that ran last. */
+  dataset: DatasetStatus | null;
+  /** What comes of learning from a phone. */
+  phoneLesson: PhoneLesson | null;
   sinks: SinkStatus[];
   /** Null of a session that does not say. */
   network: NetworkStatus | null;
@@ -227,7 +215,9 @@ export type Command =
   | { command: "cancel_calibration" }
   | { command: "use_calibration"; version: string | number }
   | { command: "recentre" }
-  | { command: "prompts"; do: "skip" | "pause" | "resume" | "stop" }
+  | { command: "prompts"; do: PromptDeed }
+  | DatasetCommand
+  | LessonCommand
   | { command: "record"; on: boolean; name: string }
   | { command: "sink"; add: string }
   | { command: "sink"; sink: string | number; on: boolean }
@@ -244,7 +234,7 @@ export type Command =
   | { command: "microphone"; on: boolean }
   | { command: "pictures"; on: boolean }
   | { command: "takes" }
-  | { command: "replay"; take: string }
+  | { command: "replay"; take: string; dataset?: string }
   | { command: "replay"; paused: boolean }
   | { command: "replay"; seek: number }
   | { command: "replay"; stop: true };
@@ -376,30 +366,6 @@ function readLink(one: Fields): Link {
   };
 }
 
-/** Texts of more poses than a session asks for. */
-const MOST_PROMPTS = 10_000;
-
-function readPrompts(value: unknown): PromptStatus | null {
-  if (typeof value !== "object" || value === null) return null;
-  const fields = fieldsOf(value);
-  const state = fields["state"];
-  if (state !== "ready" && state !== "running" && state !== "paused" && state !== "over") return null;
-  const next = fieldsOf(fields["next"]);
-  const nextTarget = readTarget(next["target"]);
-  return {
-    state,
-    name: text(fields["name"]),
-    say: text(fields["say"]),
-    target: readTarget(fields["target"]),
-    next: nextTarget ? { name: text(next["name"]), target: nextTarget } : null,
-    number: Math.min(MOST_PROMPTS, Math.max(0, Math.round(number(fields["number"])))),
-    of: Math.min(MOST_PROMPTS, Math.max(0, Math.round(number(fields["of"])))),
-    progress: share(fields["progress"]),
-    remainingS: Math.max(0, number(fields["remaining_s"])),
-    leftS: Math.max(0, number(fields["left_s"])),
-  };
-}
-
 function readShaping(fields: Fields): Shaping {
   const gains = new Map<string, number>();
   const limits = new Map<string, readonly [number, number]>();
@@ -461,6 +427,8 @@ function readStatus(fields: Fields): Status {
     })).filter((one) => one.device !== ""),
     calibration: readCalibration(fieldsOf(fields["calibration"])),
     prompts: readPrompts(fields["prompts"]),
+    dataset: readDataset(fields["dataset"]),
+    phoneLesson: readLesson(fields["phone_lesson"]),
     sinks: list(fields["sinks"], (one) => ({
       id: idOf(one["id"]),
       address: text(one["address"]),

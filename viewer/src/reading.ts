@@ -16,8 +16,12 @@ export function number(value: unknown, otherwise = 0): number {
 export function numberOrNull(value: unknown): number | null {
   return typeof value === "number" && Number.isFinite(value) ? value : null;
 }
-export function text(value: unknown, otherwise = ""): string {
-  return typeof value === "string" ? value.slice(0, LONGEST) : otherwise;
+export function text(value: unknown, otherwise = "", longest = LONGEST): string {
+  return typeof value === "string" ? value.slice(0, longest) : otherwise;
+}
+/** A whole number from 0 to `most`. */
+export function count(value: unknown, most: number): number {
+  return Math.min(most, Math.max(0, Math.round(number(value))));
 }
 export function share(value: unknown): number {
   return Math.min(1, Math.max(0, number(value)));

@@ -2,10 +2,11 @@
 // docs/reference/page_protocol.md says, with made-up but believable data: a talking face, a lossy sensor, a frozen one, a lost one.
 //
 //   npm run mock [-- --port 8740] [-- --token SECRET] [-- --uncalibrated] [-- --eyewear] [-- --prompts] [-- --microphone]
-//     [-- --headset]
+//     [-- --headset] [-- --phone]
 //
 // --eyewear wears the glasses of rigs/eyewear.toml beside the ear's sensor; --prompts records, and asks for a few poses;
-// --microphone hears that of a browser; --headset has the cameras of rigs/headset.toml.
+// --microphone hears that of a browser; --headset has the cameras of rigs/headset.toml; --phone, one
+// that says how the face really is.
 //
 // The face is the built-in one where MIEN_PROGRAM names the program that makes it, else an egg.
 import { createServer } from "node:http";
@@ -14,6 +15,8 @@ import { dirname, extname, join, normalize } from "node:path";
 import { fileURLToPath } from "node:url";
 import { WebSocketServer } from "ws";
 import { MockCameras } from "./mock_cameras.mjs";
+import { MockDataset } from "./mock_dataset.mjs";
+import { MockPrompts, POSES } from "./mock_prompts.mjs";
 import { eyewearSensors, headsetSensors } from "./mock_rigs.mjs";
 import { STEPS } from "./mock_steps.mjs";
 import { MockVoice } from "./mock_voice.mjs";
@@ -37,15 +40,7 @@ const IMUS = RIG.map(([name, ...position]) => ({
 
 const MICROPHONE = { name: "microphone", kind: "speech", site: "", side: "M", role: "face", position_m: null };
 
-const PROMPTS = [
-  { name: "neutral", say: "Look ahead, relax your face and hold still", seconds: 10, target: {} },
-  { name: "brows up", say: "Raise your eyebrows", seconds: 3, target: { browInnerUp_L: 1, browInnerUp_R: 1, browOuterUp_L: 1, browOuterUp_R: 1, eyeWide_L: 0.3, eyeWide_R: 0.3 } },
-  { name: "smile", say: "Smile as wide as you can", seconds: 3, target: { mouthSmile_L: 1, mouthSmile_R: 1, cheekSquint_L: 0.5, cheekSquint_R: 0.5 } },
-  { name: "pucker", say: "Pucker your lips, as for a kiss", seconds: 3, target: { mouthPucker: 1 } },
-  { name: "jaw open", say: "Open your mouth wide", seconds: 3, target: { jawOpen: 1 } },
-];
-/** Before the first pose, and after a pause, s. */
-const LEAD_IN = 3;
+const PHONE = { name: "phone", kind: "weights", site: "", side: "M", role: "truth", position_m: null };
 
 const TAKES = [
   { name: "reading_aloud.mien", seconds: 28.9, megabytes: 1.8, recorded: "2026-11-21T18:53:41Z", truth: true },
@@ -122,16 +117,18 @@ class MockSession {
   holdAt = "";
 
   /** `microphone`: it hears one, that of a browser. */
-  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false, headset = false, every = 1 } = {}) {
+  constructor({ quick = false, uncalibrated = false, eyewear = false, prompts = false, microphone = false, headset = false, phone = false, every = 1 } = {}) {
     /** Of so many frames and pictures one is sent: a browser on a busy machine falls behind sixty a second, ever further. */
     this.every = every;
     this.sensors = headset ? headsetSensors() : eyewear ? [...eyewearSensors(), ...IMUS.slice(-1)] : microphone ? [...IMUS, MICROPHONE] : IMUS;
+    if (phone) this.sensors = [...this.sensors, PHONE];
     this.quick = quick;
     this.random = seeded(7);
     this.started = Date.now();
     this.clients = new Set();
     this.states = headset ? { mouth_R: "frozen" } : eyewear ? { cheek_L: "lossy", jaw_lower_R: "lost" } : { zygomaticus_lower_L: "lossy", buccinator_R: "frozen", mentalis: "lost", frontalis_R: "duplicate" };
-    this.prompts = prompts ? { at: 0, seconds: -LEAD_IN, paused: false } : null;
+    this.prompts = prompts ? new MockPrompts(POSES) : null;
+    this.dataset = new MockDataset(this);
     this.devices = Object.fromEntries(this.sensors.map(({ name }, i) => [name, `02:4D:49:45:4E:${(i + 1).toString(16).padStart(2, "0").toUpperCase()}`]));
     // Two send as one of them.
     this.heard = { frontalis_R: "udp://192.168.1.40:5005" };
@@ -219,7 +216,8 @@ class MockSession {
       if (this.replay.time >= this.replay.duration) this.replay = { ...this.replay, time: this.replay.duration, paused: true };
     }
     this.advanceCalibration();
-    this.advancePrompts();
+    this.prompts?.advance((this.quick ? 6 : 1) / 60);
+    this.dataset.follow();
     ++this.frames;
     for (const sink of this.sinks) if (sink.on) ++sink.sent;
     if (this.frames % this.every === 0) this.say(this.frame());
@@ -295,37 +293,13 @@ class MockSession {
         progress: run ? Math.min(1, this.calibration.stepSeconds / step.seconds) : 0, remaining_s: run ? Math.max(0, step.seconds - this.calibration.stepSeconds) : 0,
         step_number: run ? run.at + 1 : 0, steps: run ? run.steps.length : 0, versions: this.versions,
       },
-      prompts: this.promptStatus(),
+      prompts: this.prompts?.status() ?? null, dataset: this.dataset.state,
       sinks: this.sinks.map((sink) => ({ ...sink, rate_hz: sink.on ? 60 : 0 })),
       recording: { on: this.recording.on, path: this.recording.path, seconds: this.recording.on ? t - this.recording.since : 0, megabytes: this.recording.on ? 0.07 * (t - this.recording.since) : 0, error: this.recording.error },
       log: { megabytes: 0.33 * t, limit_megabytes: 4000, payload_megabytes: 0, payload_limit_megabytes: 2000, hours_left: (4000 - 0.33 * t) / 0.33 / 3600, error: null },
       shaping: this.shaping, hearing: this.voice.hearing, replay: this.replay, pictures: this.cameras.status, tap: this.tap ? { sensor: this.tap } : null,
       cover: this.cover.sensor || this.cover.trouble ? this.cover : null,
       network: this.network,
-    };
-  }
-
-  advancePrompts() {
-    const run = this.prompts;
-    if (!run || run.paused || run.at >= PROMPTS.length) return;
-    run.seconds += (this.quick ? 6 : 1) / 60;
-    if (run.seconds < PROMPTS[run.at].seconds) return;
-    ++run.at;
-    run.seconds = 0;
-  }
-
-  promptStatus() {
-    const run = this.prompts;
-    if (!run) return null;
-    const prompt = PROMPTS[run.at];
-    if (!prompt) return { state: "over", name: "", say: "", target: null, next: null, number: PROMPTS.length, of: PROMPTS.length, progress: 0, remaining_s: 0, left_s: 0 };
-    const next = PROMPTS[run.at + 1];
-    const after = PROMPTS.slice(run.at + 1).reduce((sum, one) => sum + one.seconds, 0);
-    return {
-      state: run.paused ? "paused" : run.seconds < 0 ? "ready" : "running", name: prompt.name, say: prompt.say, target: prompt.target,
-      next: next ? { name: next.name, target: next.target } : null, number: run.at + 1, of: PROMPTS.length,
-      progress: Math.max(0, run.seconds / prompt.seconds), remaining_s: run.seconds < 0 ? -run.seconds : prompt.seconds - run.seconds,
-      left_s: prompt.seconds - run.seconds + after,
     };
   }
 
@@ -375,11 +349,11 @@ class MockSession {
         this.versions.push({ ...this.version(this.versions.length + 1, "recentre", 0, 0.15), in_force: true });
         return null;
       case "prompts":
-        if (!this.prompts || this.prompts.at >= PROMPTS.length) throw new Error("No pose is being asked for.");
-        if (command.do === "skip") Object.assign(this.prompts, { at: this.prompts.at + 1, seconds: 0 });
-        else if (command.do === "stop") this.prompts.at = PROMPTS.length;
-        else Object.assign(this.prompts, { paused: command.do === "pause", seconds: -LEAD_IN });
+        if (!this.prompts) throw new Error("No pose is being asked for.");
+        this.prompts.obey(command.do);
         return null;
+      case "dataset":
+        return this.dataset.obey(command);
       case "record":
         if (command.on) {
           this.recording = { on: true, path: `takes/${command.name || "take_2026-11-21_2044"}.mien`, since: this.now(), error: null };
@@ -470,7 +444,8 @@ class MockSession {
         return { takes: [...this.growing(), ...this.takes].map(({ truth: _, ...take }) => take) };
       case "replay":
         if (command.take !== undefined) {
-          const take = this.takes.find((one) => one.name === command.take);
+          const takes = command.dataset ? this.dataset.takes.filter((one) => one.dataset === command.dataset) : this.takes;
+          const take = takes.find((one) => one.name === command.take);
           if (!take) throw new Error(`There is no take ${command.take}.`);
           this.replay = { take: take.name, time: 0, duration: take.seconds, paused: false, has_truth: take.truth };
         } else if (!this.replay) {
@@ -593,7 +568,7 @@ if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const { url } = await startMockSession({
     port: Number(option("port", 8740)), token: option("token", ""), uncalibrated: process.argv.includes("--uncalibrated"),
     eyewear: process.argv.includes("--eyewear"), prompts: process.argv.includes("--prompts"), microphone: process.argv.includes("--microphone"),
-    headset: process.argv.includes("--headset"),
+    headset: process.argv.includes("--headset"), phone: process.argv.includes("--phone"),
   });
   console.log(`A mock session: ${url}\nIts page with changes shown at once: npm run dev`);
 }

@@ -145,8 +145,7 @@ Result<double> sound_from(const take::Take& take, std::span<const take::StoredSa
 
 /// Counts the lines, and gives those that count their places.
 std::map<std::string_view, std::int32_t> place_lines(const session::RecordedPart& part, RecordedTake& out) {
-  for (const session::RecordedLine* line : session::lines_that_count(part))
-    if (!line->block.empty()) out.lines.push_back(*line);
+  for (const session::RecordedLine* line : session::lines_that_count(part)) out.lines.push_back(*line);
   std::map<std::string_view, std::int32_t> places;
   for (std::size_t i = 0; i < out.lines.size(); ++i) {
     const session::RecordedLine& line = out.lines[i];
@@ -196,7 +195,7 @@ void gather_stretches(std::span<const model::FeatureFrame> features, std::span<c
   };
   for (std::size_t f = 0; f < features.size(); ++f) {
     const model::FeatureFrame& feature = features[f];
-    if (part && feature.time < part->begin) continue;
+    if (part && (feature.time < part->begin || (part->end && feature.time >= *part->end))) continue;
     lines.go_to(feature.time);
     double* spent = nullptr;  // Where its time belongs if it does not count.
     if (!truth[f].has_face)

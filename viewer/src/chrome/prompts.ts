@@ -1,15 +1,15 @@
 /** The poses of a recording over the face: which one now, a ring that runs down, what comes next, and how far all of it is. */
 import type { Actions } from "../actions";
-import { h, setHidden, setText } from "../dom";
+import { h, setAttribute, setHidden, setText } from "../dom";
 import { clock } from "../format";
-import type { PromptStatus } from "../protocol";
+import { isAsking, isLine, type PromptStatus } from "../prompt_protocol";
 import type { Session } from "../session";
 import { CountdownRing } from "./ring";
 
 export class PromptGuide {
   readonly element = h("section", { class: "guide prompts", "aria-label": "Poses of this recording", hidden: true });
   private readonly ring = new CountdownRing();
-  private readonly title = h("h2", { "aria-live": "assertive" });
+  private readonly title = h("h2", { "aria-live": "assertive", dir: "auto" });
   private readonly say = h("p");
   private readonly next = h("p", { class: "prompt-next quiet" });
   private readonly bar = h("div", { class: "prompt-bar-run" });
@@ -47,11 +47,13 @@ export class PromptGuide {
   }
 
   private update(prompts: PromptStatus | null): void {
-    setHidden(this.element, prompts === null || prompts.state === "over");
-    if (prompts === null || prompts.state === "over") return;
+    // Lines of a script are the teleprompter's.
+    const asking = isAsking(prompts) && !isLine(prompts);
+    setHidden(this.element, !asking);
+    if (!asking) return;
     const ready = prompts.state === "ready";
     const paused = prompts.state === "paused";
-    const title = paused ? "Paused" : ready ? "Get ready" : prompts.name;
+    const title = paused ? "Paused" : ready ? "Get ready" : prompts.text || prompts.name;
     if (title !== this.shown) {
       this.shown = title;
       this.title.classList.remove("fresh");
@@ -59,6 +61,7 @@ export class PromptGuide {
       this.title.classList.add("fresh");
     }
     setText(this.title, title);
+    setAttribute(this.title, "lang", title === prompts.text ? prompts.language || null : null);
     setText(this.say, paused ? "The recording goes on; no pose is asked for." : ready ? `First: ${prompts.name}` : prompts.say);
     setText(this.next, ready || paused ? prompts.say : prompts.next ? `Next: ${prompts.next.name}` : "The last one");
     this.element.dataset["state"] = prompts.state;

@@ -6,12 +6,14 @@ import { h, KeyedList, setHidden, setText } from "../dom";
 import { ago, fixed } from "../format";
 import type { Status } from "../protocol";
 import type { Session } from "../session";
+import { PhoneLessonSection } from "./phone_lesson";
 
 const ORIGINS: Readonly<Record<string, string>> = {
   self: "By itself, from how you moved",
   guided: "Guided",
   recentre: "Re-centred",
   restored: "From an earlier session",
+  phone: "Learnt from the phone",
 };
 
 export class CalibrationPanel {
@@ -42,6 +44,7 @@ export class CalibrationPanel {
         class: "quiet",
         text: "Calibrate: hold still, nod, shake your head. With expressions: then also a few faces to make, and each is told how well it was seen. Learn my skin: then a minute of other faces, and sensors on the skin are read as yours from then on. Where I look, with a headset: five points to look at, said aloud. Re-centre: the face you have now is neutral again.",
       }),
+      new PhoneLessonSection(session, actions).element,
       h("h3", { text: "Versions" }),
       this.list,
       this.empty,

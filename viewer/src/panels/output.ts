@@ -3,6 +3,7 @@ import type { Actions } from "../actions";
 import { h, KeyedList, setHidden, setText } from "../dom";
 import { fixed } from "../format";
 import { ink } from "../ink";
+import type { BrowserMicrophone } from "../microphone";
 import type { SinkStatus, Status } from "../protocol";
 import type { Session } from "../session";
 import { shapeIndex, shapeLabel } from "../shapes";
@@ -48,6 +49,7 @@ export class OutputPanel {
     private readonly session: Session,
     view: ViewState,
     private readonly actions: Actions,
+    microphone: BrowserMicrophone,
   ) {
     const sinkList = h("ul", { class: "sinks" });
     const sinks = new KeyedList<SinkStatus, SinkRow>(sinkList, (sink) => String(sink.id), (sink) => new SinkRow(sink, actions));
@@ -63,7 +65,7 @@ export class OutputPanel {
       ),
       this.shaped,
       this.shapedEmpty,
-      new VoiceBlock(session, actions).element,
+      new VoiceBlock(session, actions, microphone).element,
       h("h3", { text: "Latency" }),
       this.latencyText,
       this.latency,

@@ -15,7 +15,8 @@ export class TakesPanel {
   private readonly room = h("p", { class: "quiet", hidden: true });
   private readonly error = h("p", { class: "error", role: "alert", hidden: true });
 
-  constructor(session: Session, actions: Actions) {
+  /** `recordDataset` opens what asks a performer for lines. */
+  constructor(session: Session, actions: Actions, recordDataset: () => void) {
     const list = h("ul", { class: "takes" });
     const empty = h("p", { class: "quiet", text: "No takes yet. What you record appears here." });
     const refresh = h("button", { type: "button", class: "text-button", text: "Look again", onclick: () => void session.refreshTakes() });
@@ -27,6 +28,12 @@ export class TakesPanel {
         event.preventDefault();
         void actions.toggleRecording(this.name.value.trim());
       } }, this.name, this.record),
+      h(
+        "div",
+        { class: "dataset-entry" },
+        h("button", { type: "button", class: "button", text: "Record a dataset…", onclick: recordDataset }),
+        h("p", { class: "quiet", text: "A performer reads lines from this page, before a phone if there is one." }),
+      ),
       h("div", { class: "section-head" }, h("h3", { text: "Takes" }), refresh),
       list,
       empty,

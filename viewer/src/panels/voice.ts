@@ -3,12 +3,23 @@ import type { Actions } from "../actions";
 import { h, setAttribute, setHidden, setText } from "../dom";
 import { fixed } from "../format";
 import type { Hearing } from "../hearing_protocol";
-import { BrowserMicrophone, type MicrophoneState } from "../microphone";
-import type { Status } from "../protocol";
+import type { BrowserMicrophone, MicrophoneState } from "../microphone";
+import type { Hello, Status } from "../protocol";
 import type { Session } from "../session";
 
 /** A rig's sensors of this kind are microphones. */
-const MICROPHONE = "speech";
+export const MICROPHONE = "speech";
+
+/** The name of the first microphone; null where the rig has none. */
+export function microphoneOf(hello: Hello | null): string | null {
+  return hello?.sensors.find(({ kind }) => kind === MICROPHONE)?.name ?? null;
+}
+
+/** Its loudness, 0 to 1; null while nothing is heard. */
+export function microphoneLevel(hello: Hello | null, status: Status): number | null {
+  const microphone = microphoneOf(hello);
+  return status.hearing?.on ? (status.links.find((link) => link.sensor === microphone)?.level ?? null) : null;
+}
 
 /** How hearing stands, in a sentence or two. */
 export function hearingWords(hearing: Hearing): string {
@@ -37,7 +48,6 @@ export function microphoneWords(microphone: MicrophoneState, hearing: Hearing): 
 
 export class VoiceBlock {
   readonly element: HTMLElement;
-  private readonly microphone: BrowserMicrophone;
   private readonly hear: HTMLButtonElement;
   private readonly words = h("span", { class: "quiet" });
   private readonly run = h("div", { class: "level-run" });
@@ -50,13 +60,13 @@ export class VoiceBlock {
   constructor(
     private readonly session: Session,
     actions: Actions,
+    private readonly microphone: BrowserMicrophone,
   ) {
-    this.microphone = new BrowserMicrophone(session);
     this.hear = h("button", {
       type: "button", class: "switch", role: "switch", "aria-label": "Hear the voice",
       onclick: () => void actions.send({ command: "shape", merge: { audio: !session.status.value?.hearing?.on } }),
     });
-    this.use = h("button", { type: "button", class: "button small", onclick: () => this.press() });
+    this.use = h("button", { type: "button", class: "button small", onclick: () => this.microphone.toggle() });
     this.row = h("div", { class: "voice-browser" }, this.use, this.used);
     this.element = h(
       "section", { class: "voice", hidden: true },
@@ -70,12 +80,6 @@ export class VoiceBlock {
     this.microphone.state.listen(() => this.draw(session.status.value));
   }
 
-  private press(): void {
-    const { kind } = this.microphone.state.value;
-    if (kind === "on" || kind === "asking") this.microphone.stop();
-    else void this.microphone.start();
-  }
-
   private draw(status: Status | null): void {
     const hearing = status?.hearing ?? null;
     setHidden(this.element, hearing === null);
@@ -84,7 +88,7 @@ export class VoiceBlock {
     setHidden(this.hear, hearing.shut);
     this.hear.setAttribute("aria-checked", String(hearing.on));
     setText(this.words, hearingWords(hearing));
-    const level = hearing.on ? this.levelOf(status) : null;
+    const level = microphoneLevel(this.session.hello.value, status);
     setHidden(this.level, level === null);
     this.run.style.transform = `scaleX(${level ?? 0})`;
     setAttribute(this.level, "aria-valuenow", String(Math.round(100 * (level ?? 0))));
@@ -96,11 +100,5 @@ export class VoiceBlock {
     this.use.disabled = !hearing.on && !running;
     setText(this.used, microphoneWords(microphone, hearing));
     this.used.classList.toggle("bad", microphone.kind === "refused");
-  }
-
-  /** The loudness of the first microphone, 0 to 1; null while nothing is heard. */
-  private levelOf(status: Status): number | null {
-    const sensor = this.session.hello.value?.sensors.find(({ kind }) => kind === MICROPHONE);
-    return status.links.find((link) => link.sensor === sensor?.name)?.level ?? null;
   }
 }

@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "mien/model/correction_json.h"
+#include "tests/session/session_run.h"
+
+// What a phone taught in a whole session: in force by a command, a version among calibrations, taken back,
+// and the same in a replay.
+namespace mien::session::correction_session_test {
+namespace {
+
+using test::kPrologue_s;
+
+/// TwoShapes whose jaw is multiplied by one and what the correction says of it.
+class Corrected final : public tracker::FrameModel {
+ public:
+  void step(const model::FeatureFrame& features, face::OutputFrame& out) override {
+    shapes_.step(features, out);
+    out.weights[face::shape("jawOpen")] *= 1 + more_;
+  }
+  void reset() override {}
+  [[nodiscard]] bool corrects() const override { return true; }
+  void use_correction(const model::Correction* correction) override {
+    constexpr std::size_t kJaw = face::shape("jawOpen") * face::kShapeCount + face::shape("jawOpen");
+    more_ = correction == nullptr ? 0 : correction->weights[kJaw];
+  }
+
+ private:
+  test::TwoShapes shapes_;
+  float more_ = 0;
+};
+
+std::unique_ptr<Session> corrected_session() {
+  const sensor::Rig rig = virt::test::three_sensors();
+  Session::Parts parts;
+  parts.rig = rig;
+  parts.tracker = std::make_unique<imu::ImuTracker>(rig, std::make_unique<Corrected>());
+  parts.protocols.push_back(std::make_unique<imu::NodeProtocol>(imu::NodeProtocol::create().value()));
+  return Session::create(std::move(parts)).value();
+}
+
+/// The jaw is told at half of what it is.
+std::string halves() {
+  model::Correction correction{.lags = {0},
+                               .weights = std::vector<float>(face::kShapeCount * face::kShapeCount)};
+  correction.weights[face::shape("jawOpen") * face::kShapeCount + face::shape("jawOpen")] = -0.5F;
+  return write_command(Correct{correction});
+}
+
+/// Mean of the jaw between two times of arrival, s.
+double jaw(const test::Played& played, double from_s, double to_s) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const auto& [tick, frame] : played.frames) {
+    const double at_s = to_seconds(tick.fired.time_since_epoch());
+    if (at_s < from_s || at_s >= to_s) continue;
+    sum += frame.weights[face::shape("jawOpen")];
+    ++count;
+  }
+  return sum / static_cast<double>(count);
+}
+
+TEST(CorrectionSession, ComesIntoForceAsAVersionThatIsTakenBack) {
+  const auto entries = test::performance(12).entries;
+  const double at = kPrologue_s + 4, until = at + 4;
+  const auto plain = corrected_session();
+  const test::Played before = test::run(*plain, entries);
+  const auto session = corrected_session();
+  const std::vector<test::Order> orders = {{at, halves()},
+                                           {until, R"({"command":"use_calibration","version":1})"}};
+  const test::Played played = test::run(*session, entries, orders);
+  ASSERT_EQ(session->versions().size(), 2u);
+  EXPECT_EQ(session->versions()[1].origin, "phone");
+  EXPECT_NE(session->versions()[1].json.find("ten_thousandths"), std::string::npos);
+  EXPECT_EQ(session->versions()[0].json.find("ten_thousandths"), std::string::npos);
+  // Shaping smooths a little; a second after each change it is through.
+  EXPECT_NEAR(jaw(played, at - 3, at), jaw(before, at - 3, at), 1e-9);
+  EXPECT_NEAR(jaw(played, at + 1, until), 0.5 * jaw(before, at + 1, until), 0.02);
+  EXPECT_GT(jaw(before, at + 1, until), 0.05) << "there is something to halve";
+  EXPECT_NEAR(jaw(played, until + 1, until + 3), jaw(before, until + 1, until + 3), 0.02);
+
+  const auto again = corrected_session();
+  EXPECT_EQ(test::run(*again, entries, orders).hash, played.hash);
+}
+
+TEST(CorrectionSession, IsRefusedBeforeThereIsACalibrationAndWhereNothingIsCorrected) {
+  const auto session = corrected_session();
+  const auto early = session->command(HostTime(), halves());
+  ASSERT_FALSE(early);
+  EXPECT_EQ(early.error().code, ErrorCode::not_found);
+  const auto other = test::session()->command(HostTime(), halves());
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, ErrorCode::unsupported);
+}
+
+TEST(CorrectionSession, AVersionThatIsRestoredInAnotherSessionCorrectsThereToo) {
+  const auto entries = test::performance(12).entries;
+  const auto first = corrected_session();
+  static_cast<void>(test::run(*first, entries, {{kPrologue_s + 1, halves()}}));
+  const std::string json = write_command(RestoreCalibration{first->versions().back().json});
+  const auto second = corrected_session();
+  const test::Played played = test::run(*second, entries, {{kPrologue_s + 1, json}});
+  const test::Played plain = test::run(*corrected_session(), entries);
+  const double from = kPrologue_s + 3, to = kPrologue_s + 10;
+  EXPECT_NEAR(jaw(played, from, to), 0.5 * jaw(plain, from, to), 0.03);
+}
+
+}  // namespace
+}  // namespace mien::session::correction_session_test

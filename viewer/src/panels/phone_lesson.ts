@@ -1,0 +1,47 @@
+/** Learning the wearer from a phone: two guided minutes, and no phone afterwards. */
+import type { Actions } from "../actions";
+import { h, setHidden, setText } from "../dom";
+import type { PhoneLesson } from "../lesson_protocol";
+import type { Status } from "../protocol";
+import type { Session } from "../session";
+
+const HOW =
+  "Two minutes: expressions, texts to read, and what you like, before the phone. Its face is held against what the sensors on your skin say; what that improves where it was not learnt is used from then on, without the phone. An earlier version undoes it.";
+
+export class PhoneLessonSection {
+  readonly element = h("section", { class: "phone-lesson", hidden: true });
+  private readonly sentence = h("p", { "aria-live": "polite" });
+  private readonly begin: HTMLButtonElement;
+  private readonly cancel: HTMLButtonElement;
+  private truths: readonly string[] = [];
+
+  constructor(session: Session, actions: Actions) {
+    this.begin = h("button", { type: "button", class: "button", onclick: () => void actions.learnFromPhone() }, "Learn with the phone");
+    this.cancel = h("button", { type: "button", class: "button", hidden: true, onclick: () => void actions.cancelLesson() }, "Cancel");
+    this.element.append(h("h3", { text: "A phone" }), h("p", { class: "quiet", text: HOW }), this.sentence, h("div", { class: "button-row" }, this.begin, this.cancel));
+    session.hello.listen((hello) => {
+      this.truths = (hello?.sensors ?? []).filter((sensor) => sensor.role === "truth").map((sensor) => sensor.name);
+      setHidden(this.element, this.truths.length === 0);
+    });
+    session.status.listen((status) => this.update(status));
+  }
+
+  private update(status: Status | null): void {
+    if (!status) return;
+    const lesson = status.phoneLesson;
+    const runs = lesson?.state === "recording" || lesson?.state === "learning";
+    const calibrated = status.calibration.versions.some((one) => one.inForce);
+    const seen = status.links.some((link) => this.truths.includes(link.sensor) && link.state === "good");
+    this.begin.disabled = runs || !calibrated || !seen || status.recording.on || status.replay !== null;
+    setHidden(this.cancel, lesson?.state !== "recording");
+    setText(this.sentence, this.say(lesson, calibrated, seen));
+  }
+
+  private say(lesson: PhoneLesson | null, calibrated: boolean, seen: boolean): string {
+    if (lesson?.state === "recording") return "Do what is asked for, with your face before the phone.";
+    if (lesson?.state === "learning") return "Learning from what was recorded: some seconds.";
+    if (!calibrated) return "Calibrate first.";
+    if (!seen) return "The phone sees no face now. Hold it before you, and see to the light.";
+    return lesson?.sentence ?? "";
+  }
+}
