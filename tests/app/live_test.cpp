@@ -546,7 +546,7 @@ TEST_F(LiveProgram, BadInputIsOneLine) {
   write(folder / "rules.toml", "[[exclusive]]\na = \"jawLeft\"\nb = \"jawRihgt\"\n");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "rules.toml"},
        "mien: " + (folder / "rules.toml") + ", line 3: no shape is called 'jawRihgt'");
-  write(folder / "long.toml", "#" + std::string(70'000, '-') + "\n");
+  write(folder / "long.toml", "#" + std::string(140'000, '-') + "\n");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "long.toml"},
        "take comments out");
   line({"--listen", "udp://127.0.0.1:0", "--page", "off", "--constraints", folder / "none.toml"},
