@@ -48,7 +48,8 @@ void append(const performer::Utterance& line, double at_s, performer::Utterance&
   all.duration_s = at_s + line.duration_s;
 }
 
-/// Sets the sound at its place, cut where the segment ends.
+}  // namespace
+
 void mix(const Sound& line, double at_s, double end_s, Sound& all) {
   if (all.rate_hz == 0) all.rate_hz = line.rate_hz;
   const auto begin = static_cast<std::size_t>(std::llround(at_s * all.rate_hz));
@@ -58,8 +59,6 @@ void mix(const Sound& line, double at_s, double end_s, Sound& all) {
   all.samples.resize(std::max(all.samples.size(), begin + count));
   std::copy_n(line.samples.begin(), count, all.samples.begin() + static_cast<std::ptrdiff_t>(begin));
 }
-
-}  // namespace
 
 Result<Sound> read_aloud(performer::Script& script, const Progress& progress) {
   // espeak-ng's own pace for calm reading; acted lines are quicker.

@@ -7,6 +7,10 @@
 
 namespace mien::app {
 
+/// Sets a line into what is heard, at its place, cut at `end_s`. What is heard gets the line's rate where it
+/// has none.
+void mix(const Sound& line, double at_s, double end_s, Sound& all);
+
 /// Has every reading or acted segment of the script say lines of ours, in English, German, Spanish or
 /// French, by espeak-ng: the segment's utterance gets its phonemes and their times, and the result is what is
 /// heard, from the script's start. Errors: bad_usage (nothing in the script is said); not_found (no

@@ -13,8 +13,7 @@
 #include "app/film.h"
 #include "app/json_output.h"
 #include "app/live/demo_dataset.h"
-#include "app/live/live_session.h"
-#include "app/live/page_address.h"
+#include "app/live/demo_session.h"
 #include "app/live/perform_network.h"
 #include "app/live/running_session.h"
 #include "app/media_helper.h"
@@ -65,18 +64,8 @@ Result<Captured> capture_live(const DemoOptions& options, const virt::PerformReq
   request.face = performance.face;
   request.performer = fmt::format("virtual:{}", options.seed);
   request.page = options.page;
-  auto opened = open_live(request);
-  if (!opened && options.page != "off" && opened.error().code == ErrorCode::bad_usage) {
-    request.page = "127.0.0.1:0";  // Somebody else has the port, another session perhaps.
-    opened = open_live(request);
-  }
-  if (!opened) return std::unexpected(opened.error());
-  live::Engine& engine = *opened->engine;
-  if (!engine.page().empty()) {
-    fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n",
-               fmt::join(openable_addresses(engine.page(), own_addresses()), "\n            or "));
-    std::fflush(stderr);
-  }
+  MIEN_TRY_ASSIGN(const LiveSession opened, open_demo_session(request));
+  live::Engine& engine = *opened.engine;
 
   RunningSession session(engine);
   NetworkOptions network;
@@ -228,6 +217,9 @@ Result<void> run_demo(DemoOptions options) {
 }
 
 Result<void> run_dataset_demo(const DemoOptions& options) {
+  if (options.page == "off")
+    return fail(ErrorCode::bad_usage, "a dataset is recorded from the page, by its protocol", "--page off",
+                "leave it out with --record-dataset");
   MIEN_TRY(find_helper("mien-media"));
   MIEN_TRY(make_private_folders(options.out));
   MIEN_TRY_ASSIGN(const RecordedDemo recorded, record_demo_dataset({.out = options.out,

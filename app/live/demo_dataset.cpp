@@ -4,7 +4,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,8 +11,7 @@
 #include <utility>
 
 #include "app/command.h"
-#include "app/live/live_session.h"
-#include "app/live/page_address.h"
+#include "app/live/demo_session.h"
 #include "app/live/perform_network.h"
 #include "app/live/prompt_source.h"
 #include "app/live/running_session.h"
@@ -219,16 +217,8 @@ Result<RecordedDemo> record_demo_dataset(const DatasetDemo& demo) {
   request.page = demo.page;
   const bool is_file = demo.script.ends_with(".toml");
   if (is_file) request.texts = {demo.script};
-  auto opened = open_live(request);
-  if (!opened && opened.error().code == ErrorCode::bad_usage) {
-    request.page = "127.0.0.1:0";  // Somebody else has the port, another session perhaps.
-    opened = open_live(request);
-  }
-  if (!opened) return std::unexpected(opened.error());
-  live::Engine& engine = *opened->engine;
-  const std::vector<std::string> pages = openable_addresses(engine.page(), own_addresses());
-  fmt::print(stderr, "The page is at {} (open it in a browser to watch)\n", pages.front());
-  std::fflush(stderr);
+  MIEN_TRY_ASSIGN(const LiveSession opened, open_demo_session(request));
+  live::Engine& engine = *opened.engine;
 
   RunningSession session(engine);
   Performer performer(std::move(stage), engine.listening().front(), engine.listening().back());

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/media_helper.h"
+#include "app/read_aloud.h"
 #include "mien/core/random.h"
 #include "mien/performer/performer.h"
 #include "mien/performer/style.h"
@@ -108,7 +109,7 @@ class Rehearsal {
     MIEN_TRY_ASSIGN(study::SpokenLine said,
                     speaker_(voice_of(prompt.language), prompt.text, acted ? kActedWords : kCalmWords));
     rest(kBeforeVoiceS);
-    mix(said.sound);
+    mix(said.sound, now_s_, now_s_ + said.sound.duration_s(), sound_);
     performer::Segment segment;
     segment.block = acted ? performer::Block::acted : performer::Block::reading;
     segment.emotion = emotion;
@@ -124,13 +125,6 @@ class Rehearsal {
       rest(std::max(0.1, prompt.seconds - kBeforeVoiceS - said_.segments.back().duration_s));
     }
     return {};
-  }
-
-  void mix(const Sound& line) {
-    if (sound_.rate_hz == 0) sound_.rate_hz = line.rate_hz;
-    const auto begin = static_cast<std::size_t>(std::llround(now_s_ * sound_.rate_hz));
-    sound_.samples.resize(std::max(sound_.samples.size(), begin + line.samples.size()));
-    std::ranges::copy(line.samples, sound_.samples.begin() + static_cast<std::ptrdiff_t>(begin));
   }
 
   Random random_;

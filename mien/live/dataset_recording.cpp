@@ -1,9 +1,9 @@
 #include "mien/live/dataset_recording.h"
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mien/live/asked_prompts.h"
 #include "mien/live/page_requests.h"
 
 namespace mien::live {
@@ -14,11 +14,6 @@ using nlohmann::json;
 bool flag_field(const json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_boolean() && found->get<bool>();
-}
-
-/// Whether a session in this state of its prompts asks for one.
-bool asks_in(std::string_view prompts) {
-  return prompts == "block" || prompts == "ready" || prompts == "running" || prompts == "paused";
 }
 
 }  // namespace

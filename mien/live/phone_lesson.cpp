@@ -4,15 +4,12 @@
 #include <exception>
 #include <utility>
 
+#include "mien/live/asked_prompts.h"
+
 namespace mien::live {
 namespace {
 
 using session::Prompting;
-
-/// Whether a session in this state of its prompts asks for one.
-bool still_asks(std::string_view prompts) {
-  return prompts == "ready" || prompts == "running" || prompts == "paused";
-}
 
 }  // namespace
 
@@ -36,7 +33,7 @@ Result<std::vector<session::Command>> PhoneLesson::begin(const std::filesystem::
   calibration_ = calibration;
   asked_ = over_ = cancelled_ = given_ = false;
   std::vector<session::Command> commands;
-  if (still_asks(prompts) || prompts == "block") commands.emplace_back(Prompting{Prompting::Do::stop});
+  if (asks_in(prompts)) commands.emplace_back(Prompting{Prompting::Do::stop});
   for (const session::Prompt& prompt : script.prompts) commands.emplace_back(session::AddPrompt{prompt});
   return commands;
 }
@@ -57,7 +54,7 @@ void PhoneLesson::refuse(const std::string& why) {
 
 PhoneLesson::Next PhoneLesson::look(const Recorder::State& recording, std::string_view prompts) {
   if (state_.stage != Stage::recording) return {};
-  const bool asks = still_asks(prompts);
+  const bool asks = asks_for_pose(prompts);
   asked_ = asked_ || asks;
   if (cancelled_) {
     fail_with("cancelled; nothing was learnt");

@@ -2,8 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "mien/face/profile.h"
+#include "mien/model/features.h"
 
 namespace mien::study {
 
@@ -25,6 +29,10 @@ struct Sequence {
   std::vector<float> slopes;
   std::vector<float> weights;  ///< frames x 53, the truth, in the ICT profile's order.
 };
+
+/// One more frame. `sensors`: as many as in its frames before. `weights`: held to 0 to 1.
+void append_frame(std::span<const model::SensorFeature> sensors, const face::BlendshapeWeights& weights,
+                  Sequence& out);
 
 /// What a network is trained on or measured on.
 struct Dataset {

@@ -56,18 +56,6 @@ face::Face draw_face(const FaceSource& source, bool identities, Random random) {
   return face::with_identity(*source.ict, coefficients);
 }
 
-void add_frame(Sequence& out, const std::vector<model::SensorFeature>& sensors,
-               const face::BlendshapeWeights& weights) {
-  for (const model::SensorFeature& s : sensors) {
-    out.values.insert(out.values.end(), s.accel_m_s2.data(), s.accel_m_s2.data() + 3);
-    out.values.insert(out.values.end(), s.rotation.begin(), s.rotation.end());
-  }
-  for (const model::SensorFeature& s : sensors) out.present.push_back(s.has_rotation ? 1 : 0);
-  for (const model::SensorFeature& s : sensors) out.present.push_back(s.has_accel ? 1 : 0);
-  for (const float w : weights.values) out.weights.push_back(std::clamp(w, 0.0F, 1.0F));
-  ++out.frames;
-}
-
 /// Slopes of the face sensors' sites, as model::Skin has them: of a weight in the middle of what is
 /// performed.
 std::vector<float> slopes_of(const sensor::Rig& rig, const std::vector<virt::SkinSite>& sites) {
@@ -128,7 +116,7 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
                                static_cast<float>(q.y()), static_cast<float>(q.z())};
         sensors[s].has_rotation = true;
       }
-      add_frame(lab, sensors, frame.weights);
+      append_frame(sensors, frame.weights, lab);
     }
     out.push_back(std::move(lab));
   }
@@ -153,7 +141,7 @@ Result<std::vector<Sequence>> perform_one(const DataRecipe& recipe, const FaceSo
     device.performer = performer;
     device.slopes = slopes;
     for (std::size_t i = 0; i < features.size(); ++i)
-      if (session.truth[i].evaluated) add_frame(device, features[i].sensors, session.truth[i].weights);
+      if (session.truth[i].evaluated) append_frame(features[i].sensors, session.truth[i].weights, device);
     out.push_back(std::move(device));
   }
   return out;

@@ -111,17 +111,6 @@ class LineSweep {
   bool poor_ = false;
 };
 
-void append_frame(const model::FeatureFrame& feature, const face::BlendshapeWeights& weights, Sequence& out) {
-  for (const model::SensorFeature& s : feature.sensors) {
-    out.values.insert(out.values.end(), s.accel_m_s2.data(), s.accel_m_s2.data() + 3);
-    out.values.insert(out.values.end(), s.rotation.begin(), s.rotation.end());
-  }
-  for (const model::SensorFeature& s : feature.sensors) out.present.push_back(s.has_rotation ? 1 : 0);
-  for (const model::SensorFeature& s : feature.sensors) out.present.push_back(s.has_accel ? 1 : 0);
-  for (const float w : weights.values) out.weights.push_back(std::clamp(w, 0.0F, 1.0F));
-  ++out.frames;
-}
-
 /// Seconds of sound from `begin` on: what was recorded beside the take, or the blocks of the microphone that
 /// was heard most.
 Result<double> sound_from(const take::Take& take, std::span<const take::StoredSample> samples,
@@ -216,7 +205,7 @@ void gather_stretches(std::span<const model::FeatureFrame> features, std::span<c
       stretch.begin = feature.time;
       stretch.sequence.from_take = true;
     }
-    append_frame(feature, truth[f].weights, stretch.sequence);
+    append_frame(feature.sensors, truth[f].weights, stretch.sequence);
     const auto place = lines.shown() == nullptr ? places.end() : places.find(lines.shown()->name);
     stretch.line.push_back(place == places.end() ? -1 : place->second);
   }
