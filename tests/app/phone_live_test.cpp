@@ -177,7 +177,8 @@ TEST(PhoneProgram, WhatItIsForHasToBeSaid) {
   EXPECT_THAT(
       refused({"--phone", "truth", "--listen", "livelink://127.0.0.1", "--listen", "livelink://127.0.0.1"}),
       HasSubstr("given twice"));
-  EXPECT_THAT(refused({"--phone", "truth", "--listen", "livelink://no.such.address.here"}),
+  EXPECT_THAT(refused({"--phone", "truth", "--listen", fmt::format("udp://127.0.0.1:{}", free_port()),
+                       "--listen", "livelink://no.such.address.here"}),
               HasSubstr("no IP address of this machine"));
 }
 
